@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
+from ..core.counted import counted
 from ..scene.case.model import Case
 from ..scene.result import AT_ANOTHER_LEVEL, BYTE_LEVEL, FRAMES, FRAMES_PASSED, SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
@@ -13,6 +14,7 @@ from .assumptions import assumptions
 from .tables import WIDTH, PlainTable, Screen, plain_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
+THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}  # counts of them
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 
@@ -34,7 +36,8 @@ def show(
     say(
         console,
         f"{simulated(result.simulated_s)} simulated at {result.fidelity} fidelity{share}; "
-        f"{result.wire_bytes} I2C bytes, {result.sci_bytes} SCI bytes, {result.events} events",
+        f"{counted(result.wire_bytes, 'I2C byte')}, {counted(result.sci_bytes, 'SCI byte')}, "
+        f"{counted(result.events, 'event')}",
     )
     for line in _counts(result.counts, verbose):
         say(console, line)
@@ -43,7 +46,7 @@ def show(
     if result.first_wrong:
         say(console, f"first wrong: {result.first_wrong}")
     for place, times in list(result.wrong.items())[:12]:
-        say(console, f"wrong: {place}, {times} times")
+        say(console, f"wrong: {place}, {counted(times, 'time')}")
     for line in result.stuck:
         say(console, f"stuck: {line}")
     for line in result.notes:
@@ -72,11 +75,16 @@ def terms(result: Result) -> str:
 
 def _counts(counts: Mapping[str, int], verbose: bool) -> list[str]:
     ours = (SKIPPED, BYTE_LEVEL, FRAMES, FRAMES_PASSED)
-    told = [f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if count and name not in ours]
+    told = [_count(name, count) for name, count in counts.items() if count and name not in ours]
     lines = [", ".join(told)] if told else []
     if verbose and counts.get(SKIPPED):
         lines.append(f"skipped {rounded(counts[SKIPPED])} polls")
     return lines
+
+
+def _count(name: str, count: int) -> str:
+    """`2 resets`, `1 reset`; `1 missed`."""
+    return counted(count, THINGS[name]) if name in THINGS else f"{count} {name.replace('_', ' ')}"
 
 
 def rounded(count: int) -> str:

@@ -273,7 +273,7 @@ class Bus:
 
     def _wants_place(self, operand: Operand) -> bool:
         """Of a write, or a read for one: whether anybody wants to know where in the firmware it is made."""
-        return self._notes.strict or (operand.recorded and operand.reads.places + operand.writes.places > NOWHERE)
+        return self._notes.placed or (operand.recorded and operand.reads.places + operand.writes.places > NOWHERE)
 
     def _post(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
         lands = at + self._lands_after

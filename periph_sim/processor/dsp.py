@@ -109,6 +109,7 @@ class Dsp(FirmwareView):
         self._i2c: I2c | None = None
         self._gpio: Gpio | None = None
         self.resets = 0
+        self.note_places: dict[tuple[str, int], SourceLocation] = {}  # of duties, by module and tick
         self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []  # of them; tick, where the program was
         self.on_reset: list[Callable[[], None]] = []
         for name in plan.modules:
@@ -143,6 +144,7 @@ class Dsp(FirmwareView):
         program = self.program = ImageProgram(
             self.processor, self.clock, image, entry, self.plan.system, self.plan.skip_polls
         )
+        self.processor.notes.placed = True
         program.load()
         for sentence in shared_memory(image):
             self.processor.notes.note(0, Note("unknown", sentence, "SPRU513, UNION"))
@@ -256,13 +258,18 @@ class Dsp(FirmwareView):
         phase = PADS if name == "GPIO" else CHIP
         socket = Socket(self._kernel, self.clock, self.recorder, f"{self.name}.{name}", chip, on_request, phase)
         socket.on_held = partial(self._held, pie_lines(name))
-        if self.plan.strict:
-            socket.on_note = partial(self._noted, socket.name)
+        socket.on_note = partial(self._noted, socket)
         self._sockets[name] = socket
         self.memory.add(ModuleRange(name, base, size, frame, socket))
 
-    def _noted(self, who: str, cycle: int, note: Note) -> None:
-        self.processor.notes.insist(note, who)
+    def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
+        """A duty that the firmware breaks, as a rule by an access of its own, whose statement is kept."""
+        if note.code != "duty":
+            return
+        self.processor.notes.insist(note, socket.name)
+        where = self.processor.stands_at()
+        if where is not None and self.processor.notes.placed:
+            self.note_places.setdefault((socket.name, self.clock.tick(cycle)), where)
 
     def _lines_of(self, module: str) -> Callable[[int, int], None]:
         """What a module's requests do: go to their PIE lines, or straight to INT13 and INT14."""

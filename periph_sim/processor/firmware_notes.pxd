@@ -7,8 +7,8 @@ from ..core.time cimport Clock
 
 @cython.final
 cdef class FirmwareNotes:
-    cdef public dict counts
-    cdef public bint strict
+    cdef public dict counts, places
+    cdef public bint strict, placed
     cdef Clock _clock
     cdef Kernel _kernel
     cdef object _name, _place

@@ -13,9 +13,13 @@ from .source_location import SourceLocation
 
 
 class FirmwareNotes:
-    """counts: how often each note was made. strict: a duty that the firmware breaks ends the run."""
+    """counts: how often each note was made. places: where it was first, where that is known.
 
-    __slots__ = ("_clock", "_kernel", "_name", "_place", "_recorder", "counts", "strict")
+    strict: a duty that the firmware breaks ends the run. placed: writes keep where they were issued until they land,
+    which costs little in an image.
+    """
+
+    __slots__ = ("_clock", "_kernel", "_name", "_place", "_recorder", "counts", "placed", "places", "strict")
 
     def __init__(
         self,
@@ -28,7 +32,8 @@ class FirmwareNotes:
     ) -> None:
         """place: the statement of the firmware that is to blame for what happens now; None where there is none."""
         self.counts: dict[Note, int] = {}
-        self.strict = strict
+        self.places: dict[Note, SourceLocation] = {}
+        self.strict = self.placed = strict
         self._kernel = kernel
         self._clock = clock
         self._recorder = recorder
@@ -45,6 +50,10 @@ class FirmwareNotes:
         """Tell something about the firmware."""
         tick = self._clock.tick(cycle)
         self._insist(note, self._name, max(tick, self._kernel.now))
+        if note not in self.counts:
+            where = self._place()
+            if where is not None:
+                self.places[note] = where
         self.counts[note] = self.counts.get(note, 0) + 1
         if self._recorder.wants(Kind.NOTE):
             self._recorder.emit(tick, Kind.NOTE, self._name, note.code, self.counts[note], note.text)

@@ -17,6 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.counted import counted
+
 OSCCLK_HZ = 30_000_000
 DIVIDE = (4, 4, 2, 1)  # by DIVSEL
 MOST_TOLD = 3
@@ -86,7 +88,7 @@ class ClockHistory(NamedTuple):
         """ "7.5 MHz, from 4.373 ms on 150 MHz"; of more than three the last, with how often it changed."""
         clocks = [f"{float(per_second / period / 1_000_000):.8g} MHz" for period in self.periods]
         if len(clocks) > MOST_TOLD:
-            return f"{clocks[-1]} at last, changed {len(clocks) - 1} times"
+            return f"{clocks[-1]} at last, changed {counted(len(clocks) - 1, 'time')}"
         since = [f"from {float(tick / per_second * 1000):.3f} ms on" for tick in self.begins[1:]]
         return ", ".join([clocks[0], *map(" ".join, zip(since, clocks[1:], strict=True))])
 

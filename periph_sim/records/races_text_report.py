@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+from ..core.counted import counted
 from ..core.text_table import paragraph, text_table
 from ..processor.instruction_location import parsed
 from .lost_flags import ReadModifyWrite
@@ -116,13 +117,17 @@ def _modify(races: Races, modify: ReadModifyWrite) -> list[str]:
     meant = " and ".join(modify.meant)
     if modify.doubt:
         meant = f"one of {', '.join(modify.doubt)}, all set each time"
-    lines = [f"  {_name(races, modify)} at {modify.place}: {modify.count} times, to clear {meant or 'nothing'}"]
+    lines = [
+        f"  {_name(races, modify)} at {modify.place}: {counted(modify.count, 'time')}, to clear {meant or 'nothing'}"
+    ]
     for flag in modify.flags:
         if flag.rose:
-            lines.append(f"    {flag.flag} rose between read and write {flag.rose} times; lost {flag.lost_between}")
+            lines.append(
+                f"    {flag.flag} rose between read and write {counted(flag.rose, 'time')}; lost {flag.lost_between}"
+            )
         if flag.along:
             lines.append(
-                f"    {flag.flag} was cleared along with it {flag.along} times, {flag.unseen} of them never read "
-                f"since it rose; first at {races.run.at(flag.first or 0)}"
+                f"    {flag.flag} was cleared along with it {counted(flag.along, 'time')}, {flag.unseen} of them never "
+                f"read since it rose; first at {races.run.at(flag.first or 0)}"
             )
     return lines if modify.flags else [f"{lines[0]}; no other flag cleared, none rose in between"]

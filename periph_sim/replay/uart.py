@@ -18,6 +18,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from ..bus.edge_player import EdgePlayer
+from ..core.counted import counted
 from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
 from ..f28335.sci.register_map import SCI_MAP
@@ -203,7 +204,7 @@ class UartReplay:
             width = self._rate / Fraction(line.baud)
             longest = max(float((event.end - event.at) / width) for event in breaks)
             notes.append(
-                f"low for a frame or longer, {longest:.1f} bits at most: {len(breaks)} times; "
+                f"low for a frame or longer, {longest:.1f} bits at most: {counted(len(breaks), 'time')}; "
                 "the SCI sets BRKDT after ten bits beyond a missing stop bit"
             )
         return Report(

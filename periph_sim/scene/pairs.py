@@ -12,6 +12,7 @@ from functools import partial
 from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.reader import Line
 from ..bus.uart.rs485 import Rs485Pair, Transceiver
+from ..core.counted import counted
 from .case.transceiver import OnPair, on_pairs
 from .context import SceneContext
 
@@ -42,7 +43,7 @@ class Pairs:
         told = []
         for text, (first, times) in self._notes.items():
             at = self._context.timebase.show(first - self._context.start)
-            told.append(f"{text}, first at {at} ({times} times)")
+            told.append(f"{text}, first at {at} ({counted(times, 'time')})")
         return told
 
     def _add(self, one: OnPair, line: Line) -> None:

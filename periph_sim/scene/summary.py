@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..core.chip import joined
+from ..core.counted import counted
 from ..timing.verdict import FAIL, NOT_JUDGED, PASS
 from .case.fidelity import fidelity_text
 from .result import BYTE_LEVEL, SKIPPED, Result
@@ -84,13 +85,20 @@ def notes_of(scene: Scene) -> list[str]:
         for module, socket in dsp.sockets.items():
             for tick, note in joined(socket.notes) if socket.notes else ():
                 at = scene.timebase.show(tick - scene.start)
-                lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
-        lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.processor.notes.counts.items()]
+                place = dsp.note_places.get((socket.name, tick))
+                where = f", {place.for_people()}" if place else ""
+                lines.append(f"{name} {module}, first at {at}{where}: {note.text} [{note.source}]")
+        for note, n in dsp.processor.notes.counts.items():
+            place = dsp.processor.notes.places.get(note)
+            where = f", {'first ' * (n > 1)}at {place.for_people()}" if place else ""
+            lines.append(f"{name}: {note.text} [{note.source}] ({counted(n, 'time')}{where})")
         if dsp.watchdog_resets:
             first, place = dsp.watchdog_resets[0]
             where = f" at {place}" if place else ""
             at = scene.timebase.show(first - scene.start)
-            lines.append(f"{name}: its watchdog reset it{where}, first at {at} ({len(dsp.watchdog_resets)} times)")
+            lines.append(
+                f"{name}: its watchdog reset it{where}, first at {at} ({counted(len(dsp.watchdog_resets), 'time')})"
+            )
         if "GPIO" in dsp.sockets and any(module.startswith("SCI-") for module in dsp.sockets):
             from .unwired_pins import unwired_pins
 
@@ -103,5 +111,5 @@ def notes_of(scene: Scene) -> list[str]:
     for name, party in scene.note_logs().items():
         for note, (tick, times) in party.notes.items():
             at = scene.timebase.show(tick - scene.start)
-            lines.append(f"{name}, first at {at}: {note.text} [{note.source}] ({times} times)")
+            lines.append(f"{name}, first at {at}: {note.text} [{note.source}] ({counted(times, 'time')})")
     return lines + scene.serial_notes()

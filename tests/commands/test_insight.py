@@ -49,7 +49,7 @@ def test_why_of_a_hang_goes_to_the_read_modify_write_and_the_routine(hang: str, 
 
 def test_races_tells_the_flag_that_a_hang_came_of(hang: str, periph_sim: Run):
     came = periph_sim("races", hang, "--no-lost")
-    assert came.status == 1 and "SDIR was cleared along with it 1 times, 1 of them never read" in unwrapped(came.out)
+    assert came.status == 1 and "SDIR was cleared along with it 1 time, 1 of them never read" in unwrapped(came.out)
 
 
 def test_why_says_addresses_and_bytes_as_people_write_them(recording: str, periph_sim: Run):

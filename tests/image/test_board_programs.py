@@ -59,7 +59,7 @@ def test_an_rs485_driver_is_on_while_the_image_sends_and_is_told_if_it_goes_off_
     assert (enable[1] >= frames[-1]) == (cuts == 0)
     assert [verdict.passed for verdict in board.result.budgets] == [cuts == 0]
     assert [note for note in board.result.notes if "before its frame is over" in note] == [
-        f"RS485: DE switches the driver of dsp.SCI-B off before its frame is over, first at {at} (1 times)"
+        f"RS485: DE switches the driver of dsp.SCI-B off before its frame is over, first at {at} (1 time)"
         for at in [board.scene.timebase.show(enable[1])][:cuts]
     ]
 

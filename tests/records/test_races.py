@@ -217,7 +217,7 @@ def test_a_flag_cleared_along_with_another_and_never_seen_is_lost(monkeypatch: p
     (modify,) = found.modifies
     (lost,) = modify.flags
     assert (modify.place, modify.meant, lost.flag, lost.along, lost.unseen) == (line_of(drop), ("SCD",), "RRDY", 1, 1)
-    assert found.lost == 1 and "RRDY was cleared along with it 1 times, 1 of them never read" in text(found)
+    assert found.lost == 1 and "RRDY was cleared along with it 1 time, 1 of them never read" in text(found)
 
 
 @pytest.mark.parametrize(("cleared", "lost"), [(True, 1), (False, 0)])

@@ -63,10 +63,10 @@ def test_races_as_a_table():
  I2C-A.I2CSTR  main:7      2      0  0    0     0    0     2     0
 
 read-modify-writes of flags that writing 1 clears:
-  I2C-A.I2CSTR at f:1: 1 times, to clear SCD
-    RRDY was cleared along with it 1 times, 0 of them never read since it rose;
+  I2C-A.I2CSTR at f:1: 1 time, to clear SCD
+    RRDY was cleared along with it 1 time, 0 of them never read since it rose;
       first at 0.000680 ms
-    NACK rose between read and write 1 times; lost 0
+    NACK rose between read and write 1 time; lost 0
 
 {NOTES}
 closest: 1 cycles; flags lost to read-modify-writes: 0 (cleared along: 1)"""
@@ -88,7 +88,7 @@ def test_races_without_a_change_and_without_another_flag():
  I2C-A.I2CSTR  f:1        1      0  0    0     0    0     0     0
 
 read-modify-writes of flags that writing 1 clears:
-  I2C-A.I2CSTR at f:1: 1 times, to clear nothing; no other flag cleared, none
+  I2C-A.I2CSTR at f:1: 1 time, to clear nothing; no other flag cleared, none
     rose in between
 
 {NOTES}
@@ -163,7 +163,7 @@ def test_a_flag_meant_is_said_with_its_doubt():
     """RRDY and SCD were 1 and are written as 1 each time: either may have been meant."""
     both = flag(10, "RRDY", 1), flag(20, "SCD", 1), read(100, RRDY | SCD), write(102, RRDY | SCD)
     told = show_races.text(races(by_hand(*both)))
-    assert " I2C-A.I2CSTR at f:1: 1 times, to clear one of SCD, RRDY, all set each time; no other flag" in unwrapped(
+    assert " I2C-A.I2CSTR at f:1: 1 time, to clear one of SCD, RRDY, all set each time; no other flag" in unwrapped(
         told
     )
 
@@ -172,7 +172,7 @@ def test_with_two_units_registers_are_told_with_theirs():
     of = by_hand(*ROWS)
     of.table.modules["other"] = ("I2C-A",)
     told = show_races.text(races(of))
-    assert " dsp.I2C-A.I2CSTR  f:1 " in told and "  dsp.I2C-A.I2CSTR at f:1: 1 times, to clear SCD" in told
+    assert " dsp.I2C-A.I2CSTR  f:1 " in told and "  dsp.I2C-A.I2CSTR at f:1: 1 time, to clear SCD" in told
 
 
 # Why ------------------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.core.counted import counted
 from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pin
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene import unit as unit_module
@@ -123,7 +124,7 @@ def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive(monkeypat
 def test_firmware_that_sleeps_is_said_to_sleep(monkeypatch: pytest.MonkeyPatch):
     scene = scene_with(monkeypatch, lambda dsp: dsp.cpu.idle(), [])
     scene.run()
-    assert scene.doing(scene.units["dsp"]) == "waits in IDLE for an interrupt at line 124 of test_deadlock.py"
+    assert scene.doing(scene.units["dsp"]) == "waits in IDLE for an interrupt at line 125 of test_deadlock.py"
 
 
 # The bus held ------------------------------------------------------------------
@@ -229,7 +230,7 @@ def test_firmware_that_does_not_service_the_watchdog_begins_anew(monkeypatch, du
     assert result.counts["resets"] == resets
     assert len(began) == resets + 1
     line = forgets.__code__.co_firstlineno + 2
-    told = f"dsp: its watchdog reset it at forgets:{line}, first at 4369.067 us ({resets} times)"
+    told = f"dsp: its watchdog reset it at forgets:{line}, first at 4369.067 us ({counted(resets, 'time')})"
     assert [note for note in result.notes if "watchdog" in note] == [told] * (resets > 0)
 
 

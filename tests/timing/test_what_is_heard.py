@@ -32,7 +32,7 @@ def test_a_period_is_told_with_where_it_began_and_what_is_not_over_counts():
         (
             "period of edge SCL rise",
             "5 edge SCL level 1",
-            "'edge SCL rise' was seen 1 times, which makes no measurement",
+            "'edge SCL rise' was seen 1 time, which makes no measurement",
         ),
         ("from edge SCL rise to edge SCL fall", "5 edge SCL level 1", "no event matched 'edge SCL fall'"),
         ("from edge SCL rise to edge SCL fall", "5 edge SCL level 0", "no event matched 'edge SCL rise'"),

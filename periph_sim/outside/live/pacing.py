@@ -12,6 +12,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Literal
 
+from ...core.counted import counted
 from ..errors import OutsideError
 
 WhenLate = Literal["slip", "catch-up", "stop"]
@@ -87,8 +88,8 @@ class Pacer:
         )
         lines += [f"  {count:>8}  {name}" for name, count in shares if count]
         if self.late:
-            told = {"slip": f"{self.slips} slips", "catch-up": "caught up", "stop": "stopped"}[self.when_late]
-            lines.append(f"later than {in_ms(TOLERATED)}: {self.late} times, {told}")
+            told = {"slip": counted(self.slips, "slip"), "catch-up": "caught up", "stop": "stopped"}[self.when_late]
+            lines.append(f"later than {in_ms(TOLERATED)}: {counted(self.late, 'time')}, {told}")
         return lines
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
+from ...core.counted import counted
 from ...explain.explain import Explained, explain_each
 from ...scene.case.load import load
 from ...scene.case.model import Case, Unit
@@ -182,7 +183,9 @@ def _found(result: Result) -> list[str]:
     found = [f"{verdict.name}: {verdict.found}" for verdict in result.budgets if verdict.found]
     found += [f"first wrong: {result.first_wrong}"] if result.first_wrong else []
     if result.wrong:
-        found.append("wrong: " + ", ".join(f"{place} ({times} times)" for place, times in result.wrong.items()))
+        found.append(
+            "wrong: " + ", ".join(f"{place} ({counted(times, 'time')})" for place, times in result.wrong.items())
+        )
     return found + [f"stuck: {line}" for line in result.stuck]
 
 

@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta, field
 
 from ...core.convert import BadTable, Mistake, convert
+from ...core.counted import counted
 from ...core.settings import Duration, HexBytes
 from ...core.suggest import did_you_mean
 from ...core.table import Table
@@ -147,7 +148,7 @@ class RequestTable(Table, frozen=True, kw_only=True):
         if self.chip is not None and said:
             raise ValueError(f"chip says {' and '.join(said)} already; leave that out or give address instead of chip")
         if self.expect is not None and len(self.expect) != self.count:
-            raise ValueError(f"expect has {len(self.expect)} bytes, but count is {self.count}")
+            raise ValueError(f"expect has {counted(len(self.expect), 'byte')}, but count is {self.count}")
 
 
 class Controller(Table, frozen=True, kw_only=True):

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 
+from ...core.counted import counted
 from ...core.records import UNHEARD, Kind, Recorder, Subjects
 from ...core.suggest import did_you_mean
 from ..language.events import Matcher
@@ -193,7 +194,7 @@ class EventMeasure(Measure):
         if never:
             hints = [span_hint(m.what, self.spans) for m in never if m.free and self.spans is not None]
             return "; ".join([f"no event matched {' and '.join(repr(m.text) for m in never)}", *hints[:1]])
-        return f"{self.matchers[0].text!r} was seen {self.seen[0]} times, which makes no measurement"
+        return f"{self.matchers[0].text!r} was seen {counted(self.seen[0], 'time')}, which makes no measurement"
 
 
 def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | None:

@@ -17,6 +17,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.counted import counted
 from ..capture.capture import Capture, Channel, Span
 from ..capture.sampling import sample_step
 from .glitch_filter import without_glitches
@@ -91,7 +92,8 @@ def guess(
     ]
     if not found:
         raise ValueError(
-            f"{capture.path}: {wire.name} has {len(wire.edges)} edges and no pulse to guess a baud rate from; state it"
+            f"{capture.path}: {wire.name} has {counted(len(wire.edges), 'edge')} and no pulse to guess a baud rate "
+            "from; state it"
         )
     return max(found, key=lambda tried: (1 - tried.errors) ** 8 * _idle(parts, spans, tried.line.invert))
 

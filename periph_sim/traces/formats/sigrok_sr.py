@@ -23,6 +23,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.counted import counted
 from ..capture import size_limits as limits
 from ..capture.capture import MOST_DIGITS, BadCapture, Capture, Channel, rate_of
 from ..capture.channel_names import channels_named
@@ -70,7 +71,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     if not scan.length:
         raise BadCapture(path, meta.capturefile, "no samples", "logic samples", "capture again")
     if scan.rest:
-        notes.append(f"{len(scan.rest)} bytes of a partial sample at the end are left out")
+        notes.append(f"a partial sample at the end is left out, {counted(len(scan.rest), 'byte')}")
     return Capture(path, rate, scan.length, scan.channels(), notes=tuple(notes))
 
 

@@ -58,7 +58,7 @@ def test_slip_leaves_it_behind_and_catch_up_does_not() -> None:
         late_by(pacer, clock, 100, 0.200)
         assert pacer.wait(200) == pytest.approx(wait)
         assert (pacer.late, pacer.slips) == (1, int(when_late == "slip"))
-        assert pacer.text()[-1].startswith("later than 50 ms: 1 times, ")
+        assert pacer.text()[-1].startswith("later than 50 ms: 1 time, ")
 
 
 def test_stop_ends_it() -> None:

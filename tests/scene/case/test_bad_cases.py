@@ -194,7 +194,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'order = ["gyroscope"]',
             '[[controller.request]]\naddress = 1\nexpect = "00"',
-            "small.toml, line 12: controller.request.0: expect has 1 bytes, but count is 6",
+            "small.toml, line 12: controller.request.0: expect has 1 byte, but count is 6",
         ),
         (
             'name = "answer"\nmeasure = "response"\nmax = "60 us"',

@@ -130,7 +130,7 @@ def test_breaks_are_no_errors():
 def test_a_line_without_pulses_or_a_rate_is_refused():
     with pytest.raises(ValueError, match="RX has 0 edges and no pulse to guess a baud rate from; state it"):
         guess(drawn("RX --------"), "RX")
-    with pytest.raises(ValueError, match="RX has 1 edges and no pulse"):
+    with pytest.raises(ValueError, match="RX has 1 edge and no pulse"):
         guess(drawn("RX ----____"), "RX")
     with pytest.raises(ValueError, match="needs a time base; state the rate"):
         guess(drawn("RX --__--__", rate=None), "RX")

@@ -121,7 +121,7 @@ def test_a_file_that_names_no_channel_has_all_of_them_by_number(tmp_path: Path):
 def test_a_partial_sample_at_the_end_is_left_out_and_noted(tmp_path: Path):
     capture = read(tmp_path, sr_bytes(["a"], "1 MHz", b"\1\0\0", b"\0\1\0\1", unitsize=2))
     assert edges(capture) == {"a": [1, 1, 2]}
-    assert (capture.length, capture.notes) == (3, ("1 bytes of a partial sample at the end are left out",))
+    assert (capture.length, capture.notes) == (3, ("a partial sample at the end is left out, 1 byte",))
 
 
 @pytest.mark.parametrize("line", [b"samplerate=0\n", b"samplerate=0 Hz\n", b""])

@@ -3,7 +3,8 @@
     sources, build --digests agree--> compiled modules are found first      else: interpreted, and `note` says why
 
 A build names the digest of every source it was made of. One that differs by a byte is left alone, so what runs is
-always what the sources say. PERIPH_SIM_FORM=interpreted leaves any build alone.
+always what the sources say. So is one whose library has another size than it was built with: to load a library that was
+cut off ends the process without a word. PERIPH_SIM_FORM=interpreted leaves any build alone.
 """
 
 from __future__ import annotations
@@ -102,7 +103,7 @@ def usable(package: Path, built: Path) -> tuple[list[str], str]:
     try:
         manifest = json.loads((built / MANIFEST).read_text("utf-8"))
         modules, made_of = list(manifest["modules"]), str(manifest["digest"])
-        whole = (built / LIBRARY).is_file()
+        whole = (built / LIBRARY).stat().st_size == manifest["size"]
     except (OSError, ValueError, KeyError, TypeError):
         whole = False
     if not whole:

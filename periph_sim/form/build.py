@@ -200,7 +200,8 @@ def build(package: Path, built: Path, jobs: int) -> None:
         if not anew:
             print(NOTHING_TO_DO, flush=True)
         link(modules, folder, cc)
-        (folder / MANIFEST).write_text(json.dumps({"digest": made_of, "modules": prints}), "utf-8")
+        size = (folder / LIBRARY).stat().st_size
+        (folder / MANIFEST).write_text(json.dumps({"digest": made_of, "size": size, "modules": prints}), "utf-8")
         shutil.rmtree(built, ignore_errors=True)
         (built / OBJECTS).mkdir(parents=True)
         for module in modules:

@@ -31,7 +31,7 @@ def package(tmp_path: Path, monkeypatch) -> Path:
     built = tmp_path / "built"
     built.mkdir()
     (built / LIBRARY).touch()
-    (built / MANIFEST).write_text(json.dumps({"digest": digest(package, MODULES), "modules": MODULES}))
+    (built / MANIFEST).write_text(json.dumps({"digest": digest(package, MODULES), "size": 0, "modules": MODULES}))
     return package
 
 
@@ -47,13 +47,15 @@ def test_a_build_of_other_sources_is_told_and_never_used(package: Path, file: st
     assert modules == [] and why == "the compiled core was built of other sources or for another Python"
 
 
-@pytest.mark.parametrize("change", ["no source", "no library", "no manifest", "no JSON", "no digest"])
+@pytest.mark.parametrize("change", ["no source", "no library", "another size", "no manifest", "no JSON", "no digest"])
 def test_a_build_that_is_not_whole_is_told(package: Path, change: str):
     built = package.parent / "built"
     if change == "no source":
         (package / "core" / "one.py").unlink()
     elif change == "no library":
         (built / LIBRARY).unlink()
+    elif change == "another size":  # the disk was full, or a copy was cut off
+        (built / LIBRARY).write_bytes(b"half")
     elif change == "no manifest":
         (built / MANIFEST).unlink()
     else:

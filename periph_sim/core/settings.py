@@ -41,18 +41,20 @@ def duration(value: object) -> Fraction:
         return value
     if not isinstance(value, str):
         raise ValueError(f'{value!r} has no unit; write for instance "{value} ms"')
-    return _length(value)
+    length = _length(value)
+    if isinstance(length, str):
+        raise ValueError(length)
+    return length
 
 
-@lru_cache(maxsize=4096)  # scenes of one case say the same lengths again and again
-def _length(text: str) -> Fraction:
+@lru_cache(maxsize=4096)  # scenes of one case say the same lengths, and names in place of one, again and again
+def _length(text: str) -> Fraction | str:
+    """Seconds, or why the text says none."""
     try:
         length = seconds(text)
     except TimeError as error:
-        raise ValueError(str(error)) from None
-    if length < 0:
-        raise ValueError(f"{text!r} is negative; a duration is 0 or more")
-    return length
+        return str(error)
+    return f"{text!r} is negative; a duration is 0 or more" if length < 0 else length
 
 
 @dataclass(frozen=True)

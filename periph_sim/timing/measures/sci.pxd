@@ -13,6 +13,7 @@ cdef class OfCharacters(Measure):
 @cython.final
 cdef class _ReceiverForwarder(ReceiverListener):
     cdef OfCharacters _measure
+    cdef bint _only_losses
 
 
 cdef class FifoHighWater(OfCharacters):

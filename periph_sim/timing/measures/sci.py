@@ -14,6 +14,7 @@ class OfCharacters(Measure):
 
     needs = "SCI"
     asked = "characters on RX"
+    only_losses = False  # no other change concerns it
 
     def __init__(self) -> None:
         super().__init__()
@@ -24,7 +25,7 @@ class OfCharacters(Measure):
         return self._received
 
     def listen(self, scene: SceneEvents) -> None:
-        scene.on_sci(_ReceiverForwarder(self))
+        scene.on_sci(_ReceiverForwarder(self, self.only_losses))
         scene.on_character(self._on_wire)
 
     def _on_wire(self, begun: int) -> None:
@@ -42,11 +43,13 @@ class OfCharacters(Measure):
 class _ReceiverForwarder(ReceiverListener):
     """Forwards a receiver's events to a measure."""
 
-    def __init__(self, measure: OfCharacters) -> None:
+    def __init__(self, measure: OfCharacters, only_losses: bool) -> None:
         self._measure = measure
+        self._only_losses = only_losses
 
     def changed(self, tick: int, words: int, overrun: bool) -> None:
-        self._measure.changed(tick, words, overrun)
+        if overrun or not self._only_losses:
+            self._measure.changed(tick, words, overrun)
 
     def received(self, tick: int) -> None:
         self._measure.received(tick)
@@ -63,6 +66,8 @@ class FifoHighWater(OfCharacters):
 
 class Overruns(OfCharacters, Counter):
     """Characters lost in the SCI: FIFO overflow (RXFFOVF) or SCIRXBUF overrun (OE), counted as they happen."""
+
+    only_losses = True
 
     def changed(self, tick: int, words: int, overrun: bool) -> None:
         if overrun:

@@ -5,7 +5,8 @@ cimport cython
 cdef class Twister:
     cdef unsigned int[19968] _state
     cdef unsigned int[2048] _added
-    cdef unsigned int[32] _last
+    cdef unsigned int[32] _last, _word
+    cdef long long[32] _drawn
     cdef unsigned int[624] _basic
     @cython.locals(
         keys=cython.longlong, bits=cython.longlong, first=cython.longlong, lanes=cython.longlong, lane=cython.longlong,
@@ -18,6 +19,8 @@ cdef class Twister:
     @cython.locals(lane=cython.int, mixed=cython.uint)
     cdef void _mix_again(self, long long at, unsigned int place)
     @cython.locals(
-        place=cython.longlong, end=cython.longlong, after=cython.longlong, middle=cython.longlong, y=cython.longlong,
+        lane=cython.longlong, place=cython.longlong, drawing=cython.longlong, drawn=cython.longlong,
         number=cython.longlong)
-    cdef void _numbers(self, long long lane, long long below, long long shift, long long count, long long[::1] found, long long at)
+    cdef void _numbers(self, long long lanes, long long below, long long shift, long long count, long long[::1] found, long long first)
+    @cython.locals(at=cython.longlong, after=cython.longlong, middle=cython.longlong, lane=cython.int, y=cython.uint)
+    cdef void _words(self, long long place, unsigned int shift)

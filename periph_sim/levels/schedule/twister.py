@@ -24,6 +24,7 @@ FIRST_TEMPER, SECOND_TEMPER = 0x9D2C5680, 0xEFC60000
 class Twister:
     def __init__(self) -> None:
         self._state, self._last, self._added = [0] * (STATE * LANES), [0] * LANES, [0] * (MOST * LANES)
+        self._word, self._drawn = [0] * LANES, [0] * LANES
         self._basic = [0] * STATE  # init_genrand(FIRST)
         self._basic[0] = before = FIRST
         for place in range(1, STATE):
@@ -42,8 +43,7 @@ class Twister:
                 for place in range(length):
                     self._added[place * LANES + lane] = (words[key * length + place] + place) & WORD
             self._seed(length)
-            for lane in range(lanes):
-                self._numbers(lane, below, 32 - bits, count, found, (first + lane) * count)
+            self._numbers(lanes, below, 32 - bits, count, found, first * count)
 
     def _seed(self, length: int) -> None:
         """init_by_array."""
@@ -77,20 +77,36 @@ class Twister:
             self._state[at + lane] = mixed
             self._last[lane] = mixed
 
-    def _numbers(self, lane: int, below: int, shift: int, count: int, found: Ints, at: int) -> None:
-        place, end = 0, at + count
-        while at < end:
-            after, middle = place + 1, place + MIDDLE
-            if after == STATE:
-                after = 0
-            if middle >= STATE:
-                middle -= STATE
-            y = (self._state[place * LANES + lane] & UPPER) | (self._state[after * LANES + lane] & LOWER)
-            y = self._state[middle * LANES + lane] ^ (y >> 1) ^ ((y & 1) * TWIST)
-            self._state[place * LANES + lane] = y
+    def _numbers(self, lanes: int, below: int, shift: int, count: int, found: Ints, first: int) -> None:
+        """`count` numbers of each lane, in rows of `found` from place `first` on; a word beyond them is left out."""
+        for lane in range(lanes):
+            self._drawn[lane] = 0
+        place, drawing = 0, lanes
+        while drawing:
+            self._words(place, shift)
+            place = place + 1 if place + 1 < STATE else 0
+            drawing = 0
+            for lane in range(lanes):
+                drawn, number = self._drawn[lane], self._word[lane]
+                if drawn < count:
+                    found[first + lane * count + drawn] = number
+                    self._drawn[lane] = drawn + (number < below)  # else the next one takes its place
+                    drawing += 1
+
+    def _words(self, place: int, shift: int) -> None:
+        """The upper bits of the next word of each lane. Two loops, of which neither reads what it writes."""
+        at, after, middle = place * LANES, (place + 1) * LANES, (place + MIDDLE) * LANES
+        if place + 1 == STATE:
+            after = 0
+        if place + MIDDLE >= STATE:
+            middle -= STATE * LANES
+        for lane in range(LANES):
+            y = (self._state[at + lane] & UPPER) | (self._state[after + lane] & LOWER)
+            self._last[lane] = self._state[middle + lane] ^ (y >> 1) ^ (-(y & 1) & TWIST)
+        for lane in range(LANES):
+            y = self._last[lane]
+            self._state[at + lane] = y
             y ^= y >> 11
             y ^= (y << 7) & FIRST_TEMPER
             y ^= (y << 15) & SECOND_TEMPER
-            found[at] = number = (y ^ (y >> 18)) >> shift
-            at += number < below  # else the next one takes its place
-            place = after
+            self._word[lane] = (y ^ (y >> 18)) >> shift

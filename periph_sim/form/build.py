@@ -52,6 +52,10 @@ NOTHING_TO_DO = "all modules are built already"
 FLAGS = ("-c", "-O2", "-DNDEBUG", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-ffunction-sections", "-w")
 # Code that leads to a traceback is cold: the compiler keeps it apart from the code of each event.
 PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE), r"__attribute__((cold)) \g<0>"
+# Functions marked `# vectors` in a .pxd have a second body for wider vectors, which the CPU chooses as the library is
+# loaded. A compiler that cannot make one, or is for another CPU, compiles them as any other.
+MARKED = re.compile(r"^ *cp?def .*?(\w+)\([^()]*\).*# vectors$", re.MULTILINE)
+WIDE = '-DPERIPH_SIM_VECTORS=__attribute__((target_clones("avx2","default")))'
 SORTED = "-Wl,--sort-section=name"  # C functions of all modules first, then what wraps them for Python
 OBJECTS = "objects"
 
@@ -106,13 +110,27 @@ def shadow(package: Path, modules: list[str], folder: Path) -> None:
 def compile_one(module: str, package: str, cc: str) -> None:
     """One module, from its source to an object file in the present folder. NoBuild with what the compiler said."""
     c_file = generate(module, package)
-    c_file.write_text(PROTOTYPE.sub(COLD, c_file.read_text("utf-8"), count=1), "utf-8")
+    marked = MARKED.findall(Path(package, *module.split(".")).with_suffix(".pxd").read_text("utf-8"))
+    text = PROTOTYPE.sub(COLD, c_file.read_text("utf-8"), count=1)
+    c_file.write_text(with_vectors(text, marked), "utf-8")
     begins = f"-DPyInit_{module.split('.')[-1]}=PyInit_{symbol(f'{package}.{module}')}"
     command = [*cc.split(), *FLAGS, begins, f"-I{sysconfig.get_path('include')}", str(c_file), "-o", f"{module}.o"]
-    done = run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise NoBuild(f"{module} does not compile; {command[0]} says:\n{done.stderr or done.stdout}")
-    c_file.unlink()
+    for more in ([WIDE], ["-DPERIPH_SIM_VECTORS="])[not marked :]:
+        done = run([*command, *more], capture_output=True, text=True, check=False)
+        if not done.returncode:
+            c_file.unlink()
+            return
+    raise NoBuild(f"{module} does not compile; {command[0]} says:\n{done.stderr or done.stdout}")
+
+
+def with_vectors(c_text: str, functions: list[str]) -> str:
+    """The C file with PERIPH_SIM_VECTORS at the definitions of these functions."""
+    for function in functions:
+        define = re.compile(rf"^static (?=[^\n]*__pyx_f_\w*_{function}\([^\n]*\) {{$)", re.MULTILINE)
+        c_text, found = define.subn("PERIPH_SIM_VECTORS static ", c_text)
+        if found != 1:
+            raise NoBuild(f"{function!r} is marked '# vectors', and is defined {found} times in C; expected once")
+    return c_text
 
 
 def generate(module: str, package: str) -> Path:
@@ -163,6 +181,8 @@ def fingerprint(module: str, folder: Path, cc: str) -> str:
     source = folder.joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8")
     types = sorted(types_of(module, folder).items())
     made_of = [source, types, DIRECTIVES, FLAGS, COLD, version("cython"), cc, sys.version]
+    if MARKED.search(dict(types)[module]):
+        made_of.append(WIDE)
     return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
 
 

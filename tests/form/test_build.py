@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from concurrent.futures.process import BrokenProcessPool
@@ -243,3 +244,25 @@ def test_a_module_is_built_anew_where_types_change_that_it_uses(tmp_path: Path):
         "clock": {"core.clock", "core.time", "core.chip"},
         "fifo": {"core.fifo"},
     }
+
+
+@pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
+@pytest.mark.skipif(os.name != "posix", reason="a shell script is the compiler")
+def test_a_function_marked_for_vectors_is_compiled_where_the_compiler_has_none(tmp_path: Path, monkeypatch):
+    package = tmp_path / "rooms"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "one.py").write_text("def twice(number):\n    return 2 * number\n")
+    (package / "one.pxd").write_text("cpdef long long twice(long long number)  # vectors\n")
+    monkeypatch.chdir(tmp_path)
+    refuses = 'echo "$@" >> told\ncase "$*" in *target_clones*) exit 1;; esac\ncp one.c kept.c'
+    build.compile_one("one", "rooms", compiler_that(tmp_path, refuses))
+    wide, plain = (tmp_path / "told").read_text().splitlines()
+    assert wide.endswith(build.WIDE) and plain.endswith(" -DPERIPH_SIM_VECTORS=")
+    (definition,) = re.findall(r"^PERIPH_SIM_VECTORS (.*)$", (tmp_path / "kept.c").read_text(), re.MULTILINE)
+    assert definition.startswith("static ") and "__pyx_f_5rooms_3one_twice(" in definition and definition.endswith("{")
+
+
+def test_a_mark_for_vectors_that_fits_no_function_ends_the_build():
+    with pytest.raises(build.NoBuild, match=r"'twice' is marked '# vectors'.* 0 times"):
+        build.with_vectors("static int __pyx_f_once(int a);\n", ["twice"])

@@ -13,7 +13,7 @@ cdef class Twister:
         key=cython.longlong, place=cython.longlong)
     cpdef void draw(self, unsigned int[::1] words, long long length, long long below, long long count, long long[::1] found)
     @cython.locals(lane=cython.longlong, key=cython.longlong, place=cython.longlong, mixed=cython.uint)
-    cdef void _seed(self, long long length)
+    cdef void _seed(self, long long length)  # vectors
     @cython.locals(lane=cython.int, mixed=cython.uint)
     cdef void _mix(self, long long place, long long key, unsigned int basic)
     @cython.locals(lane=cython.int, mixed=cython.uint)
@@ -23,4 +23,4 @@ cdef class Twister:
         number=cython.longlong)
     cdef void _numbers(self, long long lanes, long long below, long long shift, long long count, long long[::1] found, long long first)
     @cython.locals(at=cython.longlong, after=cython.longlong, middle=cython.longlong, lane=cython.int, y=cython.uint)
-    cdef void _words(self, long long place, unsigned int shift)
+    cdef void _words(self, long long place, unsigned int shift)  # vectors

@@ -82,7 +82,7 @@ class Part:
 class Chain:
     """steps: in order of time. parts: the longest first; their lengths add up to `length` wherever there are any.
 
-    length: of the occurrence, ticks. typical: the length of the least remarkable occurrence, None where it is not
+    length: of the occurrence, ticks. typical: the length of the least critical occurrence, None where it is not
     known. more: by how much each part is longer here than there (ticks, signed), the largest difference first.
     """
 

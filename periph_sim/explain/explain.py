@@ -65,7 +65,7 @@ def explain(
 ) -> dict[str, Explained]:
     """By the name of its budget, why each worst occurrence was as it was; without those that have no instant.
 
-    typical: for budgets of these names, the occurrence that is least remarkable, to be compared with. Everything
+    typical: for budgets of these names, the occurrence that is least critical, to be compared with. Everything
     comes from one more run of the case; the other arguments are those of `windows`.
     """
     return {one.window.verdict.name: one for one in explain_each(case, verdicts, typical, length, programs)}

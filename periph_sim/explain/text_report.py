@@ -5,7 +5,7 @@ stretch 97.953 us, at most 50.000 us allowed, at 0.105195 s
     -102.680 us  200.387 us  SCIRXINTA entered, preempting the wait for ... [imu_hil.py:60 (sci_received)]
   made up of
     97.560 us  99.6 %  span frame [imu_hil.py:66 (sci_received)]
-  +97.953 us against 0.000 us, where it was least remarkable
+  +97.953 us against 0.000 us, its least critical occurrence
     +97.560 us  span frame
 """
 
@@ -35,7 +35,7 @@ def text(chain: Chain) -> list[str]:
     if chain.more:
         more = _us(chain, chain.length - (chain.typical or 0), sign=True)
         rows = [(_us(chain, part.length, sign=True), "", str(part)) for part in _largest(chain.more)]
-        lines += [f"  {more} against {_us(chain, chain.typical or 0)}, where it was least remarkable", *_table(rows)]
+        lines += [f"  {more} against {_us(chain, chain.typical or 0)}, its least critical occurrence", *_table(rows)]
     return lines
 
 

@@ -39,7 +39,7 @@ def parse(data: bytes) -> Image:
 
         image = elf.read(data)
     else:
-        raise BadImage("it is neither TI COFF nor ELF; give the linker's .out file")
+        raise BadImage("it is neither TI COFF nor ELF; give the linker's .out file, or assembly (.asm)")
     _check(image)
     return image
 

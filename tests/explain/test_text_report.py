@@ -41,7 +41,7 @@ def test_a_chain_as_lines():
         "  made up of",
         "    60.000 us  60.0 %  other code, 2 times [imu_hil.py:106 (batch_read)]",
         "    40.000 us  40.0 %  span frame [sci_received:60]",
-        "  +25.000 us against 75.000 us, where it was least remarkable",
+        "  +25.000 us against 75.000 us, its least critical occurrence",
         "    +40.000 us  span frame",
         "    -15.000 us  other code",
     ]
@@ -54,7 +54,7 @@ def test_a_chain_as_lines():
 def test_only_what_is_longer_has_a_plus(ticks: int, typical: int | None, said: str):
     told = text(replace(CHAIN, length=ticks, typical=typical, steps=(), parts=()))[1]
     usual = f"{float(CHAIN.us(typical or 0)):.3f} us"
-    assert told == f"  {said} against {usual}, where it was least remarkable"
+    assert told == f"  {said} against {usual}, its least critical occurrence"
 
 
 @pytest.mark.parametrize(("us", "said"), [(9999, "9999.000 us"), (10_000, "10.000 ms"), (-10_000, "-10.000 ms")])

@@ -35,7 +35,7 @@ class Share:
 
 @dataclass(frozen=True)
 class Explanation:
-    """typical: the length of the least remarkable occurrence, "" where it is not known."""
+    """typical: the length of the least critical occurrence, "" where it is not known."""
 
     steps: tuple[Step, ...]
     shares: tuple[Share, ...]

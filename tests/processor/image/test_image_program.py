@@ -128,15 +128,17 @@ _routine: MOVB ACC,#9
 
 def test_eallow_protects_and_a_frame_without_model_keeps_what_is_written_and_is_noted_once():
     rig = Rig(
-        HEAD + " MOV @0x701C,#0xFFFF\n MOVW DP,#0x7100 >> 6\n MOV @0x7100,#5\n MOV AL,@0x7100\n MOV AH,@0x7101\n ESTOP0"
+        HEAD + " MOV @0x701C,#0xFFFF\n MOVW DP,#0x7100 >> 6\n MOV @0x7100,#5\n MOV AL,@0x7100\n MOV AH,@0x7101\n"
+        " MOVW DP,#0xC08 >> 6\n MOV @0xC0C,#0\n ESTOP0"
     ).run()
     assert rig.program.finished and rig.cpu.acc == 5
     notes = rig.notes()
     assert [text for text in notes if "without EALLOW" in text] == [
         "PCLKCR0 of SYS was written without EALLOW; the write is ignored"
     ]
-    assert [text for text in notes if "not modelled" in text] == [
-        "ADC at 0x7100 is not modelled or not in this unit; it keeps what is written"
+    assert [text for text in notes if "it keeps what is written" in text] == [
+        "ADC at 0x7100 is not modelled; it keeps what is written",
+        "TIMER1 at 0x0c0c is not in this unit (name it in modules); it keeps what is written",
     ]
 
 

@@ -110,7 +110,7 @@ class Interrupts:
             raise InterruptFault(
                 f"{self._name}: INT{number} was taken at cycle {cycle} with PIECTRL.ENPIE = 0, so its vector "
                 f"comes from boot ROM ({address:#x}), where no routine of this firmware is; "
-                "set ENPIE before interrupts are enabled."
+                "set ENPIE before interrupts are enabled"
             )
         self.taken = NAME_OF.get(address, self.taken)
         return self._ram.word32(address) & CODE_ADDRESS

@@ -503,6 +503,28 @@ def test_waits_of_one_place_are_one_fault_with_its_longest():
     assert fault.source == "SPRUG03B table 10"
 
 
+PASS = "{} R I2CSTR 0 f:1\n{} R SCI-A.SCIRXST 0 f:2\n"
+TWICE = PASS.format(10, 15) + PASS.format(20, 25)
+
+
+@pytest.mark.parametrize(
+    ("text", "end", "said"),
+    [
+        (f"{TWICE}{LONG + 11} R I2CDRR 1 g:3", 9_000_000, "for up to 20 ms (3000001 cycles)"),
+        (f"{TWICE}{LONG + 10} R I2CDRR 1 g:3", 9_000_000, ""),
+        (TWICE, 40, "for up to 200 ns (30 cycles), until the end of the run, and never got past it"),
+        (f"{PASS.format(1, 2)}3 R I2CDRR 1 g:3\n{TWICE}", 40, ""),  # it got past at once, before
+        (PASS.format(10, 15), 40, ""),  # one pass is no wait
+        (TWICE.replace("I2CSTR", "I2CDRR"), 40, ""),  # it takes what has come
+        (f"{PASS.format(10, 15)}17 W I2CDXR 1 f:3\n{PASS.format(20, 25)}27 W I2CDXR 1 f:3", 40, ""),  # it writes
+        (f"5 irq SCIRXINTA 1\n{TWICE}".replace(" f:1", " f:1 <1").replace(" f:2", " f:2 <1"), 40, ""),
+    ],
+)
+def test_a_loop_that_reads_two_registers_is_a_wait_too(text: str, end: int, said: str):
+    expected = [(10, f"polls I2C-A.I2CSTR and SCI-A.SCIRXST {said}")] if said else []
+    assert waits(text, end) == expected
+
+
 def test_findings_are_one_a_place_in_the_order_of_their_first_times():
     of = f"{ON}20 W I2CDXR 1 b:1\n30 W I2CPSC 9 c:1\n30 flag I2CPSC.IPSC 9 <3\n"
     of += "40 W I2CCNT 6 a:1\n50 W I2CCNT 6 a:1\n60 W I2CCNT 6 d:1"

@@ -1,5 +1,8 @@
 """A place that reads one register for longer than the bound, with no other access between; or till the run is over.
 
+So does a loop of several reads, of one register or of more, that are made in the same order again and again; but for
+those that take something, as of SCIRXBUF: such a loop works.
+
 Skipped polls are not recorded, so a wait is the stretch from its first recorded read to the next access of the same
 routine elsewhere, or to the end of the run. What the firmware computed meanwhile without an access counts as waiting;
 a single read is no wait, as the firmware may have gone on without the register. A wait that the end of the run cuts
@@ -11,12 +14,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..lint_finding import Fault, Options
 from ..register_maps import register_of
-from ..run import Run
+from ..run import Rows, Run
 
-SAYS = "a place that polls one register for longer than --bound, or to the end of the run without ever getting past"
+Bools = NDArray[np.bool_]
+LONGEST_PASS = 4  # reads
+TAKING = ("I2C-A.I2CDRR", "I2C-A.I2CISRC", "SCI-A.SCIRXBUF", "SCI-B.SCIRXBUF", "SCI-C.SCIRXBUF")
+SAYS = "a place that polls registers for longer than --bound, or to the end of the run without ever getting past"
 
 
 def faults(run: Run, options: Options) -> Iterator[Fault]:
@@ -49,6 +56,60 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
             elif (after[waits] < 0).any():
                 text += ", the last until the end of the run"
             yield Fault(unit, rows[begins[waits]], text, _source(name))
+        yield from _of_loops(run, unit, bound)
+
+
+def _of_loops(run: Run, unit: str, bound: int) -> Iterator[Fault]:
+    """Faults of loops whose passes make several reads, each one told at its first."""
+    table = run.table
+    rows, following = run.in_order(unit)
+    what = table.columns["what"][rows]
+    ids = what.astype(np.int64) << 32 | table.columns["text"][rows]
+    looks = [name.startswith("R ") and name[2:] not in TAKING for name in table.names["what"]]
+    is_look = np.array(looks)[what]
+    found: dict[tuple[int, ...], list[tuple[int, int, bool]]] = {}  # begin, length, cut by the run's end; by its reads
+    for reads in range(2, LONGEST_PASS + 1):
+        for begin, last in _again_and_again(ids, is_look, following, reads):
+            after, main = int(following[last]), table.cause[rows[last]] == 0
+            end = table.tick[after] if after >= 0 else table.end if main else table.tick[rows[last]]
+            length = int(end) - int(table.tick[rows[begin]])
+            key = tuple(sorted(set(ids[begin : begin + reads].tolist())))
+            found.setdefault(key, []).append((begin, length, bool(after < 0 and main)))
+    for key, loops in found.items():
+        of = np.isin(ids, key)
+        past = (of[:-1] & ~of[1:] & (following[:-1] >= 0)).any()
+        waits = [loop for loop in loops if loop[1] > bound or (loop[2] and not past)]
+        if not waits:
+            continue
+        longest = max(waits, key=lambda wait: wait[1])
+        names = list(dict.fromkeys(table.names["what"][one >> 32].partition(" ")[2] for one in key))
+        since = int(table.tick[rows[longest[0]]])
+        text = f"polls {' and '.join(names)} for up to {run.length(longest[1], since, unit)}"
+        if any(cut for _, _, cut in waits):
+            text += (
+                ", the last until the end of the run" if past else ", until the end of the run, and never got past it"
+            )
+        yield Fault(unit, rows[[begin for begin, _, _ in waits]], text, _source(names[0]))
+
+
+def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> Iterator[tuple[int, int]]:
+    """First and last row of each stretch of passes of so many reads, two passes at least, that have no shorter one."""
+    if len(ids) < 2 * reads:
+        return
+    again = np.append(np.zeros(reads, bool), (ids[reads:] == ids[:-reads]) & is_look[reads:])
+    turns = np.flatnonzero(np.diff(np.concatenate(([0], again.astype(np.int8), [0]))))
+    ends_before = np.append(0, np.cumsum(following < 0))  # of routines
+    for start, end in zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True):
+        begin, last = start - reads, end - 1
+        if end - start < reads or ends_before[last] != ends_before[begin]:
+            continue
+        if not any((ids[begin : begin + reads - n] == ids[begin + n : begin + reads]).all() for n in _parts(reads)):
+            yield begin, last
+
+
+def _parts(reads: int) -> list[int]:
+    """Lengths of shorter passes that one of so many reads may consist of."""
+    return [part for part in range(1, reads) if reads % part == 0]
 
 
 def _source(name: str) -> str:

@@ -87,7 +87,8 @@ def notes_of(scene: Scene) -> list[str]:
                 at = scene.timebase.show(tick - scene.start)
                 place = dsp.note_places.get((socket.name, tick))
                 where = f", {place.for_people()}" if place else ""
-                lines.append(f"{name} {module}, first at {at}{where}: {note.text} [{note.source}]")
+                text = note.text.removeprefix(f"{module}: ")  # an SCI names itself, which stands in front already
+                lines.append(f"{name} {module}, first at {at}{where}: {text} [{note.source}]")
         for note, n in dsp.processor.notes.counts.items():
             place = dsp.processor.notes.places.get(note)
             where = f", {'first ' * (n > 1)}at {place.for_people()}" if place else ""

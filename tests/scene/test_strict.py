@@ -70,6 +70,14 @@ def test_pins_of_the_external_bus_are_one_note_that_lists_them(tmp_path: Path):
     assert "GPIO36 (XZCS0)" in note and "GPIO45 (XA5)" in note and note.count("GPIO") >= 10
 
 
+def test_a_note_names_its_module_once(tmp_path: Path):
+    scene = ran(
+        tmp_path, ("dsp.eallow()", "dsp.module('SYS').PCLKCR0.all = 0", "dsp.module('SCI-A').SCICCR.all = 7"), False
+    )
+    (note,) = [line for line in notes_of(scene) if "PCLKCR0 bit" in line]
+    assert note.startswith("dsp SCI-A, first at ") and note.count("SCI-A") == 1
+
+
 def test_notes_are_joined_only_with_their_like():
     one, two = (Note("unknown", f"pin {n} is odd", "S1", "pins are odd", f"pin {n}") for n in (1, 2))
     other = Note("duty", "mind the gap", "S2")

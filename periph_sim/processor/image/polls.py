@@ -24,7 +24,7 @@ FIRST_LOOK = 2  # passes of a loop before anybody looks at it
 LONGEST = 1024  # passes between two looks at a loop that is no wait
 COUNTS_FROM = 64  # passes of a loop before it is taken apart as one that counts, which takes as long as some hundred
 FEWEST = 8  # passes that are worth it
-TRIES = 3  # at a loop that does not only count
+TRIES = 3  # in turn, at a loop that does not only count
 
 
 class Polls:
@@ -187,6 +187,7 @@ class Polls:
         lease.begin()
         self._most, until = most, NEVER
         if most < NEVER:
+            self._failed.pop(self._branch, None)
             until = self._started + most * self._period
             time.wake_at(until)
         time.sleep(until)

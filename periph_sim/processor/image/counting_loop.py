@@ -40,6 +40,8 @@ FORMS: Mapping[str, str] = {
     "ADD_loc16_16s": "loc = loc + c",
     "ADD_loc16_AX": "loc = loc + AX",
     "BANZ_off16_ARndec": "ARn = ARn - 1",
+    "BAR_off16_ARn_ARm_EQ": "ARn - ARm",
+    "BAR_off16_ARn_ARm_NEQ": "ARn - ARm",
     "CMPB_AX_8": "AX - c",
     "CMPL_ACC_loc32": "ACC - loc",
     "CMP_AX_loc16": "AX - loc",
@@ -391,6 +393,8 @@ def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
             return traced.operand
         case "ARn":
             return XAR[f.n][:1]
+        case "ARm":
+            return XAR[f.m][:1]
         case "XARn":
             return XAR[f.n]
     return XAR[int(name[3])] if name.startswith("XAR") else ()

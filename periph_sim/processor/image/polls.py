@@ -200,7 +200,7 @@ class Polls:
         self._lease.end()
         self.asleep = False
         first, now = self._started, time.cycle
-        skipped = min((now - first) // self._period, self._most)
+        skipped = (now - first) // self._period
         time.cycle = first + skipped * self._period
         self.live_from, self._next = now, 0
         self.replaying = now > time.cycle

@@ -61,10 +61,7 @@ def _halves() -> dict[int, Half]:
 
 
 HALVES = _halves()
-SHOWN = {  # of each half, where it is stored, its place there, and the bits that the CPU sees
-    offset: (register.offset, shift, register.read(0xFFFF_FFFF)[0] >> shift & 0xFFFF)
-    for offset, (register, shift) in HALVES.items()
-}
+STORED = {offset: (register.offset, shift) for offset, (register, shift) in HALVES.items()}
 WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # their lowest pins
 PADS = tuple(f"GPIO{n}" for n in range(PINS))
 HALF_AT = BIT[::16]  # the lowest pin of each half of a port
@@ -195,11 +192,11 @@ class Gpio(GpioSettings):
         if at.DATA <= offset < at.SELECT:
             port, word = (offset - at.DATA) // at.DATA_WORDS, (offset - at.DATA) % at.DATA_WORDS
             return self._words(now)[2 * port + (word & 1)] if word < at.SET else 0
-        half = SHOWN.get(offset)
-        if half is None:
+        stored = STORED.get(offset)
+        if stored is None:
             return 0
-        place, shift, mask = half
-        return self._stored[place] >> shift & mask
+        place, shift = stored
+        return self._stored[place] >> shift & 0xFFFF  # the CPU sees all that is stored
 
     def write(self, now: int, offset: int, value: int) -> None:
         self.writes += 1

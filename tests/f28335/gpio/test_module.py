@@ -186,6 +186,13 @@ def test_control_registers_are_protected_and_data_registers_open():
     }
 
 
+def test_the_cpu_sees_all_that_a_control_register_stores():
+    for register in GPIO:
+        if not register.name.endswith(("DAT", "SET", "CLEAR", "TOGGLE")):
+            stored, _ = register.write(0, 0xFFFF_FFFF)
+            assert register.read(stored) == (stored, stored) and register.read(register.reset)[0] == register.reset
+
+
 def test_words_no_register_has_read_0_and_ignore_writes():
     rig = Rig()
     for offset in (0x0E, 0x20, 0x58, 0x70):
@@ -599,6 +606,15 @@ def test_asynchronous_on_a_port_input_is_synchronised():
         """,
         rig,
     )
+
+
+def test_dat_shows_each_of_several_edges_of_one_cycle_at_an_asynchronous_pin():
+    rig = given_to((32, 1))
+    rig.select(32, 3)
+    settled(rig)
+    for level in (0, 1, 0):
+        rig.pin(rig.now, 32, level)
+        assert rig.show("GPBDAT.GPIO32") == level
 
 
 @pytest.mark.rule("SYS-056")

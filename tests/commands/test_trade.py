@@ -94,6 +94,8 @@ def test_observables_that_do_not_occur_are_unmeasured(periph_sim: Run):
     short = ("trade", RESPONDER, "--seconds", "0.0005", "--level", "byte")
     said = " ".join(periph_sim(*short).out.split())
     assert "unmeasured, since they do not occur in it: wrong bytes, nacked rounds, missed rounds, response, " in said
+    assert "no bus carries a byte in it, so errors in bytes are not known; simulate longer with --seconds" in said
+    assert "no bus carries a byte" not in periph_sim(*QUICK).out
     told = json.loads(periph_sim(*short, "--json").out)
     assert "stretch" in told["unmeasured"] and "nacked" not in told["unmeasured"]
     shown = {each["name"]: each for each in told["levels"][1]["observables"]}

@@ -11,7 +11,7 @@ from ...timing.format_value import duration_text
 from .cost import TOGETHER, TRACED, Cost
 from .errors import CYCLES, Errors
 from .levels import REFERENCE
-from .trade import Outcome, Trade
+from .trade import LONGER, Outcome, Trade
 
 INFINITE = "infinite"
 MEMORY = f"most that Python had allocated in the first {duration_text(float(TRACED))} (tracemalloc)"
@@ -30,6 +30,9 @@ def _lines(found: Trade) -> Iterator[str]:
     )
     if found.unmeasured:
         yield from paragraph(f"unmeasured, since they do not occur in it: {', '.join(found.unmeasured)}")
+    cost = found.reference.cost
+    if cost is not None and not cost.i2c_bytes and not cost.sci_bytes:
+        yield from paragraph(f"no bus carries a byte in it, so errors in bytes are not known; {LONGER}")
     yield ""
     yield from _costs(found)
     yield "CPU: seconds of processor time a simulated second, without records"

@@ -35,11 +35,11 @@ class RunWatch(Protocol):
 class _Watch:
     """One a process: its thread runs as long as there is a CPU to look at.
 
-    has_stopped: it has begun to stop a CPU, at any time; before, nobody needs to `leave`.
+    stops: the threads in which it has begun to stop a CPU, at any time; before, nobody needs to `leave`.
     """
 
     def __init__(self) -> None:
-        self.has_stopped = False
+        self.stops: list[int] = []
         self._cpus: WeakSet[RunWatch] = WeakSet()
         self._lock = Lock()
         self._thread: Thread | None = None
@@ -72,7 +72,8 @@ class _Watch:
         self._stopped.discard(thread)
 
     def _stop(self, cpu: RunWatch, at: tuple[int, int, int]) -> None:
-        self.has_stopped = self._stopping = True
+        self.stops.append(at[0])
+        self._stopping = True
         if (cpu.thread, *cpu.instant()) == at and not _debugged(sys._current_frames().get(at[0])):
             self._stopped.add(at[0])
             _raise_in(at[0], NoProgress)

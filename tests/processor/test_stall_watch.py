@@ -118,7 +118,7 @@ def test_firmware_is_watched_from_its_start_and_only_while_it_runs(
     watch = SimpleNamespace(
         add=lambda cpu: calls.append(("add", cpu.name)),
         leave=lambda thread: calls.append(("leave", thread)),
-        has_stopped=True,
+        stops=[1],
     )
     monkeypatch.setattr(python_program, "watch", watch)
     Scene(load(case_file(tmp_path, "for _ in range(3):\n        dsp.compute(1000)", limit))).run()

@@ -55,6 +55,7 @@ class PythonProgram(Program):
         self._places = SourceLocator()
         self._greenlet: greenlet | None = None
         self._watched = 0  # the thread that runs the firmware
+        self._stops = watch.stops
 
     # Life --------------------------------------------------------------------
 
@@ -172,7 +173,7 @@ class PythonProgram(Program):
     def _waits(self) -> None:
         """Nothing that comes up to here is of the firmware."""
         self.thread = 0
-        if self.stall_limit and watch.has_stopped:
+        if self.stall_limit and self._stops:
             watch.leave(self._watched)
 
     def kill(self, how: type[BaseException]) -> None:

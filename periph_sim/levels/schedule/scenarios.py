@@ -36,6 +36,7 @@ from .tally import Tally
 from .terms import Terms
 from .value_range import FAR, NO_VALUE
 
+TOGETHER = 2048  # scenarios: their rows stay in the CPU's cache
 NONE: Ints = np.zeros(0, np.int64)
 
 
@@ -58,34 +59,37 @@ class Scenarios(Tally):
         costs, costs_at = self._draws(wide, rounds + 1, lambda seeds: [f"{seed} {unit} computations" for seed in seeds])
         late, late_at = self._draws(inputs.host_jitter, frames, lambda seeds: [seed + 1 for seed in seeds])
         begins, begins_at = self._draws(inputs.controller_jitter, rounds, lambda seeds: seeds)
-        given = np.empty((inputs.scenarios, GIVEN), np.int64)
         columns = (
             *(inputs.host_first, inputs.frame.num, inputs.frame.den),
             *(inputs.controller_first, inputs.round_.num, inputs.round_.den, inputs.clock.num, inputs.clock.den),
             *(least, costs_at, late_at, begins_at, inputs.end),
         )
-        for column, values in enumerate(columns):
-            given[:, column] = values
-        order = self._order()
-        found = np.empty((inputs.scenarios, FOUND), np.int64)
+        given = [np.broadcast_to(column, inputs.scenarios) for column in columns]
         one = OneScenario(structure.terms, structure.receiver, inputs.line.end, costs, late, begins)
-        one.run(
-            np.ascontiguousarray(given[order]).reshape(-1),
-            found.reshape(-1),
-            rounds,
-            inputs.controller_jitter,
-            inputs.paced_by_pause,
-            frames,
-        )
-        back = np.empty_like(found)
-        back[order] = found
-        self._take(back)
+        order, told = self._order(), np.empty((FOUND, inputs.scenarios), np.int64)
+        rows, found = np.empty((TOGETHER, GIVEN), np.int64), np.empty((TOGETHER, FOUND), np.int64)
+        for first in range(0, inputs.scenarios, TOGETHER):
+            some = slice(first, min(first + TOGETHER, inputs.scenarios))
+            places = some if order is None else order[some]
+            count = some.stop - first
+            for column, values in enumerate(given):
+                rows[:count, column] = values[places]
+            one.run(
+                rows[:count].reshape(-1),
+                found[:count].reshape(-1),
+                rounds,
+                inputs.controller_jitter,
+                inputs.paced_by_pause,
+                frames,
+            )
+            told[:, places] = found[:count].T
+        self._take(told)
 
-    def _order(self) -> NDArray[np.intp] | slice:
-        """Scenarios of one clock behind each other, since what is kept of reads and rounds is kept for one clock."""
+    def _order(self) -> NDArray[np.intp] | None:
+        """Scenarios of one clock in a row, since reads and rounds are kept for one clock; None: as they are."""
         clock = self._inputs.clock
         alike = isinstance(clock.num, int) or isinstance(clock.den, int)
-        return slice(None) if alike else np.lexsort(np.stack([clock.den, clock.num]))
+        return None if alike else np.lexsort(np.stack([clock.den, clock.num]))
 
     def _draws(
         self, most: int, count: int, keys: Callable[[list[int]], Sequence[int | str]]
@@ -96,13 +100,14 @@ class Scenarios(Tally):
         return drawn_rows(keys(self._seeds.tolist()), most + 1, count).reshape(-1), self._place * count
 
     def _take(self, found: Ints) -> None:
+        """found: int64[FOUND, scenarios]."""
         for place, name in enumerate(MEASURES):
-            worst, least, count = (np.ascontiguousarray(found[:, 3 * place + part]) for part in range(3))
+            worst, least, count = found[3 * place : 3 * place + 3]
             values = self.values[name]
             values.worst = np.where(worst == NO_VALUE, NONE_OF_ALL, worst)
             values.least, values.count = np.where(least == FAR, np.iinfo(np.int64).max, least), count
         columns = (MISSED, NACKED, NACKED_ROUNDS, OVER, DUE, HELD, PHASES, HUNG_AT)
         self.missed, self.nacked, self.nacked_rounds, self.over, self.due, self.held, self.phases, self.hung_at = (
-            np.ascontiguousarray(found[:, column]) for column in columns
+            found[column] for column in columns
         )
-        self.refused = found[:, REFUSED] > 0
+        self.refused = found[REFUSED] > 0

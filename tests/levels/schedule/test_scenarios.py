@@ -69,6 +69,15 @@ def test_windows_are_the_same(name: str):
     assert {what for what, there in told.items() if there.any()} == happens
 
 
+@pytest.mark.parametrize("clocks", [1, 5])
+def test_scenarios_that_go_in_parts_are_the_same(clocks: int, monkeypatch: pytest.MonkeyPatch):
+    """The last part is shorter; those of one clock are in a row."""
+    monkeypatch.setattr("periph_sim.levels.schedule.scenarios.TOGETHER", 7)
+    given = {"host.first": np.arange(40) * 500_000, "seed": np.arange(40) % 9, "unit.dsp.ppm": np.arange(40) % clocks}
+    found, tally = differ(structure_of(load(TIMING / "imu_hil.toml")), given, 3)
+    assert not found and len(set(tally.values["age"].worst.tolist())) > 20
+
+
 def test_runs_that_end_anywhere_in_a_round_are_the_same():
     structure = structure_of(load(PUBLISHED))
     given = {"host.first": np.arange(12) * 1_700_000, "controller.first": 5_000_000 + np.arange(12) * 260_000}

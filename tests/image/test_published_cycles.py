@@ -155,3 +155,45 @@ def test_a_routine_of_iqmath_whose_head_counts_columns(name: str):
     routine = library("iqmath")[name]
     assert took(routine, acc, 0x100_0000, tables(ARRAYS[0]), stalls=False) == stated + columns
     assert took(routine, acc, 0x100_0000, tables(ARRAYS[0])) == stated + columns + stalls
+
+
+# Heads that are of another body, or rough ---------------------------------------------------------------------------
+
+REWRITTEN = {  # routine: (cycles as stated, of the body); their histories: "1.4d: re-implemented without branch"
+    "IQ24frac": (18, 17),  # "Regs Used: XT, XAR7", neither of which the body has
+    "IQ24mpyI32int": (28, 22),  # "worst case", of a body that has one case only
+    "IQ24mpyI32frac": (34, 24),
+}
+
+
+@pytest.mark.parametrize("name", REWRITTEN)
+def test_a_routine_whose_head_is_older_than_its_body(name: str):
+    """Each instruction takes the column's cycles, and none stalls: 9 + 8, 14 + 8 and 16 + 8 with LCR and LRETR."""
+    stated, body = REWRITTEN[name]
+    assert body < stated
+    for acc in (0x80_0000, 0xFF80_0000):
+        for stalls in (False, True):
+            assert took(library("iqmath")[name], acc, 0xFFFF_FFFD, (), stalls=stalls) == body
+
+
+def test_atan2_per_unit():
+    """Its head states 121. Columns are 117, and 122 with the stalls that IQ24atan2 has, too, whose head has none.
+
+    117 + 4 are the columns with a second cycle for each of the four MOV loc16,#16bit behind what both share.
+    """
+    routine = library("iqmath")["IQ24atan2PU"]
+    assert took(routine, 0x80_0000, 0x100_0000, tables(ARRAYS[0]), stalls=False) == 117
+    assert took(routine, 0x80_0000, 0x100_0000, tables(ARRAYS[0])) == 117 + 3 + 2  # @XAR6 behind its load; SP, LRETR
+
+
+ROUGH = {  # routine: cycles beside one a word; "~20 cycles of overhead (including the call and return)"
+    "memcpy_fast": 19,  # LCR 4, ADDB 1, BF 4, MOVL 1, RPT @AL 4, PREAD N + 1, LRETR 4
+    "memset_fast": 17,  # LCR 4, ADDB 1, BF 4, RPT @AH 4, MOV N, LRETR 4
+}
+
+
+@pytest.mark.parametrize("name", ROUGH)
+@pytest.mark.parametrize("count", COUNTS)
+def test_a_routine_that_fills_memory(name: str, count: int):
+    acc = count if name == "memcpy_fast" else count << 16
+    assert took(library("fpu")[name], acc, 0, VECTORS) == ROUGH[name] + count

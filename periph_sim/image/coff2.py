@@ -14,7 +14,7 @@ import struct
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from .model import BadImage, Image, Section, Symbol
+from .model import BadImage, Image, Section, Symbol, quoted
 
 VERSIONS = {0xC0: "COFF0", 0xC1: "COFF1", 0xC2: "COFF2"}
 COFF2 = 0xC2
@@ -138,14 +138,17 @@ def _raw(header: SectionHeader, data: bytes) -> bytes:
     end = header.raw + header.size_in_bytes
     if end > len(data):
         raise BadImage(
-            f"it is truncated: section {header.name} ends at byte {end}, and the file has {len(data)}; fetch it again"
+            f"it is truncated: section {quoted(header.name)} ends at byte {end}, and the file has {len(data)}; "
+            "fetch it again"
         )
     return data[header.raw : end]
 
 
 def _section(header: SectionHeader, data: bytes) -> Section:
     if header.relocations:
-        raise BadImage(f"section {header.name} has relocations: it is partly linked; link it into an executable .out")
+        raise BadImage(
+            f"section {quoted(header.name)} has relocations: it is partly linked; link it into an executable .out"
+        )
     raw = _raw(header, data) if header.loaded else b""
     return Section(
         name=header.name,

@@ -16,7 +16,7 @@ from elftools.elf.elffile import ELFFile
 from elftools.elf.sections import Section as ElfSection
 from elftools.elf.sections import SymbolTableSection
 
-from .model import BadImage, Image, Section, Symbol
+from .model import BadImage, Image, Section, Symbol, quoted
 
 C2000 = "EM_TI_C2000"
 
@@ -62,10 +62,10 @@ def _section(section: ElfSection, elf: ELFFile) -> Section:
         raw = section.data()
         if len(raw) != size:
             raise BadImage(
-                f"it is truncated: section {section.name} has {len(raw)} of its {size} bytes; fetch it again"
+                f"it is truncated: section {quoted(section.name)} has {len(raw)} of its {size} bytes; fetch it again"
             )
         if size % 2:
-            raise BadImage(f"section {section.name} has {size} bytes, which are no whole words")
+            raise BadImage(f"section {quoted(section.name)} has {size} bytes, which are no whole words")
     return Section(
         name=section.name,
         address=_load_address(section, elf) if has_contents else run,
@@ -83,7 +83,7 @@ def _load_address(section: ElfSection, elf: ELFFile) -> int:
     for segment in elf.iter_segments("PT_LOAD"):
         if segment["p_offset"] <= begin and end <= segment["p_offset"] + segment["p_filesz"]:
             return int(segment["p_paddr"] + (begin - segment["p_offset"]) // 2)
-    raise BadImage(f"section {section.name} has contents that no segment loads")
+    raise BadImage(f"section {quoted(section.name)} has contents that no segment loads")
 
 
 def _symbols(elf: ELFFile) -> Iterator[Symbol]:

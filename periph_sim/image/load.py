@@ -8,14 +8,12 @@ from __future__ import annotations
 from itertools import pairwise
 from pathlib import Path
 
-from ..core.shorten import shorten
 from ..f28335.system.address_space import not_loadable
 from . import coff2
-from .model import BadImage, Image, Section
+from .model import BadImage, Image, quoted
 
 OTHER_PARTS = {"Cla1": "a part with a CLA (F2803x, F2806x or F2837x)"}  # by how names of sections begin
 ELF_MAGIC = b"\x7fELF"
-LONGEST_NAME = 60
 
 
 def load(path: Path) -> Image:
@@ -48,7 +46,7 @@ def _check(image: Image) -> None:
     for section in image.sections:
         for beginning, part in OTHER_PARTS.items():
             if section.name.startswith(beginning) and section.size:
-                raise BadImage(f"section {_named(section)} is of {part}, not of the F28335")
+                raise BadImage(f"section {quoted(section.name)} is of {part}, not of the F28335")
     loaded = sorted(image.loaded, key=lambda section: section.address)
     if not loaded:
         raise BadImage("no section of it is loaded, so there is nothing to run")
@@ -56,11 +54,11 @@ def _check(image: Image) -> None:
         for address in {section.address, section.run}:
             why = not_loadable(address, section.size)
             if why:
-                raise BadImage(f"section {_named(section)} lies {why}")
+                raise BadImage(f"section {quoted(section.name)} lies {why}")
     for before, after in pairwise(loaded):
         if after.address < before.end:
             raise BadImage(
-                f"sections {_named(before)} and {_named(after)} overlap at {after.address:#08x}; "
+                f"sections {quoted(before.name)} and {quoted(after.name)} overlap at {after.address:#08x}; "
                 "each word can be loaded once"
             )
     for address, words in image.initial:
@@ -69,7 +67,3 @@ def _check(image: Image) -> None:
             raise BadImage(f".cinit initialises {len(words)} words {why}")
     if not any(section.address <= image.entry < section.end for section in image.code):
         raise BadImage(f"its entry {image.entry:#08x} lies in no loaded code section; link it with an entry point")
-
-
-def _named(section: Section) -> str:
-    return f"{shorten(section.name, LONGEST_NAME)!r}"

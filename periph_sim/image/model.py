@@ -10,7 +10,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from ..core.shorten import shorten
+
 LEAST_STACK = 15  # words that an interrupt takes
+
+
+LONGEST_NAME = 60
+
+
+def quoted(name: str) -> str:
+    """A name of a file as a message shows it: a damaged one may have any bytes, and any length."""
+    return f"{shorten(name, LONGEST_NAME)!r}"
 
 
 class BadImage(ValueError):

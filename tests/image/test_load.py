@@ -109,8 +109,8 @@ REFUSED = [
     (changed(GOOD, 20, "H", 0x1234), "target 0x1234"),
     (changed(GOOD, 18, "H", 0x0101), "partly linked"),
     (changed(GOOD, 16, "H", 0), "optional header has 0 bytes"),
-    (changed(GOOD, SECTION_AT + 32, "I", 4), "section .text has relocations"),
-    (changed(GOOD, SECTION_AT + 16, "I", 0x10000), "truncated: section .text ends at byte"),
+    (changed(GOOD, SECTION_AT + 32, "I", 4), "section '.text' has relocations"),
+    (changed(GOOD, SECTION_AT + 16, "I", 0x10000), "truncated: section '.text' ends at byte"),
     (changed(GOOD, 8, "I", 1 << 31), "truncated: its symbol table"),
     (changed(GOOD, 22 + 16, "I", 0x9000), "entry 0x009000 lies in no loaded code"),
     (write(image(text(), text(address=0x8008, name=".text.2"))), "sections '.text' and '.text.2' overlap at 0x008008"),
@@ -136,6 +136,12 @@ def test_refused_in_one_sentence(data: bytes, sentence: str):
     said = refused(data)
     assert sentence in said
     assert "\n" not in said and len(said) < 200
+
+
+def test_a_damaged_name_is_quoted_and_shortened():
+    data = write(image(text(name="\n\1\2" + "x" * 500)))
+    said = refused(changed(data, SECTION_AT + 32, "I", 4))
+    assert "has relocations" in said and said.isprintable() and len(said) < 200
 
 
 def test_a_refusal_names_the_file(tmp_path: Path):

@@ -186,6 +186,10 @@ class Topic:
         self.heard = True
         self.told_whole = self._keepers is not None or bool(self._sinks)
 
+    def tells_records(self) -> bool:
+        """As `Recorder.tells_records`, of this topic."""
+        return bool(self._sinks)
+
     def close(self) -> None:
         """Nobody is told any more."""
         self._listeners = self._last_listener = None

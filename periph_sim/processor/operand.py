@@ -17,7 +17,7 @@ class Operand:
     mask: the bits that the program looks at or writes; lsb: of the field, the lowest. shift: where an access by address
     has the word moved. block: inside the protected block, where reads wait for writes. steady: a read has no effect,
     and nothing that counts by itself is read. meets: an access acts, or the module is told something first. looks: a
-    read is one look at the chip, and no more than a record of it.
+    read is one look at the chip, and no more than a record of it to those who do not look about as they are told.
     reads, writes: the records that are made, where `recorded`. named: the field, as they have it. placed: those of
     reads tell where in the firmware they are made.
     """
@@ -98,6 +98,7 @@ class Operand:
         """The records that are made of it."""
         self.reads, self.writes = reads, writes
         self.placed = self.tells_place()
+        self.looks = self.looks and not reads.tells_records()
 
     def tells_place(self) -> bool:
         """Whether anybody wants to know where in the firmware it is read; of a modify that is another question."""

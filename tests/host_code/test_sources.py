@@ -201,7 +201,9 @@ def test_a_header_is_found_whatever_the_case_of_its_letters(folder: Path):
 def test_ctrl_c_while_c_code_runs_ends_the_run(folder: Path):
     """The firmware sends the signal itself, so that it comes between two calls of Python."""
     (folder / "echo.c").write_text("int raise(int);\n" + MAIN.format("raise(2); for (;;) SciaRegs.SCIRXST.all;"))
-    command = [sys.executable, "-m", "periph_sim", "run", "echo.toml"]
+    # What starts the tests in the background has SIGINT ignored, and Python would leave it so.
+    begin = "import signal, runpy; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    command = [sys.executable, "-c", begin + "runpy.run_module('periph_sim', run_name='__main__')", "run", "echo.toml"]
     came = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert (came.returncode, came.stdout, came.stderr.strip()) == (2, "", "stopped")
 

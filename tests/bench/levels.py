@@ -33,9 +33,10 @@ LEVELS = ("edge", "adaptive", "byte", "schedule")
 BYTES = tuple(f"unit.dsp.settings.{key}" for key in ("arithmetic=bytes", "model_cost=250 us", "beyond_estimate=0 us"))
 VARIANTS: dict[str, tuple[str, tuple[str, ...]]] = {  # shipped cases, changed
     "imu_hil, arithmetic = bytes": ("imu_hil", BYTES),
+    "imu_hil, arithmetic = bytes, no budgets": ("imu_hil", (*BYTES, "budget=[]")),
     "responder, waits declared": ("responder", ("unit.dsp.firmware=responder_declared",)),
 }
-SECONDS = {form.COMPILED: "1", form.INTERPRETED: "0.25"}  # of scene: figures are per byte and per second of it
+SECONDS = {form.COMPILED: "4", form.INTERPRETED: "0.25"}  # of scene: figures are per byte and per second of it
 WARM = Fraction(1, 50)
 START = Fraction(1, 10)
 

@@ -13,7 +13,7 @@ from .start import SHORT
 
 Row = dict[str, Any]
 Parts = Mapping[str, Sequence[Row]]
-BYTES, DECLARED = "imu_hil, arithmetic = bytes", "responder, waits declared"
+BYTES, DECLARED = "imu_hil, arithmetic = bytes, no budgets", "responder, waits declared"
 
 
 def cell(parts: Parts, part: str, key: str, **wanted: str) -> float | None:

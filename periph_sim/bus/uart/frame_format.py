@@ -25,7 +25,7 @@ class UartFormat(Struct, frozen=True):
         return 1 + self.bits + self.address + (self.parity != "none") + self.stop
 
     def is_kept_by(self, levels: list[int]) -> bool:
-        """Whether these levels of a frame's bits have its start bit, its stop bits and its parity."""
+        """True if these levels of a frame's bits have its start bit, its stop bits and its parity."""
         end = len(levels) - self.stop
         if levels[0] or 0 in levels[end:]:
             return False

@@ -36,9 +36,7 @@ def _lines(found: Trade) -> Iterator[str]:
     yield ""
     yield from _costs(found)
     yield "CPU: seconds of processor time a simulated second, without records"
-    yield from paragraph(
-        f"memory: most that Python had allocated in the first {duration_text(float(TRACED))} (tracemalloc)"
-    )
+    yield from paragraph(f"memory: {MEMORY}")
     for outcome in found.outcomes[1:]:
         yield ""
         yield from _level(outcome, found)

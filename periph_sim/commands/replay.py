@@ -257,6 +257,9 @@ def rows(report: Report) -> list[tuple[str, str]]:
     found = [("events as in the capture", f"{report.agreed} of {report.events}")]
     if report.ambiguous:
         found.append(("ambiguous", str(report.ambiguous)))
+    if report.captured_errors:
+        share = report.captured_errors / report.events
+        found.append(("frames with errors in the capture", f"{report.captured_errors} of {report.events}, {share:.1%}"))
     for divergence in report.divergences:
         found.append((FIRST[divergence.kind], f"expected {divergence.expected} {_at(divergence.capture_s)}"))
         found.append(("", f"found {divergence.found} {_at(divergence.replay_s)}"))

@@ -13,9 +13,10 @@ class Report:
     """events: of the capture, compared. agreed: those that the replay has, too, in the same order. bytes, nacks: on the
     replayed wires.
 
-    captured_events, captured_transfers: of the whole capture; transfers: of them, replayed. ambiguous: events that
-    cannot be judged, since receivers may read them one way or another. filled: settings of the firmware that were
-    taken from the capture. unjudged: why nothing was judged.
+    captured_events, captured_transfers: of the whole capture; transfers: of them, replayed. captured_errors: UART
+    frames with a framing or parity error in the capture itself, breaks left out. ambiguous: events that cannot be
+    judged, since receivers may read them one way or another. filled: settings of the firmware that were taken from the
+    capture. unjudged: why nothing was judged.
 
     first_divergence: the earliest but for timing, without its history. divergences: the first of each kind, the worst
     first, with what the chip did around it; a timing difference is one above the tolerance, and fails the replay where
@@ -38,6 +39,7 @@ class Report:
     captured_events: int = 0
     transfers: int = 0
     captured_transfers: int = 0
+    captured_errors: int = 0
     ambiguous: int = 0
     filled: list[str] = field(default_factory=list)
     unjudged: str = ""

@@ -34,10 +34,12 @@ from . import BadReplay
 from .history import FlagHistory
 from .i2c_closed_loop import I2cReplay
 from .i2c_setup import LEAD, TAIL, Answering
+from .line_errors import line_errors
 from .report import Report
 from .scene_setup import alone, unit_with
 from .time_base import check_length, rate_of
 from .uart import LineFormat, ticks_of
+from .verdict import FAIL, NOT_JUDGED, PASS
 
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
@@ -107,6 +109,7 @@ class SessionReplay(I2cReplay):
         self._wanted = wanted
         self._serial, self._rx = serial, rx
         self._serial_line = serial.channel(rx)
+        self._serial_doubt = ""
         lead = LEAD + max(Fraction(0), -offset)
         super().__init__(case, capture, scl, sda, addresses, first, longest_low, subscribe, tolerance, lead)
         scene = self._session_scene
@@ -154,6 +157,7 @@ class SessionReplay(I2cReplay):
             words = uart.events(self._serial, self._rx, line)
         except ValueError as error:
             raise BadReplay(str(error)) from None
+        self._serial_doubt = line_errors(self._serial, self._rx, line, words).doubt
         frames = [word for word in words if isinstance(word, uart.Frame)]
         per_position = scene.timebase.per_second / self._serial_rate
         bits = 1 + line.bits + (line.parity != "none") + line.stop
@@ -207,7 +211,12 @@ class SessionReplay(I2cReplay):
             ),
         ]
         if not all(verdict.passed for verdict in judged):
-            report.verdict = "fail"
+            report.verdict = FAIL
+        if self._serial_doubt:
+            if report.verdict == PASS:
+                report.verdict, report.unjudged = NOT_JUDGED, f"RX: {self._serial_doubt}"
+            else:
+                report.notes.insert(0, f"RX: {self._serial_doubt}")
         return report
 
     def _since_capture(self, verdict: Verdict) -> Verdict:

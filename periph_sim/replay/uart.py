@@ -34,6 +34,7 @@ from .ambiguous import Word, settled
 from .compare import NOTHING, Divergence, Happened, compare
 from .divergence_history import CaptureOrigin, with_history
 from .history import FlagHistory
+from .line_errors import line_errors
 from .picture import Side, divergence_picture, title_of
 from .report import Report
 from .scene_setup import alone, settings_of, unit_with
@@ -190,6 +191,7 @@ class UartReplay:
         breaks = [event for event in events if isinstance(event, decode.Break)]
         result = scene.run(Fraction(0))
         self._bit = 1 / float(line.baud)
+        errors = line_errors(self._capture, self._channel, line, events)
         judged = settled(events, line, self._rate, self._received())
         outcome = compare(judged.expected, judged.found)
         divergence = outcome.divergence
@@ -207,16 +209,20 @@ class UartReplay:
                 f"low for a frame or longer, {longest:.1f} bits at most: {counted(len(breaks), 'time')}; "
                 "the SCI sets BRKDT after ten bits beyond a missing stop bit"
             )
+        unjudged = errors.doubt if frames else "there is no frame on the line, so nothing was asked of the firmware"
+        if unjudged and divergence is not None:
+            notes.insert(0, unjudged)
         return Report(
             case=scene.case.name,
             capture=str(self._capture.path),
             kind="uart",
             loop="open",
-            verdict=verdict_of(divergence is not None, bool(frames), len(judged.ambiguous)),
+            verdict=verdict_of(divergence is not None, not unjudged, len(judged.ambiguous)),
             events=len(frames),
             agreed=outcome.agreed,
             ambiguous=len(judged.ambiguous),
-            unjudged="" if frames else "there is no frame on the line, so nothing was asked of the firmware",
+            captured_errors=errors.wrong,
+            unjudged=unjudged,
             first_divergence=divergence,
             divergences=self._with_history(ranked, line),
             bytes=len(self._words),

@@ -2,7 +2,7 @@
 
 pass         everything judged is as in the capture
 ambiguous    so it is, but for places that receivers may read one way or another
-not judged   nothing was asked of the firmware, so that nothing is proved
+not judged   nothing was asked of the firmware, or a serial line does not fit its format: nothing is proved
 fail         something differs
 """
 
@@ -34,6 +34,8 @@ def headline(report: Report) -> str:
         parts.append(f"for {covered}")
     if report.ambiguous:
         parts.append(f"({report.ambiguous} of {report.events} ambiguous)")
+    if report.captured_errors:
+        parts.append(f"({report.captured_errors} of {report.events} frames have errors in the capture itself)")
     taken = sorted({DECIDES[name] for name in report.filled if name in DECIDES})
     if taken and report.verdict != FAIL:
         return f"{' '.join(parts)}: timing and protocol only; {' and '.join(taken)} came from the capture"

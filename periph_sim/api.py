@@ -12,7 +12,6 @@ from typing import Any
 
 from .core.convert import BadTable
 from .core.settings import duration
-from .explain.bound.verdict_proof import prove_verdicts
 from .levels.judged import judged, refuse_record
 from .records.if_recorded import if_recorded
 from .scene.case.load import apply, load, refusal
@@ -74,7 +73,6 @@ def run(
         result = scene.run(length)
         if isinstance(scene, Scene):
             ended_at(scene.kernel.now, clocks_of(scene))
-    prove_verdicts(scene, result.budgets)
     return result
 
 

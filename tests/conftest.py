@@ -69,7 +69,6 @@ WHOLE = (
 UNCOUNTED = (
     "tests/devices/test_host_pc.py",
     "tests/explain/bound/test_bounds.py",
-    "tests/explain/bound/test_verdict_proof.py",
     "tests/explain/bound/test_sweep.py",
     "tests/reports/baselines/test_check.py",
     "tests/scene/test_event_budgets.py",

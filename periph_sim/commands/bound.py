@@ -1,4 +1,4 @@
-"""`periph-sim bound CASE`: the worst case of request and response in closed form, beside the largest value seen."""
+"""`periph-sim bound CASE`: the calculated worst case of request and response, beside the largest value seen."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ EXAMPLE = "periph-sim bound timing/imu_hil.toml --seconds 1"
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 def bound(case: Path, seconds: str | None, changes: tuple[str, ...], as_json: bool) -> int:
-    """Show the worst case of CASE in closed form, term by term, beside the worst value of a run.
+    """Calculate the worst case of CASE in closed form, term by term, beside the worst value of a run.
 
-    Bounded are response, stretch, margin, reaction, round, slack, age, spans, service latency, own address and
-    the receive FIFO. Exit status 0: no value is beyond its bound, and no bound beyond a limit of the case; 1: one
-    is, a term of it is no bound, nothing was seen of it, or the firmware may come too late for a request, so that
-    there is no bound; 2: the case has no closed form.
+    It assumes rates as received, no frame left out, no other interrupt and no dependence on data, and proves nothing
+    where that is not so. Calculated are response, stretch, margin, reaction, round, slack, age, spans, service latency,
+    own address and the receive FIFO. Exit status 0: no value of the run is beyond the calculated one, and none of these
+    beyond a limit of the case; 1: one is, or one could not be calculated or compared; 2: the case has no closed form.
     """
     from ..explain.bound import report
     from ..explain.bound.text_report import as_json as as_dict

@@ -15,7 +15,7 @@ from ..reports.baselines import check as checked
 from ..scene.project import project_of
 from ..traces.formats.atomic_write import atomic_write
 from .command_line import command_line
-from .input_options import GUARANTEED, apart
+from .input_options import GUARANTEED, apart, refuse_guaranteed
 from .json_output import print_json
 from .progress import progress
 from .usage_error import usage_errors_in_one_sentence
@@ -68,6 +68,7 @@ def check(
     refused: list[RejectedCase] = []
     with usage_errors_in_one_sentence(), ExitStack() as outputs:
         project = project_of(Path())
+        refuse_guaranteed(guaranteed, project)
         # Asked for their places before the runs, so that none is in vain.
         unfinished, unfinished_html = (
             None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)
@@ -80,7 +81,6 @@ def check(
                 update=update,
                 changes=changes,
                 keep_values=html_file is not None,
-                guaranteed=project.settings.guaranteed if guaranteed is None else guaranteed,
                 told=told,
                 on_refused=refused.append,
             )
@@ -126,9 +126,6 @@ def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) 
                 "broken": one.outcome.broken,
                 "not_judged": [name for name in one.outcome.not_passed if name not in one.outcome.broken],
                 "baseline": {"file": one.baseline.as_posix(), "state": one.state},
-                "proofs": {
-                    v.name: {"verdict": v.word, "bound": v.bound, "why": v.unbounded} for v in one.outcome.verdicts
-                },
                 "findings": [asdict(finding) for finding in one.findings],
                 "causes": {name: as_json(chain) for name, chain in one.causes.items()},
                 "changes": [asdict(change) for change in one.changes],
@@ -207,22 +204,22 @@ LEGEND = "columns count budgets; must break: named in `breaks`; baseline: change
 
 def _table(checks: list[CaseCheck], refused: list[RejectedCase]) -> PlainTable:
     """A row a case: how many budgets have each verdict, and what the baseline says."""
-    from ..timing.verdict import BROKEN, EVERY_PHASE, NOT_JUDGED, SEEN
+    from ..timing.verdict import BROKEN, NOT_JUDGED, SEEN
     from .tables import plain_table
 
     table = plain_table()
     table.add_column("case", no_wrap=True)
-    for name in ("every phase", "seen", "broken", "not judged", "must break"):
+    for name in ("seen", "broken", "not judged", "must break"):
         table.add_column(name.replace(" ", "\n"), justify="right", no_wrap=True)
     table.add_column("baseline", no_wrap=True)
     table.add_column("", no_wrap=True)
     for one in checks:
         words = [verdict.word for verdict in one.outcome.verdicts]
-        numbers = [words.count(word) for word in (EVERY_PHASE, SEEN, BROKEN, NOT_JUDGED)]
+        numbers = [words.count(word) for word in (SEEN, BROKEN, NOT_JUDGED)]
         changed = sum(not change.note for change in one.changes)
         state = f"{changed} changed" if one.state == "changed" else one.state
         cells = (one.outcome.figures.case, *map(str, numbers), str(len(one.outcome.breaks)), state)
         table.add_row(*cells, "pass" if one.passed else "fail", style="" if one.passed else "red")
     for case in refused:
-        table.add_row(case.path.stem, *[""] * 6, "refused", style="red")
+        table.add_row(case.path.stem, *[""] * 5, "refused", style="red")
     return table

@@ -12,6 +12,7 @@ from ..core.time import TimeError, seconds
 
 if TYPE_CHECKING:
     from ..records.run import Run
+    from ..scene.project import Project
     from ..traces.capture.capture import Capture
 
 RATE = click.option("--rate", metavar="RATE", help="Samples a second, where the file does not say: '4 MHz'.")
@@ -19,7 +20,7 @@ SALVAGE = click.option(
     "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
 )
 GUARANTEED = click.option(
-    "--guaranteed/--no-guaranteed", default=None, help="A budget that held in this run but is not proven fails, too."
+    "--guaranteed/--no-guaranteed", default=None, help="Demand proven budgets; refused, since nothing is proven yet."
 )
 RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
 SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, where RUN does not show it: '150 MHz'.")
@@ -90,6 +91,18 @@ def apart(**outputs: Path | None) -> None:
             other = taken.setdefault(path.resolve(), option)
             if other != option:
                 raise click.ClickException(f"--{other} and --{option} both name {path}; give each a file of its own")
+
+
+def refuse_guaranteed(asked: bool | None, project: Project | None = None) -> None:
+    """Refuse --guaranteed, and `guaranteed = true` of the project. asked: None where the option is not given."""
+    from ..scene.project import project_of
+    from ..timing.verdict import NOTHING_PROVEN
+
+    if asked:
+        raise click.ClickException(f"--guaranteed: {NOTHING_PROVEN}; leave the option out")
+    project = project or project_of(Path())
+    if asked is None and project.settings.guaranteed:
+        raise click.ClickException(f"{project.where('guaranteed')}: {NOTHING_PROVEN}; remove it or use --no-guaranteed")
 
 
 def open_run(path: Path, sysclk: str | None) -> Run:

@@ -9,7 +9,7 @@ import click
 
 from .. import form
 
-VERSION = 1  # goes up when a key goes away or means something else; a new key leaves it
+VERSION = 2  # goes up when a key goes away or means something else; a new key leaves it
 
 
 def print_json(command: str, answer: Mapping[str, object]) -> None:

@@ -9,7 +9,7 @@ from ..core.counted import counted
 from ..scene.case.model import Case
 from ..scene.result import AT_ANOTHER_LEVEL, BYTE_LEVEL, FRAMES, FRAMES_PASSED, SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
-from ..timing.verdict import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
+from ..timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
 from .tables import WIDTH, PlainTable, Screen, plain_table, say
 
@@ -18,14 +18,11 @@ THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets":
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 
-def show(
-    console: Screen, result: Result, case: Case, guaranteed: bool = False, verbose: bool = False, chosen: str = ""
-) -> None:
-    """guaranteed: what is not proven has failed. verbose: list what the run assumed, and tell what it skipped.
-
-    chosen: how its level was chosen, for the line of the verdict.
+def show(console: Screen, result: Result, case: Case, verbose: bool = False, chosen: str = "") -> None:
+    """verbose: list what the run assumed, and tell what it skipped. chosen: how its level was chosen, for the first
+    line.
     """
-    say(console, f"{result.case}: {title(result, guaranteed)}{chosen}{terms(result)}{estimated(result)}", style="bold")
+    say(console, f"{result.case}: {title(result)}{chosen}{terms(result)}{estimated(result)}", style="bold")
     if result.budgets:
         console.print(budget_table(result.budgets))
     else:
@@ -95,12 +92,8 @@ def rounded(count: int) -> str:
     return str(count)
 
 
-def title(result: Result, guaranteed: bool) -> str:
-    if result.verdict != PASS:
-        return result.verdict.upper()
-    if result.proof == EVERY_PHASE:
-        return "PASS, for every phase"
-    return "FAIL, since not every budget is proven" if guaranteed else "PASS, as seen in this run"
+def title(result: Result) -> str:
+    return "PASS, as seen in this run" if result.verdict == PASS else result.verdict.upper()
 
 
 def estimated(result: Result) -> str:
@@ -112,17 +105,16 @@ def budget_table(budgets: Sequence[Verdict]) -> PlainTable:
     """A row a budget; red where it is broken, yellow where it is not judged. Only names may take two lines."""
     table = plain_table()
     table.add_column("budget")
-    names = ("seen", "bound", "limit", "count") if any(each.bound is not None for each in budgets) else NO_BOUND
-    for name in names:
+    for name in FIGURES:
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("", no_wrap=True)
     for verdict in budgets:
         cells = row(verdict)
-        table.add_row(verdict.name, *(cells[name] for name in names), verdict.word, style=STYLES[verdict.verdict])
+        table.add_row(verdict.name, *(cells[name] for name in FIGURES), verdict.word, style=STYLES[verdict.verdict])
     return table
 
 
-NO_BOUND = ("seen", "limit", "margin", "count")  # columns where nothing is bounded
+FIGURES = ("seen", "limit", "margin", "count")
 
 
 def row(verdict: Verdict) -> dict[str, str]:
@@ -130,7 +122,6 @@ def row(verdict: Verdict) -> dict[str, str]:
     unit = verdict.unit
     return {
         "seen": figure(verdict.worst, unit),
-        "bound": figure(verdict.bound, unit),
         "limit": limit(verdict.limit, unit, verdict.which),
         "margin": figure(verdict.margin, unit),
         "count": verdict.counted,
@@ -143,36 +134,15 @@ def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
 
 
 def legend(budgets: Sequence[Verdict]) -> list[str]:
-    """What broke, with its instant; then what the words of this table mean, and why what was seen is not proven."""
+    """Lines that say what broke and when, and then what the words of this table mean."""
     lines = broken_lines(budgets)
     if not budgets:
         return []
-    bounded = any(each.bound is not None for each in budgets)
-    words = {each.word for each in budgets}
-    lines.append("bound: worst case over all phases of controller, host, DSP; " * bounded + "count: occurrences")
-    if EVERY_PHASE in words:
-        lines.append("every phase: bound within limit, so proven for the stated code costs")
-    lines += _unproven(budgets, bounded)
+    seen = any(each.word == SEEN for each in budgets)
+    lines.append("count: occurrences" + "; seen: held in this run, other timings are not covered" * seen)
     silent = [each for each in budgets if each.word == NOT_JUDGED]
     if any(not each.found.endswith(AT_ANOTHER_LEVEL) for each in silent):
         lines.append("not judged: too little was measured; no pass")
     elif silent:
         lines.append("not judged: this level does not tell it; no pass")
-    return lines
-
-
-def _unproven(budgets: Sequence[Verdict], bounded: bool) -> list[str]:
-    """What *seen* means, and each reason once."""
-    doubts: dict[str, list[str]] = {}
-    for each in budgets:
-        if each.unbounded:
-            doubts.setdefault(each.unbounded, []).append(each.name)
-    said = "seen: held in this run, not proven"
-    if not doubts:
-        return [said] if any(each.word == SEEN for each in budgets) else []
-    if len(doubts) == 1 and not bounded:
-        return wrap(f"{said}: {next(iter(doubts))}", WIDTH, subsequent_indent="  ")
-    lines = [f"{said}:"]
-    for reason, names in doubts.items():
-        lines += wrap(f"{', '.join(names)}: {reason}", WIDTH, initial_indent="  ", subsequent_indent="    ")
     return lines

@@ -149,7 +149,7 @@ def serve(
     if pacer.late and result.wall_s * pace_given(pace) > result.simulated_s:
         click.echo(_slower(ready.case, result), err=True)
     if as_json:
-        print_json("serve", {**dataclasses.asdict(result), "proof": result.proof, "lateness": _lateness(pacer)})
+        print_json("serve", {**dataclasses.asdict(result), "lateness": _lateness(pacer)})
     else:
         from .result_text import show
 

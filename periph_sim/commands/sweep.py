@@ -35,7 +35,6 @@ TOLD = 10  # runs that are told one by one
 )
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key in every run.")
 @click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
-@click.option("--proven", is_flag=True, help="Find out what each pass proves, which takes two short runs more each.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes at a time; as many as cores. 1: none but this one.")
 @click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write a line a run to this file.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
@@ -44,7 +43,6 @@ def sweep(
     vary: tuple[str, ...],
     changes: tuple[str, ...],
     seconds: str | None,
-    proven: bool,
     jobs: int | None,
     csv_file: Path | None,
     as_json: bool,
@@ -67,7 +65,7 @@ def sweep(
         unfinished = None if csv_file is None else outputs.enter_context(atomic_write(csv_file))
         with progress(case.stem) as told:
             try:
-                came = swept(case, fixed | varied, seconds=length, proven=proven, jobs=jobs, told=told)
+                came = swept(case, fixed | varied, seconds=length, jobs=jobs, told=told)
             except BadCase as error:
                 raise click.ClickException(_as_varied(str(error), varied)) from None
         if unfinished is not None:
@@ -128,7 +126,6 @@ def _object(came: Sweep) -> dict[str, object]:
                 "set": {key: str(column[row]) for key, column in came.changes.items()},
                 "verdict": str(came.verdict[row]),
                 "error": str(came.error[row]),
-                "proof": str(came.proof[row]),
                 "budgets": {
                     name: {figure: _plain(column[row]) for figure, column in _figures(budget).items()}
                     for name, budget in came.budgets.items()
@@ -142,7 +139,7 @@ def _object(came: Sweep) -> dict[str, object]:
 
 
 def _figures(budget: BudgetColumns) -> Mapping[str, Any]:
-    names = ("worst", "limit", "margin", "bound", "at_s", "count", "verdict")
+    names = ("worst", "limit", "margin", "at_s", "count", "verdict")
     return {name: getattr(budget, name) for name in names}
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .input_options import GUARANTEED
+from .input_options import GUARANTEED, refuse_guaranteed
 from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
@@ -33,29 +33,28 @@ def watch(case: Path, changes: tuple[str, ...], guaranteed: bool | None) -> int:
     """
     try:
         with usage_errors_in_one_sentence():
-            _watch(case, changes, guaranteed)
+            refuse_guaranteed(guaranteed)
+            _watch(case, changes)
     except KeyboardInterrupt:
         click.echo()
     return 0
 
 
-def _watch(case: Path, changes: tuple[str, ...], guaranteed: bool | None) -> None:
+def _watch(case: Path, changes: tuple[str, ...]) -> None:
     """Run and wait, for ever."""
     from ..reports.baselines.outcome import run_case
-    from ..scene.project import project_of
     from .watched_files import stamps
 
-    needed = project_of(Path()).settings.guaranteed if guaranteed is None else guaranteed
     before: Outcome | None = None
     while True:
         seen = stamps(case)
         came = run_case(case, changes)
-        before = _told(came, before, needed)
+        before = _told(came, before)
         while stamps(case) == seen:
             time.sleep(PAUSE)
 
 
-def _told(came: Outcome | RejectedCase, before: Outcome | None, guaranteed: bool) -> Outcome | None:
+def _told(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome | None:
     """Print a run; what the next one is compared with comes back."""
     from ..reports.baselines.compare import compare
     from ..reports.baselines.errors import BadCheck
@@ -68,7 +67,7 @@ def _told(came: Outcome | RejectedCase, before: Outcome | None, guaranteed: bool
     if isinstance(came, RejectedCase):
         say(console, f"Error: {came.why}")
         return before
-    say(console, f"{came.figures.case}: {title(came.result, guaranteed)}", "bold")
+    say(console, f"{came.figures.case}: {title(came.result)}", "bold")
     if before is None:
         console.print(budget_table(came.verdicts))
     for line in broken_lines(came.verdicts):

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Protocol
 
 from ..core.records import Recorder
 from ..core.time import Timebase
-from ..explain.bound.judged_run import JudgedRun
 from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
 from ..scene.result import Result
 from ..scene.scene import Scene
+from ..timing.budgets import BudgetJudge
 from ..timing.verdict import Verdict
 
 SCHEDULE = "schedule"
 Subscribe = Callable[[Recorder, Timebase], None]
 
 
-class Judged(JudgedRun, Protocol):
-    """What a `Scene` is to those who want its verdicts. case: as it is on edges, where its level has no records."""
+class Judged(Protocol):
+    """The part of a `Scene` that yields verdicts. case: as it is on edges, where its level has no records."""
+
+    @property
+    def case(self) -> Case: ...
+
+    @property
+    def limits(self) -> Sequence[BudgetJudge]: ...
 
     @property
     def start(self) -> int: ...

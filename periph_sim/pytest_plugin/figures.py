@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 HEAD = "periph-sim/"
 FIRST = "verdict"  # the figure that each budget's begin with
 UNBROKEN = 10_000  # columns of a table with names of tests, which are paths to copy
-VALUES = ("worst", "bound", "limit", "margin")
+VALUES = ("worst", "limit", "margin")
 
 Property = tuple[str, object]
 
 
 def properties(case: str, verdict: Verdict) -> list[Property]:
-    """verdict, proof, unit, worst, bound, limit, margin (microseconds with `_us` in their names), which, count,
-    measured, occasions, at_s; "" for none.
+    """verdict, unit, worst, limit, margin (microseconds with `_us` in their names), which, count, measured, occasions,
+    at_s; "" for none.
     """
     tail = "_us" if verdict.unit == "us" else ""
-    figures: dict[str, object] = {FIRST: verdict.verdict, "proof": verdict.proof, "unit": verdict.unit}
+    figures: dict[str, object] = {FIRST: verdict.verdict, "unit": verdict.unit}
     figures |= {f"{name}{tail}": _plain(getattr(verdict, name)) for name in VALUES}
     figures |= {"which": verdict.which, "count": verdict.count, "measured": verdict.measured}
     figures |= {"occasions": _plain(verdict.occasions), "at_s": _plain(verdict.at_s)}
@@ -55,8 +55,7 @@ class Judged:
     def verdict(self) -> str:
         verdict: str = self.figures[FIRST]
         if verdict == "pass":
-            proof: str = self.figures.get("proof") or "seen"
-            return proof
+            return "seen"
         word = "broken" if verdict == "fail" else verdict
         return f"{word}, as expected" if self.expected else word
 
@@ -98,18 +97,17 @@ def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
         return []
     from ..timing.format_value import figure, instant, limit
 
-    titles: tuple[str, ...] = ("case/budget", "seen", "bound", "limit", "when", "", "judged by")
+    titles: tuple[str, ...] = ("case/budget", "seen", "limit", "when", "", "judged by")
     rows: list[tuple[str, ...]] = []
     for one in budgets:
         unit = one.figures.get("unit", "")
-        seen, bound = (figure(one.value(name), unit) for name in ("worst", "bound"))
-        numbers = (seen, bound, limit(one.value("limit"), unit, one.figures.get("which", "")))
+        numbers = (figure(one.value("worst"), unit), limit(one.value("limit"), unit, one.figures.get("which", "")))
         by = "" if ".toml::" in one.test else one.test
         rows.append((one.label, *numbers, instant(one.value("at_s")), one.verdict, by))
     width = UNBROKEN
     if not any(row[-1] for row in rows):
         titles, rows, width = titles[:-1], [row[:-1] for row in rows], WIDTH
-    head, *body = table_rows(titles, rows, right=range(1, 5), width=width)
+    head, *body = table_rows(titles, rows, right=range(1, 4), width=width)
     good = [one.figures[FIRST] == "pass" or one.expected for one in budgets]
     return [(line, True) for line in head] + [
         (line, well) for lines, well in zip(body, good, strict=True) for line in lines

@@ -15,7 +15,6 @@ from ..bus.i2c.transfer import Transfer
 from ..core.records import Kind, Recorder
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase
-from ..explain.bound.verdict_proof import prove_verdicts
 from ..explain.chain import Chain
 from ..explain.explain import chain_of, explain
 from ..explain.window import Window, windows_of_edges, windows_of_table
@@ -24,7 +23,7 @@ from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
 from ..scene.result import Result
 from ..scene.scene import Scene
-from ..timing.verdict import EVERY_PHASE, Verdict
+from ..timing.verdict import NOTHING_PROVEN, Verdict
 from ..traces.capture.capture import Capture
 from ..traces.formats.record_table import Columns, RecordTable
 
@@ -137,8 +136,8 @@ class Run:
     def assert_budgets(self, *names: str, guaranteed: bool = False) -> None:
         """Raise AssertionError, with a table and a diagram, if any of these budgets does not hold.
 
-        guaranteed: it must hold for every phase. NoSuchBudget if the case has none of such a name; ValueError if none
-        is named.
+        guaranteed: fails, since nothing is proven yet. NoSuchBudget if the case has none of such a name; ValueError if
+        none is named.
         """
         __tracebackhide__ = True
         if not names:
@@ -177,10 +176,8 @@ class Run:
             from .failure import failure_text
 
             raise AssertionError(failure_text(self, broken, len(verdicts)))
-        seen = [verdict for verdict in verdicts if verdict.proof != EVERY_PHASE]
-        if guaranteed and seen:
-            lines = [f"{verdict.name}: {verdict.unbounded}" for verdict in seen]
-            raise AssertionError("\n".join([f"{self.result.case} held in this run, but is not proven:", *lines]))
+        if guaranteed:
+            raise AssertionError(f"{self.result.case}: guaranteed=True: {NOTHING_PROVEN}; leave guaranteed out")
 
 
 def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool = False) -> Run:
@@ -196,7 +193,6 @@ def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool =
     transfers: list[Transfer] = []
     scene.on_transfer(transfers.append)
     result = scene.run(plan.length)
-    prove_verdicts(scene, result.budgets)
     now, per_second = scene.kernel.now, Fraction(scene.timebase.per_second)
     return Run(
         plan=plan,

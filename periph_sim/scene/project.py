@@ -3,7 +3,7 @@
     [tool.periph-sim]
     cases = ["timing", "bench/line.toml"]   what `check` runs by itself; else timing, else the present folder
     baselines = "ci/figures"                of those cases; else baselines/ beside each
-    guaranteed = true                       as the options of `run` and `check`
+    guaranteed = true                       refused by `run`, `check` and `watch`: nothing is proven yet
     jobs = 2
     tolerance = 1
 
@@ -58,11 +58,14 @@ class Project(Struct, frozen=True):
         places = [self.folder / text for text in self.settings.cases]
         for place in places:
             if not place.exists():
-                file = self.folder / FILE
-                line = line_of(file.read_text(encoding="utf-8"), (*KEYS, "cases"))
                 there = did_you_mean(place.name, sorted(entry.name for entry in self.folder.iterdir()))
-                raise BadCase(f"{_near(file)}, line {line}: cases: there is no folder or file {str(place)!r}; {there}")
+                raise BadCase(f"{self.where('cases')}: there is no folder or file {str(place)!r}; {there}")
         return [_near(place) for place in places]
+
+    def where(self, key: str) -> str:
+        """`pyproject.toml, line 2: cases`: the place of a key that is given."""
+        file = self.folder / FILE
+        return f"{_near(file)}, line {line_of(file.read_text(encoding='utf-8'), (*KEYS, key))}: {key}"
 
     def baseline(self, case: Path) -> Path | None:
         """Where the baseline of a case is kept; None for baselines/NAME.json beside it.

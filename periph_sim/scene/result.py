@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..timing.verdict import EVERY_PHASE, SEEN, Proof, Verdict
+from ..timing.verdict import Verdict
 
 # Counts that tell of the simulator, not of the case.
 SKIPPED = "polls_skipped"
@@ -52,8 +52,3 @@ class Result:
             f"{100 * passed / count:.1f} % of the {what}" for passed, count, what in of if passed is not None and count
         ]
         return f"{' and '.join(told)} at byte level" if told else ""
-
-    @property
-    def proof(self) -> Proof:
-        """What a pass proves: that of its weakest budget."""
-        return EVERY_PHASE if all(verdict.proof == EVERY_PHASE for verdict in self.budgets) else SEEN

@@ -1,4 +1,4 @@
-"""Verdicts: the figures of one budget, and the word for what they prove.
+"""Verdicts: the figures of one budget, and the word that tables have for them.
 
 Needs no other module, so that what only shows verdicts need not load what measures.
 """
@@ -14,11 +14,10 @@ PASS: Final = "pass"
 FAIL: Final = "fail"  # a limit is broken
 NOT_JUDGED: Final = "not judged"  # no limit is broken, but too little was measured to say that all hold
 
-Proof = Literal["", "every phase", "seen"]  # what a pass proves; empty where nobody asked
-
-EVERY_PHASE: Final = "every phase"  # every limit has a bound, and holds for every phase
-SEEN: Final = "seen"  # every limit holds in what was seen
+SEEN: Final = "seen"  # the word for a pass: every limit held in this run
 BROKEN: Final = "broken"
+
+NOTHING_PROVEN: Final = "nothing is proven yet: a verdict holds for the run that was made, and for no other timing"
 
 
 @dataclass
@@ -28,10 +27,8 @@ class Verdict:
     worst, limit, margin: microseconds for times, percent for parts of the time, LSB of values, else plain counts. Of
     several limits the nearest one. at_s: when the worst was, seconds from the start. which: the limit's key; for a
     percentile `worst` is the value at it. found: what there is to say beyond figures, such as that nothing matched.
-    measured, occasions: how many of all occasions were measured; occasions is None where the measure has none. bound:
-    of `worst` in any phase, None where none is known; of a percentile the maximum's, if that keeps the limit. proof:
-    of a budget that passes. unbounded: why it is not for every phase. until_s: of what `found` says is wrong, such as
-    a reply, when that was over; it began at `at_s`.
+    measured, occasions: how many of all occasions were measured; occasions is None where the measure has none.
+    until_s: of what `found` says is wrong, such as a reply, when that was over; it began at `at_s`.
     """
 
     name: str
@@ -48,16 +45,13 @@ class Verdict:
     found: str = ""
     measured: int = 0
     occasions: int | None = None
-    bound: float | int | None = None
-    proof: Proof = ""
-    unbounded: str = ""
     until_s: float | None = None
 
     @property
     def word(self) -> str:
-        """What tables say: "every phase", "seen", "broken" or "not judged"."""
+        """The word in tables: "seen", "broken" or "not judged"."""
         if self.passed:
-            return self.proof or SEEN
+            return SEEN
         return BROKEN if self.broken else NOT_JUDGED
 
     @property
@@ -69,6 +63,20 @@ class Verdict:
     def broken(self) -> bool:
         """True if a limit is broken."""
         return self.verdict == FAIL
+
+    @property
+    def too_little(self) -> bool:
+        """True if `worst` is critical for being small: it is held against a `min`, or below an `exactly`."""
+        return self.which == "min" or (self.which == "exactly" and self.worst is not None and self.worst < self.limit)
+
+    @property
+    def within(self) -> bool:
+        """True if `worst` keeps the limit."""
+        if self.worst is None:
+            return False
+        if self.which == "exactly":
+            return self.worst == self.limit
+        return self.worst >= self.limit if self.which == "min" else self.worst <= self.limit
 
     @property
     def counted(self) -> str:

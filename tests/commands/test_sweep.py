@@ -64,11 +64,10 @@ def test_the_table_has_of_each_budget_the_run_that_was_nearest_to_its_limit(peri
     assert (came.status, came.err) == (1, "")
 
 
-def test_where_every_run_passes_the_exit_status_is_0_and_proofs_are_shown_if_asked_for(periph_sim: Run) -> None:
-    given = ("sweep", *HERE, "--vary", f"{WORK}=10 us, 20 us", "--set", "seed=3", "--json")
-    came, proven = periph_sim(*given), periph_sim(*given, "--proven")
-    assert (came.status, proven.status) == (0, 0)
-    told, proof = json.loads(came.out), json.loads(proven.out)
+def test_where_every_run_passes_the_exit_status_is_0(periph_sim: Run) -> None:
+    came = periph_sim("sweep", *HERE, "--vary", f"{WORK}=10 us, 20 us", "--set", "seed=3", "--json")
+    assert came.status == 0
+    told = json.loads(came.out)
     assert list(told)[:4] == ["schema", "schema_version", "case", "runs"]
     assert [run["set"] for run in told["runs"]] == [{"seed": "3", WORK: "10 us"}, {"seed": "3", WORK: "20 us"}]
     assert [run["verdict"] for run in told["runs"]] == ["pass", "pass"]
@@ -76,13 +75,11 @@ def test_where_every_run_passes_the_exit_status_is_0_and_proofs_are_shown_if_ask
         "worst": 20.0,
         "limit": 30.0,
         "margin": 10.0,
-        "bound": None,
         "at_s": 0.0,
         "count": 1,
         "verdict": "pass",
     }
     assert told["units"] == {"work": "us", "times": "count"}
-    assert {run["budgets"]["work"]["verdict"] for run in proof["runs"]} <= {"seen", "every phase"}
 
 
 def test_a_run_that_cannot_be_made_is_a_line_and_status_2_and_the_others_are_told(periph_sim: Run) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 from periph_sim.pytest_plugin.figures import properties, table
@@ -23,26 +22,25 @@ def report(test: str, *given: object, **more: object) -> SimpleNamespace:
 
 def test_figures_come_back_as_they_went() -> None:
     slow, silent = properties("a/b", verdict()), properties("a/b", verdict("x / y", None))
-    proven = replace(verdict("proven", 2.0), bound=3.5, proof="every phase")
     lines = table(
         [
             report("t.py::one", slow),  # set up
             report("t.py::one", slow, silent, slow),  # called; the first was judged twice
             report("t.py::two", [("mine", 1), ("periph-sim", 2)], wasxfail=""),
             report("case.toml::response", properties("c", verdict(worst=3, unit="count")), wasxfail=""),
-            report("case.toml::p", properties("c", proven)),
+            report("case.toml::p", properties("c", verdict("held", 2.0))),
             report("case.toml::x", properties("c", verdict()), wasxfail=""),
             SimpleNamespace(nodeid="a collector's"),
         ]
     )
     assert lines == [
-        (" case/budget       seen     bound  limit        when                       judged by", True),
-        (f" {'─' * 83}", True),
-        (" a/b/response  5.000 us         -   4 us  0.500000 s  broken               t.py::one", False),
-        (" a/b/x / y            -         -   4 us           -  broken               t.py::one", False),
-        (" c/response           3         -      4  0.500000 s  seen", True),
-        (" c/proven      2.000 us  3.500 us   4 us  0.500000 s  every phase", True),
-        (" c/response    5.000 us         -   4 us  0.500000 s  broken, as expected", True),
+        (" case/budget       seen  limit        when                       judged by", True),
+        (f" {'─' * 73}", True),
+        (" a/b/response  5.000 us   4 us  0.500000 s  broken               t.py::one", False),
+        (" a/b/x / y            -   4 us           -  broken               t.py::one", False),
+        (" c/response           3      4  0.500000 s  seen", True),
+        (" c/held        2.000 us   4 us  0.500000 s  seen", True),
+        (" c/response    5.000 us   4 us  0.500000 s  broken, as expected", True),
     ]
 
 

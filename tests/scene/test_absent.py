@@ -111,15 +111,14 @@ measure = "lost flags"
 max = 0
 """
 NAMED = ("recording", "budgets on lost flags")  # by this case, but for the bare scene "slave"
-PROOF = ("explain.bound", "explain.bound.")  # whoever tells a verdict tells what it proves
 COMMAND = "import sys; sys.argv[1:] = {}; from periph_sim.cli import main; main()"
 OPENED: dict[str, tuple[str, tuple[str, ...], set[str]]] = {
-    "from Python": ("import periph_sim; periph_sim.run('small.toml')", ("api", *PROOF), set()),
-    "run": (COMMAND.format(["run", "small.toml"]), ("cli", "commands.", *PROOF), {"click"}),
-    "run --json": (COMMAND.format(["run", "small.toml", "--json"]), ("cli", "commands.", *PROOF), {"click"}),
+    "from Python": ("import periph_sim; periph_sim.run('small.toml')", ("api",), set()),
+    "run": (COMMAND.format(["run", "small.toml"]), ("cli", "commands."), {"click"}),
+    "run --json": (COMMAND.format(["run", "small.toml", "--json"]), ("cli", "commands."), {"click"}),
     "recorded": (
         "import periph_sim; periph_sim.run('small.toml', record='run.jsonl')",
-        ("api", *PROOF, "traces.formats."),
+        ("api", "traces.formats."),
         {"numpy", "zlib_ng"},
     ),
 }

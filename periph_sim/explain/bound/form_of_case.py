@@ -6,21 +6,18 @@ case --no host--> waits and code --.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from ...core.options import options_from
 from ...core.time import Timebase
 from ...f28335.i2c.options import I2cOptions
 from ...scene.case.model import Case
-from ...scene.firmware_loader import Firmware
 from .closed_form import ClosedForm
 from .service_routine import observe_handlers
 from .terms import BadBound
 from .undisturbed_run import observe, serving_unit
 
 
-def closed_form(case: Case, firmware: Mapping[str, Firmware] | None = None) -> ClosedForm:
-    """The closed form of a case. firmware: by unit, where it is loaded already. BadBound if it has none."""
+def closed_form(case: Case) -> ClosedForm:
+    """The closed form of a case. BadBound if it has none."""
     unit = serving_unit(case)
     for name, one in case.unit.items():
         if not one.firmware:
@@ -46,7 +43,7 @@ def closed_form(case: Case, firmware: Mapping[str, Firmware] | None = None) -> C
         raise BadBound(
             f"case {case.name}: some frames are sent twice (host.twice), which no bound counts; leave host.twice out"
         )
-    calm = observe(case, firmware)
+    calm = observe(case)
     timebase = Timebase(*(int(each.oscclk * each.pll / 2) for each in case.unit.values()))
     options = options_from(I2cOptions, case.unit[unit].options.i2c)
-    return ClosedForm(case, calm, observe_handlers(case, unit, firmware), timebase, options)
+    return ClosedForm(case, calm, observe_handlers(case, unit), timebase, options)

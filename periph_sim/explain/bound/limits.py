@@ -12,10 +12,10 @@ from ...timing.budget_schema import Budget, Condition
 from ...timing.budgets import BudgetJudge
 from .terms import Bound
 
-ONE_SIDED = "'exactly' needs a bound from either side"
+ONE_SIDED = "'exactly' needs the smallest value and the largest"
 NO_FORM = "no closed form is known"
-OTHER_SIDE = {False: "it is bounded from above only", True: "it is bounded from below only"}
-OF_DATA = {"wrong bytes": "bytes are data, which no sum of times bounds"}
+OTHER_SIDE = {False: "only the largest value is calculated", True: "only the smallest value is calculated"}
+OF_DATA = {"wrong bytes": "bytes are data, not times"}
 
 
 class LimitCheck(Struct, frozen=True):

@@ -7,7 +7,7 @@ The routine is straight-line code, so its cost in a run in which nothing else ha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
@@ -20,7 +20,6 @@ from ...core.records import Kind, Record
 from ...core.time import Timebase
 from ...f28335.cpu.instruction_costs import IFR_DELAY
 from ...scene.case.model import Case
-from ...scene.firmware_loader import Firmware
 from ...scene.scene import Scene
 from .branches import Decisions
 from .code_trace import CodeTrace, Ran, firmware_stack
@@ -82,7 +81,7 @@ class ServiceRoutines(Struct, frozen=True, dict=True):
 NONE = ServiceRoutines((), 0, 1, 0, 0)
 
 
-def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | None = None) -> ServiceRoutines:
+def observe_handlers(case: Case, unit: str) -> ServiceRoutines:
     """Run the case without requests for two frames. BadBound if the routines of a frame do not end."""
     if case.host is None:
         return NONE
@@ -95,7 +94,7 @@ def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | N
     quiet = case.model_copy(update=plainest)
     listener = _Listener(unit)
     kinds = (Kind.IRQ, Kind.ACCESS, Kind.SPAN)
-    scene = Scene(quiet, lambda recorder, _: recorder.subscribe(kinds, listener.hear), firmware, end="most")
+    scene = Scene(quiet, lambda recorder, _: recorder.subscribe(kinds, listener.hear), end="most")
     scene.run(length)
     if listener.running:
         what = f"a service routine of {unit} that a host frame sets off is not over when the next frame comes"

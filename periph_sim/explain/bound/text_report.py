@@ -1,4 +1,4 @@
-"""A report of bounds as a person reads it, and as JSON: each bound beside the value seen, then its sum term by term."""
+"""A report of calculated worst cases as text and as JSON: each beside the value seen, then its sum term by term."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from ...timing.format_value import figure, percentile, simulated
 from .compare_with_run import BoundWithRun, Report
 from .terms import Bound, Term, total
 
+ASSUMED = ("rates as received", "no frame left out", "no other interrupt", "no dependence on data")
 MEASURED = (
     "Code and service routines are straight-line code, measured undisturbed (the case without its host, the case "
     "without requests); all else comes from the case."
@@ -16,9 +17,9 @@ MEASURED = (
 
 
 def text(report: Report) -> str:
-    lines = [f"{report.case}: {_verdict(report)}"]
+    lines = [f"{report.case}: {_verdict(report)}", f"assumes {', '.join(ASSUMED)}"]
     if report.beside:
-        head = ("measure", "bound", "seen", "ratio", "values")
+        head = ("measure", "calculated", "seen", "ratio", "values")
         lines += ["", *text_table(head, [_row(report, each) for each in report.beside], range(1, 5))]
     if report.limits:
         lines += ["", *_limits(report)]
@@ -26,7 +27,7 @@ def text(report: Report) -> str:
         lines += ["", *_sum(report, each.bound)]
         if each.bound.name == "margin":
             lines += paragraph(_held_from(report.held_from), "  ", "    ")
-    lines += ["", "what is left before the deadlines that the bounds need:"]
+    lines += ["", "time left before the deadlines that the calculation needs:"]
     alike: dict[tuple[Term, ...], list[str]] = {}
     for deadline in report.deadlines:
         alike.setdefault(deadline.terms, []).append(deadline.name)
@@ -40,22 +41,22 @@ def text(report: Report) -> str:
 def _verdict(report: Report) -> str:
     if report.missed:
         names = "; ".join(f"{d.name} up to {report.timebase.show(-d.ticks)} too soon" for d in report.missed)
-        return f"no bound: {names}"
+        return f"nothing calculated: {names}"
     broken = [each.bound.name for each in report.beside if each.seen is not None and not each.holds]
     unseen = [each.bound.name for each in report.beside if each.seen is None]
-    said = [f"{' and '.join(broken)} beyond its bound"] * bool(broken)
+    said = [f"{' and '.join(broken)} seen beyond the calculated value"] * bool(broken)
     said += [f"of {' and '.join(unseen)} nothing was seen, so nothing is compared"] * bool(unseen)
     said += [
         f"{limit.budget} may break its limit, by {_amount(report, -(limit.spare or 0))}" for limit in report.beyond
     ]
     if report.unproven:
         unbounded = ", ".join(dict.fromkeys(each.budget for each in report.unproven))
-        said.append(f"{unbounded} not bounded: {'; '.join(dict.fromkeys(u.reason for u in report.unproven))}")
+        said.append(f"{unbounded} not calculated: {'; '.join(dict.fromkeys(u.reason for u in report.unproven))}")
     said += report.hung
     if not said:
         bounded = any(limit.bound is not None for limit in report.limits)
-        said.append("every bound is within its limit" if bounded else "no budget limits what is bounded")
-    return f"{'; '.join(said)}; {simulated(report.simulated_s)} simulated beside the bounds"
+        said.append("calculated values are within their limits" if bounded else "no budget limits what is calculated")
+    return f"{'; '.join(said)}; {simulated(report.simulated_s)} simulated to compare"
 
 
 def _amount(report: Report, ticks: int) -> str:
@@ -63,7 +64,7 @@ def _amount(report: Report, ticks: int) -> str:
 
 
 def _limits(report: Report) -> list[str]:
-    """A row for each limit of the case that is bounded, and a line of those that are not."""
+    """A row for each limit of the case whose measure is calculated, and a line for those that are not."""
     rows: list[tuple[str, ...]] = []
     for each in report.limits:
         if each.bound is not None:
@@ -71,13 +72,13 @@ def _limits(report: Report) -> list[str]:
             limit, bound, spare = (str(value) if of.counted else _amount(report, value) for value in values)
             key = f"{percentile(each.key)} "
             rows.append((each.budget, key + limit, bound, spare, "may break" if each.beyond else "holds"))
-    lines = text_table(("budget", "limit", "bound", "spare", ""), rows, range(1, 4)) if rows else []
+    lines = text_table(("budget", "limit", "calculated", "spare", ""), rows, range(1, 4)) if rows else []
     reasons: dict[str, list[str]] = {}
     for each in report.limits:
         if each.bound is None and each.budget not in reasons.get(each.reason, ()):
             reasons.setdefault(each.reason, []).append(each.budget)
     for reason, budgets in reasons.items():
-        text = f"no bound: {', '.join(budgets)} ({reason})"
+        text = f"not calculated: {', '.join(budgets)} ({reason})"
         lines += paragraph(text, "  ", "    ")
     return lines
 
@@ -97,7 +98,7 @@ def _sum(report: Report, bound: Bound) -> list[str]:
     """The sum under its head."""
     sign = "at least" if bound.least else "at most"
     if bound.unproven:
-        sign = "no bound; what was measured adds up to"
+        sign = "not calculated; what was measured adds up to"
     lines = [f"{bound.name}: {sign} {_value(report, bound, bound.ticks)}"]
     if bound.floor is None:
         return lines + _terms(report, bound.terms, bound.counted)
@@ -118,7 +119,7 @@ def _terms(report: Report, terms: tuple[Term, ...], counted: bool = False) -> li
         amount = f"{term.ticks:>9}" if counted else amount
         lines += columns([(amount, f"{term.what}  [{term.source}]")], right=(0,))
         if term.unproven:
-            lines += paragraph(f"no bound, since {term.unproven}", " " * 12, " " * 14)
+            lines += paragraph(f"not calculated, since {term.unproven}", " " * 12, " " * 14)
     return lines
 
 
@@ -147,7 +148,7 @@ def as_json(report: Report) -> dict[str, object]:
 
     def terms(given: tuple[Term, ...], counted: bool = False) -> list[dict[str, object]]:
         return [
-            {"what": term.what, **value(counted, term.ticks), "source": term.source, "unproven": term.unproven}
+            {"what": term.what, **value(counted, term.ticks), "source": term.source, "reason": term.unproven}
             for term in given
         ]
 
@@ -156,18 +157,19 @@ def as_json(report: Report) -> dict[str, object]:
         "simulated_s": report.simulated_s,
         "holds": report.holds,
         "passed": report.passed,
+        "assumes": list(ASSUMED),
         "hung": list(report.hung),
         "held_from_cycles": report.held_from,
         "deadlines": [
             {"what": deadline.name, "spare": time(deadline.ticks), "terms": terms(deadline.terms)}
             for deadline in report.deadlines
         ],
-        "bounds": [
+        "calculated": [
             {
                 "measure": each.bound.measure,
                 "from_below": each.bound.least,
-                "unproven": each.bound.unproven,
-                "bound": value(each.bound.counted, each.bound.ticks),
+                "reason": each.bound.unproven,
+                "calculated": value(each.bound.counted, each.bound.ticks),
                 "seen": None if each.seen is None else value(each.bound.counted, each.seen),
                 "ratio": None if each.ratio is None else float(each.ratio),
                 "values": each.count,
@@ -182,7 +184,7 @@ def as_json(report: Report) -> dict[str, object]:
                 "budget": each.budget,
                 "measure": each.measure,
                 "key": each.key,
-                "bounded": each.bound is not None,
+                "calculated": each.bound is not None,
                 "spare": None if each.bound is None else value(each.bound.counted, each.spare or 0),
                 "reason": each.reason,
             }

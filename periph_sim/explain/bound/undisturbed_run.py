@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import defaultdict
-from collections.abc import Mapping
 from fractions import Fraction
 from itertools import pairwise
 
@@ -27,7 +26,6 @@ from ...f28335.system.options import SystemOptions
 from ...processor.dsp import Dsp
 from ...processor.polling import Spin
 from ...scene.case.model import Case
-from ...scene.firmware_loader import Firmware
 from ...scene.scene import Scene
 from .branches import Decisions
 from .code_trace import CodeTrace
@@ -163,7 +161,7 @@ def serving_unit(case: Case) -> str:
     return units[0]
 
 
-def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> UndisturbedRun:
+def observe(case: Case) -> UndisturbedRun:
     """Run the case without host and jitter for two rounds. BadBound if its firmware does not serve in waits."""
     unit = serving_unit(case)
     controller = case.controller
@@ -178,7 +176,7 @@ def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Undis
         }
     )
     listener = _Listener(unit)
-    scene = Scene(calm_case, lambda recorder, _: recorder.subscribe(KINDS, listener.hear), firmware, end="most")
+    scene = Scene(calm_case, lambda recorder, _: recorder.subscribe(KINDS, listener.hear), end="most")
     dsp = scene.units[unit]
     listener.dsp = dsp
     assert scene.head is not None

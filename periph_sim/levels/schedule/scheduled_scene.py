@@ -15,7 +15,6 @@ from time import perf_counter
 from ...core.time import Timebase, TimeError
 from ...devices.host_pc import FRAME_BYTES
 from ...scene.case.model import Case
-from ...scene.firmware_loader import load_firmware
 from ...scene.limits import limits_of
 from ...scene.result import AT_ANOTHER_LEVEL, Result
 from ...scene.scope import scope_of_case
@@ -59,7 +58,7 @@ def tells(case: Case, budget: Budget) -> bool:
 
 
 class ScheduledScene:
-    """case: as it is on edges. limits, start, timebase, firmware, stalled: as those of a `Scene`.
+    """case: as it is on edges. limits, start, timebase: as those of a `Scene`.
 
     structure: measured. happened: after `run`, what is no plain round: "a NACK", "a missed round", "a stretched byte",
     "a hang".
@@ -68,15 +67,12 @@ class ScheduledScene:
     """
 
     start = 0  # another begin is another structure
-    stalled = ""
 
     def __init__(self, case: Case, *, keep_values: bool = False) -> None:
         began = perf_counter()
         self.structure = structure_of(case)
         self.happened: frozenset[str] = frozenset()
         self.case = self.structure.case
-        unit = self.structure.unit
-        self.firmware = {unit: load_firmware(case.unit[unit].firmware)}
         self.timebase = Timebase(*(int(each.oscclk * each.pll / 2) for each in case.unit.values()))
         self.limits = limits_of(case, scope_of_case(case), self.timebase, self.start)
         self._lacks = {limit.budget.name: _lacking(limit) for limit in self.limits}

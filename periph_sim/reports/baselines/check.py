@@ -57,7 +57,6 @@ def check(
     update: bool = False,
     changes: Sequence[str] = (),
     keep_values: bool = False,
-    guaranteed: bool = False,
     told: Callable[[float], None] | None = None,
     on_refused: Callable[[RejectedCase], None] | None = None,
 ) -> list[CaseCheck]:
@@ -65,8 +64,8 @@ def check(
 
     tolerance: cycles by which times may differ. update: the figures become the new baselines, all or none.
     changes: "key=value" texts applied to every case, to see what they would change. keep_values: in the outcomes.
-    guaranteed: what holds only in what was seen is not as it should be. told: the part done, 0 to 1. on_refused: called
-    with each case that cannot be run or compared, or that others drive; the others go on.
+    told: the part done, 0 to 1. on_refused: called with each case that cannot be run or compared, or that others drive;
+    the others go on.
     BadCheck for such cases without it, and in any case where baselines are to be written: all of them or none. A
     script that calls this with more than one process needs the usual `if __name__ == "__main__":`.
     """
@@ -101,7 +100,7 @@ def check(
         _explain(checks, before, start, tolerance)
         _find_causes(checks, start)
     for one_check in checks:
-        one_check.findings = judge(one_check, guaranteed)
+        one_check.findings = judge(one_check)
     return checks
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 from ...explain.chain import Chain
 from ...timing.format_value import broken
-from ...timing.verdict import EVERY_PHASE, Verdict
+from ...timing.verdict import Verdict
 from .compare import Change
 from .outcome import Outcome
 
@@ -50,8 +50,8 @@ class CaseCheck:
         return not self.findings
 
 
-def judge(check: CaseCheck, guaranteed: bool = False) -> list[Finding]:
-    """Everything that is not as it should be, budgets first. guaranteed: what holds only in what was seen is not."""
+def judge(check: CaseCheck) -> list[Finding]:
+    """Everything that is not as it should be, budgets first."""
     outcome = check.outcome
     top = outcome.name_line or 1
     findings = []
@@ -66,9 +66,6 @@ def judge(check: CaseCheck, guaranteed: bool = False) -> list[Finding]:
         elif must:
             line = outcome.breaks_line or line
             text = f"{verdict.name} holds, but breaks says that it must break; take it out there if the bug is mended"
-            findings.append(Finding(verdict.name, line, text))
-        elif guaranteed and verdict.proof != EVERY_PHASE:
-            text = f"{verdict.name} held in this run, but is not proven: {verdict.unbounded}"
             findings.append(Finding(verdict.name, line, text))
     findings += [Finding(None, top, text) for text in outcome.trouble]
     if check.state == "missing":

@@ -44,8 +44,6 @@ def _suite(root: xml.Element, check: CaseCheck) -> None:
             "verdict": verdict.word,
             "must_break": "yes" if verdict.name in outcome.breaks else "no",
         }
-        said |= {f"bound{tail}": str(verdict.bound)} if verdict.bound is not None else {}
-        said |= {"unbounded": verdict.unbounded} if verdict.unbounded else {}
         _test(suite, check, verdict.name, outcome.lines[verdict.name], said)
     _test(suite, check, None, outcome.name_line, {})
     _sums(suite, suite.findall("testcase"))

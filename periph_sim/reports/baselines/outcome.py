@@ -11,7 +11,6 @@ from pathlib import Path
 from ...core.kernel import SimulationStuck
 from ...core.records import Recorder
 from ...core.time import Timebase
-from ...explain.bound.verdict_proof import prove_verdicts
 from ...explain.chain import Chain
 from ...explain.explain import explain
 from ...f28335.system.memory_map import NoSuchAddress
@@ -121,7 +120,6 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
 
     scene = Scene(case, subscribe, keep_values=keep_values)
     result = scene.run()
-    prove_verdicts(scene, result.budgets)
     trouble = scene.deadlocks()
     if scene.stuck.hangs() and not trouble:
         trouble = scene.stuck.sentences[-1:]

@@ -52,7 +52,7 @@ def case_report(
     """
     run = _Run(case, per_second, _ticks(result.simulated_s, per_second))
     overs = [
-        None if kept is None else over_time(kept, verdict, run.end, per_second // 1_000_000)
+        None if kept is None else over_time(kept, verdict, run.end)
         for verdict, kept in zip(result.budgets, values, strict=True)
     ]
     found = explain_each(case, [*result.budgets, *run.others(result.budgets, overs)], typical, length)

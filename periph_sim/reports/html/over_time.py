@@ -34,7 +34,7 @@ class Column:
 
 @dataclass(frozen=True)
 class OverTime:
-    """Values in `unit`, that of Values. end: of the run, ticks. bound: of the worst, None where none is known.
+    """Values in `unit`, that of Values. end: of the run, ticks.
 
     violations: instant and value, in order of time, the first MOST of `violation_count`. which: the verdict's limit.
     """
@@ -43,27 +43,23 @@ class OverTime:
     end: int
     columns: tuple[Column, ...]
     limits: tuple[tuple[str, int], ...]
-    bound: int | None
     which: str
     violations: tuple[tuple[int, int], ...]
     violation_count: int
     count: int
 
 
-def over_time(values: Values, verdict: Verdict, end: int, per_us: int) -> OverTime:
-    """end: of the run, ticks from its begin. per_us: ticks a microsecond."""
+def over_time(values: Values, verdict: Verdict, end: int) -> OverTime:
+    """end: of the run, ticks from its begin."""
     order = np.argsort(values.at, kind="stable")
     at, data = values.at[order], values.values[order]
     beyond = _beyond(data, verdict, values.limits)
     wrong = np.flatnonzero(beyond)
-    factor = {"time": per_us, "LSB": 10**6}.get(values.unit, 1)
-    bound = None if verdict.bound is None else round(verdict.bound * factor)
     return OverTime(
         unit=values.unit,
         end=end,
         columns=tuple(_columns(at, data, beyond, end)),
         limits=tuple(values.limits.items()),
-        bound=bound,
         which=verdict.which,
         violations=tuple((int(at[n]), int(data[n])) for n in wrong[:MOST]),
         violation_count=len(wrong),

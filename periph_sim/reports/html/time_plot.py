@@ -1,6 +1,6 @@
 """An OverTime on paper: places in percent of the plot's field come out, so that the page may be of any width.
 
-5.1 us |- - - - - - - - - - - -  max      a dot or a stroke a column, limits and bound across,
+5.1 us |- - - - - - - - - - - -  max      a dot or a stroke a column, limits across,
        |  .  .  | .  .   . |              values beyond a limit drawn again on top
    0 us |__________________________
        0 s         5 s         10 s
@@ -26,9 +26,8 @@ Place = Callable[[float], float]
 
 @dataclass(frozen=True)
 class Line:
-    """Across the field: a limit or a bound. y: percent from above; None where it lies far above or below."""
+    """A limit across the field. y: percent from above; None where it lies far above or below."""
 
-    kind: str  # "limit" or "bound"
     text: str
     y: float | None
     above: bool = True
@@ -49,11 +48,10 @@ class TimePlot:
 def time_plot(over: OverTime, unit: str, size: int, per_second: int) -> TimePlot:
     """unit, size: what values are shown in, and how many of their own units that is."""
     seen = [*(c.low for c in over.columns), *(c.high for c in over.columns)]
-    lines = [("limit", key.replace("_", "."), value) for key, value in over.limits]
-    lines += [("bound", "bound", over.bound)] if over.bound is not None else []
+    lines = [(key.replace("_", "."), value) for key, value in over.limits]
     least, most = min(seen), max(seen)
     reach = NEAR * (most - least or abs(most) or 1)
-    near = [value for _, _, value in lines if least - reach <= value <= most + reach]
+    near = [value for _, value in lines if least - reach <= value <= most + reach]
     low, high = min([least, *near]), max([most, *near])
     low = 0 if 0 < low < 0.4 * high else low
     room = ROOM * (high - low or abs(high) or 1)
@@ -65,10 +63,10 @@ def time_plot(over: OverTime, unit: str, size: int, per_second: int) -> TimePlot
     def x(at: int) -> float:
         return round(WIDTH * at / max(over.end, 1), 1)
 
-    def line(kind: str, name: str, value: int) -> Line:
+    def line(name: str, value: int) -> Line:
         inside = begin <= value <= end
         text = f"{name} {number(value / size)} {unit}".rstrip()
-        return Line(kind, text, y(value) if inside else None, value > end)
+        return Line(text, y(value) if inside else None, value > end)
 
     strokes = (f"M{x(c.at):g} {y(c.high):g}v{round(y(c.low) - y(c.high), 1):g}" for c in over.columns)
     marks = (f"M{x(c.at):g} {y(c.low if over.which == 'min' else c.high):g}v0" for c in over.columns if c.beyond)

@@ -20,8 +20,7 @@ Floats = NDArray[np.float64]
 class BudgetColumns:
     """A budget's figures, an entry a run; as of a `Verdict`. NaN and "" where a run has none, -1 for its count.
 
-    unit: of worst, limit, margin and bound: "us", "%", "LSB", or what is counted. verdict: "every phase" and "seen" of
-    a pass where proofs were asked for, else "pass"; "broken", "not judged".
+    unit: of worst, limit and margin: "us", "%", "LSB", or what is counted. verdict: "pass", "broken", "not judged".
     """
 
     measure: str
@@ -29,7 +28,6 @@ class BudgetColumns:
     worst: Floats
     limit: Floats
     margin: Floats
-    bound: Floats
     at_s: Floats
     count: NDArray[np.int64]
     verdict: NDArray[np.str_]
@@ -40,7 +38,7 @@ class Sweep:
     """What a sweep came to: arrays with an entry for each run, in the order of the changes.
 
     changes: by key, what each run set; "" where it left the case's own. verdict: "pass", "fail", "not judged", or
-    "error" where a run could not be made, and `error` says why. proof: what a pass proves, where that was asked.
+    "error" where a run could not be made, and `error` says why.
     budgets: by name. counts: by name, -1 in runs that have none.
     """
 
@@ -48,7 +46,6 @@ class Sweep:
     changes: Mapping[str, Column]
     verdict: NDArray[np.str_]
     error: NDArray[np.str_]
-    proof: NDArray[np.str_]
     simulated_s: Floats
     wire_bytes: NDArray[np.int64]
     sci_bytes: NDArray[np.int64]
@@ -84,7 +81,6 @@ def sweep_of(case: str, runs: Sequence[Mapping[str, object]], rows: Sequence[Row
         changes={key: _values([run.get(key, "") for run in runs]) for key in keys},
         verdict=_texts(row.verdict for row in rows),
         error=_texts(row.error for row in rows),
-        proof=_texts(row.proof for row in rows),
         simulated_s=np.array([row.simulated_s for row in rows], dtype=np.float64),
         wire_bytes=_whole(row.wire_bytes for row in rows),
         sci_bytes=_whole(row.sci_bytes for row in rows),
@@ -107,7 +103,6 @@ def _budget(verdicts: Sequence[Verdict | None]) -> BudgetColumns:
         worst=figures(lambda verdict: verdict.worst),
         limit=figures(lambda verdict: verdict.limit),
         margin=figures(lambda verdict: verdict.margin),
-        bound=figures(lambda verdict: verdict.bound),
         at_s=figures(lambda verdict: verdict.at_s),
         count=_whole(-1 if verdict is None else verdict.count for verdict in verdicts),
         verdict=_texts("" if verdict is None else _word(verdict) for verdict in verdicts),
@@ -115,7 +110,7 @@ def _budget(verdicts: Sequence[Verdict | None]) -> BudgetColumns:
 
 
 def _word(verdict: Verdict) -> str:
-    return verdict.verdict if verdict.passed and not verdict.proof else verdict.word
+    return verdict.verdict if verdict.passed else verdict.word
 
 
 def _texts(values: Any) -> NDArray[np.str_]:

@@ -12,7 +12,6 @@ from fractions import Fraction
 from pathlib import Path
 
 from ...core.kernel import SimulationStuck
-from ...explain.bound.verdict_proof import prove_verdicts
 from ...f28335.system.memory_map import NoSuchAddress
 from ...levels.judged import judged
 from ...processor.error_origin import FirmwareError
@@ -29,14 +28,13 @@ ERROR = "error"  # the verdict of a run that could not be made
 class Job:
     """What all runs of a sweep have in common. shown: the file as the caller named it, for messages.
 
-    length: instead of the case's own duration, in seconds. proven: verdicts say what they prove.
+    length: instead of the case's own duration, in seconds.
     """
 
     file: str
     shown: str
     length: Fraction | None
     programs: Mapping[str, Firmware]
-    proven: bool
 
 
 @dataclass
@@ -45,7 +43,6 @@ class Row:
 
     verdict: str
     error: str = ""
-    proof: str = ""
     simulated_s: float = 0.0
     wire_bytes: int = 0
     sci_bytes: int = 0
@@ -63,13 +60,10 @@ def _row(job: Job, changes: Sequence[str]) -> Row:
     try:
         scene = judged(load(job.file, list(changes)), None, job.programs)
         result = scene.run(job.length)
-        if job.proven:
-            prove_verdicts(scene, result.budgets)
     except REFUSED as error:
         return Row(ERROR, _as_named(job, str(error)))
     return Row(
         result.verdict,
-        proof=result.proof if job.proven else "",
         simulated_s=result.simulated_s,
         wire_bytes=result.wire_bytes,
         sci_bytes=result.sci_bytes,

@@ -38,7 +38,6 @@ def sweep(
     *,
     seconds: str | Fraction | None = None,
     programs: Mapping[str, Program | Firmware] | None = None,
-    proven: bool = False,
     jobs: int | None = None,
     executor: Executor | None = None,
     told: Callable[[float], None] | None = None,
@@ -47,8 +46,7 @@ def sweep(
 
     case: its file. changes: `{key: values}` for every combination, or a list of runs: `{key: value}` or "key=value"
     texts as `--set` has them. seconds: instead of the case's own duration. programs: firmware given as functions, by
-    unit; as workers import them by name, they stand in a module. proven: find out what each pass proves, which costs
-    two short runs more each.
+    unit; as workers import them by name, they stand in a module.
 
     jobs: processes of our own, as many as there are cores if None; 1: all in this one. executor: any of
     `concurrent.futures` instead, which stays open; its workers see the case under the same path. Rows, their order and
@@ -71,7 +69,7 @@ def sweep(
     texts = [texts_of(run) for run in runs]
     name = _check(Path(case), texts, programs or {})
     firmware = {unit: p if isinstance(p, Firmware) else Firmware(unit, p, None) for unit, p in (programs or {}).items()}
-    job = Job(str(Path(case).absolute()), str(case), length, firmware, proven)
+    job = Job(str(Path(case).absolute()), str(case), length, firmware)
     workers = min(jobs or os.cpu_count() or 1, len(runs))
     if executor is None and workers > 1:
         _check_sent(firmware)

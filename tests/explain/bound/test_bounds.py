@@ -78,9 +78,9 @@ def limit_check(measure: str, limit: str, key: str = "max") -> LimitCheck:
     ("measure", "limit", "key", "reason"),
     [
         ("gap between rounds", "1 us", "max", "no closed form is known"),
-        ("response", "1 us", "min", "it is bounded from above only"),
-        ("slack", "1 us", "max", "it is bounded from below only"),
-        ("response", "5 us", "exactly", "'exactly' needs a bound from either side"),
+        ("response", "1 us", "min", "only the largest value is calculated"),
+        ("slack", "1 us", "max", "only the smallest value is calculated"),
+        ("response", "5 us", "exactly", "'exactly' needs the smallest value and the largest"),
         ("response", "5 us", "p99", ""),
         ("slack", "17 ms", "min", ""),
     ],

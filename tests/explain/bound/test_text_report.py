@@ -58,9 +58,10 @@ REPORT = Report(
 )
 
 LINES = f"""\
-made: margin may break its limit, by 0.667 us; 0.1 s simulated beside the bounds
+made: margin may break its limit, by 0.667 us; 0.1 s simulated to compare
+assumes rates as received, no frame left out, no other interrupt, no dependence on data
 
- measure         bound      seen  ratio  values
+ measure    calculated      seen  ratio  values
  ──────────────────────────────────────────────
  response  <= 1.000 us  0.667 us  1.500       7
  stretch   <= 1.000 us  0.000 us      -       2
@@ -68,13 +69,13 @@ made: margin may break its limit, by 0.667 us; 0.1 s simulated beside the bounds
  FIFO            <= 12         6  2.000       1
  age              none  4.000 us      -       5
 
- budget           limit     bound      spare
- ──────────────────────────────────────────────────────
- reaction  max 1.000 us  1.000 us   0.000 us  holds
- margin    min 9.000 us  8.333 us  -0.667 us  may break
- words         p99.9 12        12          0  holds
-  no bound: wrong, other (bytes are data)
-  no bound: old (no closed form is known)
+ budget           limit  calculated      spare
+ ────────────────────────────────────────────────────────
+ reaction  max 1.000 us    1.000 us   0.000 us  holds
+ margin    min 9.000 us    8.333 us  -0.667 us  may break
+ words         p99.9 12          12          0  holds
+  not calculated: wrong, other (bytes are data)
+  not calculated: old (no closed form is known)
 
 response: at most 1.000 us
         100 cycles       0.667 us  code  [its code]
@@ -94,11 +95,11 @@ margin: at least 8.333 us
 FIFO: at most 12
          12  words  [the frame]
 
-age: no bound; what was measured adds up to 3.000 us
+age: not calculated; what was measured adds up to 3.000 us
         450 cycles       3.000 us  model  [measured]
-            no bound, since 'if x' decides what runs
+            not calculated, since 'if x' decides what runs
 
-what is left before the deadlines that the bounds need:
+time left before the deadlines that the calculation needs:
 
 first request, second request: 0.667 us
         150 cycles       1.000 us  first request  [controller.first]
@@ -120,16 +121,17 @@ def test_a_report_as_lines():
 def test_what_there_is_none_of_is_left_out():
     bare = replace(REPORT, handlers=NONE, deadlines=(), beside=(), limits=())
     assert text(bare).splitlines() == [
-        "made: no budget limits what is bounded; 0.1 s simulated beside the bounds",
-        *("", "what is left before the deadlines that the bounds need:", "", *paragraph(MEASURED)),
+        "made: no budget limits what is calculated; 0.1 s simulated to compare",
+        "assumes rates as received, no frame left out, no other interrupt, no dependence on data",
+        *("", "time left before the deadlines that the calculation needs:", "", *paragraph(MEASURED)),
     ]
 
 
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"limits": REPORT.limits[:1]}, "every bound is within its limit"),
-        ({"limits": REPORT.limits[3:]}, "no budget limits what is bounded"),
+        ({"limits": REPORT.limits[:1]}, "calculated values are within their limits"),
+        ({"limits": REPORT.limits[3:]}, "no budget limits what is calculated"),
         ({"limits": (LimitCheck("it", "response", "max", US - 60, RESPONSE),)}, "it may break its limit, by 0.020 us"),
         (
             {"limits": (LimitCheck("it", "response", "max", -899_999 * US, RESPONSE),)},
@@ -137,7 +139,7 @@ def test_what_there_is_none_of_is_left_out():
         ),
         (
             {"beside": (BoundWithRun(RESPONSE, US + 1, 1), BoundWithRun(LEAST, 1, 1)), "limits": ()},
-            "response and margin beyond its bound",
+            "response and margin seen beyond the calculated value",
         ),
         (
             {"beside": (BoundWithRun(RESPONSE, None, 0), BoundWithRun(LEAST, None, 0)), "limits": ()},
@@ -152,17 +154,17 @@ def test_what_there_is_none_of_is_left_out():
                     LimitCheck("slow", "age", "max", US, None, "'if x' decides what runs", unproven=True),
                 )
             },
-            "old, slow not bounded: a wait may time out; 'if x' decides what runs",
+            "old, slow not calculated: a wait may time out; 'if x' decides what runs",
         ),
         (
             {"deadlines": (Bound("SDIR", "", (Term("late", -60, ""),)), Bound("XRDY", "", (Term("late", -3000, ""),)))},
-            "no bound: SDIR up to 0.020 us too soon; XRDY up to 1.000 us too soon",
+            "nothing calculated: SDIR up to 0.020 us too soon; XRDY up to 1.000 us too soon",
         ),
     ],
 )
 def test_the_first_line_says_what_is_wrong(changes: dict[str, object], said: str):
     told = text(replace(REPORT, **changes)).splitlines()[0]  # type: ignore[arg-type]
-    end = "" if said.startswith("no bound") else "; 0.1 s simulated beside the bounds"
+    end = "" if said.startswith("nothing calculated") else "; 0.1 s simulated to compare"
     assert told == f"made: {said}{end}"
 
 
@@ -172,15 +174,15 @@ def limits_of(*limits: LimitCheck) -> list[str]:
 
 
 def test_limits_have_a_head_where_one_of_them_is_bounded():
-    assert [line.split()[0] for line in limits_of(REPORT.limits[0])] == ["budget", "─" * 49, "reaction"]
-    assert limits_of(REPORT.limits[3]) == ["  no bound: wrong (bytes are data)"]
+    assert [line.split()[0] for line in limits_of(REPORT.limits[0])] == ["budget", "─" * 51, "reaction"]
+    assert limits_of(REPORT.limits[3]) == ["  not calculated: wrong (bytes are data)"]
 
 
 def test_a_reason_is_wrapped_at_80_characters():
-    reason = "x" * 60
+    reason = "x" * 54
     fits, wrapped = (limits_of(LimitCheck(name, "age", "max", 0, None, reason)) for name in ("b" * 5, "b" * 6))
-    assert fits == [f"  no bound: bbbbb ({reason})"] and len(fits[0]) == 80
-    assert wrapped == ["  no bound: bbbbbb", f"    ({reason})"]
+    assert fits == [f"  not calculated: bbbbb ({reason})"] and len(fits[0]) == 80
+    assert wrapped == ["  not calculated: bbbbbb", f"    ({reason})"]
 
 
 def test_a_margin_that_is_used_up_says_so():
@@ -190,51 +192,52 @@ def test_a_margin_that_is_used_up_says_so():
 
 def test_a_report_as_json():
     told = as_json(REPORT)
-    bounds, limits, deadlines = told["bounds"], told["limits"], told["deadlines"]
+    bounds, limits, deadlines = told["calculated"], told["limits"], told["deadlines"]
     assert isinstance(bounds, list) and isinstance(limits, list) and isinstance(deadlines, list)
     assert bounds[0] == {
         "measure": "response",
         "from_below": False,
-        "unproven": "",
-        "bound": {"us": 1.0, "cycles": 150.0},
+        "reason": "",
+        "calculated": {"us": 1.0, "cycles": 150.0},
         "seen": {"us": 2 / 3, "cycles": 100.0},
         "ratio": 1.5,
         "values": 7,
         "holds": True,
         "floor": [],
         "terms": [
-            {"what": "code", "us": 2 / 3, "cycles": 100.0, "source": "its code", "unproven": ""},
-            {"what": "poll pass", "us": 1 / 3, "cycles": 50.0, "source": "unit.dsp.poll_pass", "unproven": ""},
+            {"what": "code", "us": 2 / 3, "cycles": 100.0, "source": "its code", "reason": ""},
+            {"what": "poll pass", "us": 1 / 3, "cycles": 50.0, "source": "unit.dsp.poll_pass", "reason": ""},
         ],
     }
     assert bounds[1]["floor"] == [
-        {"what": "none is shorter", "us": 1.0, "cycles": 150.0, "source": "the bus", "unproven": ""}
+        {"what": "none is shorter", "us": 1.0, "cycles": 150.0, "source": "the bus", "reason": ""}
     ]
     assert (bounds[1]["ratio"], bounds[2]["from_below"]) == (None, True)
-    assert (bounds[3]["bound"], bounds[3]["seen"], bounds[3]["terms"][0]["count"]) == ({"count": 12}, {"count": 6}, 12)
-    assert bounds[4]["unproven"] == bounds[4]["terms"][0]["unproven"] == "'if x' decides what runs"
+    words = bounds[3]
+    assert (words["calculated"], words["seen"], words["terms"][0]["count"]) == ({"count": 12}, {"count": 6}, 12)
+    assert bounds[4]["reason"] == bounds[4]["terms"][0]["reason"] == "'if x' decides what runs"
     assert limits[1] == {
         "budget": "margin",
         "measure": "I2CDXR margin",
         "key": "min",
-        "bounded": True,
+        "calculated": True,
         "spare": {"us": -2 / 3, "cycles": -100.0},
         "reason": "",
     }
     assert (limits[2]["spare"], limits[3]["spare"]) == ({"count": 0}, None)
-    assert (limits[3]["bounded"], limits[3]["reason"]) == (False, "bytes are data")
+    assert (limits[3]["calculated"], limits[3]["reason"]) == (False, "bytes are data")
     assert (deadlines[2]["what"], deadlines[2]["spare"]) == ("SDIR", {"us": 0.02, "cycles": 3.0})
     assert [term["what"] for term in deadlines[0]["terms"]] == ["first request", "poll pass"]
     whole = {key: value for key, value in told.items() if not isinstance(value, list)}
     assert whole == {"case": "made", "simulated_s": 0.1, "holds": True, "passed": False, "held_from_cycles": 8}
+    assert told["assumes"] == ["rates as received", "no frame left out", "no other interrupt", "no dependence on data"]
     assert (told["hung"], told["interrupt"]) == ([], [bounds_term(ENTRY)])
     unseen = as_json(replace(REPORT, beside=(BoundWithRun(RESPONSE, None, 0),), hung=("dsp waits",)))
-    assert (
-        isinstance(unseen["bounds"], list) and unseen["bounds"][0]["seen"] is None and unseen["hung"] == ["dsp waits"]
-    )
+    assert isinstance(unseen["calculated"], list) and unseen["hung"] == ["dsp waits"]
+    assert unseen["calculated"][0]["seen"] is None
 
 
 def bounds_term(term: Term) -> dict[str, object]:
     """A term that is a time, as JSON."""
     cycles = term.ticks / CYCLE
-    return {"what": term.what, "us": cycles / 150, "cycles": cycles, "source": term.source, "unproven": term.unproven}
+    return {"what": term.what, "us": cycles / 150, "cycles": cycles, "source": term.source, "reason": term.unproven}

@@ -131,13 +131,13 @@ def budget(name: str, worst: float, limit: float = 10.0, timeline: Timeline | No
     return BudgetReport(said, (("max", f"{limit} us"),), "", False, None, timeline, None)
 
 
-def run_of(numbers: list[int], bound: float | None = None, which: str = "max", **limits: int) -> OverTime:
+def run_of(numbers: list[int], which: str = "max", **limits: int) -> OverTime:
     """Numbers as microseconds, one each millisecond from 1 ms on, of a run of 100 ms or as long as it takes."""
     data = np.array(numbers, np.int64) * US
     at = np.arange(1, len(data) + 1) * 1000 * US
     values = Values("time", data, at, {key: limit * US for key, limit in limits.items()})
-    verdict = replace(budget("made", float(max(numbers))).verdict, bound=bound, which=which)
-    return over_time(values, verdict, max(100, len(data) + 1) * 1000 * US, US)
+    verdict = replace(budget("made", float(max(numbers))).verdict, which=which)
+    return over_time(values, verdict, max(100, len(data) + 1) * 1000 * US)
 
 
 def report(*budgets: BudgetReport, name: str = "by hand") -> CaseReport:

@@ -139,12 +139,13 @@ def test_a_column_for_each_figure_and_an_entry_for_each_run(case: Path) -> None:
 
 
 def test_each_run_is_what_run_says_of_it(case: Path) -> None:
-    came = sweep(case, {WORK: LENGTHS}, seconds="25 us", proven=True, jobs=1)
+    came = sweep(case, {WORK: LENGTHS}, seconds="25 us", jobs=1)
     for row, length in enumerate(LENGTHS):
         alone = run(case, [f"{WORK}={length}"], seconds=Fraction(25, 1_000_000))
-        assert [budget.verdict[row] for budget in came.budgets.values()] == [one.word for one in alone.budgets]
+        words = ["pass" if one.passed else one.word for one in alone.budgets]
+        assert [budget.verdict[row] for budget in came.budgets.values()] == words
         assert came.worst["work"][row] == alone.budgets[0].worst
-        assert (came.verdict[row], came.proof[row]) == (alone.verdict, alone.proof)
+        assert came.verdict[row] == alone.verdict
         assert (came.events[row], came.wire_bytes[row]) == (alone.events, alone.wire_bytes)
 
 

@@ -5,7 +5,7 @@ Window --explain--> Chain(steps, parts, more) --show--> text, --object--> JSON
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -83,7 +83,8 @@ class Chain:
     """steps: in order of time. parts: the longest first; their lengths add up to `length` wherever there are any.
 
     length: of the occurrence, ticks. typical: the length of the least critical occurrence, None where it is not
-    known. more: by how much each part is longer here than there (ticks, signed), the largest difference first.
+    known. typical_holds: that occurrence keeps the limit, so the difference to it explains why this one does not.
+    more: by how much each part is longer here than there (ticks, signed), the largest difference first.
     """
 
     verdict: Verdict
@@ -92,16 +93,24 @@ class Chain:
     steps: tuple[Step, ...]
     parts: tuple[Part, ...] = ()
     typical: int | None = None
+    typical_holds: bool = True
     more: tuple[Part, ...] = ()
     blame: Part | None = None  # of an occurrence without length: what the firmware did instead
 
     @property
     def blamed(self) -> Part | None:
-        """The part that most of the time went into, of those that are a place in the firmware; of `more` if known."""
+        """The part that explains the length best, of those that have a place in the firmware.
+
+        Where the typical occurrence keeps the limit, it is the part that differs most from there, in the direction in
+        which this one is beyond the limit; else the longest part.
+        """
         if self.blame is not None:
             return self.blame
-        candidates = [part for part in self.more if part.length > 0] or self.parts
-        return next((part for part in candidates if part.place is not None), None)
+        candidates: Sequence[Part] = ()
+        if self.typical_holds:
+            sign = -1 if self.verdict.too_little else 1
+            candidates = sorted((p for p in self.more if sign * p.length > 0), key=lambda part: -sign * part.length)
+        return next((part for part in candidates or self.parts if part.place is not None), None)
 
     def us(self, ticks: int) -> Fraction:
         return Fraction(ticks * 1_000_000, self.timebase.per_second)

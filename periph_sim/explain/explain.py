@@ -93,7 +93,7 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
         there = chain_of(case, usual)
         comparable = chain.parts and (there.parts or not there.length)
         more = difference(chain.parts, there.parts) if comparable else ()
-        chain = replace(chain, typical=there.length, more=more)
+        chain = replace(chain, typical=there.length, typical_holds=usual.verdict.within, more=more)
     return Explained(_reaching(window, chain), chain)
 
 

@@ -92,9 +92,9 @@ def _blame(part: Part, chain: Chain) -> str:
     """The part as the cause, with its time where it has one."""
     if not part.length or part is chain.blame:
         return f"Cause: {part}"
-    length = figure(float(chain.us(part.length)), "us")
+    length = figure(abs(float(chain.us(part.length))), "us")
     if part in chain.more:
-        return f"Longer than typical by {length}: {part}"
+        return f"{'Shorter' if part.length < 0 else 'Longer'} than typical by {length}: {part}"
     share = Fraction(part.length, chain.length) if chain.length else Fraction(0)
     most = "Most of that time" if share > Fraction(1, 2) else "The largest part of that time"
     return f"{most}, {length}, went into {part}"

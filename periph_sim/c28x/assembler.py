@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
@@ -91,6 +92,9 @@ def _forms() -> Mapping[str, tuple[Encoding, ...]]:
     for encoding in encodings():
         if encoding.objmode != "0":
             forms.setdefault(encoding.mnemonic, []).append(encoding)
+            if encoding.also:
+                also = replace(encoding, mnemonic=encoding.also.partition(" ")[0], syntax=encoding.also)
+                forms.setdefault(also.mnemonic, []).append(also)
     return {name: tuple(sorted(rows, key=_before_others)) for name, rows in forms.items()}
 
 

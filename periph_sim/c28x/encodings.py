@@ -11,6 +11,7 @@ Source: SPRU430F chapters 2, 4 to 6; SPRUEO2A. The head of `encodings.toml` says
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from importlib import resources
 from typing import NamedTuple
 
 PAIR = 32  # bits of the two words that a pattern is matched against
+CYCLES_WHERE = re.compile(r"(\w) (&|=) (\w+): (\d+)")
 
 
 class BitField(NamedTuple):
@@ -31,19 +33,34 @@ class BitField(NamedTuple):
         return pair >> self.shift & self.mask
 
 
+class CyclesWhere(NamedTuple):
+    """Cycles that differ where a field has this value (`exactly`), or any of its bits."""
+
+    field: str
+    exactly: bool
+    number: int
+    cycles: int
+
+    def holds(self, value: int) -> bool:
+        return value == self.number if self.exactly else value & self.number != 0
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Encoding:
     """One form of an instruction.
 
     mask, value: of the fixed bits within the two words. at_least, at_most: bounds of fields that belong to the pattern.
     objmode: "1", "0" or "X" for both. kind: core, fpu, c2xlp, c27x, emu or trap. alias_of: the form whose operand field
-    has this one as a value. shift_bias: what field s lacks of the shift it stands for. latency: "2p" of a result that
-    is there one instruction later; "2p/1", "2p/2p" of the halves of a pair; else "".
+    has this one as a value. also: another syntax of it, or "". shift_bias: what field s lacks of the shift it stands
+    for. cycles: those it takes alone; see `cycles_of`. repeated: cycles of N + 1 executions behind RPT, less N; 0 if it
+    is not repeatable. latency: "2p" of a result that is there one instruction later; "2p/1", "2p/2p" of the halves of
+    a pair; else "". depends: status that decides what it does. flags, op: what it does, for the tests of `execution`.
     """
 
     id: str
     mnemonic: str
     syntax: str
+    also: str
     words: int
     mask: int
     value: int
@@ -54,11 +71,13 @@ class Encoding:
     kind: str
     alias_of: str
     shift_bias: int
-    repeatable: bool
     cycles: int
     not_taken: int
+    cycles_where: tuple[CyclesWhere, ...]
+    repeated: int
     latency: str
     flags: str
+    depends: str
     reads: tuple[str, ...]
     writes: tuple[str, ...]
     op: str
@@ -85,6 +104,18 @@ class Encoding:
             pair |= number << place.shift
         return pair
 
+    def cycles_of(self, values: Mapping[str, int]) -> tuple[int, int]:
+        """Cycles with these numbers in the fields: (taken, not taken), which are equal where it is no branch."""
+        for where in self.cycles_where:
+            if where.holds(values[where.field]):
+                return where.cycles, where.cycles
+        return self.cycles, self.not_taken
+
+    @property
+    def repeatable(self) -> bool:
+        """True if it may follow RPT."""
+        return self.repeated > 0
+
     @property
     def accesses(self) -> str:
         """What it does at the address of its operand field: "", "r", "w" or "rw"."""
@@ -99,7 +130,11 @@ LOCATIONS = ("loc16", "loc32", "mem16", "mem32")
 @cache
 def encodings() -> tuple[Encoding, ...]:
     """Every form, in the order of the table."""
-    text = resources.files(__package__).joinpath("encodings.toml").read_text(encoding="utf-8")
+    return read_table(resources.files(__package__).joinpath("encodings.toml").read_text(encoding="utf-8"))
+
+
+def read_table(text: str) -> tuple[Encoding, ...]:
+    """Every form of a table. ValueError if a row has a column that is not read."""
     return tuple(_encoding(row) for row in tomllib.loads(text)["encoding"])
 
 
@@ -108,40 +143,82 @@ def by_id() -> dict[str, Encoding]:
     return {encoding.id: encoding for encoding in encodings()}
 
 
-def _encoding(row: Mapping[str, object]) -> Encoding:
-    bits = str(row["bits"]).ljust(PAIR, ".")
-    mask = int("".join("01"[bit in "01"] for bit in bits), 2)
-    value = int("".join("01"[bit == "1"] for bit in bits), 2)
-    at_least, at_most = _bounds(str(row.get("where", "")))
-    cycles = int(str(row["cycles"]))
-    return Encoding(
-        id=str(row["id"]),
-        mnemonic=str(row["mnemonic"]),
-        syntax=str(row["syntax"]),
-        words=int(str(row["words"])),
-        mask=mask,
-        value=value,
+class _Row:
+    """A row of the table, whose columns are taken out as they are read."""
+
+    def __init__(self, row: Mapping[str, object]) -> None:
+        self._left = dict(row)
+
+    def text(self, column: str, default: str | None = None) -> str:
+        return str(self._left.pop(column) if default is None else self._left.pop(column, default))
+
+    def number(self, column: str, default: int | None = None) -> int:
+        return int(self.text(column, None if default is None else str(default)))
+
+    def names(self, column: str) -> tuple[str, ...]:
+        listed = self._left.pop(column)
+        assert isinstance(listed, list)
+        return tuple(str(name) for name in listed)
+
+    def ends(self, name: str) -> None:
+        """ValueError if a column was not read: a fact that stands in the table and has no effect."""
+        if self._left:
+            columns = " and ".join(sorted(self._left))
+            raise ValueError(f"encodings.toml: {name}: no code reads {columns}; read the column, or make it a comment")
+
+
+def _encoding(columns: Mapping[str, object]) -> Encoding:
+    row = _Row(columns)
+    bits = row.text("bits").ljust(PAIR, ".")
+    at_least, at_most = _bounds(row.text("where", ""))
+    cycles, name = row.number("cycles"), row.text("id")
+    found = Encoding(
+        id=name,
+        mnemonic=row.text("mnemonic"),
+        syntax=row.text("syntax"),
+        also=row.text("also", ""),
+        words=row.number("words"),
+        mask=int("".join("01"[bit in "01"] for bit in bits), 2),
+        value=int("".join("01"[bit == "1"] for bit in bits), 2),
         fields=_fields(bits),
         at_least=at_least,
         at_most=at_most,
-        objmode=str(row["objmode"]),
-        kind=str(row["class"]),
-        alias_of=str(row.get("alias_of", "")),
-        shift_bias=int(str(row.get("field", "")).startswith("s is shift-1")),
-        repeatable=row["rpt"] is True,
+        objmode=row.text("objmode"),
+        kind=row.text("class"),
+        alias_of=row.text("alias_of", ""),
+        shift_bias=row.number("shift_bias", 0),
         cycles=cycles,
-        not_taken=int(str(row.get("not_taken", cycles))),
-        latency=str(row.get("latency", "")),
-        flags=str(row["flags"]),
-        reads=_names(row["reads"]),
-        writes=_names(row["writes"]),
-        op=str(row["op"]),
+        not_taken=row.number("not_taken", cycles),
+        cycles_where=_cycles_where(row.text("cycles_where", "")),
+        repeated=_repeated(row.text("cycles_rpt", ""), row.text("rpt") == "True"),
+        latency=row.text("latency", ""),
+        flags=row.text("flags"),
+        depends=row.text("depends"),
+        reads=row.names("reads"),
+        writes=row.names("writes"),
+        op=row.text("op"),
     )
+    row.ends(name)
+    return found
 
 
-def _names(listed: object) -> tuple[str, ...]:
-    assert isinstance(listed, list)
-    return tuple(str(name) for name in listed)
+def _repeated(cycles: str, repeatable: bool) -> int:
+    """The 2 of "N+2"; 0 of what is not repeatable."""
+    if not repeatable:
+        return 0
+    if not cycles.startswith("N+"):
+        raise ValueError(f"{cycles!r} does not say what N + 1 executions take, as 'N+1' does")
+    return int(cycles[2:])
+
+
+def _cycles_where(where: str) -> tuple[CyclesWhere, ...]:
+    """What "y & 0x30: 2" states, or "k = 15: 4"."""
+    if not where:
+        return ()
+    found = CYCLES_WHERE.fullmatch(where)
+    if found is None:
+        raise ValueError(f"{where!r} is no condition on a field with the cycles that follow, as 'k = 15: 4' is")
+    return (CyclesWhere(found[1], found[2] == "=", int(found[3], 0), int(found[4])),)
 
 
 def _fields(bits: str) -> dict[str, BitField]:

@@ -1,9 +1,16 @@
 """Registers that a decoded instruction needs early or brings late: a form and its fields go in; two masks come out.
 
     needs   read, or written, in phase D2: XAR0 to XAR7 as bits 0 to 7, DP 8, SP 9; 10 for XAR(ARP)
-    makes   written in phase E, three phases later
+    makes   written in phase E, three phases later, and not yet there when the instruction leaves D2
 
 What needs a register that is still to be written waits: `pipeline` counts.
+
+An instruction of several cycles makes its last operation in the last of them (PUSH loc16 reads, then writes), with two
+exceptions. A jump or call passes D2 once, in its first cycle; in the others the CPU fetches from where it goes
+[SPRU430F 4.3.2], while what it has pushed goes on to W. And some instructions keep D2 until they have left phase E or W
+themselves, as their cycles show: NORM takes N + 4 for N + 1 passes, which is one a pass and the three phases from D2 to
+E; POP DP:ST1 takes 5, D2 to W, since ST1 counts from the next instruction on; PWRITE takes N + 5, one a pass and the
+four phases to W. Behind these nothing waits.
 Source: SPRU430F 4.4.2, 5.x; TI wiki "C28x Pipeline Conflicts"; the columns `reads` and `writes` of `encodings.toml`.
 """
 
@@ -19,6 +26,7 @@ DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
 REGISTERS = 0x3FF  # without XAR(ARP)
 NUMBERED = re.compile(r"X?AR([0-7])$")
 FIELDS = {"ARn": "n", "XARn": "n", "ARm": "m"}
+HELD = frozenset(["NORM", "PWRITE"])  # mnemonics; and POP of ST1
 SP_FIELD, BY_ARP_FROM, PUSHES, POPS, CIRCULAR = 0xAD, 0xAE, 0xBD, 0xBE, 0xBF
 
 
@@ -27,7 +35,7 @@ def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
     """(needs, makes) of an instruction with these numbers in its fields l, n and m, -1 where it has none."""
     numbers = {"n": n, "m": m}
     needs = _in_phase("D2", (*encoding.reads, *encoding.writes), numbers)
-    makes = _in_phase("E", encoding.writes, numbers)
+    makes = 0 if is_held(encoding) else _in_phase("E", encoding.writes, numbers)
     if field >= 0:
         needs |= addressing(field)
         read, written = _operand(encoding.reads), _operand(encoding.writes)
@@ -37,6 +45,16 @@ def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
         if written:
             makes |= register
     return needs, makes & REGISTERS
+
+
+def is_held(encoding: Encoding) -> bool:
+    """True if it keeps D2 until what it writes is there."""
+    return encoding.mnemonic in HELD or (encoding.mnemonic == "POP" and "ST1@D2" in encoding.writes)
+
+
+def writes_at_once(encoding: Encoding) -> bool:
+    """True if what it writes to memory left D2 in its first cycle, however many follow."""
+    return "PC" in encoding.writes or is_held(encoding)
 
 
 def _in_phase(phase: str, places: Iterable[str], numbers: Mapping[str, int]) -> int:

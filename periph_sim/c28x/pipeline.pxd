@@ -16,7 +16,7 @@ cdef class Pipeline:
     cpdef long long stall(self, Operation f, long long arp)
     cpdef void issued(self, Operation f, long long cycles)
     @cython.locals(at=cython.longlong)
-    cpdef void wrote(self, long long address, long long words, long long cycles)
+    cpdef void wrote(self, long long address, long long words, long long cycle)
     @cython.locals(at=cython.longlong, waits=cython.longlong, more=cython.longlong)
     cpdef long long read(self, long long address, long long words)
     cdef void _pass(self, long long cycles)

@@ -2,7 +2,7 @@
 
 An instruction writes registers in E, three phases behind D2, and memory in W. Who needs a register in D2 (`hazards`),
 or reads a word, that an earlier one is still to write waits: 3 cycles directly behind it, one less for each cycle
-between.
+between. `hazards` says in which of its cycles an instruction of several writes.
 
     pending, 3 lanes of 10 bits    registers that come in 1, 2, 3 cycles more
     stored                         the last words that were written, and until when a read of them waits
@@ -71,12 +71,12 @@ class Pipeline:
         if self.enabled:
             self.pending |= f.makes << 2 * LANE
 
-    def wrote(self, address: int, words: int, cycles: int) -> None:
-        """The present instruction, of so many cycles, writes these words."""
+    def wrote(self, address: int, words: int, cycle: int) -> None:
+        """The present instruction writes these words. cycle: which of its cycles, from 1 on, left D2 with them."""
         if self.enabled:
             at = self._at = self._at + 1 & STORES - 1
             self._first[at], self._last[at] = address, address + words - 1
-            self._ready[at] = self.until = self.clock + cycles + BEHIND
+            self._ready[at] = self.until = self.clock + cycle + BEHIND
 
     def read(self, address: int, words: int) -> int:
         """The present instruction reads these words: the cycles that it waits for earlier writes of any of them."""

@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..c28x.decoder import Instruction, decode_at
-from ..c28x.execution.branches import SB_ALWAYS
 from ..c28x.execution.operations import operation
 from ..c28x.flow import goes_on
 from ..c28x.hazards import DP, SP, hazards
@@ -88,9 +87,9 @@ class _Reader:
         if late:
             why.append("reads what was just written")
         if words and "w" in found.encoding.accesses:
-            pipeline.wrote(words[0], words[1], f.cycles)
+            pipeline.wrote(words[0], words[1], 1 if f.at_once else f.cycles)
         always = "k" in found.values and f.k == UNC
-        taken = SB_ALWAYS if always and found.encoding.mnemonic == "SB" else f.cycles
+        taken = f.cycles
         cycles = taken if always else f.not_taken
         pipeline.issued(f, cycles)
         if address in WAITED:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
+import re
+from importlib import resources
+from pathlib import Path
 
 import pytest
 
 from periph_sim.c28x.decoder import decode
-from periph_sim.c28x.encodings import Encoding, by_id, encodings
+from periph_sim.c28x.encodings import Encoding, by_id, encodings, read_table
+
+ROOT = Path(__file__).parents[2]
 
 
 def both(row: Encoding, other: Encoding) -> bool:
@@ -75,3 +81,50 @@ def test_32_bits_at_sp_and_reserved_conditions_are_no_instruction():
     assert decode(0x9200 | 0xAD, 0).id == "MOV_AX_loc16"  # MOV AL,@SP
     assert decode(0xE586, 0) is None  # TESTTF of a condition that nobody defined
     assert decode(0xE2AF, 0x00A0) is None  # MOV32 R0H,register: not of this form
+
+
+# Every column is read -----------------------------------------------------------------------------------------------
+
+
+def table_with(line: str) -> str:
+    """The shipped table with another column in its first row."""
+    text = resources.files("periph_sim.c28x").joinpath("encodings.toml").read_text(encoding="utf-8")
+    return text.replace("[[encoding]]\n", f"[[encoding]]\n{line}\n", 1)
+
+
+def test_a_column_that_no_code_reads_is_refused():
+    assert len(read_table(table_with(""))) == len(encodings())
+    with pytest.raises(ValueError, match=r"encodings\.toml: ITRAP0: no code reads cycles_note; read the column"):
+        read_table(table_with('cycles_note = "2 if the mask has INTM"'))
+
+
+@pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(Encoding)])
+def test_what_a_form_says_of_itself_has_an_effect(name: str):
+    """`kind`, `depends`, `op` and what `flags` says beside LVF decide what tests of the execution expect."""
+    sources = [*(ROOT / "periph_sim").rglob("*.py"), *(ROOT / "tests" / "c28x" / "execution").glob("*.py")]
+    own = ROOT / "periph_sim" / "c28x" / "encodings.py"
+    used = [
+        path for path in sources if re.search(rf"\b(encoding|row|form)\.{name}\b", path.read_text(encoding="utf-8"))
+    ]
+    inside = re.findall(rf"\bself\.{name}\b", own.read_text(encoding="utf-8"))
+    assert inside or [path for path in used if path != own]
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ('cycles_where = "y has INTM: 2"', "is no condition on a field"),
+    ],
+)
+def test_what_a_column_cannot_say_is_refused(line: str, sentence: str):
+    with pytest.raises(ValueError, match=sentence):
+        read_table(table_with(line))
+
+
+def test_a_repeatable_form_says_what_its_passes_take():
+    row = 'id = "X"\nmnemonic = "X"\nsyntax = "X"\nbits = "0000000000000001"\nwords = 1\nobjmode = "1"\n'
+    row += 'class = "core"\ncycles = 1\nflags = ""\ndepends = ""\nreads = []\nwrites = []\nop = ""\nrpt = true\n'
+    with pytest.raises(ValueError, match=r"'passes\+3' does not say what N \+ 1 executions take"):
+        read_table(f'[[encoding]]\n{row}cycles_rpt = "passes+3"\n')
+    (found,) = read_table(f'[[encoding]]\n{row}cycles_rpt = "N+4"\n')
+    assert (found.repeated, found.repeatable) == (4, True)

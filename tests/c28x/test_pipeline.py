@@ -146,3 +146,46 @@ def from_l4(code: str, **options: Value) -> int:
 )
 def test_code_in_memory_with_a_wait_state(code: str, more: int):
     assert from_l4("\n ".join(code.strip().split("\n"))) == more
+
+
+# Instructions of several cycles -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("call", ["LCR #f", "LCR *XAR7"])
+@pytest.mark.parametrize(("nops", "took"), [(0, 4), (1, 5), (2, 6), (3, 7), (4, 8)])
+def test_a_return_does_not_wait_for_what_its_call_has_pushed(call: str, nops: int, took: int):
+    """LCR passes D2 in its first cycle and pushes in W, four cycles later; LRETR enters D2 then at the earliest.
+
+    cycle          1   2   3   4   5   6   7
+    LCR            D2  R1  R2  E   W            pushes RPC
+    LRETR                          D2  R1  R2   reads it
+    """
+    before = " MOVL XAR7,#f\n" + f" {call}\n" + " ESTOP0\n"
+    whole = cycles(f"{before}f:" + " NOP\n" * nops + " LRETR\n", odd_32bit_target=0)
+    assert whole - cycles(" MOVL XAR7,#0") == 4 + took
+
+
+@pytest.mark.parametrize(
+    ("code", "expected"),
+    [
+        # an instruction that keeps D2 for several cycles writes in the last of them
+        ("PUSH @AL | POP AL", 3),
+        ("MOV *(0:0x9100),@AL | MOV AH,@0", 3),
+        ("MOV *(0:0x9100),@AL | NOP | MOV AH,@0", 2),
+        # one that keeps it until it has left E, or W, has written: N + 4 = N + 1 passes and 3, D2 to E
+        ("NORM ACC,XAR4++ | MOV AL,*XAR4", 0),
+        ("PUSH DP:ST1 | NOP | NOP | NOP | NOP | POP DP:ST1 | MOV AL,@0", 0),
+    ],
+)
+def test_writers_of_several_cycles(code: str, expected: int):
+    body = "\n".join(f" {line.strip()}" for line in code.split("|"))
+    assert stalls(body.replace("POP AL", "POP @AL")) == expected
+
+
+def test_passes_of_rpt_wait_for_nothing_in_between():
+    """N + 4, though each pass needs the register that the one before writes in E [SPRU430F chapter 6, NORM]."""
+    assert cycles(" RPT #9\n || NORM ACC,XAR6++") - cycles("") == 1 + 9 + 4
+
+
+def test_the_first_pass_of_rpt_waits():
+    assert cycles(" MOVL XAR6,@0\n RPT #9\n || NORM ACC,XAR6++") - cycles(" NOP\n RPT #9\n || NORM ACC,XAR6++") == 2

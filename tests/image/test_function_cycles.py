@@ -70,3 +70,11 @@ def test_code_in_waited_memory_says_so():
 def test_a_function_that_is_not_there():
     with pytest.raises(BadImage, match=r"there is no function '_g'; .*_f"):
         function_cycles(assemble(HEAD + FUNCTION), "_g")
+
+
+def test_a_branch_has_both_its_cycles_but_for_one_without_a_condition():
+    """SB without one takes 4 [SPRU430F, SB]; CLRC INTM 2, and LOOPZ 5 a pass."""
+    code = " ESTOP0\n .global _f\n_f: SB _f,NEQ\n B _f,EQ\n LOOPZ @AL,#1\n CLRC INTM\n SB _f,UNC\n"
+    found = function_cycles(assemble(HEAD + code), "_f")
+    assert [row.published for row in found.rows] == ["7/4", "7/4", "5", "2", "4"]
+    assert found.least == 4 + 4 + 5 + 2 + 4

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from periph_sim.image.number_types import BadVariable
-from periph_sim.image.variables import Variables
+from periph_sim.image.variables import Variable, Variables
 from tests.image.typed_data import typed_image
 
 
@@ -79,3 +79,15 @@ def test_what_is_no_number_is_refused_with_the_way_out(variables: Variables, nam
     with pytest.raises(BadVariable) as refused:
         variables.find(name)
     assert str(refused.value).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("words", "value", "bits"), [(1, -0x8000, 0x8000), (1, 0xFFFF, 0xFFFF), (2, -(1 << 31), 1 << 31)]
+)
+def test_the_ends_of_what_a_variable_holds(words: int, value: int, bits: int):
+    """As signed and as unsigned numbers; one further does not fit."""
+    variable = Variable("x", 0x9000, words, "signed")
+    assert variable.bits_of(value) == bits
+    beyond = value - 1 if value < 0 else value + 1
+    with pytest.raises(BadVariable, match=f"x has {16 * words} bits, so {beyond} does not fit"):
+        variable.bits_of(beyond)

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from .registers import CODE, M16, M32, Cpu, Operation
 
-UNC = 15
-SB_ALWAYS = 4  # SB with UNC; B with UNC has no exception on its page
 PMA = 0x3F_0000
 
 
@@ -29,8 +27,6 @@ def BF_off16_COND(cpu: Cpu, f: Operation) -> None:
 
 
 def SB_off8_COND(cpu: Cpu, f: Operation) -> None:
-    if f.k == UNC:
-        cpu.cycles = SB_ALWAYS
     _branch(cpu, f, cpu.condition(f.k), 0x80)
 
 

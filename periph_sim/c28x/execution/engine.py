@@ -67,6 +67,7 @@ class Engine(Cpu):
         """Execute it, now that its operand is found; then `pc` is the next instruction's, or still its own."""
         repeated = self.left
         self.pc, self.cycles = f.next, f.cycles
+        self.written_in = 1 if f.at_once or self.passes else f.cycles
         f.execute(self, f)
         if repeated:
             return self._pass_done(f)
@@ -77,8 +78,8 @@ class Engine(Cpu):
         return self.cycles
 
     def _pass_done(self, f: Operation) -> int:
-        """A first pass costs what the instruction does, and each one more a cycle."""
-        cycles = 1 if self.passes else self.cycles
+        """A pass costs a cycle; the first one of a repeatable instruction what N + 1 passes cost beside N, too."""
+        cycles = 1 if self.passes else f.repeated or self.cycles
         self.left -= 1
         if self.left:
             self.passes += 1
@@ -92,7 +93,7 @@ class Engine(Cpu):
     def _repeat(self) -> None:
         """RPT: the next instruction has so many passes; one that cannot be repeated has one."""
         count, self.repeat = self.repeat, -1
-        self.left = count + 1 if self.fetch().repeatable else 1
+        self.left = count + 1 if self.fetch().repeated else 1
 
     def _at_end_of_block(self, f: Operation) -> None:
         """Behind the last instruction of a block that RPTB repeats: back to its first one."""

@@ -9,6 +9,7 @@ import re
 
 from ..decoder import Instruction
 from ..encodings import Encoding
+from ..hazards import writes_at_once
 from ..operand_field import WIDE
 from . import accumulator, branches, control, fpu, fpu_moves, half_words, moves, multiply, shifts, stack
 from .registers import READS, WRITES, Operation
@@ -33,9 +34,10 @@ def operation(instruction: Instruction) -> Operation:
     made.following = made.goal = None
     made.next = instruction.address + encoding.words & 0x3F_FFFF
     made.encoding, made.execute = encoding, form.execute
-    made.cycles, made.not_taken, made.repeatable = form.cycles, form.not_taken, form.repeatable
+    made.cycles, made.not_taken = encoding.cycles_of(values)
+    made.repeated = form.repeated
     made.wide, made.byte, made.late = form.wide, form.byte, 0
-    made.accesses, made.absolute = form.accesses, form.absolute
+    made.accesses, made.absolute, made.at_once = form.accesses, form.absolute, form.at_once
     if encoding.mnemonic == "MOV32" and made.absolute and fpu_moves.WINDOW <= made.c < fpu_moves.WINDOW_END:
         made.cycles = made.not_taken = 1  # a move between registers
         made.absolute = 0
@@ -58,10 +60,11 @@ def _form_of(encoding: Encoding) -> Operation:
     if one:
         name, made.n = f"{one[1]}n{one[3]}", int(one[2])
     bind(made, name)
-    made.cycles, made.not_taken, made.repeatable = encoding.cycles, encoding.not_taken, encoding.repeatable
+    made.cycles, made.not_taken, made.repeated = encoding.cycles, encoding.not_taken, encoding.repeated
     made.wide = any(operand in encoding.syntax for operand in WIDE)
     made.byte = encoding.mnemonic == "MOVB" and ("LSB" in encoding.syntax or "MSB" in encoding.syntax)
     made.accesses = (READS if "r" in encoding.accesses else 0) | (WRITES if "w" in encoding.accesses else 0)
+    made.at_once = writes_at_once(encoding)
     made.absolute = 0
     if "*(0:16)" in encoding.syntax:
         made.absolute = WRITES if encoding.syntax.split(" ", 1)[1].startswith("*") else READS

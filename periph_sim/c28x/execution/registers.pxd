@@ -3,8 +3,9 @@ ctypedef bint (*Execute)(Cpu, Operation) except -1
 
 cdef class Operation:
     cdef public long long b, c, g, h, i, k, l, m, n, p, q, r, s, t, u, v, w, x, y, z
-    cdef public long long place, absolute, accesses, address, cycles, late, makes, needs, next, not_taken, tested
-    cdef public bint byte, jumps, loops, repeatable, waited, wide
+    cdef public long long place, absolute, accesses, address, cycles, late, makes, needs, next, not_taken, repeated
+    cdef public long long tested
+    cdef public bint at_once, byte, jumps, loops, waited, wide
     cdef public object encoding
     cdef public Operation following, goal
     cdef Execute execute, plain
@@ -12,7 +13,7 @@ cdef class Operation:
 
 cdef class Cpu:
     cdef public long long acc, p, xt, dp, rpc, arp, sp, pc, sxm, ovm, tc, c, z, n, v, pm, ovc
-    cdef public long long st1, ier, ifr, dbgier, dbgstat, stf, shadow_stf, rb, ea, field, cycles, repeat, passes, due, due_flags
+    cdef public long long st1, ier, ifr, dbgier, dbgstat, stf, shadow_stf, rb, ea, field, cycles, written_in, repeat, passes, due, due_flags
     cdef public long long xar[8]
     cdef public long long r[8]
     cdef public long long shadow_r[8]

@@ -41,18 +41,19 @@ class IllegalOperation(Exception):
 class Operation:
     """One decoded instruction, ready to be executed: the numbers in its fields by the table's letters, -1 if absent.
 
-    next: the address behind it. cycles, not_taken: of the table. wide: its operand has 32 bits. byte: it takes a byte.
-    place: the address, until its words are written over. following, goal: what was executed behind it, and where it
-    last jumped to. accesses: READS, WRITES, both or 0, what it does at its operand's address. absolute: likewise at
-    *(0:16). needs, makes: registers early and late, see `hazards`. jumps: it may go elsewhere; loops: by a branch.
-    late: registers of the FPU that it writes one instruction later, as bits; plain: what it does, where `execute` heeds
-    that. waited: it is in memory with wait states. tested: the bits of its operand that count, where it names them.
+    next: the address behind it. cycles, not_taken: of the table; repeated: of N + 1 passes, less N, 0 if it cannot be
+    repeated. wide: its operand has 32 bits. byte: it takes a byte. place: the address, until its words are written
+    over. following, goal: what was executed behind it, and where it last jumped to. accesses: READS, WRITES, both or 0,
+    what it does at its operand's address. absolute: likewise at *(0:16). needs, makes: registers early and late,
+    at_once: of memory, see `hazards`. jumps: it may go elsewhere; loops: by a branch. late: registers of the FPU that
+    it writes one instruction later, as bits; plain: what it does, where `execute` heeds that. waited: it is in memory
+    with wait states. tested: the bits of its operand that count, where it names them.
     """
 
     __slots__ = (
-        "absolute", "accesses", "address", "b", "byte", "c", "cycles", "encoding", "execute", "following", "g", "goal",
-        "h", "i", "jumps", "k", "l", "late", "loops", "m", "makes", "n", "needs", "next", "not_taken", "p", "place",
-        "plain", "q", "r", "repeatable", "s", "t", "tested", "u", "v", "w", "waited", "wide", "x", "y", "z",
+        "absolute", "accesses", "address", "at_once", "b", "byte", "c", "cycles", "encoding", "execute", "following",
+        "g", "goal", "h", "i", "jumps", "k", "l", "late", "loops", "m", "makes", "n", "needs", "next", "not_taken", "p",
+        "place", "plain", "q", "r", "repeated", "s", "t", "tested", "u", "v", "w", "waited", "wide", "x", "y", "z",
     )  # fmt: skip
 
     b: int
@@ -78,6 +79,7 @@ class Operation:
     absolute: int
     accesses: int
     address: int
+    at_once: bool
     byte: bool
     cycles: int
     encoding: Encoding
@@ -93,7 +95,7 @@ class Operation:
     not_taken: int
     place: int
     plain: Callable[[Cpu, Operation], None]
-    repeatable: bool
+    repeated: int
     tested: int
     waited: bool
     wide: bool
@@ -103,7 +105,8 @@ class Cpu:
     """xar: XAR0 to XAR7. ovc: -32 to 31. pm: as in ST0. r: R0H to R7H as bits. pc: of the next instruction.
 
     st1: without ARP, which is `arp`. ea: address of the present operand. high_byte: it is the upper byte there.
-    cycles: of the present instruction. repeat: how often the next one is repeated, -1 for not. due: see `fpu_pipeline`.
+    cycles: of the present instruction; written_in: in which of them, from 1 on, what it writes leaves D2. repeat: how
+    often the next one is repeated, -1 for not. due: see `fpu_pipeline`.
     """
 
     def __init__(self) -> None:
@@ -127,7 +130,7 @@ class Cpu:
         self.ea = REGISTER
         self.field = 0
         self.high_byte = False
-        self.cycles = 0
+        self.cycles = self.written_in = 0
         self.repeat = -1
         self.passes = 0  # of the present RPT that are behind
 

@@ -120,12 +120,13 @@ class SystemOptions(Answers):
         "protects: the result already, or what the register held before?",
     )
     flash_model: str = choice(
-        "beside_reads",
         "shared_with_reads",
+        "beside_reads",
         "two_words_ahead",
-        question="With FOPT.ENPIPE = 1, does the flash's prefetch fill its two words of 64 bits and the CPU's queue, "
-        "whatever data are read meanwhile; or does a read of data wait for a fetch under way, and the next fetch for "
-        "it; or do two words come ahead and no more? SPRUFB0D section 2 draws no cycles.",
+        question="With FOPT.ENPIPE = 1, does a read of data in flash wait for a fetch under way, and the next fetch "
+        "for the read; or does the prefetch fill its two words of 64 bits and the CPU's queue whatever data are read; "
+        "or do two words come ahead and no more? SPRUFB0D section 2.2 says that data reads from flash bypass the "
+        "prefetch buffer and wait for a prefetch in progress; it draws no cycles.",
     )
     rptc_width: int = choice(16, 8, question="How many bits of a location does RPT take?")
 

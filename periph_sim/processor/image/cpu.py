@@ -168,7 +168,7 @@ class ImageCpu(Engine):
         if in_plain_ram(address):
             if self.polls.tracking and self._ram.word(address) != value:
                 self.polls.changes(address, self._ram.word(address))
-            self._pipeline.wrote(address, 1, self.cycles)
+            self._pipeline.wrote(address, 1, self.written_in)
             self._ram.put(address, value)
             self._written[address] = 1
             if self._code[address >> PAGE] or self.watched is not None:
@@ -183,7 +183,7 @@ class ImageCpu(Engine):
             if self.polls.tracking and self._ram.word32(address) != value:
                 self.polls.changes(address, self._ram.word(address))
                 self.polls.changes(address + 1, self._ram.word(address + 1))
-            self._pipeline.wrote(address, 2, self.cycles)
+            self._pipeline.wrote(address, 2, self.written_in)
             self._ram.put_word32(address, value)
             self._written[address] = self._written[address + 1] = 1
             if self._code[address >> PAGE] or self.watched is not None:

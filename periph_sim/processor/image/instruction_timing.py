@@ -75,8 +75,10 @@ class InstructionTiming:
             f.cycles = self._options.push_acc_cycles
 
     def stall(self, f: Operation, cpu: Cpu, cycle: int) -> int:
-        """The cycles that pass before the instruction can leave D2."""
-        waits = self._fetch(f, cycle) if f.waited and not cpu.passes else 0
+        """The cycles that pass before the instruction can leave D2. A further pass of RPT waits for nothing: N + 1."""
+        if cpu.passes:
+            return 0
+        waits = self._fetch(f, cycle) if f.waited else 0
         if self.pipeline.pending:
             waits += self.pipeline.stall(f, cpu.arp)
         return waits

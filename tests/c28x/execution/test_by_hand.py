@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from typing import NamedTuple
 
 import pytest
 
+from periph_sim.c28x.encodings import Encoding, encodings
 from periph_sim.c28x.execution.registers import IllegalOperation
 from tests.c28x.execution.flat import Flat, loaded, ran
 
@@ -179,6 +181,35 @@ def test_repeat_runs_once_more_than_its_count_and_costs_a_cycle_a_pass():
     assert cycles == 1 + 10
     cpu, cycles = ran("RPT @AL\nADDB ACC,#1", acc=3)  # not repeatable: once
     assert (cpu.acc, cycles) == (4, 4 + 1)
+
+
+@pytest.mark.parametrize("mnemonic", ["SETC", "CLRC"])
+def test_status_bits_take_a_second_cycle_where_intm_or_dbgm_is_among_them(mnemonic: str):
+    """SPRU430F, SETC and CLRC mode: 1, 2. DINT is SETC INTM and EINT CLRC INTM."""
+    names = ("SXM", "OVM", "TC", "C", "INTM", "DBGM", "VMAP")
+    chosen = [mask for size in range(1, 8) for mask in itertools.combinations(names, size)]
+    took = {mask: ran(f"{mnemonic} {','.join(mask)}")[1] for mask in chosen}
+    assert took == {mask: 2 if "INTM" in mask or "DBGM" in mask else 1 for mask in chosen}
+
+
+REPEATED = [row for row in encodings() if row.repeatable and row.mnemonic not in ("IN", "OUT", "UOUT")]
+
+
+@pytest.mark.parametrize("row", REPEATED, ids=[row.id for row in REPEATED])
+@pytest.mark.parametrize("count", [0, 5])
+def test_a_repeated_instruction_takes_what_the_table_says_of_its_passes(row: Encoding, count: int):
+    """RPT #0 in front is one pass, which takes N + k with N = 0 [SPRU430F chapter 6, CYC; SPRUEO2A MACF32]."""
+    pair = row.pair({name: 0x84 if name == "l" else 1 for name in row.fields})
+    words = (pair >> 16, pair & 0xFFFF)[: row.words]
+    cpu, at = loaded(f"RPT #{count}"), 0x8001
+    for word in words:
+        cpu.memory[at] = word
+        at += 1
+    cpu.step()
+    took = cpu.step()
+    while cpu.left:
+        took += cpu.step()
+    assert took == count + row.repeated
 
 
 def test_repeated_program_reads_step_in_a_shadow_of_xar7():

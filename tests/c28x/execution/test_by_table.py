@@ -82,6 +82,9 @@ MINCUL P,*XAR4            | p=5 d=3 n=0 z=1                   | p=3 v=1
 MOV *(0:0x9000),@AL       | acc=0x1234                        | w=0x1234
 MOV @AL,*(0:0x9000)       | w=0x8234                          | acc=0x8234 n=1 z=0
 MOV DP,#5                 | dp=0xFFFF                         | dp=0xFC05
+MOV @AR0,AL               | acc=5 x0=0x12340000               | x0=0x12340005
+MOV AL,@AR0               | x0=0x12345678                     | acc=0x5678 x0=0x12345678
+MOVL @XAR0,ACC            | acc=5                             | x0=5
 MOV *XAR4,AR3             | x3=0x12345678                     | w=0x5678
 MOV *XAR4,AL,EQ           | acc=7 z=1 w=1                     | w=7
 MOV *XAR4,AL,EQ           | acc=7 z=0 w=1                     | w=1

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from periph_sim.c28x.encodings import by_id
 from periph_sim.core.chip import NEVER
 from periph_sim.core.options import options_from
 from periph_sim.f28335.cpu import instruction_costs as cpu_costs
@@ -711,7 +712,7 @@ COSTS = """
     SIMPLE 1        RPT 1           CLRC_INTM 2     SETC_INTM 2      CLRC_DBGM 2      SETC_DBGM 2
     EALLOW 4        EDIS 4          AND_IER 2       OR_IER 2         AND_IFR 2        OR_IFR 2
     MOV_IER_LOC16 5 MOV_LOC16_IER 1 TRAP 8          INTR 8           IRET 8           IDLE 5
-    B_ALWAYS 4      SB_ALWAYS 4
+    SB_ALWAYS 4
     B_TAKEN 7       B_NOT_TAKEN 4   SB_TAKEN 7      SB_NOT_TAKEN 4   XB_TAKEN 7       XB_NOT_TAKEN 4
     BF_TAKEN 4      BF_NOT_TAKEN 4  SBF_TAKEN 4     SBF_NOT_TAKEN 4
     BANZ_TAKEN 4    BANZ_NOT_TAKEN 2 BAR_TAKEN 4    BAR_NOT_TAKEN 2
@@ -727,6 +728,41 @@ def test_instruction_costs():
     words = COSTS.split()
     costs = {name: cost for name, cost in vars(cpu_costs).items() if name.isupper()}
     assert costs == dict(zip(words[::2], map(int, words[1::2]), strict=True))
+
+
+FORM_OF = """
+    SIMPLE NOP_indind          RPT RPT_8                  EALLOW EALLOW              EDIS EDIS
+    AND_IER AND_IER_16         OR_IER OR_IER_16           AND_IFR AND_IFR_16         OR_IFR OR_IFR_16
+    MOV_IER_LOC16 MOV_IER_loc16 MOV_LOC16_IER MOV_loc16_IER TRAP TRAP_0_31           INTR INTR_INTx
+    IRET IRET                  IDLE IDLE                  LB LB_22                   LC LC_22
+    LCR LCR_22                 FFC FFC_XAR7_22            LRETR LRETR                LRET LRET
+    LRETE LRETE                PUSH PUSH_XAR0             POP POP_XAR0               PUSH_ACC PUSH_ACC
+    PUSH_LOC16 PUSH_loc16      POP_LOC16 POP_loc16        POP_RPC POP_RPC            POP_ST1 POP_ST1
+    POP_IFR POP_IFR            POP_DBGIER POP_DBGIER
+"""
+BRANCH_OF = {
+    "B": "B_off16_COND",
+    "SB": "SB_off8_COND",
+    "XB": "XB_pma_COND",
+    "BF": "BF_off16_COND",
+    "SBF": "SBF_off8_EQ",
+}
+BRANCH_OF |= {"BANZ": "BANZ_off16_ARndec", "BAR": "BAR_off16_ARn_ARm_EQ"}
+
+
+def test_instruction_costs_are_those_of_the_table_of_encodings():
+    words = FORM_OF.split()
+    table = {name: by_id()[row].cycles for name, row in zip(words[::2], words[1::2], strict=True)}
+    for name, row in BRANCH_OF.items():
+        table[f"{name}_TAKEN"], table[f"{name}_NOT_TAKEN"] = by_id()[row].cycles, by_id()[row].not_taken
+    table["SB_ALWAYS"] = by_id()["SB_off8_COND"].cycles_of({"k": 15})[0]
+    for bit, name in ((4, "INTM"), (5, "DBGM")):
+        for mnemonic in ("SETC", "CLRC"):
+            table[f"{mnemonic}_{name}"] = by_id()[f"{mnemonic}_mode"].cycles_of({"y": 1 << bit})[0]
+    of_interrupts = {"IFR_DELAY", "VECTOR_AND_SAVE", "PIEIER_SETTLE"}  # no instructions
+    assert table == {
+        name: value for name, value in vars(cpu_costs).items() if name.isupper() and name not in of_interrupts
+    }
 
 
 def test_iret_returns_through_a_frame_that_firmware_made_up():

@@ -248,6 +248,14 @@ def test_open_flash_model_a_read_of_program_memory(model: str, waits: int):
 
 
 @pytest.mark.rule("SYS-039")
+def test_flash_model_is_by_default_what_the_manual_says():
+    """Data reads wait for a prefetch in progress [SPRUFB0D 2.2]."""
+    code = f"{nops(3)} ; MOV AL,*XAR4 ; {nops(4)}"
+    shared, beside = (from_flash(code, flash_model=model) for model in ("shared_with_reads", "beside_reads"))
+    assert from_flash(code) == shared == beside + 23 - 18
+
+
+@pytest.mark.rule("SYS-039")
 def test_code_elsewhere_reads_flash_without_waiting_for_fetches_that_its_jump_ended():
     source = (
         f"{HEAD} EALLOW\n MOVW DP,#0x0A80 >> 6\n MOV @0x0A86,#0x505\n MOV @0x0A80,#1\n EDIS\n"

@@ -1,0 +1,54 @@
+"""Each data file that the package ships: a key in it that no code reads is refused, in every one of its tables."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import periph_sim
+from periph_sim.c28x.encodings import read_table
+from periph_sim.scene.case import sensor_sets
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+
+PACKAGE = Path(periph_sim.__file__).parent
+HEADER = re.compile(r"^\[.*\]$", re.MULTILINE)
+FREE = re.compile(r"^\[.*\.settings\]$")  # of firmware, which says itself what it takes
+
+
+def read_encodings(path: Path) -> object:
+    return read_table(path.read_text(encoding="utf-8"))
+
+
+def build(path: Path) -> object:
+    """Tables of devices are read as the scene is built."""
+    return Scene(load(path))
+
+
+READERS: dict[str, Callable[[Path], object]] = {
+    "c28x": read_encodings,
+    "sensors/models/sets": sensor_sets.load,
+    "templates": build,
+}
+FILES = sorted(path.relative_to(PACKAGE) for path in PACKAGE.rglob("*.toml"))
+
+
+def reader(file: Path) -> Callable[[Path], object]:
+    return READERS[file.parent.as_posix()]
+
+
+@pytest.mark.parametrize("file", FILES, ids=str)
+def test_a_key_that_no_code_reads_is_refused(file: Path, tmp_path: Path):
+    text, copy = (PACKAGE / file).read_text(encoding="utf-8"), tmp_path / file.name
+    for beside in (PACKAGE / file).parent.glob("*.*"):
+        shutil.copy(beside, tmp_path)
+    reader(file)(copy)
+    headers = [found for found in HEADER.finditer(text) if not FREE.match(found.group())]
+    for header in headers[:: max(1, len(headers) // 8)]:
+        copy.write_text(f"{text[: header.end()]}\nnobody_reads = 1{text[header.end() :]}", encoding="utf-8")
+        with pytest.raises(ValueError, match="nobody_reads"):
+            reader(file)(copy)

@@ -9,7 +9,7 @@ import click
 from .input_options import time_given
 from .json_output import print_json
 from .progress import progress
-from .usage_error import usage_errors_in_one_sentence
+from .usage_error import running_user_code
 
 SECTION = "understand"
 EXAMPLE = "periph-sim bound timing/imu_hil.toml --seconds 1"
@@ -34,7 +34,7 @@ def bound(case: Path, seconds: str | None, changes: tuple[str, ...], as_json: bo
     from ..scene.case.load import load
 
     length = None if seconds is None else time_given("--seconds", seconds if seconds[-1:].isalpha() else f"{seconds} s")
-    with usage_errors_in_one_sentence():
+    with running_user_code():
         loaded = load(case, list(changes))
         with progress(loaded.name) as told:
             found = report(loaded, length, told)

@@ -18,7 +18,7 @@ from .command_line import command_line
 from .input_options import GUARANTEED, apart, refuse_guaranteed
 from .json_output import print_json
 from .progress import progress
-from .usage_error import usage_errors_in_one_sentence
+from .usage_error import running_user_code
 
 if TYPE_CHECKING:
     from .tables import PlainTable
@@ -66,7 +66,7 @@ def check(
         raise click.UsageError("--update-baseline with --set: a baseline is of the case as it stands; leave one out")
     apart(junit=junit_file, html=html_file)
     refused: list[RejectedCase] = []
-    with usage_errors_in_one_sentence(), ExitStack() as outputs:
+    with running_user_code(), ExitStack() as outputs:
         project = project_of(Path())
         refuse_guaranteed(guaranteed, project)
         # Asked for their places before the runs, so that none is in vain.
@@ -158,7 +158,7 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
             for one in checks
         ]
         reports = [came() for came in waiting]
-    return page(reports, "periph-sim check" if len(reports) > 1 else reports[0].name, command_line())
+    return page(reports, reports[0].name if len(reports) == 1 else "periph-sim check", command_line())
 
 
 def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:

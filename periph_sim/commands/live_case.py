@@ -14,6 +14,7 @@ from typing import Any
 import click
 
 from ..outside.live.case_for_line import without_controller, without_host
+from ..processor.user_code import output_muted
 from ..scene.case.load import apply, case_of, load, read
 from ..scene.case.model import BadCase
 from ..scene.outside_log import BadLog, LogReader
@@ -94,6 +95,7 @@ def _moved(tree: Tree, before: Path, after: Path) -> None:
     tree.update(moved(tree))
 
 
+@output_muted()
 def _as_seen(tree: Tree, target: Path) -> list[Tree]:
     """A budget of each measure that the session tells: what it came to is the limit."""
     found: list[Tree] = []

@@ -11,7 +11,7 @@ import click
 from .input_options import length_given
 from .json_output import print_json
 from .progress import progress
-from .usage_error import usage_errors_in_one_sentence
+from .usage_error import running_user_code
 
 DIFFERENT = 1  # the exit status where the wires carried other bytes than were computed
 
@@ -42,7 +42,7 @@ def moving(
     from ..dissertation.moving.text_report import lines
     from ..scene.case.load import load
 
-    with usage_errors_in_one_sentence(), ExitStack() as outputs:
+    with running_user_code(), ExitStack() as outputs:
         subject = subject_of(load(case, list(changes)), None if seconds is None else length_given(seconds))
         pictures = None if folder is None else outputs.enter_context(_pictures(folder))
         with progress(subject.case.name) as told:

@@ -12,7 +12,7 @@ from ..scene.case.load import load
 from .input_options import apart, length_given
 from .json_output import print_json
 from .progress import progress
-from .usage_error import usage_errors_in_one_sentence
+from .usage_error import running_user_code
 
 SECTION = "understand"
 EXAMPLE = "periph-sim profile case.toml --lcov coverage.info"
@@ -48,7 +48,7 @@ def profile(
     from ..traces.formats.atomic_write import atomic_write
 
     apart(speedscope=speedscope, lcov=lcov)
-    with usage_errors_in_one_sentence(), ExitStack() as outputs:
+    with running_user_code(), ExitStack() as outputs:
         length = None if seconds is None else length_given(seconds)
         flames = None if speedscope is None else outputs.enter_context(atomic_write(speedscope))
         lines = None if lcov is None else outputs.enter_context(atomic_write(lcov))

@@ -30,7 +30,7 @@ from .json_output import print_json
 from .progress import progress
 from .result_text import budget_table, legend
 from .tables import Screen, plain_table, say, terminal
-from .usage_error import usage_errors_in_one_sentence
+from .usage_error import running_user_code
 
 FIRST = {
     "byte": "first wrong byte",
@@ -111,7 +111,7 @@ def replay(
     Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not, or nothing was
     asked of the firmware; 2: it cannot be replayed.
     """
-    with usage_errors_in_one_sentence():
+    with running_user_code():
         case = load(case_file, list(changes))
         given = read_capture(capture, rate, salvage)
         both = serial is None and any({"I2C-A", "SCI-A"} <= set(unit.modules) for unit in case.unit.values())

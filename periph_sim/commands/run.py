@@ -24,7 +24,7 @@ from .json_output import print_json
 from .progress import progress
 from .result_text import show
 from .tables import terminal
-from .usage_error import usage_errors_in_one_sentence
+from .usage_error import running_user_code
 
 if TYPE_CHECKING:
     from ..explain.chain import Chain
@@ -63,7 +63,7 @@ def run(
 ) -> int:
     """Run CASE and say whether its budgets hold (exit status 0) or not (1)."""
     apart(record=record, html=html)
-    with usage_errors_in_one_sentence(), ExitStack() as outputs:
+    with running_user_code(), ExitStack() as outputs:
         refuse_guaranteed(guaranteed)
         level, bound = fidelity_given(fidelity, max_error, record)
         changes += tuple(level)

@@ -18,7 +18,7 @@ from click.core import ParameterSource
 
 from .input_options import address_given, pace_given, time_given
 from .json_output import print_json
-from .usage_error import usage_errors_in_one_sentence
+from .usage_error import running_user_code, usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ..outside.live.i2cdriver_door import I2cDriverDoor
@@ -113,7 +113,7 @@ def serve(
         for loop in loops:
             loop.stop()
 
-    with usage_errors_in_one_sentence(), _signals(end_it):
+    with running_user_code() if as_json else usage_errors_in_one_sentence(), _signals(end_it):
         ready = case_for_line(case, sci, changes) if bus is None else case_for_bus(case, changes)
         shown = Shown(view, None if browser is None else address_given("--browser", browser))
         with Session(ready.case, ready.wires, log=log, subscribe=shown.subscribe) as session, shown:

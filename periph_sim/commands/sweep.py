@@ -12,7 +12,7 @@ import click
 
 from .input_options import length_given
 from .json_output import print_json
-from .usage_error import usage_errors_in_one_sentence
+from .usage_error import running_user_code
 
 if TYPE_CHECKING:
     from ..reports.sweep import BudgetColumns, Sweep
@@ -56,7 +56,7 @@ def sweep(
     from ..traces.formats.atomic_write import atomic_write
     from .progress import progress
 
-    with usage_errors_in_one_sentence(), ExitStack() as outputs:
+    with running_user_code(), ExitStack() as outputs:
         varied = _varied(vary)
         fixed = {key.strip(): [value.strip()] for key, value in (_parts("--set", change) for change in changes)}
         for key in fixed.keys() & varied.keys():

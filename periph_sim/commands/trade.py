@@ -10,7 +10,7 @@ import click
 from .input_options import length_given
 from .json_output import print_json
 from .progress import progress
-from .usage_error import usage_errors_in_one_sentence
+from .usage_error import running_user_code
 
 SECTION = "understand"
 EXAMPLE = "periph-sim trade timing/imu_hil.toml --level adaptive"
@@ -51,7 +51,7 @@ def trade(
     from ..traces.formats.atomic_write import atomic_write
     from .fidelity_choice import error_given
 
-    with usage_errors_in_one_sentence():
+    with running_user_code():
         if plot is not None and plot.suffix != ".svg":
             raise click.ClickException(f"{plot}: the picture is SVG; give a name that ends with .svg")
         bound = None if max_error is None else error_given(max_error)

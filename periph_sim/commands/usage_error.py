@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 
 import click
 
@@ -31,6 +32,13 @@ MISTAKES = {
     "periph_sim.outside.errors.OutsideError",
     "periph_sim.image.model.BadImage",
 }
+
+
+@contextmanager
+def running_user_code() -> Iterator[None]:
+    """As `usage_errors_in_one_sentence`; what user code prints goes to standard error, and not between our output."""
+    with usage_errors_in_one_sentence(), redirect_stdout(sys.stderr):
+        yield
 
 
 @contextmanager

@@ -13,7 +13,7 @@ import click
 from .input_options import length_given
 from .json_output import print_json
 from .progress import progress
-from .usage_error import usage_errors_in_one_sentence
+from .usage_error import running_user_code
 
 if TYPE_CHECKING:
     from ..explain.explain import Explained
@@ -45,7 +45,7 @@ def worst(
 
     if svg is not None and not svg.is_dir():
         raise click.ClickException(f"--svg: {svg} is no folder; make it, or give another")
-    with usage_errors_in_one_sentence():
+    with running_user_code():
         loaded = load(case, list(changes))
         length = None if seconds is None else length_given(seconds)
         for name in budgets:

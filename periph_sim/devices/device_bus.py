@@ -20,7 +20,7 @@ from ..core.chip import Note
 from ..core.settings import duration
 from ..core.wire import Wire
 from ..processor.error_origin import Misuse
-from .hook_guard import HookGuard
+from ..processor.user_code import UserCode
 from .targets import TargetContext
 
 
@@ -46,7 +46,7 @@ class DevicePin:
 class DeviceBus:
     """random: its own, equal in every run of one case."""
 
-    def __init__(self, place: TargetContext, per_second: int, guard: HookGuard) -> None:
+    def __init__(self, place: TargetContext, per_second: int, guard: UserCode) -> None:
         self.random: Random = place.random
         self._guard = guard
         self._place = place

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from ..bus.i2c.target_side import Stretches
 from ..processor.error_origin import FirmwareError, defined_at
-from .hook_guard import HookGuard
+from ..processor.user_code import UserCode
 
 HOOKS = {"on_address": 1, "on_write": 1, "on_read": 0, "on_stop": 0}  # and their arguments
 NEEDED = ("on_write", "on_read")  # at least one of them
@@ -21,7 +21,7 @@ class PythonTarget:
     ack = True
     stretches: Stretches = ()
 
-    def __init__(self, guard: HookGuard, address: int, make: Callable[[], object]) -> None:
+    def __init__(self, guard: UserCode, address: int, make: Callable[[], object]) -> None:
         self.addresses = (address,)
         self._guard = guard
         self._make = make
@@ -67,4 +67,4 @@ class PythonTarget:
 
     def _wrong(self, name: str, value: object, expected: str) -> FirmwareError:
         at = defined_at(getattr(self._hooks[name], "__func__", self._hooks[name]))
-        return FirmwareError(f"device {self._guard.who}: {name}, {at}, returned {value!r}; expected {expected}")
+        return FirmwareError(f"{self._guard.who}: {name}, {at}, returned {value!r}; expected {expected}")

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
+from ..processor.user_code import output_muted
 from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
 from ..scene.scene import Scene
@@ -74,6 +75,7 @@ class Window:
         return [r for r in self.records if begin <= r.tick <= end and (not kinds or r.kind in kinds)]
 
 
+@output_muted()
 def windows(
     case: Case,
     verdicts: Iterable[Verdict],

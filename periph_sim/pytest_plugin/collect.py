@@ -56,11 +56,13 @@ class CaseFile(pytest.File):
 
     def _planned(self) -> Any:
         """The plan of a case that can be built: units, firmware, measures and all."""
+        from ..processor.user_code import output_muted
         from ..scene.case.load import load
         from .runs import Plan
 
         plan = Plan(load(self.path))
-        plan.scene()
+        with output_muted():
+            plan.scene()
         return plan
 
     def run(self) -> Any:

@@ -18,6 +18,7 @@ from ..core.time import Timebase
 from ..explain.chain import Chain
 from ..explain.explain import chain_of, explain
 from ..explain.window import Window, windows_of_edges, windows_of_table
+from ..processor.user_code import output_muted
 from ..replay.wire_log import WireLog
 from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
@@ -107,9 +108,10 @@ class Run:
         Not so where they were kept: with `record=True`, and where the firmware is a function of the test's.
         """
         if self._edges is None:
-            scene = self.plan.scene()
-            log = WireLog(*scene.wires.values())
-            scene.advance(self.end)
+            with output_muted():
+                scene = self.plan.scene()
+                log = WireLog(*scene.wires.values())
+                scene.advance(self.end)
             self._edges = _named(log.capture(scene.timebase, self.end), self.result.case)
         return self._edges
 

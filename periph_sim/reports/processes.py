@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_all_start_methods, get_context
@@ -28,8 +29,12 @@ def processes(workers: int) -> ProcessPoolExecutor:
 
 
 def _begin(environment: Mapping[str, str]) -> None:
-    """In a worker: Ctrl-C ends it without a traceback; what it has imported is never looked through for garbage."""
+    """In a worker: Ctrl-C ends it without a traceback; what it has imported is never looked through for garbage.
+
+    What user code prints goes to standard error: standard output is the command's.
+    """
     signal(SIGINT, SIG_DFL)
+    sys.stdout = sys.stderr
     gc.freeze()
     os.environ.clear()
     os.environ.update(environment)

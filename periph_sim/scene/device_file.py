@@ -11,13 +11,13 @@ from types import ModuleType
 from typing import Any
 
 from ..devices.device_bus import DeviceBus
-from ..devices.hook_guard import HookGuard
 from ..devices.python_target import HOOKS, NEEDED, PythonTarget
 from ..devices.targets import TargetContext
-from ..processor.error_origin import FirmwareStalled, defined_at, flaw_of, raised_at
+from ..processor.error_origin import FirmwareStalled, defined_at, flaw_of
+from ..processor.user_code import PASSES, UserCode
 from .case.device_tables import DeviceTable
 from .context import SceneContext
-from .firmware_files import module_of_file, why_not_imported
+from .firmware_files import module_of_file, why_not_loaded
 from .firmware_loader import BadSetting, filled
 
 CLASS = "Device"
@@ -32,7 +32,7 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
     path = context.case.folder / table.model
     if table.address is None:
         raise mistake("a device of a file has no address of its own; give it address = 0x42, for instance", "address")
-    guard = HookGuard(name, float(context.case.stall_limit))
+    guard = UserCode(f"device {name}", float(context.case.stall_limit))
     module = _module(path, guard, mistake)
     made: Any = getattr(module, CLASS, None)
     if not isinstance(made, type):
@@ -43,7 +43,7 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
     arguments: tuple[object, ...] = (bus,)
     if settings is not None:
         try:
-            arguments = (bus, filled(settings, table.own, f"device {table.model}"))
+            arguments = (bus, guard(filled, settings, table.own, f"device {table.model}"))
         except BadSetting as error:
             raise mistake(str(error), *filter(None, [error.name])) from None
     elif table.own:
@@ -56,20 +56,15 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
     return PythonTarget(guard, table.address, lambda: made(*arguments))
 
 
-def _module(path: Path, guard: HookGuard, mistake: Callable[..., Exception]) -> ModuleType:
+def _module(path: Path, guard: UserCode, mistake: Callable[..., Exception]) -> ModuleType:
     if not path.is_file():
         raise mistake(f"there is no file {str(path)!r}; its path counts from the folder of the case")
     try:
         return guard.in_time(module_of_file, path)
-    except FirmwareStalled:
+    except (*PASSES, FirmwareStalled):
         raise
-    except ModuleNotFoundError as error:
-        raise mistake(f"{path.name} cannot be loaded: {why_not_imported(error, path.parent)}") from None
-    except SyntaxError as error:
-        raise mistake(f"{path.name} cannot be loaded: line {error.lineno}: {error.msg}") from None
-    except Exception as error:
-        at = raised_at(error)
-        raise mistake(f"{path.name} cannot be loaded: {at}{at and ': '}{type(error).__name__}: {error}") from None
+    except BaseException as error:
+        raise mistake(f"{path.name} cannot be loaded: {why_not_loaded(error, path.parent)}") from None
 
 
 def _check_hooks(path: Path, made: type[object], mistake: Callable[..., Exception]) -> None:

@@ -19,6 +19,8 @@ from threading import get_ident
 from types import CodeType, ModuleType
 
 from ..core.examples import EXAMPLES
+from ..processor.error_origin import raised_at
+from ..processor.user_code import message_of
 
 SHIPPED = EXAMPLES / "firmware" / "python"
 
@@ -62,8 +64,13 @@ def module_of_file(path: Path) -> ModuleType:
     return module
 
 
-def why_not_imported(error: ModuleNotFoundError, folder: Path) -> str:
-    """What an import failed for and the way out, in words that firmware knows. folder: of the file."""
+def why_not_loaded(error: BaseException, folder: Path) -> str:
+    """Why a file of user code cannot be loaded, with the line and the fix. folder: of the file."""
+    if isinstance(error, SyntaxError):
+        return f"line {error.lineno}: {error.msg}"
+    if not isinstance(error, ModuleNotFoundError):
+        at = raised_at(error)
+        return f"{at}{at and ': '}{type(error).__name__}: {message_of(error)}"
     package, _, name = (error.name or "").rpartition(".")
     if package.startswith(PREFIX):
         return f"it imports .{name}, but there is no {name}.py beside it"

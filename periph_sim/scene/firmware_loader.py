@@ -14,8 +14,9 @@ from msgspec import Struct
 from ..core.convert import BadTable, convert
 from ..core.suggest import did_you_mean
 from ..processor.error_origin import Misuse, defined_at, flaw_of
+from ..processor.user_code import PASSES
 from .case.error_text import complaint
-from .firmware_files import is_shipped, module_of_file, shipped_module, shipped_names, why_not_imported
+from .firmware_files import is_shipped, module_of_file, shipped_module, shipped_names, why_not_loaded
 
 if TYPE_CHECKING:
     from ..devices.model_codes import Computed
@@ -51,13 +52,11 @@ def load_firmware(name: str) -> Firmware:
         raise BadFirmware("its unit runs no Python firmware, which this needs")
     try:
         module = _file_module(Path(name)) if name.endswith(".py") else _shipped_module(name)
-    except BadFirmware:
+    except (*PASSES, BadFirmware):
         raise
-    except ModuleNotFoundError as error:
-        why = why_not_imported(error, Path(name).parent)
+    except BaseException as error:
+        why = why_not_loaded(error, Path(name).parent)
         raise BadFirmware(f"firmware {name!r} cannot be loaded: {why}") from None
-    except Exception as error:
-        raise BadFirmware(f"firmware {name!r} cannot be loaded: {type(error).__name__}: {error}") from None
     if not callable(getattr(module, "main", None)):
         raise BadFirmware(f"firmware {name!r} has no function main(dsp, settings)")
     what = flaw_of(module.main, 2)

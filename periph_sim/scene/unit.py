@@ -16,6 +16,7 @@ from ..f28335.unit_modules import MODULES, SCIS
 from ..processor.dsp import Dsp, DspPlan
 from ..processor.error_origin import Misuse
 from ..processor.python.firmware_view import End
+from ..processor.user_code import UserCode
 from .case.model import Case, Unit
 from .case.transceiver import pulled_down
 from .context import SceneContext
@@ -80,22 +81,23 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         return BuiltUnit(dsp, _started_image(context, name, unit, dsp), None, None)
     if unit.sources:
         return BuiltUnit(dsp, _started_sources(case, name, unit, dsp), None, None)
+    guard = UserCode(f"firmware {unit.firmware}", float(case.stall_limit))
     try:
-        firmware = program or load_firmware(unit.firmware)
+        firmware = program or guard(load_firmware, unit.firmware)
     except BadFirmware as error:
         raise case.mistake(str(error), "unit", name, "firmware") from None
     try:
-        settings = settings_for(firmware, unit.settings)
+        settings = guard(settings_for, firmware, unit.settings)
     except BadSetting as error:
         inside = (error.name,) if error.name else ()  # none: about several together
         raise case.mistake(str(error), "unit", name, "settings", *inside) from None
-    sensors = sensors_of(settings)
+    sensors = guard(sensors_of, settings)
     if sensors is not None:
         from .sensor_period import check_sensor_period
 
         check_sensor_period(case, name, settings, sensors)
     dsp.start(partial(run_main, firmware, dsp, settings))
-    return BuiltUnit(dsp, firmware, sensors, computed_by(settings))
+    return BuiltUnit(dsp, firmware, sensors, guard(computed_by, settings))
 
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:

@@ -100,7 +100,7 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             'firmware = "imu_hil"',
             'firmware = "broken.py"',
             "small.toml, line 5: unit.dsp.firmware: firmware 'broken.py' cannot be loaded: "
-            "ZeroDivisionError: division by zero",
+            "line 1 of broken.py: ZeroDivisionError: division by zero",
         ),
         (
             'model_cost = "250 us"',

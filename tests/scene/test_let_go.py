@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable
 from fractions import Fraction
-from threading import Thread
+from threading import Thread, get_ident
 from typing import Any
 from weakref import ref
 
@@ -24,12 +24,12 @@ CASES = sorted(path.name for path in TIMING.glob("*.toml"))
 SOON = Fraction(1, 1000)
 
 
-def scene_of(firmware: Callable[[Dsp, Any], None], heard: list[Record] | None = None) -> Scene:
+def scene_of(firmware: Callable[[Dsp, Any], None], heard: list[Record] | None = None, **more: Any) -> Scene:
     def subscribe(recorder: Any, _: object) -> None:
         if heard is not None:
             recorder.subscribe([Kind.SPAN, Kind.WAIT], heard.append)
 
-    small = case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}})
+    small = case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}, **more)
     return Scene(small, subscribe, {"dsp": Firmware("given", firmware, None)})
 
 
@@ -108,7 +108,30 @@ def test_it_may_be_let_go_of_in_the_middle_of_another_ones_run() -> None:
     assert ended == ["first", "second"]
 
 
-def test_in_another_thread_it_cannot_be_ended_and_nothing_else_happens() -> None:
+def in_its_own_thread(work: Callable[[], object]) -> None:
+    thread = Thread(target=work)
+    thread.start()
+    thread.join()
+
+
+def test_firmware_of_a_scene_freed_in_another_thread_ends_as_its_own_thread_begins_the_next() -> None:
+    ended: list[int] = []
+
+    def waiting(dsp: Dsp, settings: object) -> None:
+        try:
+            dsp.spin(lambda: False)
+        finally:
+            ended.append(get_ident())
+
+    held: list[Scene] = [scene_of(waiting)]
+    held[0].run(SOON)
+    in_its_own_thread(held.clear)
+    assert not held and not ended
+    held.append(scene_of(waiting))
+    assert ended == [get_ident()]
+
+
+def test_firmware_ends_with_the_thread_that_runs_it_whoever_frees_its_scene_and_when() -> None:
     ended: list[int] = []
 
     def waiting(dsp: Dsp, settings: object) -> None:
@@ -120,14 +143,27 @@ def test_in_another_thread_it_cannot_be_ended_and_nothing_else_happens() -> None
     held: list[Scene] = []
 
     def build() -> None:
-        held.append(scene_of(waiting))
-        held[0].run(SOON)
-        other = Thread(target=held.clear)
-        other.start()
-        other.join()
-        assert not ended
+        for _ in range(3):
+            held.append(scene_of(waiting))
+            held[-1].run(SOON)
+        in_its_own_thread(held.pop)
 
-    thread = Thread(target=build)
-    thread.start()
-    thread.join()
-    assert not held
+    in_its_own_thread(build)
+    assert len(held) == 2 and len(ended) == 3
+
+
+def test_a_finally_that_never_ends_is_stopped_as_the_scene_is_deleted() -> None:
+    begun: list[int] = []
+
+    def endless(dsp: Dsp, settings: object) -> None:
+        try:
+            dsp.spin(lambda: False)
+        finally:
+            begun.append(1)
+            while True:
+                pass
+
+    scene = scene_of(endless, stall_limit="100 ms")
+    scene.run(SOON)
+    del scene
+    assert begun

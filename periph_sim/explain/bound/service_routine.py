@@ -19,6 +19,7 @@ from msgspec import Struct, field
 from ...core.records import Kind, Record
 from ...core.time import Timebase
 from ...f28335.cpu.instruction_costs import IFR_DELAY
+from ...processor.user_code import output_muted
 from ...scene.case.model import Case
 from ...scene.scene import Scene
 from .branches import Decisions
@@ -81,6 +82,7 @@ class ServiceRoutines(Struct, frozen=True, dict=True):
 NONE = ServiceRoutines((), 0, 1, 0, 0)
 
 
+@output_muted()
 def observe_handlers(case: Case, unit: str) -> ServiceRoutines:
     """Run the case without requests for two frames. BadBound if the routines of a frame do not end."""
     if case.host is None:

@@ -25,6 +25,7 @@ from ...f28335.i2c.register_map import I2C_MAP
 from ...f28335.system.options import SystemOptions
 from ...processor.dsp import Dsp
 from ...processor.polling import Spin
+from ...processor.user_code import output_muted
 from ...scene.case.model import Case
 from ...scene.scene import Scene
 from .branches import Decisions
@@ -161,6 +162,7 @@ def serving_unit(case: Case) -> str:
     return units[0]
 
 
+@output_muted()
 def observe(case: Case) -> UndisturbedRun:
     """Run the case without host and jitter for two rounds. BadBound if its firmware does not serve in waits."""
     unit = serving_unit(case)

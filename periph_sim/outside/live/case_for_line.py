@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from ...processor.user_code import output_muted
 from ...scene.case.load import load
 from ...scene.case.model import BadCase, Case
 from ...scene.case.wiring import sci_named
@@ -48,6 +49,7 @@ def case_for_bus(path: str | Path, changes: tuple[str, ...] = ()) -> Ready:
     return Ready(case, tuple(dict.fromkeys((*named, *LINES))), left_out)
 
 
+@output_muted()
 def without_controller(case: Case) -> tuple[Case, tuple[str, ...]]:
     """The case without its [controller], and the names of the budgets that mean nothing without it."""
     if case.controller is None:
@@ -67,6 +69,7 @@ def without_controller(case: Case) -> tuple[Case, tuple[str, ...]]:
     return bare.model_copy(update=update), tuple(left_out)
 
 
+@output_muted()
 def without_host(case: Case) -> tuple[Case, tuple[str, ...]]:
     """The case without its [host], and the names of the budgets that went with it."""
     if case.host is None:

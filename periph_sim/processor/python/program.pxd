@@ -17,6 +17,7 @@ cdef class PythonProgram(Program):
     cdef dict _code
     cdef SourceLocator _places
     cdef object _greenlet, _watched
+    cdef list _leftovers
     cdef list _stops
     cdef object __weakref__
     cdef object _switch(self)

@@ -14,23 +14,55 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from threading import get_ident
+from threading import get_ident, local
 from types import CodeType
+from weakref import WeakSet
 
 from greenlet import GreenletExit, getcurrent, greenlet
 
 from ...core.chip import NEVER
 from ...core.kernel import Kernel
 from ...f28335.cpu.pie_map import VECTORS
-from ..error_origin import FirmwareError, FirmwareLost, FirmwareStalled, Misuse, raised_at
+from ..error_origin import FirmwareError, FirmwareLost, FirmwareStalled, raised_at
 from ..processor import Processor
 from ..program import Program, Stop
 from ..source_location import SourceLocation, SourceLocator
 from ..stall_watch import NoProgress, watch
+from ..user_code import as_firmware_error, output_aside
 
 ROUTINES = 0x30_0000  # service routines begin in flash, as far from its begin as their vector in the table is from 0
 
 Handler = Callable[[], None]
+
+
+class _ProgramsOfThread:
+    """The programs that a thread has begun: no other thread can run or end them.
+
+    alive: all that still exist. They end with the thread, as its variables are deleted.
+    leftovers: those whose scene was freed in another thread. They end as the thread begins its next program.
+    """
+
+    def __init__(self) -> None:
+        self.alive: WeakSet[PythonProgram] = WeakSet()
+        self.leftovers: list[PythonProgram] = []
+
+    def begin(self, program: PythonProgram) -> None:
+        self.alive.add(program)
+        while self.leftovers:
+            self.leftovers.pop().end_quietly()
+
+    def __del__(self) -> None:
+        if not sys.is_finalizing():  # Python itself ends, and takes its modules apart
+            for program in list(self.alive):
+                program.end_quietly()
+
+
+class _Threads(local):
+    def __init__(self) -> None:
+        self.programs = _ProgramsOfThread()
+
+
+_threads = _Threads()
 
 
 class PythonProgram(Program):
@@ -54,6 +86,7 @@ class PythonProgram(Program):
         self._code: dict[int, Handler] = {}  # service routines by their code address
         self._places = SourceLocator()
         self._greenlet: greenlet | None = None
+        self._leftovers: list[PythonProgram] = []  # of the thread in which it was begun
         self._watched = 0  # the thread that runs the firmware
         self._stops = watch.stops
 
@@ -65,6 +98,9 @@ class PythonProgram(Program):
         after_main: what is executed once it has returned.
         """
         self.returned_at = None
+        programs = _threads.programs
+        programs.begin(self)
+        self._leftovers = programs.leftovers
 
         def body() -> None:
             try:
@@ -87,6 +123,8 @@ class PythonProgram(Program):
         try:
             firmware()
             self._land()
+            self.returned_at = self._processor.time.cycle
+            after_main()
         except NoProgress as stopped:
             self._processor.time.meet()  # the run ends now
             at, limit = raised_at(stopped), f"{self.stall_limit:g} s of CPU time"
@@ -95,17 +133,11 @@ class PythonProgram(Program):
         except FirmwareLost:
             self._processor.time.meet()
             raise
-        except Misuse as error:
-            at = raised_at(error)
-            raise FirmwareError(f"{self.name}{f', {at}' if at else ''}: {error}") from error
-        except Exception as error:
-            blamed = raised_at(error)
-            if not blamed or isinstance(error, FirmwareError):
+        except BaseException as error:
+            found = as_firmware_error(error, self.name)
+            if found is None:
                 raise
-            text = str(error.args[0]) if error.args else "no message"
-            raise FirmwareError(f"{self.name}: {type(error).__name__} at {blamed}: {text}") from error
-        self.returned_at = self._processor.time.cycle
-        after_main()
+            raise found from error
 
     def _end(self) -> None:
         """The firmware is over, if it was not killed: whoever is at home goes on."""
@@ -182,11 +214,24 @@ class PythonProgram(Program):
         dying, self._greenlet = self._greenlet, None
         if dying is not None and not dying.dead:
             dying.parent = getcurrent()  # goes on here, and this for good if it has to wait
-            dying.throw(how)
+            self._goes_on()
+            try:
+                dying.throw(how)
+            finally:
+                self._waits()
 
     def let_go(self) -> None:
-        """Its `finally` blocks run, and no simulated time passes in them; what goes wrong there concerns nobody."""
-        with suppress(Exception):  # the other way: that it is let go of in a thread that cannot end it
+        """Its `finally` blocks run, and no simulated time passes in them; what goes wrong there concerns nobody.
+
+        In a thread that cannot end it, it is left to the thread that can.
+        """
+        if self._leftovers is _threads.programs.leftovers:
+            self.end_quietly()
+        elif self._greenlet is not None:
+            self._leftovers.append(self)
+
+    def end_quietly(self) -> None:
+        with suppress(Exception, NoProgress), output_aside():
             self.kill(GreenletExit)
 
     def instant(self) -> tuple[int, int]:

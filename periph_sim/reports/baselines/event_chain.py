@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 from ...core.records import Kind, Record
 from ...explain.chain import place_of
+from ...processor.user_code import output_muted
 from ...scene.case.model import Case
 from ...scene.scene import Scene
 
@@ -43,6 +44,7 @@ class EventLine(NamedTuple):
     places: list[str]
 
 
+@output_muted()
 def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
     """The chain of each occurrence: one more run of the case, which ends behind the last of them."""
     if not wanted:

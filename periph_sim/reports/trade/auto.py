@@ -20,6 +20,7 @@ from ...bus.i2c.transfer import Transfer
 from ...core.records import UNHEARD, Kind, Listener, Recorder
 from ...core.time import Timebase
 from ...levels.judged import SCHEDULE, Judged
+from ...processor.user_code import output_muted
 from ...scene.case.model import BadCase, Case
 from ...scene.result import Result
 from ...scene.scene import Scene
@@ -117,7 +118,8 @@ def run_within(
     case = make(levels[0].changes)
     whole = case.duration if length is None else length
     part = min(PART, whole)
-    found = trade(make, levels, part, traced=False, remedy=ADAPTIVE if whole > part else LONGER)
+    with output_muted():
+        found = trade(make, levels, part, traced=False, remedy=ADAPTIVE if whole > part else LONGER)
     best = best_within(found, bound_s, float(whole))
     if best.level is None:
         raise BadCase(f"case {case.name}: no level within {bound_s * 1e6:g} us: {best.why}")

@@ -17,6 +17,7 @@ import numpy as np
 from ...core.records import Recorder
 from ...core.time import Timebase
 from ...levels.judged import SCHEDULE
+from ...processor.user_code import output_muted
 from ...scene.case.model import BadCase, Case
 from ...scene.scene import Scene
 from ...timing.budget_schema import Budget
@@ -103,7 +104,8 @@ def _more(case: Case) -> Iterator[Budget]:
         if measure not in known:
             budget = Budget.model_validate({"name": f"{measure} observed", "measure": measure, "max": limit})
             try:
-                Scene(case.model_copy(update={"budget": (budget,), "breaks": ()}))
+                with output_muted():
+                    Scene(case.model_copy(update={"budget": (budget,), "breaks": ()}))
             except BadCase:
                 continue
             yield budget

@@ -11,6 +11,7 @@ from ...core.kernel import SimulationStuck
 from ...f28335.system.memory_map import NoSuchAddress
 from ...levels.judged import SCHEDULE
 from ...processor.error_origin import FirmwareError
+from ...processor.user_code import output_muted
 from ...scene.case.model import BadCase, Case
 from ...timing.format_value import duration_text
 from .cost import Cost, cost_of
@@ -97,11 +98,12 @@ def trade(
         raise BadCase(f"case {case.name}: nothing measured: {found}, and errors need occurrences; {remedy}")
     itself = compare(reference, reference)
     unmeasured = tuple(each.name for each in itself if not each.measured)
-    outcomes = [Outcome(first, "", cost_of(case, length, traced))]
-    for number, level in enumerate(others, 1):
-        if told is not None:
-            told(number / len(levels))
-        outcomes.append(_outcome(make, level, reference, length, traced))
+    with output_muted():
+        outcomes = [Outcome(first, "", cost_of(case, length, traced))]
+        for number, level in enumerate(others, 1):
+            if told is not None:
+                told(number / len(levels))
+            outcomes.append(_outcome(make, level, reference, length, traced))
     simulated = outcomes[0].cost
     assert simulated is not None
     return Trade(

@@ -132,10 +132,10 @@ def test_a_file_that_is_no_device_is_told_in_a_sentence(tmp_path: Path, text: st
     [
         ("return 256", "device mine: on_read, line 7 of mine.py, returned 256; expected a byte, 0 to 0xFF"),
         ("return", "device mine: on_read, line 7 of mine.py, returned None; expected a byte, 0 to 0xFF"),
-        ("return self.nothing", "device mine, line 8 of mine.py: AttributeError: 'Device' object has no attribute"),
+        ("return self.nothing", "device mine: AttributeError at line 8 of mine.py: 'Device' object has no attribute"),
         ("self.bus.stretch(20)", 'device mine, line 8 of mine.py: 20 has no unit; write for instance "20 ms"'),
         ("self.bus.pin('DRDY')", "device mine, line 8 of mine.py: there is no wire 'DRDY'; name it in a unit's pins"),
-        ("self.bus.after('1 us', self.fail)", "device mine, line 5 of mine.py: ZeroDivisionError: integer division"),
+        ("self.bus.after('1 us', self.fail)", "device mine: ZeroDivisionError at line 5 of mine.py: integer division"),
     ],
 )
 def test_what_a_hook_gets_wrong_is_told_with_its_line(tmp_path: Path, line: str, sentence: str):

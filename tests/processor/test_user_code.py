@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.devices.hook_guard import HookGuard
 from periph_sim.processor.error_origin import FirmwareStalled
 from periph_sim.processor.stall_watch import NoProgress
+from periph_sim.processor.user_code import UserCode
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from tests.commands.conftest import Run, periph_sim
@@ -118,14 +118,14 @@ def test_a_hook_that_returns_in_time_is_left_alone(tmp_path: Path):
 
 
 def test_a_limit_of_0_lets_a_hook_take_any_time():
-    guard = HookGuard("mine", 0.0)
+    guard = UserCode("device mine", 0.0)
     seen: list[int] = []
     assert guard(lambda: seen.append(guard.thread)) is None
     assert seen == [0], "nobody watches it"
 
 
 def test_each_call_is_another_instant_and_a_hook_in_a_hook_is_the_same_one():
-    guard = HookGuard("mine", 10.0)
+    guard = UserCode("device mine", 10.0)
     seen: list[tuple[int, int]] = []
     guard(lambda: guard(lambda: seen.append(guard.instant())))
     guard(lambda: seen.append(guard.instant()))
@@ -137,4 +137,4 @@ def test_the_one_who_raises_it_is_told():
         raise NoProgress
 
     with pytest.raises(FirmwareStalled, match="device mine did not return within 10 s of CPU time"):
-        HookGuard("mine", 10.0)(stopped)
+        UserCode("device mine", 10.0)(stopped)

@@ -1,0 +1,128 @@
+"""The guard around user code: firmware, service routines, devices and their files.
+
+    error that user code raised --as_firmware_error--> FirmwareError with its place, or None: it passes as it is
+    guard(function, ...)        --> what it returns; FirmwareError; FirmwareStalled if it does not return
+    with output_muted(): ...    --> prints of user code in a run that repeats an earlier one are dropped
+
+What user code may not do:
+
+- exit: `sys.exit` becomes an error, as does every exception that is no `Exception`. Only Ctrl-C passes.
+- run without end: a call that uses more CPU time than its limit is stopped with its line.
+- print twice: a case that is run again for an explanation prints nothing the second time.
+
+Exits that Python does not see, such as `os._exit`, are noticed by `periph_sim.entry` from outside of the process.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stdout
+from threading import get_ident
+from typing import TypeVar
+
+from greenlet import GreenletExit
+
+from .error_origin import FirmwareError, FirmwareStalled, Misuse, raised_at
+from .stall_watch import NoProgress, watch
+
+Returned = TypeVar("Returned")
+
+PASSES = (KeyboardInterrupt, GreenletExit, NoProgress)
+NO_EXIT = "user code cannot end the command; return, or raise an error, instead of exiting"
+
+
+def as_firmware_error(error: BaseException, who: str) -> FirmwareError | None:
+    """The FirmwareError, with its place, that stands for an error raised in user code.
+
+    None if `error` passes as it is: Ctrl-C, an error that names its place already, and faults of our own.
+    """
+    if isinstance(error, PASSES):
+        return None
+    at = raised_at(error)
+    if isinstance(error, Misuse):
+        return FirmwareError(f"{who}{f', {at}' if at else ''}: {error}")
+    if isinstance(error, FirmwareError) or (isinstance(error, Exception) and not at):
+        return None
+    return FirmwareError(f"{who}: {type(error).__name__}{f' at {at}' if at else ''}: {message_of(error)}")
+
+
+def message_of(error: BaseException) -> str:
+    """The message of an exception, without the quotes that a KeyError puts around it."""
+    if isinstance(error, SystemExit):
+        return NO_EXIT
+    return str(error.args[0]) if len(error.args) == 1 else str(error) or "no message"
+
+
+class UserCode:
+    """A guard that calls functions of one piece of user code.
+
+    who: its name in messages. stall_limit: seconds of CPU time that one call may take; 0: any.
+    thread: the thread that is in a call; 0 if none is.
+    """
+
+    def __init__(self, who: str, stall_limit: float) -> None:
+        self.who = who
+        self.stall_limit = stall_limit
+        self.thread = 0
+        self._calls = 0
+        if stall_limit:
+            watch.add(self)
+
+    def instant(self) -> tuple[int, int]:
+        """A different value in each call."""
+        return self._calls, 0
+
+    def __call__(self, function: Callable[..., Returned], *arguments: object) -> Returned:
+        """What the function returns. FirmwareError, with its place, for what it raises; FirmwareStalled for no end."""
+        try:
+            return self.in_time(function, *arguments)
+        except BaseException as error:
+            found = as_firmware_error(error, self.who)
+            if found is None:
+                raise
+            raise found from None
+
+    def in_time(self, function: Callable[..., Returned], *arguments: object) -> Returned:
+        """What the function returns, or raises. FirmwareStalled with file and line if it does not return."""
+        try:
+            return self._watched(function, *arguments)
+        except NoProgress as stopped:
+            at, limit = raised_at(stopped), f"{self.stall_limit:g} s of CPU time"
+            raise FirmwareStalled(f"{self.who} did not return within {limit} at {at}") from None
+
+    def _watched(self, function: Callable[..., Returned], *arguments: object) -> Returned:
+        if not self.stall_limit or self.thread:  # a nested call belongs to the call around it
+            return function(*arguments)
+        self._calls += 1
+        self.thread = get_ident()
+        try:
+            return function(*arguments)
+        finally:
+            self.thread = 0
+            watch.leave(get_ident())
+
+
+class _Nowhere(io.TextIOBase):
+    """A text stream that drops what is written to it."""
+
+    def write(self, text: str) -> int:
+        return len(text)
+
+
+@contextmanager
+def output_aside() -> Iterator[None]:
+    """Print to standard error within the block, in which user code runs after the command's own output has begun."""
+    if isinstance(sys.stdout, _Nowhere):
+        yield
+        return
+    with redirect_stdout(sys.stderr):
+        yield
+
+
+@contextmanager
+def output_muted() -> Iterator[None]:
+    """Drop what is printed within the block, in which a case runs that printed the same in an earlier run."""
+    with redirect_stdout(_Nowhere()):
+        yield

@@ -1,0 +1,191 @@
+"""Firmware and devices that exit or print: no exit is taken for a verdict, and standard output is the command's own."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from .conftest import Run
+
+CASE = """\
+name = "{name}"
+duration = "2 ms"
+
+[unit.dsp]
+firmware = "{name}.py"
+modules = ["I2C-A", "TIMER0", "SCI-A"]
+
+[device.mine]
+model = "mine.py"
+address = 0x42
+
+[controller]
+order = []
+first = "1 ms"
+period = "5 ms"
+
+[[controller.request]]
+name = "both"
+address = 0x42
+write = "01"
+count = 1
+
+[[budget]]
+name = "rounds"
+measure = "missed rounds"
+max = 0
+"""
+FIRMWARE = """\
+import sys
+from dataclasses import dataclass
+
+@dataclass
+class Settings:
+    number: int = 1
+
+    def __post_init__(self):
+        pass  # settings
+
+pass  # import
+
+def tick():
+    pass  # interrupt
+
+def main(dsp, settings):
+    dsp.compute(100)
+    pass  # main
+    dsp.handle("TINT0", tick)
+    timer, pie = dsp.module("TIMER0"), dsp.module("PIE")
+    timer.PRD.all = 100_000
+    timer.TCR.TRB = 1
+    timer.TCR.TIE = 1
+    pie.PIECTRL.ENPIE = 1
+    pie.PIEIER1.INTx7 = 1
+    dsp.enable_interrupt(1)
+    dsp.eint()
+    pass  # end of main
+"""
+DEVICE = """\
+import sys
+pass  # import
+
+class Device:
+    def __init__(self, bus):
+        pass  # making
+
+    def on_write(self, byte):
+        pass  # on_write
+
+    def on_read(self):
+        pass  # on_read
+        return 1
+"""
+FIRMWARE_PLACES = ("import", "settings", "main", "interrupt")
+DEVICE_PLACES = ("import", "making", "on_write", "on_read")
+SAYS = "user code cannot end the command; return, or raise an error, instead of exiting"
+
+
+def case_of(folder: Path, name: str = "small", firmware: str = "", device: str = "", code: str = "sys.exit(0)") -> Path:
+    """A case whose firmware, or device, executes `code` at this place."""
+    for file, text, place in ((f"{name}.py", FIRMWARE, firmware), ("mine.py", DEVICE, device)):
+        if place:
+            assert f"pass  # {place}\n" in text
+            text = text.replace(f"pass  # {place}\n", f"{code}\n")
+        (folder / file).write_text(text, encoding="utf-8")
+    path = folder / f"{name}.toml"
+    path.write_text(CASE.format(name=name), encoding="utf-8")
+    return path
+
+
+def line_of(text: str, place: str) -> int:
+    return next(number for number, line in enumerate(text.splitlines(), 1) if line.endswith(f"# {place}"))
+
+
+def test_the_case_passes_as_it_is(periph_sim: Run, tmp_path: Path):
+    came = periph_sim("run", str(case_of(tmp_path)))
+    assert (came.status, came.err) == (0, "")
+
+
+@pytest.mark.parametrize("place", FIRMWARE_PLACES)
+def test_an_exit_of_firmware_is_an_error_with_its_line(periph_sim: Run, tmp_path: Path, place: str):
+    came = periph_sim("run", str(case_of(tmp_path, firmware=place)))
+    assert (came.status, came.out) == (2, "")
+    assert f"line {line_of(FIRMWARE, place)} of small.py" in came.err and came.err.endswith(f"{SAYS}\n")
+
+
+@pytest.mark.parametrize("place", DEVICE_PLACES)
+def test_an_exit_of_a_device_is_an_error_with_its_line(periph_sim: Run, tmp_path: Path, place: str):
+    came = periph_sim("run", str(case_of(tmp_path, device=place)))
+    assert (came.status, came.out) == (2, "")
+    assert f"line {line_of(DEVICE, place)} of mine.py" in came.err and came.err.endswith(f"{SAYS}\n")
+
+
+def test_an_exit_as_the_scene_is_deleted_is_no_verdict(periph_sim: Run, tmp_path: Path):
+    waits = "try: dsp.spin(lambda: False)\n    finally: sys.exit(1)"
+    came = periph_sim("run", str(case_of(tmp_path, firmware="end of main", code=waits)))
+    assert (came.status, came.err) == (0, "") and "small: PASS" in came.out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["worst"], ["trade"], ["check", "--jobs", "1"], ["sweep", "--jobs", "1", "--vary", "seed=1, 2"]],
+    ids=lambda arguments: arguments[0],
+)
+@pytest.mark.parametrize("where", [{"firmware": "main"}, {"device": "on_read"}], ids=["firmware", "device"])
+def test_no_command_takes_an_exit_for_a_verdict(
+    periph_sim: Run, tmp_path: Path, arguments: list[str], where: dict[str, str]
+):
+    command, *options = arguments
+    came = periph_sim(command, str(case_of(tmp_path, **where)), *options)
+    assert came.status == 2 and SAYS in " ".join((came.out + came.err).split())
+
+
+def test_check_runs_the_cases_behind_one_whose_firmware_exits(periph_sim: Run, tmp_path: Path):
+    first, second = case_of(tmp_path, "first", firmware="main"), case_of(tmp_path, "second")
+    junit = tmp_path / "results.xml"
+    came = periph_sim("check", str(first), str(second), "--jobs", "1", "--junit", str(junit))
+    assert came.status == 2
+    text = junit.read_text("utf-8")
+    assert 'name="first"' in text and 'name="second"' in text and SAYS in text
+
+
+def test_a_sweep_keeps_the_rows_beside_one_whose_firmware_exits(periph_sim: Run, tmp_path: Path):
+    code = "sys.exit(0) if settings.number == 2 else None"
+    case = case_of(tmp_path, firmware="main", code=code)
+    came = periph_sim("sweep", str(case), "--jobs", "1", "--vary", "unit.dsp.settings.number=1, 2, 3", "--json")
+    runs = json.loads(came.out)["runs"]
+    assert came.status == 2 and [one["verdict"] for one in runs] == ["pass", "error", "pass"]
+    assert runs[1]["error"].endswith(SAYS)
+
+
+@pytest.mark.parametrize("error", ["KeyboardInterrupt", "SystemExit", "GeneratorExit", "BaseException"])
+def test_no_exception_of_firmware_is_a_pass(periph_sim: Run, tmp_path: Path, error: str):
+    came = periph_sim("run", str(case_of(tmp_path, firmware="main", code=f"raise {error}")))
+    assert (came.status, came.out) == (2, "")
+
+
+@pytest.mark.parametrize("options", [[], ["--json"], ["--explain"]], ids=["table", "json", "explain"])
+@pytest.mark.parametrize("place", FIRMWARE_PLACES)
+def test_prints_appear_once_and_not_on_standard_output(periph_sim: Run, tmp_path: Path, options: list[str], place: str):
+    """An explanation runs the case once more; the interrupt of this case comes once a run."""
+    came = periph_sim("run", str(case_of(tmp_path, firmware=place, code="print('hello')")), *options)
+    assert came.status == 0 and "hello" not in came.out
+    assert len(set(came.err.splitlines())) == 1
+    if place != "interrupt":
+        assert came.err == "hello\n"
+    if options == ["--json"]:
+        assert json.loads(came.out)["verdict"] == "pass"
+
+
+def test_prints_of_a_check_appear_once(periph_sim: Run, tmp_path: Path):
+    case = case_of(tmp_path, firmware="main", code="print('hello')")
+    came = periph_sim("check", str(case), "--jobs", "1", "--json", "--html", str(tmp_path / "page.html"))
+    assert came.err == "hello\n" and json.loads(came.out)["cases"]
+
+
+def test_what_firmware_prints_as_its_scene_is_deleted_comes_once(periph_sim: Run, tmp_path: Path):
+    waits = "try: dsp.spin(lambda: False)\n    finally: print('hello')"
+    came = periph_sim("run", str(case_of(tmp_path, firmware="end of main", code=waits)), "--json")
+    assert came.err == "hello\n" and json.loads(came.out)["verdict"] == "pass"

@@ -43,8 +43,11 @@ class Commands(click.Group):
     """The files of a folder as subcommands; a `_` of the file's name is a `-` of the command's."""
 
     def invoke(self, ctx: click.Context) -> object:
+        from .core.input_files import inputs_of_one_command
+
         try:
-            return super().invoke(ctx)
+            with inputs_of_one_command():
+                return super().invoke(ctx)
         except BrokenPipeError:  # click would exit with 1, which says that a budget is broken
             raise click.exceptions.Exit(CLOSED_PIPE) from None
 

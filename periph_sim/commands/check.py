@@ -19,6 +19,7 @@ from .input_options import GUARANTEED, apart, refuse_guaranteed
 from .json_output import print_json
 from .progress import progress
 from .usage_error import running_user_code
+from .watched_files import note_inputs
 
 if TYPE_CHECKING:
     from .tables import PlainTable
@@ -69,6 +70,10 @@ def check(
     with running_user_code(), ExitStack() as outputs:
         project = project_of(Path())
         refuse_guaranteed(guaranteed, project)
+        if junit_file is not None or html_file is not None:
+            from ..reports.baselines.check import case_files
+
+            note_inputs(case_files(paths or project.cases()), but_baselines=update)
         # Asked for their places before the runs, so that none is in vain.
         unfinished, unfinished_html = (
             None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)

@@ -67,8 +67,12 @@ def identify(
             raise click.ClickException(
                 f"identify needs {error.name}, which is not installed: pip install 'periph-sim[sensors]'"
             ) from None
+        from ..core.input_files import note_input
         from ..traces.formats.atomic_write import atomic_write
 
+        for given in (file, undisturbed):
+            if given is not None:
+                note_input(given)
         paths = {path: outputs.enter_context(atomic_write(path)) for path in (picture, parameters) if path is not None}
         axes, period = _axes(file, rate, expect, undisturbed, slow_terms)
         count = len(axes[0].found.series.samples)

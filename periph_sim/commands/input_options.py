@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..core.exact_number import exact_number
+from ..core.shorten import shorten
 from ..core.time import TimeError, seconds
 
 if TYPE_CHECKING:
@@ -68,9 +70,9 @@ def address_given(option: str, text: str) -> tuple[str, int]:
 def pace_given(text: str) -> Fraction:
     """Simulated seconds a second."""
     try:
-        return Fraction(text)
-    except (ValueError, ZeroDivisionError):
-        raise click.UsageError(f"--pace {text!r}: expected a number, as in 1 or 0.5") from None
+        return exact_number(text)
+    except ValueError:
+        raise click.UsageError(f"--pace {shorten(repr(text))}: expected a number, as in 1 or 0.5") from None
 
 
 def length_given(text: str) -> Fraction:

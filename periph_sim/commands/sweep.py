@@ -55,6 +55,7 @@ def sweep(
     from ..scene.case.model import BadCase
     from ..traces.formats.atomic_write import atomic_write
     from .progress import progress
+    from .watched_files import note_inputs
 
     with running_user_code(), ExitStack() as outputs:
         varied = _varied(vary)
@@ -62,6 +63,7 @@ def sweep(
         for key in fixed.keys() & varied.keys():
             raise click.ClickException(f"--set and --vary both name {key}; leave one of them out")
         length = None if seconds is None else length_given(seconds)
+        note_inputs([case])
         unfinished = None if csv_file is None else outputs.enter_context(atomic_write(csv_file))
         with progress(case.stem) as told:
             try:

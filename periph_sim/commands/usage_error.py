@@ -14,6 +14,7 @@ MISTAKES = {
     "periph_sim.explain.bound.terms.BadBound",
     "periph_sim.scene.case.model.BadCase",
     "periph_sim.core.kernel.SimulationStuck",
+    "periph_sim.core.time.TimeError",
     "periph_sim.core.wire.TooManyParties",
     "periph_sim.devices.attitude.NoAttitude",
     "periph_sim.sensors.models.quantity.BadParameter",

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from ..core.input_files import note_input
 from ..reports.baselines.files import path_for
 
 Stamps = dict[Path, tuple[int, int]]
@@ -21,6 +22,14 @@ def stamps(case: Path) -> Stamps:
             continue
         found[file] = (status.st_mtime_ns, status.st_size)
     return found
+
+
+def note_inputs(cases: Iterable[Path], but_baselines: bool = False) -> None:
+    """Note the files of these cases as inputs, for commands whose other processes read them."""
+    for case in cases:
+        for file in files_of(case):
+            if not (but_baselines and file == path_for(case)):
+                note_input(file)
 
 
 def files_of(case: Path) -> Iterator[Path]:

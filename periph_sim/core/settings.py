@@ -15,9 +15,12 @@ from typing import Annotated, Any
 from msgspec import Meta
 
 from .convert import Before
+from .exact_number import SHOWN, exact_number
+from .shorten import shorten
 from .time import UNITS as TIMES
 from .time import TimeError, seconds
 
+LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # hertz: a clock has ticks, and a run has a clock's cycles, in 64 bits
 HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
 
 
@@ -27,8 +30,8 @@ def share(value: object) -> Fraction:
         return value
     text = str(value).strip()
     try:
-        percent = Fraction(text.removesuffix("%").strip())
-    except (ValueError, ZeroDivisionError):
+        percent = exact_number(text.removesuffix("%"))
+    except ValueError:
         percent = Fraction(-1)
     if not text.endswith("%") or not 0 <= percent <= 100:
         raise ValueError(f"{value!r} is no part of a whole; write for instance '90 %'")
@@ -105,15 +108,18 @@ def frequency(value: object) -> Fraction:
     if not isinstance(value, str):
         unit = "Hz" if isinstance(value, int) and value >= 10_000 else "kHz"
         raise ValueError(f'{value!r} has no unit; write for instance "{value} {unit}"')
+    quoted = shorten(repr(value), SHOWN)
     number, _, unit = value.strip().partition(" ")
     if unit not in HERTZ:
-        raise ValueError(f"{value!r}: expected a number, a blank and one of {', '.join(HERTZ)}")
+        raise ValueError(f"{quoted}: expected a number, a blank and one of {', '.join(HERTZ)}")
     try:
-        hertz = Fraction(number) * HERTZ[unit]
-    except (ValueError, ZeroDivisionError):
-        raise ValueError(f"{value!r}: {number!r} is not a number") from None
+        hertz = exact_number(number) * HERTZ[unit]
+    except ValueError as error:
+        raise ValueError(f"{quoted}: {error}") from None
     if hertz <= 0:
-        raise ValueError(f"{value!r}: a frequency is above 0")
+        raise ValueError(f"{quoted}: a frequency is above 0")
+    if not LOWEST <= hertz <= HIGHEST:
+        raise ValueError(f"{quoted}: a frequency is 1/1000 Hz to 1000 GHz")
     return hertz
 
 

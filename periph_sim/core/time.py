@@ -12,11 +12,15 @@ from math import floor, lcm
 from typing import Literal
 
 from .chip import NEVER
+from .exact_number import SHOWN, exact_number
+from .shorten import shorten
 
 GHZ = 1_000_000_000
 NO_TIME = -1
 LAST_TICK = NEVER - 1  # also of recordings, whose ticks are int64
 DAY = 86_400
+LONGEST = 365 * DAY  # seconds that a user can write: 2^57 ticks of a third of a nanosecond
+MOST_TICKS = NEVER // 4  # of one length of time: the sum of a few of them is a tick still
 MOST = NEVER  # of a product of two numbers that the compiled form takes 64 bits for
 USUAL_PER_NS = 1000  # clocks of whole MHz need no more ticks in a nanosecond
 
@@ -51,19 +55,24 @@ def round_ratio(value: Fraction, rounding: Rounding) -> int:
 
 
 def seconds(text: str) -> Fraction:
-    """The length that "250 us" or "1.5 ms" says, in seconds, exactly. TimeError if it says none."""
+    """Return the length of "250 us" or "1.5 ms" in seconds, exactly. TimeError if it is none, or more than a year."""
+    quoted = shorten(repr(text), SHOWN)
     number, _, unit = text.strip().replace("\u00b5", "u").replace("\u03bc", "u").partition(" ")  # micro sign, mu
     if not unit:
         cut = len(number.rstrip("abcdefghijklmnopqrstuvwxyz"))
         number, unit = number[:cut], number[cut:]
     if not unit:
-        raise TimeError(f"{text!r} has no unit; write for instance {text.strip() or '20'} ms ({', '.join(UNITS)})")
+        written = shorten(text.strip() or "20", SHOWN)
+        raise TimeError(f"{quoted} has no unit; write for instance {written} ms ({', '.join(UNITS)})")
     if unit not in UNITS:
-        raise TimeError(f"{text!r}: unit {unit!r} is none of {', '.join(UNITS)}")
+        raise TimeError(f"{quoted}: unit {shorten(repr(unit), SHOWN)} is none of {', '.join(UNITS)}")
     try:
-        return Fraction(number) * UNITS[unit]
-    except (ValueError, ZeroDivisionError):
-        raise TimeError(f"{text!r}: {number!r} is not a number") from None
+        length = exact_number(number) * UNITS[unit]
+    except ValueError as error:
+        raise TimeError(f"{quoted}: {error}") from None
+    if abs(length) > LONGEST:
+        raise TimeError(f"{quoted} is longer than {LONGEST // DAY} d, the longest time that can be given")
+    return length
 
 
 class Timebase:
@@ -74,23 +83,34 @@ class Timebase:
         self.per_ns = self.per_second // GHZ
 
     def ticks(self, length: Fraction | str, rounding: Rounding = "exact") -> int:
-        """A length of time in ticks. TimeError when it is not a whole number and no rounding is named."""
+        """Return a length of time in ticks. TimeError when it is not a whole number and no rounding is named."""
         value = seconds(length) if isinstance(length, str) else length
-        return round_ratio(value * self.per_second, rounding)
+        return self.fitting(round_ratio(value * self.per_second, rounding))
+
+    def fitting(self, ticks: int) -> int:
+        """Return the ticks of a length of time. TimeError if they leave no room for those of a run beside them."""
+        if abs(ticks) > MOST_TICKS:
+            length, most = days(self.seconds(ticks)), days(self.seconds(MOST_TICKS))
+            ticks_are = f"with ticks of 1/{self.per_second} s the longest is {most}{self._way_out}"
+            raise TimeError(f"a time of {length} is too long: {ticks_are}")
+        return ticks
 
     def end_of_run(self, start: int, length: Fraction) -> int:
         """The tick at which a run of `length` seconds ends. TimeError, with the longest run, if that is too far."""
-        end = start + self.ticks(length, "nearest")
+        end = start + round_ratio(length * self.per_second, "nearest")
         if end > LAST_TICK:
             most = self.seconds(LAST_TICK - start)
-            way_out = ""
-            if self.per_ns > USUAL_PER_NS:
-                way_out = "; a crystal of a round frequency, its error as ppm, has longer ticks"
             raise TimeError(
                 f"a run of {days(length)} ends after the last tick, number 2^62; with ticks of 1/{self.per_second} s "
-                f"the longest is {days(most)}{way_out}"
+                f"the longest is {days(most)}{self._way_out}"
             )
         return end
+
+    @property
+    def _way_out(self) -> str:
+        if self.per_ns <= USUAL_PER_NS:
+            return ""
+        return "; a crystal of a round frequency, its error as ppm, has longer ticks"
 
     def seconds(self, ticks: int) -> Fraction:
         """A count of ticks in seconds, exactly."""

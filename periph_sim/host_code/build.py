@@ -14,6 +14,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
+from ..core.input_files import note_input
 from .register_symbols import COPIED, SYMBOLS
 
 BYTES_A_WORD = 4  # of the chip's address space, here
@@ -67,7 +68,7 @@ def compiled(sources: Sources, folder: Path) -> Objects:
     if compiler is None:
         raise BadSources("gcc is not found, which compiles C sources for the host; install it, or run an image")
     for file in sources.files:
-        if not file.is_file():
+        if not note_input(file).is_file():
             raise BadSources(f"there is no source file {str(file)!r}; its path counts from the folder of the case")
     own = folder / "c28x_assembly.h"
     own.write_text(OWN_DECLARATIONS + "\n", encoding="utf-8")

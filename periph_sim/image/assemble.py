@@ -26,6 +26,7 @@ from typing import NamedTuple
 from ..c28x.assembler import BadInstruction, Parsed, parse
 from ..c28x.expressions import BadExpression, Undefined, evaluate
 from ..core.examples import EXAMPLES
+from ..core.input_files import note_input
 from .load import parse as parse_image
 from .model import BadImage, Image, Section, Symbol
 from .write_coff2 import write
@@ -288,7 +289,7 @@ def included(name: str, folder: Path) -> Path:
 
 def text_of(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return note_input(path).read_text(encoding="utf-8-sig")
     except OSError as error:
         raise BadImage(f"{path}: {error.strerror}") from None
     except UnicodeDecodeError:

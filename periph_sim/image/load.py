@@ -8,6 +8,7 @@ from __future__ import annotations
 from itertools import pairwise
 from pathlib import Path
 
+from ..core.input_files import note_input
 from ..f28335.system.address_space import not_loadable
 from . import coff2
 from .model import BadImage, Image, quoted
@@ -19,7 +20,7 @@ ELF_MAGIC = b"\x7fELF"
 def load(path: Path) -> Image:
     """The image in a file. BadImage, which names the file, where it is none of the F28335."""
     try:
-        data = path.read_bytes()
+        data = note_input(path).read_bytes()
     except OSError as error:
         raise BadImage(f"{path}: {error.strerror}") from None
     try:

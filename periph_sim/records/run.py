@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.input_files import note_input
 from ..core.records import Kind, Record
 from ..core.registers import Field, Register
 from ..traces.formats.psr import holds_run, read_table, recognises
@@ -85,7 +86,7 @@ class Run:
 
     @classmethod
     def read(cls, path: Path | str, sysclk: Fraction | None = None) -> Run:
-        path = Path(path)
+        path = note_input(Path(path))
         if not path.is_file():
             raise NotInRun(f"{path}: there is no such file; {WAY_OUT}")
         with path.open("rb") as file:

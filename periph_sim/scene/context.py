@@ -32,13 +32,18 @@ class SceneContext(Struct, frozen=True):
     levels: BusLevels
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
-        """Seconds, counted by a clock that is off, in ticks to the nearest."""
+        """Return a length in seconds, counted by a clock that is off by `ppm`, in ticks to the nearest.
+
+        TimeError if it is too long for the ticks of this scene.
+        """
         count, parts = self._ticks(length, ppm)
-        return (2 * count + parts) // (2 * parts)
+        return self.timebase.fitting((2 * count + parts) // (2 * parts))
 
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
-        """The same without rounding."""
-        return Fraction(*self._ticks(length, ppm))
+        """Return the same without rounding."""
+        exact = Fraction(*self._ticks(length, ppm))
+        self.timebase.fitting(int(exact))
+        return exact
 
     def _ticks(self, length: Fraction, ppm: Fraction) -> tuple[int, int]:
         """The same as a count of parts of a tick, and how many of these a tick has."""

@@ -19,6 +19,7 @@ from threading import get_ident
 from types import CodeType, ModuleType
 
 from ..core.examples import EXAMPLES
+from ..core.input_files import note_input
 from ..processor.error_origin import raised_at
 from ..processor.user_code import message_of
 
@@ -51,7 +52,7 @@ def shipped_module(name: str) -> ModuleType:
 
 def module_of_file(path: Path) -> ModuleType:
     """The module of a firmware file, imported anew with all that it imports from its folder: an edit counts at once."""
-    path = path.resolve()
+    path = note_input(path).resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
     for loaded in [name for name in tuple(sys.modules) if name.startswith(f"{package}.")]:  # other threads import, too
         del sys.modules[loaded]

@@ -147,7 +147,7 @@ class Scene:
             self.head.on_transfer.append(self.bus.count)
             if levels.i2c != EDGE:
                 self.bus.whole_bytes = parts.whole_bytes_of(context, side.controller, self.units)
-        elif "SCL" in self.wires:
+        elif "SCL" in self.wires and "SDA" in self.wires:
             self._counter = parts.I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
             if self.recorder.wants(Kind.BUS):
                 parts.BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])

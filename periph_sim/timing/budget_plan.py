@@ -14,6 +14,7 @@ from functools import lru_cache
 from msgspec import Struct
 from msgspec.structs import replace
 
+from ..core.exact_number import exact_number
 from ..core.settings import duration, share
 from ..core.time import NO_TIME, Timebase, round_ratio
 from .budget_schema import Budget
@@ -145,8 +146,8 @@ def _steps(budget: Budget, which: str, given: str | int) -> int:
     """2 or "2.5 LSB" in millionths."""
     text = str(given)
     try:
-        steps = Fraction(text.removesuffix("LSB").strip())
-    except (ValueError, ZeroDivisionError):
+        steps = exact_number(text.removesuffix("LSB"))
+    except ValueError:
         steps = Fraction(-1)
     if steps < 0 or (isinstance(given, str) and not text.endswith("LSB")):
         raise BadBudget(f"{given!r}, but {budget.measure!r} is in LSB; write for instance '2.5 LSB'", which)

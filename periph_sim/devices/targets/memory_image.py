@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ...core.input_files import note_input
+
 IMAGES = (".bin", ".hex")
 ERASED = 0xFF
 MOST = 1 << 24  # addresses beyond belong to no serial memory
@@ -13,7 +15,7 @@ DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of records; those of start addr
 def image(path: Path) -> bytes:
     """Gaps are 0xFF. ValueError, one sentence with the file and its line."""
     try:
-        data = path.read_bytes()
+        data = note_input(path).read_bytes()
     except OSError as error:
         raise ValueError(
             f"{path} cannot be read ({error.strerror}); its path counts from the folder of the case"

@@ -22,6 +22,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from serial import PortNotOpenError, SerialBase, SerialException, SerialTimeoutException
 
+from ...core.exact_number import exact_number
 from ...scene.result import Result
 from ..errors import OutsideError
 from ..serial_line import SerialLine
@@ -151,8 +152,8 @@ class Serial(SerialBase):  # type: ignore[misc]
         if unknown := [key for key in given if key not in KEYS]:
             raise OutsideError(f"{url}: there is no {unknown[0]!r} in such a URL; it has {', '.join(KEYS)}")
         try:
-            pace = Fraction(given.get("pace", "1"))
-        except (ValueError, ZeroDivisionError):
+            pace = exact_number(given.get("pace", "1"))
+        except ValueError:
             raise OutsideError(f"{url}: pace {given['pace']!r}: expected a number, as in pace=1") from None
         path, port = asked.netloc + asked.path, given.get("port", "scia")
         changes = tuple(every.get("set", ()))

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, cast
 
 from ...core.convert import BadTable
+from ...core.input_files import note_input
+from ...core.shorten import shorten
 from ...core.suggest import did_you_mean
 from ...core.table import separate
 from .error_text import explain
 from .model import BadCase, Case
-from .origin import Place, Source
+from .origin import SHOWN, Place, Source
+
+WIDEST = 2**63 - 1  # of an integer: what TOML promises, and what compiled code counts with
+_TOO_LONG = re.compile(r"[0-9_]{4300}")  # digits: Python refuses to read an integer with more
+
+
+NAMES = {"name", "measure", "chip", "model", "pair", "breaks", "order"}  # keys whose texts are names
 
 
 class UnknownKey(BadCase):
@@ -43,6 +52,7 @@ def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> tuple[Case, list
 def _checked(path: Path, text: str, changes: tuple[str, ...]) -> Case:
     tree = tree_of(path, text)
     source = Source(path, text, tuple((change, apply(tree, change)) for change in changes))
+    refuse_unusable(source, tree)
     try:
         return _located(Case.model_validate(tree), path.parent).from_source(source)
     except BadTable as error:
@@ -89,7 +99,7 @@ def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
 def text_of(path: Path, what: str) -> str:
     """The text of a TOML file. what: is in it, for messages. BadCase if it cannot be had."""
     try:
-        data = path.read_bytes()
+        data = note_input(path).read_bytes()
     except IsADirectoryError:
         raise BadCase(
             f"{path}: is a folder; give a {what} file, or run all its cases: periph-sim check {path}"
@@ -112,6 +122,36 @@ def tree_of(path: Path, text: str) -> dict[str, Any]:
         return cast(dict[str, Any], _copy(_tables(text)))
     except tomllib.TOMLDecodeError as error:
         raise BadCase(f"{path}: it is not TOML: {error}") from None
+    except ValueError:
+        found = _TOO_LONG.search(text)
+        line = 0 if found is None else text.count("\n", 0, found.start()) + 1
+        raise BadCase(f"{path}, line {line}: an integer is too long; it must fit 64 bits") from None
+    except RecursionError:
+        raise BadCase(f"{path}: its tables or lists are nested too deeply; a case has at most five levels") from None
+
+
+def refuse_unusable(source: Source, tree: object, place: Place = ()) -> None:
+    """Raise BadCase, with file, line and key, for an integer beyond 64 bits or a name that is no printable line."""
+    if isinstance(tree, dict):
+        for key, value in tree.items():
+            _check_name(source, key, (*place, key))
+            refuse_unusable(source, value, (*place, key))
+    elif isinstance(tree, list):
+        for number, value in enumerate(tree):
+            refuse_unusable(source, value, (*place, number))
+    elif isinstance(tree, str):
+        if next(part for part in reversed(place) if isinstance(part, str)) in NAMES:
+            _check_name(source, tree, place)
+    elif isinstance(tree, int) and not -WIDEST - 1 <= tree <= WIDEST:
+        key = ".".join(map(str, place))
+        raise BadCase(f"{source.where(place)}: {key} is an integer that does not fit 64 bits; give a smaller number")
+
+
+def _check_name(source: Source, name: str, place: Place) -> None:
+    if not name.isprintable():
+        key = ".".join(ascii(part)[1:-1] if isinstance(part, str) else str(part) for part in place)
+        where = source.where(place)
+        raise BadCase(f"{where}: {key}: {name!a} is no name; a name is one line of printable characters")
 
 
 @lru_cache(maxsize=16)
@@ -141,6 +181,11 @@ def apply(tree: dict[str, object], change: str) -> Place:
         parsed = tomllib.loads(f"value = {value.strip()}")["value"]
     except tomllib.TOMLDecodeError:
         parsed = value.strip()
+    except ValueError:
+        shown = shorten(repr(change), SHOWN)
+        raise BadCase(f"--set {shown}: an integer is too long; it must fit 64 bits") from None
+    except RecursionError:
+        raise BadCase(f"--set {shorten(repr(change), SHOWN)}: its lists are nested too deeply") from None
     if isinstance(parsed, int | float) and "_" in value:
         parsed = value.strip()
     table: object = tree

@@ -49,6 +49,7 @@ class BadCase(ValueError):
 
 
 COMPILED = CodeCosts()
+SHORTEST_ROUND = Fraction(1, 1_000_000)  # seconds: a byte at 5 MHz takes longer
 
 
 class Options(Table, frozen=True, kw_only=True):
@@ -177,6 +178,8 @@ class Controller(Table, frozen=True, kw_only=True):
     def check_together(self, given: Set[str]) -> None:
         if self.initialise is not None and self.initialise > self.first:
             raise ValueError("initialise is longer than first, so it would begin before the run; make first later")
+        if self.period * self.rate < 1:
+            raise ValueError("period is shorter than a bit of SCL, so no round can end in it; make it longer")
         low = Fraction(1, 2) / self.rate if self.low is None else self.low
         if self.hold > low:
             hold_ns, low_ns = float(self.hold) * 1e9, float(low) * 1e9
@@ -194,6 +197,10 @@ class RoundsTable(Table, frozen=True, kw_only=True):
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
     ack_polling: bool = False  # a write of the address alone is no request
     stuck_after: Length = Fraction(25, 1000)
+
+    def check_together(self, given: Set[str]) -> None:
+        if self.period < SHORTEST_ROUND:
+            raise ValueError("period is shorter than 1 us, and no transfer is; make it longer")
 
 
 class ValueTable(Table, frozen=True, kw_only=True):
@@ -257,6 +264,8 @@ class HostTable(Table, frozen=True, kw_only=True):
     encoding: dict[str, object] = {}
 
     def check_together(self, given: Set[str]) -> None:
+        if self.period * self.baud < 1:
+            raise ValueError("period is shorter than a bit of the line, so no frame can be sent in it; make it longer")
         _begins_in_order(self)
 
 

@@ -6,6 +6,9 @@ from pathlib import Path
 
 from msgspec import Struct
 
+from ...core.shorten import shorten
+
+SHOWN = 120  # characters of a change that a message quotes
 Place = tuple[str | int, ...]  # keys and entry numbers from the top of a case down
 
 
@@ -21,9 +24,9 @@ class Source(Struct, frozen=True):
         inside = ""
         for change, changed in reversed(self.changes):
             if place[: len(changed)] == changed:
-                return f"{self.path}, --set {change!r}"
+                return f"{self.path}, --set {shorten(repr(change), SHOWN)}"
             if changed[: len(place)] == place:
-                inside = f" with --set {change!r}"
+                inside = f" with --set {shorten(repr(change), SHOWN)}"
         line = line_of(self.text, place)
         return f"{self.path}, line {line}{inside}" if line else f"{self.path}{inside}"
 

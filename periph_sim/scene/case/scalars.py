@@ -9,6 +9,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from ...core.convert import After, Before
+from ...core.exact_number import exact_number
 from ...core.options import Value
 from ...core.settings import Duration, Frequency
 
@@ -16,10 +17,7 @@ from ...core.settings import Duration, Frequency
 def _exact(value: object) -> Fraction:
     if isinstance(value, bool) or not isinstance(value, int | float | str | Fraction):
         raise ValueError(f"{value!r} is not a number")
-    try:
-        return Fraction(str(value))
-    except (ValueError, ZeroDivisionError):
-        raise ValueError(f"{value!r} is not a number") from None
+    return value if isinstance(value, Fraction) else exact_number(str(value))
 
 
 def _above_zero(value: Fraction) -> Fraction:

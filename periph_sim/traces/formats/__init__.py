@@ -29,6 +29,7 @@ from pathlib import Path
 from typing import Protocol, cast
 
 from ...core.discover import modules_with
+from ...core.input_files import note_input
 from ...core.suggest import did_you_mean
 from ..capture.capture import BadCapture, Capture, Channel, Span, rate_of
 from ..capture.resample import resampled
@@ -90,7 +91,7 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
     The content decides; the suffix only says which formats are asked first, and which one complains
     when none knows the content.
     """
-    path = Path(path)
+    path = note_input(Path(path))
     suffix = "/" if isdir(path) else path.suffix.casefold()
     if rate is not None and rate <= 0:
         raise ValueError(f"the sampling rate is {rate} Hz; expected more than 0")

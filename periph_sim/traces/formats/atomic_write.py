@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ...core.input_files import is_input
 from ..capture.capture import BadCapture
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -18,11 +19,12 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """A temporary path of the same suffix, whose file replaces `path` when the block ends without an error.
+    """Yield a temporary path of the same suffix, whose file replaces `path` when the block ends without an error.
 
     Links are followed. A device or pipe, such as /dev/stdout, is never replaced: it takes the bytes when
     the block ends. When the block raises, nothing is left and the file at `path` stays as it was. BadCapture
-    where no file can be made, or where the disk is full.
+    where no file can be made, where the disk is full, and for a file that the present command has read: no output
+    takes the place of an input.
     """
     import shutil
     import tempfile  # only who writes pays for its start
@@ -31,6 +33,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
     replaced = whole.is_file() or not path.exists()
     if path.is_dir():
         raise _refused(path, IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR)))
+    _refuse_input(whole)
     try:
         folder = whole.parent if replaced else None
         handle, name = tempfile.mkstemp(dir=folder, prefix=f".{path.stem}.", suffix=path.suffix)
@@ -44,6 +47,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
             if error.errno in NO_ROOM:
                 raise _refused(path, error) from None
             raise
+        _refuse_input(whole)
         try:
             if replaced:
                 os.chmod(name, 0o666 & ~_umask())
@@ -59,6 +63,12 @@ def atomic_write(path: Path) -> Iterator[Path]:
     except BaseException:
         os.unlink(name)
         raise
+
+
+def _refuse_input(path: Path) -> None:
+    if is_input(path):
+        found = "a file that this command reads"
+        raise BadCapture(path, "its place", found, "a file that is no input", "give the output another path")
 
 
 def _refused(path: Path, error: OSError) -> BadCapture:

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.input_files import note_input
 from ...core.shorten import shorten
 from ..capture.capture import BadCapture
 
@@ -40,7 +41,7 @@ class Column:
 def read(path: Path) -> list[Column]:
     """The columns in the order of the file, of equal length, one row at least. BadCapture in one sentence."""
     try:
-        with path.open("rb") as file:
+        with note_input(path).open("rb") as file:
             head = file.readline().decode("utf-8-sig")
     except OSError as error:
         raise BadCapture(

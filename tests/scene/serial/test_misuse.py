@@ -210,3 +210,19 @@ def test_a_file_counts_from_the_folder_of_the_case(small: Path):
     (small.parent / "ask.bin").write_bytes(b"ask")
     small.write_text(TEXT.replace('text = "ask"', 'file = "ask.bin"'), encoding="utf-8")
     assert Scene(load(small)).run().sci_bytes == 3
+
+
+@pytest.mark.parametrize(
+    ("file", "told"),
+    [
+        ("/dev/zero", "/dev/zero is not a regular file; give a file of at most 16777216 bytes"),
+        ("long.bin", "long.bin is longer than 16777216 bytes, the most that one entry can send"),
+    ],
+)
+def test_a_file_without_end_is_not_read_into_memory(small: Path, file: str, told: str):
+    with (small.parent / "long.bin").open("wb") as long:
+        long.truncate(16 * 1024 * 1024 + 1)  # a hole: it takes no room
+    small.write_text(TEXT.replace('text = "ask"', f'file = "{file}"'))
+    with pytest.raises(BadCase) as caught:
+        Scene(load(small))
+    assert str(caught.value) == f"{small}, line 11: serial.send.ask.file: {told}"

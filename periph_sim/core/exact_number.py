@@ -1,0 +1,37 @@
+"""Numbers as a user writes them: a text goes in; an exact fraction comes out, or a refusal that costs no time."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+from .shorten import shorten
+
+MAX_DIGITS = 40  # enough for a femtosecond in a million years
+MAX_EXPONENT = 40
+_EXPONENT = re.compile(r"[eE]([-+]?[0-9_]+)$")
+SHOWN = 60  # characters of a text that a message quotes
+
+
+def exact_number(text: str) -> Fraction:
+    """Return the value of "1.5", "1/3" or "2e-6", exactly.
+
+    ValueError, with a phrase that quotes the text, if it is not a number, or has more than 40 digits or an exponent
+    beyond 40: the fraction of "1e999999999" alone would take minutes to compute.
+    """
+    quoted = shorten(repr(text), SHOWN)
+    written = text.strip()
+    exponent = _EXPONENT.search(written)
+    if exponent is not None and not _is_small(exponent[1]):
+        raise ValueError(f"{quoted} has an exponent beyond {MAX_EXPONENT}")
+    if sum(map(str.isdigit, written)) > MAX_DIGITS:
+        raise ValueError(f"{quoted} has more than {MAX_DIGITS} digits")
+    try:
+        return Fraction(written)
+    except (ValueError, ZeroDivisionError):
+        raise ValueError(f"{quoted} is not a number") from None
+
+
+def _is_small(exponent: str) -> bool:
+    digits = exponent.lstrip("+-").replace("_", "").lstrip("0")
+    return len(digits) < 3 and int(digits or "0") <= MAX_EXPONENT

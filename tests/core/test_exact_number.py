@@ -1,0 +1,60 @@
+"""Numbers of users are exact, and a text that would take long to compute is refused at once."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.exact_number import MAX_EXPONENT, exact_number
+from periph_sim.core.time import TimeError, seconds
+
+
+@given(st.decimals(allow_nan=False, allow_infinity=False, places=9, min_value=-(10**20), max_value=10**20))
+def test_decimals_are_exact(value):
+    assert exact_number(f" {value} ") == Fraction(value)
+
+
+@given(st.integers(-(10**12), 10**12), st.integers(-MAX_EXPONENT, MAX_EXPONENT))
+def test_exponents_up_to_forty_are_exact(mantissa, exponent):
+    assert exact_number(f"{mantissa}e{exponent}") == mantissa * Fraction(10) ** exponent
+
+
+@given(st.integers(-(10**9), 10**9).filter(lambda exponent: abs(exponent) > MAX_EXPONENT), st.sampled_from("eE"))
+def test_exponents_up_to_a_billion_are_refused(exponent, letter):
+    with pytest.raises(ValueError, match="has an exponent beyond 40"):
+        exact_number(f"1{letter}{exponent}")
+
+
+@pytest.mark.parametrize("text", ["1e0_0_9_9", "1e" + "9" * 5000, "1e-" + "9" * 5000])
+def test_other_ways_to_write_a_large_exponent(text):
+    with pytest.raises(ValueError, match="has an exponent beyond 40"):
+        exact_number(text)
+
+
+@pytest.mark.parametrize("text", ["9" * 41, "9" * 5000, "0." + "1" * 5000, f"1/{'7' * 5000}"])
+def test_more_than_forty_digits_are_refused_in_a_short_sentence(text):
+    with pytest.raises(ValueError, match="has more than 40 digits") as error:
+        exact_number(text)
+    assert len(str(error.value)) < 120
+
+
+@pytest.mark.parametrize("text", ["", " ", "one", "1/0", "1e", "e5", "1 2", "nan", "inf", "0x10"])
+def test_what_is_no_number_is_refused(text):
+    with pytest.raises(ValueError, match="is not a number"):
+        exact_number(text)
+
+
+@pytest.mark.parametrize("text", ["1e999999999 s", "1e-99999999 s", "1e400s", "1/" + "3" * 60 + " s"])
+def test_a_time_is_such_a_number(text):
+    with pytest.raises(TimeError, match=r"exponent beyond 40|more than 40 digits"):
+        seconds(text)
+
+
+@pytest.mark.parametrize("text", ["366 d", "3.1e9 s", "-366 d", "1e12 ms"])
+def test_a_time_above_a_year_is_refused(text):
+    with pytest.raises(TimeError, match="is longer than 365 d, the longest time that can be given"):
+        seconds(text)
+    assert seconds("365 d") == 365 * 86_400

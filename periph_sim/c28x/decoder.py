@@ -6,14 +6,16 @@ With OBJMODE = 1, AMODE = 0 and PAGE0 = 0, as C code of this chip runs. Words th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import NamedTuple
 
 from .encodings import Encoding, encodings
+from .operand_field import is_operand
 from .operands import parts_of
 
-SP_FIELD = 0xAD  # @SP, which has no 32-bit meaning
+OPERAND = re.compile(r"(loc|mem)(16|32)")
 TMU = range(0xE270, 0xE27D)
 VCU = (0xE2, 0xE5)  # upper bytes
 FPU_CONDITIONS = frozenset((0, 1, 2, 3, 4, 5, 10, 11, 12, 13, 14, 15))
@@ -101,8 +103,5 @@ def _is_legal(encoding: Encoding, pair: int) -> bool:
         return False
     if "l" not in values:
         return True
-    if "loc32" in encoding.syntax:
-        return values["l"] != SP_FIELD
-    if "mem" in encoding.syntax:  # memory modes only [SPRUEO2A Table 4-1]
-        return not 0xA0 <= values["l"] <= SP_FIELD
-    return True
+    kind = OPERAND.search(encoding.syntax)
+    return kind is None or is_operand(kind.group(), values["l"])

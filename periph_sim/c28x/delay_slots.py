@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from .decoder import Instruction, decode_at
 from .encodings import Encoding
-from .execution.fpu_moves import APART, FIRST
 from .execution.registers import LUF, LVF
+from .operands import FPU_APART, FPU_FIRST
 
 FIELDS = {"RaH": "p", "RbH": "q", "RcH": "r", "RdH": "t", "ReH": "u", "RfH": "v"}
 ALL, EVERY = "R0H-R7H", 0xFF
@@ -40,7 +40,7 @@ def read_registers(instruction: Instruction) -> int:
     encoding, values = instruction.encoding, instruction.values
     mask = _registers(encoding.reads, values)
     if encoding.id == "MOV32_loc32_ind_0_16":
-        number, rest = divmod(values["c"] - FIRST, APART)
+        number, rest = divmod(values["c"] - FPU_FIRST, FPU_APART)
         mask |= 1 << number if number in range(8) and not rest else 0
     return mask | FLAGS if _reads_flags(encoding, values) else mask
 

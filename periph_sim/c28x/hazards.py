@@ -21,13 +21,14 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 
 from .encodings import LOCATIONS, Encoding
+from .operand_field import SP_FIELD
 
 DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
 REGISTERS = 0x3FF  # without XAR(ARP)
 NUMBERED = re.compile(r"X?AR([0-7])$")
 FIELDS = {"ARn": "n", "XARn": "n", "ARm": "m"}
 HELD = frozenset(["NORM", "PWRITE"])  # mnemonics; and POP of ST1
-SP_FIELD, BY_ARP_FROM, PUSHES, POPS, CIRCULAR = 0xAD, 0xAE, 0xBD, 0xBE, 0xBF
+BY_ARP_FROM, PUSHES, POPS, CIRCULAR = 0xAE, 0xBD, 0xBE, 0xBF
 
 
 @cache

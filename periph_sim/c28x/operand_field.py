@@ -11,7 +11,9 @@ from __future__ import annotations
 
 from functools import cache
 
-WIDE = ("loc32", "mem32")
+WIDE = ("loc32", "mem32", "reg32")
+REGISTERS = range(0xA0, 0xAE)
+SP_FIELD = 0xAD  # @SP, which has no 32-bit meaning
 DIRECT, STACK, INDEXED = range(0x40), range(0x40, 0x80), range(0xC0, 0x100)
 
 _WORDS = ("@AH", "@AL", "@PH", "@PL", "@T", "@SP")  # 0xA8 and on, of 16 bits
@@ -39,6 +41,18 @@ def show(field: int, wide: bool) -> str:
     if field < 0xB0:
         return _BIT_REVERSED[field - 0xAE]
     return f"*,ARP{number}" if field < 0xB8 else _LAST[field - 0xB8]
+
+
+def is_operand(kind: str, field: int) -> bool:
+    """True if a field stands for an operand of this kind: loc16, loc32, mem16, mem32, or reg32, a register of 32 bits.
+
+    mem16 and mem32 are modes of memory only [SPRUEO2A Table 4-1].
+    """
+    if kind.startswith("mem"):
+        return field not in REGISTERS
+    if field == SP_FIELD and kind in WIDE:
+        return False
+    return kind != "reg32" or field in REGISTERS
 
 
 @cache

@@ -34,6 +34,13 @@ MOVST0_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "NI": 3, "ZF": 4, "ZI": 5, "TF": 7}
 PRODUCT_SHIFTS = ("+1", "0", "-1", "-2", "-3", "-4", "-5", "-6")
 CALLS = ("LB", "LC", "LCR", "FFC")
 INTERRUPTS = [f"INT{n}" for n in range(1, 15)] + ["DLOGINT", "RTOSINT"]
+OPERANDS = {
+    "loc32": "memory or a register of 32 bits",
+    "mem16": "memory",
+    "mem32": "memory",
+    "reg32": "a register of 32 bits",
+}
+FPU_FIRST, FPU_APART = 0x0F12, 4  # addresses of R0H to R7H, for moves that name one
 UNCF = 15
 PMA_PAGE = 0x3F_0000  # the program page of C2xLP addresses
 IMMEDIATE = r"#(?:[^,|<]|<<(?!\s*#)|(?<!\|)\|(?!\|))+?"  # `<<` and `|` of an expression, not `#16<<#0..15`, `||`
@@ -93,22 +100,37 @@ def _operand(token: str, encoding: Encoding) -> Part:
     wide = token in operand_field.WIDE
 
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
+        field = field_of(text, evaluate)
+        if not operand_field.is_operand(token, field):
+            raise BadOperand(f"{text!r} is no operand of {encoding.mnemonic}, whose {token} is {OPERANDS[token]}")
+        return {"l": field}
+
+    def field_of(text: str, evaluate: Evaluate) -> int:
         spaceless = "".join(text.split())
         names = operand_field.fixed(wide)
         found = names.get(spaceless.upper(), names.get(f"@{spaceless.upper()}"))  # a register needs no @
         if found is not None:
-            return {"l": found}
+            return found
         if spaceless.startswith("@"):  # an address: the word of its data page
-            return {"l": evaluate(spaceless[1:]) & 0x3F}
+            return evaluate(spaceless[1:]) & 0x3F
         stack = re.fullmatch(r"\*-SP\[(.+)\]", spaceless, re.I)
         if stack:
-            return {"l": 0x40 | _ranged(evaluate(stack[1]), 0, 63, text)}
+            return 0x40 | _ranged(evaluate(stack[1]), 0, 63, text)
         indexed = re.fullmatch(r"\*\+XAR([0-7])\[(.+)\]", spaceless, re.I)
         if indexed:
-            return {"l": 0xC0 | _ranged(evaluate(indexed[2]), 0, 7, text) << 3 | int(indexed[1])}
+            return 0xC0 | _ranged(evaluate(indexed[2]), 0, 7, text) << 3 | int(indexed[1])
         raise BadOperand(f"{text!r} is no operand in memory or register")
 
     return Part(lambda values, at: operand_field.show(values["l"], wide), r"\*\s*,\s*ARP[0-7]|[^,|<#]+?", read)
+
+
+def _register_by_address(token: str, encoding: Encoding) -> Part:
+    """R0H to R7H by their addresses, as moves between them and registers of the CPU name them."""
+    return Part(
+        lambda values, at: f"R{(values['c'] - FPU_FIRST) // FPU_APART}H",
+        "R[0-7]H",
+        lambda text, at, evaluate: {"c": FPU_FIRST + FPU_APART * int(text[1])},
+    )
 
 
 def _optional_operand(token: str, encoding: Encoding) -> Part:
@@ -265,6 +287,19 @@ def _shift(token: str, encoding: Encoding) -> Part | None:
     )
 
 
+def _optional_shift(token: str, encoding: Encoding) -> Part | None:
+    """`<<#0..15`, where nothing means 0."""
+    inner = _shift(token.removeprefix("<<"), encoding)
+    if inner is None:
+        return None
+
+    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
+        assert inner is not None and inner.read is not None
+        return inner.read(text.strip().removeprefix("<<").strip(), at, evaluate) if text.strip() else {"s": 0}
+
+    return Part(lambda values, at: f"<<{inner.show(values, at)}", rf"|<<\s*(?:{inner.pattern})", read)
+
+
 def _least(encoding: Encoding) -> int:
     return dict(encoding.at_least).get("s", 0)
 
@@ -376,7 +411,8 @@ def _address(page: int) -> Callable[[str, Encoding], Part]:
 _TOKENS: tuple[tuple[re.Pattern[str], Callable[[str, Encoding], Part | None]], ...] = tuple(
     (re.compile(token), make)
     for token, make in (
-        (r"(loc|mem)(16|32)", _operand),
+        (r"(loc|mem)(16|32)|reg32", _operand),
+        (r"R\(c\)H", _register_by_address),
         (r"\{\*ind\}", _optional_operand),
         (r"\{,CNDF\}", _optional_fpu_condition),
         (r"CNDF", _fpu_condition),
@@ -390,6 +426,7 @@ _TOKENS: tuple[tuple[re.Pattern[str], Callable[[str, Encoding], Part | None]], .
         (r"FLAG,VALUE", _flags_and_values),
         (r"FLAG", _movst0_flags),
         (r"INTx", _interrupt),
+        (r"<<#0\.\.15", _optional_shift),
         (r"<<#16", lambda token, encoding: _literal(token)),
         (r"#0\.0", lambda token, encoding: _literal(token)),
         (r"#16F(Hi|Lo)Hex", _half),

@@ -10,6 +10,7 @@ from periph_sim.c28x.assembler import BadInstruction, parse
 from periph_sim.c28x.decoder import decode_at
 from periph_sim.c28x.encodings import Encoding, encodings
 from periph_sim.c28x.expressions import BadExpression, evaluate
+from tests.c28x.operand_texts import lines
 from tests.c28x.test_decoder import SHOWN
 
 AT = 0x8000
@@ -81,11 +82,27 @@ def test_case_and_spaces_are_free():
         ("LSL ACC,T", "LSL ACC,T"),
         ("SPM #0", "SPM 0"),
         ("LCR there", "LCR #there"),
+        ("MOV ACC,#1000", "MOV ACC,#1000<<#0"),
+        ("XOR ACC,#1<<3", "XOR ACC,#1<<#3"),
     ],
 )
 def test_what_compilers_leave_out(short: str, written_out: str):
-    """No @ before a register, no # before a shift or where a call goes."""
+    """No @ before a register, no # before a shift or where a call goes, no shift by 0."""
     assert words(short, there=0x33_8000) == words(written_out, there=0x33_8000)
+
+
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        ("MOV32 R0H,ACC", (0xBDA9, 0x0F12)),
+        ("MOV32 R7H,@XAR3", (0xBDA3, 0x0F2E)),
+        ("MOV32 XT,R1H", (0xBFAC, 0x0F16)),
+        ("MOV32 @P,R2H", (0xBFAB, 0x0F1A)),
+    ],
+)
+def test_moves_between_registers_of_cpu_and_fpu_name_the_address_of_the_latter(source: str, expected: tuple[int, ...]):
+    """R0H is at 0x0F12, and each next one four words behind it [SPRUEO2A, MOV32]."""
+    assert words(source) == expected
 
 
 def test_push_and_pop_of_32_bits_are_their_moves():
@@ -122,6 +139,10 @@ def test_a_symbol_that_comes_later_fits_until_it_is_known():
         ("LCR #0x400000", "outside 0 to"),
         ("MOVW DP,#1 +", "no number"),
         ("SETFLG RND=2", "no flag of STF"),
+        ("I16TOF32 R0H,@AL", "'@AL' is no operand of I16TOF32, whose mem16 is memory"),
+        ("MOVL ACC,@SP", "'@SP' is no operand of MOVL, whose loc32 is memory or a register of 32 bits"),
+        ("MOV32 STF,@ACC", "whose mem32 is memory"),
+        ("MOV32 R0H,@SP", "whose mem32 is memory"),
     ],
 )
 def test_refused_in_one_sentence(source: str, sentence: str):
@@ -150,3 +171,20 @@ def test_expressions(text: str, value: int):
 def test_what_is_no_expression(text: str):
     with pytest.raises(BadExpression):
         evaluate(text, {}, AT)
+
+
+# Every form with every operand --------------------------------------------------------------------------------------
+
+SYNTAXES = [
+    *((row.id, row.syntax) for row in encodings() if row.objmode != "0"),
+    *((f"{row.id} also", row.also) for row in encodings() if row.objmode != "0" and row.also),
+]
+
+
+@pytest.mark.parametrize(("form", "syntax"), SYNTAXES, ids=[form for form, _ in SYNTAXES])
+def test_assembled_decoded_and_assembled_again_the_words_are_the_same(form: str, syntax: str):
+    for source in dict.fromkeys(lines(syntax, AT)):
+        first = words(source)
+        found = decode_at(AT, first[0], first[-1])
+        assert found is not None and found.words == len(first), f"{source!r} of {form} is no instruction"
+        assert words(found.text) == first, f"{source!r} of {form} is shown as {found.text!r}"

@@ -5,11 +5,11 @@ Source: SPRUEO2A chapter 4.
 
 from __future__ import annotations
 
+from ..operands import FPU_APART, FPU_FIRST
 from .fpu import UNCF, condition, moved
 from .registers import HIGH16, LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF, ZI, Cpu, IllegalOperation, Operation
 
 WINDOW, WINDOW_END = 0x0F00, 0x0F30  # where R0H to R7H stand for moves that name an address
-FIRST, APART = 0x0F12, 4
 MEMORY = -1
 
 
@@ -17,7 +17,7 @@ def register_of(address: int) -> int:
     """The number of the FPU register that a move's address names; MEMORY for memory."""
     if not WINDOW <= address < WINDOW_END:
         return MEMORY
-    number, rest = (address - FIRST) // APART, (address - FIRST) % APART
+    number, rest = (address - FPU_FIRST) // FPU_APART, (address - FPU_FIRST) % FPU_APART
     if rest or not 0 <= number < 8:
         raise IllegalOperation(f"a move names {address:#06x}, where no FPU register is known to stand")
     return number

@@ -30,7 +30,6 @@ STF_WRITTEN = LVF | LUF | NF | ZF | NI | ZI | TF | RND32
 SHDWS = 1 << 31
 
 READS, WRITES = 1, 2
-SP_FIELD = 0xAD  # an operand field that names SP
 REGISTER = -1  # in place of an address: the field names a register
 
 

@@ -13,7 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...c28x.execution.registers import SP_FIELD, WRITES, IllegalOperation, Operation
+from ...c28x.execution.registers import WRITES, IllegalOperation, Operation
+from ...c28x.operand_field import SP_FIELD
 from ...core.chip import NEVER, Note
 from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs

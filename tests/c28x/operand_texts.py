@@ -104,7 +104,7 @@ KIND = re.compile("|".join(f"(?:{re.sub('[?]P<[a-z]+>', '?:', pattern)})" for pa
 
 
 def lines(syntax: str, at: int) -> Iterator[str]:
-    """Source of this form at an address: each text of each operand, beside the first ones of the others, and the last."""
+    """Source of this form at an address: each text of each operand, beside the first and the last of the others."""
     mnemonic, _, rest = syntax.partition(" ")
     pieces: list[Sequence[str]] = []
     behind = 0

@@ -15,15 +15,14 @@ from pathlib import Path
 from msgspec import Struct
 
 from ..core.input_files import note_input
-from .register_symbols import COPIED, SYMBOLS
+from .register_symbols import BYTES_A_WORD, COPIED, SYMBOLS
 
-BYTES_A_WORD = 4  # of the chip's address space, here
 RUNTIME = Path(__file__).with_name("runtime.c")
 HOOKS = (
     "-fsanitize=thread",
     "--param=tsan-distinguish-volatile=1",
     "-fsanitize-coverage=trace-pc",
-    "-fstrict-volatile-bitfields",  # a bit field is read with its register, not with a byte of it
+    "-fstrict-volatile-bitfields",  # a write of a bit field begins with a load
 )
 KEYWORDS = ("-Dinterrupt=", "-D__interrupt=", "-Dcregister=", "-Dfar=", "-Dasm(text)=c28x_assembly(text)")
 UNDEFINED = ("-fsanitize=undefined", "-fno-sanitize=alignment")
@@ -81,7 +80,19 @@ def compiled(sources: Sources, folder: Path) -> Objects:
     objects = []
     for number, file in enumerate(sources.files):
         objects.append(str(folder / f"{number}.o"))
-        command = [compiler, "-std=gnu99", "-c", "-O0", "-g", "-w", "-fPIC", *flags, str(file), "-o", objects[-1]]
+        command = [
+            compiler,
+            "-std=gnu99",
+            "-c",
+            "-O0",
+            "-gdwarf-5",
+            "-w",
+            "-fPIC",
+            *flags,
+            str(file),
+            "-o",
+            objects[-1],
+        ]
         _compile(command, (file.parent, *sources.folders), aliases)
     runtime = str(folder / "runtime.o")
     _run([compiler, "-std=gnu11", "-c", "-O1", "-fPIC", "-w", str(RUNTIME), "-o", runtime])

@@ -23,10 +23,26 @@ from ..processor.dsp import Dsp
 from ..processor.error_origin import FirmwareError, FirmwareLost
 from ..processor.image.elsewhere import Elsewhere
 from ..processor.source_location import SourceLocation
-from .build import Sources, compiled, linked
+from .build import BadSources, Sources, compiled, linked
 from .keyboard_interrupt import enter_c, kept_in_c, leave_c
-from .library import ASSEMBLY, DELAY, FAULT, HALF_WORD, LOOPS, READ, UNWOUND, WORDS, WRITE, Library
-from .register_symbols import IER, IFR, VECTORS
+from .library import (
+    ANNOUNCED,
+    ASSEMBLY,
+    BYTES,
+    DELAY,
+    FAULT,
+    LOOPS,
+    NO_PLACE,
+    PROTECTED,
+    READ,
+    TOUCHED,
+    UNWINDS,
+    UNWOUND,
+    WRITE,
+    Library,
+)
+from .register_layout import LARGEST, WORD, BadLayout, Place, RegisterLayout
+from .register_symbols import BYTES_A_WORD, IER, IFR, VECTORS
 
 FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000  # of registers: one place for each program that runs
 BLOCK_CYCLES = 6  # of a piece of code without a branch: some three statements' loads, operations and stores
@@ -35,7 +51,7 @@ LOOP_CYCLES = 1_000_000  # at once, of a loop without anything in it; service ro
 DELAY_PASS, DELAY_CALL = 5, 9  # DSP28x_usDelay: cycles of a pass, and of the call
 ROUTINES = 0x31_0000  # code addresses of functions whose pointers are stored as vectors
 _taken: set[int] = set()
-LAYOUT = "declare registers of 16 bits as unsigned int, and those of 32 bits as unsigned long, as TI's headers do"
+POINTER = 8  # bytes, on the host
 RPT_NOP = re.compile(r"rpt\s+#(\d+)\s*\|\|\s*nop", re.IGNORECASE)
 
 
@@ -48,7 +64,11 @@ class HostFirmware:
         self._folder = TemporaryDirectory(prefix="periph_sim_", ignore_cleanup_errors=True)
         self._objects = compiled(sources, Path(self._folder.name))
         self._begun = 0
-        linked(self._objects, FIRST_BASE, Path(self._folder.name) / "checked.so")
+        library = linked(self._objects, FIRST_BASE, Path(self._folder.name) / "checked.so")
+        try:
+            self._layout = RegisterLayout(library)
+        except BadLayout as error:
+            raise BadSources(str(error)) from None
 
     def main(self) -> None:
         """Run main to its end. FirmwareError without one; FirmwareLost where it cannot go on."""
@@ -57,7 +77,7 @@ class HostFirmware:
         _taken.add(base)
         try:
             path = linked(self._objects, base, Path(self._folder.name) / f"{self._begun}.so")
-            _Run(self._dsp, path, base).main()
+            _Run(self._dsp, path, base, self._layout).main()
         finally:
             _taken.discard(base)
 
@@ -65,12 +85,15 @@ class HostFirmware:
 class _Run:
     """One run. path: of a library that nobody else loads, so that its variables are its own."""
 
-    def __init__(self, dsp: Dsp, path: Path, base: int) -> None:
+    def __init__(self, dsp: Dsp, path: Path, base: int, layout: RegisterLayout) -> None:
         self._dsp = dsp
+        self._layout = layout
         self._place = 0  # the host's address of the access that is made
         self._raised: BaseException | None = None
         self._routines: dict[int, int] = {}  # code address by function pointer
-        self._widths: dict[int, tuple[int, int]] = {}  # register's address and width by word
+        self._places: list[Place] = []  # written so far; runtime.c has their numbers, which begin behind PROTECTED
+        self._numbers: dict[Place, int] = {}
+        self._stores: dict[int, tuple[int, int]] = {}  # what follows an announced write: `RegisterLayout.stored`, by pc
         self._elsewhere = Elsewhere(dsp.core, dsp.processor.notes)
         cpu = dsp.cpu
         self._assembly: dict[str, Callable[[], None]] = {
@@ -84,10 +107,6 @@ class _Run:
             "setc dbgm": cpu.nop,
         }
         self._library = Library(path, base, self._asked, BLOCKS_AT_ONCE)
-        for place in dsp.memory.places.values():
-            for register in place.socket.chip.MAP:
-                if register.width == 32:
-                    self._library.put_wide(place.base + register.offset)
 
     def main(self) -> None:
         self._dsp.cpu.program.placed = self.place
@@ -123,67 +142,127 @@ class _Run:
         if how == FAULT:
             self._place = self._library.fault_pc or self._place
             name, at = signal.strsignal(self._library.signal), self._library.fault_at
-            hint = "; a register is found by its structure's name, not by its address" if at < WORDS else ""
+            hint = (
+                "; a register is found by its structure's name, not by its address"
+                if at < BYTES // BYTES_A_WORD
+                else ""
+            )
             raise FirmwareLost(f"{self._dsp.name}: {name} at {self.place()}, the host's address {at:#x}{hint}")
 
     # What runtime.c asks ----------------------------------------------------------------
 
-    def _asked(self, what: int, word: int, size: int, detail: int, blocks: int, pc: int) -> int:
-        """0, or 1 for leaving the firmware's functions, where `_call` raises what was raised here."""
+    def _asked(self, what: int, at: int, size: int, detail: int, blocks: int, pc: int) -> int:
+        """UNWINDS for leaving the firmware's functions, where `_call` raises what was raised here."""
+        said = NO_PLACE
         try:
             leave_c()
             self._place = pc
             if blocks:
                 self._dsp.cpu.compute(BLOCK_CYCLES * blocks)
             if what == READ:
-                self._read(word)
+                self._read(at, size)
+            elif what == ANNOUNCED:
+                said = self._announced(at, size)
             elif what == WRITE:
-                self._write(word, size)
+                self._write(self._places[detail - PROTECTED - 1])
+            elif what == TOUCHED:
+                self._stores[pc] = at - (detail >> 8), size
+                said = self._begin_write(self._stored(detail >> 8, detail & 0xFF))
             elif what == ASSEMBLY:
                 self._assembled((ctypes.c_char_p(detail).value or b"").decode("latin-1"))
             elif what == DELAY:
                 self._dsp.cpu.compute(DELAY_CALL + DELAY_PASS * detail)
-            elif what == HALF_WORD:
-                raise FirmwareLost(
-                    f"{self._dsp.name}: an access of {size} bytes at {self.place()} is no register's; {LAYOUT}"
-                )
             enter_c()
         except BaseException as raised:  # nothing may pass through C: it goes on in `_call`
             self._raised = raised
-            return 1
-        return 0
+            return UNWINDS
+        return said
 
-    def _read(self, word: int) -> None:
-        words, core = self._library.words, self._dsp.core
-        if word in VECTORS:
-            return  # stands there, as a pointer of the host
-        if word in (IER, IFR):
-            words[word] = core.ier if word == IER else core.ifr
-            return
-        address, width = self._register(word)
-        try:
-            words[address] = self._dsp.cpu.load(address, width)
-        except NoSuchAddress:
-            self._dsp.cpu.nop()
-            words[word] = self._elsewhere.read(self._dsp.cpu.cycle, word)
-            return
-        if width == 32:
-            words[address + 1] = 0  # `unsigned long` has 64 bits here, in the room of two words
+    def _read(self, at: int, size: int) -> None:
+        places = self._layout.read(at, size)
+        if not places:
+            raise self._no_member(at, size)
+        for place in places:
+            self._load(place)
 
-    def _write(self, word: int, size: int) -> None:
-        words, cpu = self._library.words, self._dsp.cpu
+    def _announced(self, at: int, size: int) -> int:
+        """What is written next: the number of its place, or PROTECTED where only the access itself tells."""
+        if not self._layout.may_write(at, size):
+            raise self._no_member(at, size)
+        place = self._layout.announced(at, size)
+        if place is None:
+            return self._begin_write(self._stored(at, size)) if self._place in self._stores else PROTECTED
+        number = self._begin_write(place)
+        if not place.partial:
+            self._library.write_as_announced(at, size, number)
+        return number
+
+    def _stored(self, at: int, size: int) -> Place:
+        """The place that the store behind an announced write writes."""
+        further, stored = self._stores[self._place]
+        if stored > LARGEST:
+            raise FirmwareLost(
+                f"{self._dsp.name}: the store at {self.place()} is an instruction that the host cannot follow; write "
+                "the whole register"
+            )
+        place = self._layout.stored((at, size), at + further, stored)
+        if place is None:
+            raise self._no_member(at, size)
+        return place
+
+    def _begin_write(self, place: Place) -> int:
+        """The number of a place that is written next. A bit field is put into the word that is read for it."""
+        if place.partial:
+            self._load(place)
+        number = self._numbers.get(place)
+        if number is None:
+            self._places.append(place)
+            number = self._numbers[place] = PROTECTED + len(self._places)
+        return number
+
+    def _no_member(self, at: int, size: int) -> FirmwareLost:
+        return FirmwareLost(
+            f"{self._dsp.name}: an access of {size} bytes at {self.place()} is no register's, {at % BYTES_A_WORD} "
+            f"bytes into word {at // BYTES_A_WORD:#06x}; access a register by the member of its structure"
+        )
+
+    def _load(self, place: Place) -> None:
+        """Read a register into its place in memory."""
+        cpu, core, word = self._dsp.cpu, self._dsp.core, place.word
         if word in VECTORS:
-            self._vector(word & ~1)
-            return
+            return  # memory has it, as a pointer of the host
         if word in (IER, IFR):
-            self._status(word, words[word] & 0xFFFF)
+            value = core.ier if word == IER else core.ifr
+        else:
+            try:
+                value = cpu.load(word, place.width)
+            except NoSuchAddress:
+                cpu.nop()
+                value = self._elsewhere.read(cpu.cycle, word)
+                if place.width > WORD:
+                    value |= self._elsewhere.read(cpu.cycle, word + 1) << WORD
+        if place.signed and value >> place.width - 1:
+            value -= 1 << place.width
+        value &= (1 << 8 * place.size) - 1
+        self._library.memory[place.at : place.at + place.size] = value.to_bytes(place.size, "little")
+
+    def _write(self, place: Place) -> None:
+        """A place in memory has been written: write the register."""
+        cpu, word = self._dsp.cpu, place.word
+        value = int.from_bytes(self._library.memory[place.at : place.at + place.size], "little")
+        if word in VECTORS:
+            self._vector(place, value)
             return
-        address, width = self._register(word)
+        value &= (1 << place.width) - 1
+        if word in (IER, IFR):
+            self._status(word, value)
+            return
         try:
-            cpu.store(address, words[address] & (1 << width) - 1, width)
+            cpu.store(word, value, place.width)
         except NoSuchAddress:
             cpu.nop()
-            self._elsewhere.write(cpu.cycle, word, words[word] & 0xFFFF)
+            for index in range(place.width // WORD):
+                self._elsewhere.write(cpu.cycle, word + index, value >> WORD * index & 0xFFFF)
 
     def _status(self, word: int, value: int) -> None:
         cpu, core = self._dsp.cpu, self._dsp.core
@@ -194,15 +273,16 @@ class _Run:
             core.and_ifr(cpu.cycle, value)
             cpu.nop()
 
-    def _vector(self, address: int) -> None:
+    def _vector(self, place: Place, pointer: int) -> None:
         """A pointer has been stored: the CPU's table gets a code address for it."""
-        words, program = self._library.words, self._dsp.cpu.program
-        pointer = words[address] | words[address + 1] << 32
+        program = self._dsp.cpu.program
+        if place.size != POINTER or place.width != 2 * WORD:
+            raise FirmwareLost(f"{self._dsp.name}: {self.place()} stores a vector that is no pointer to a function")
         code = self._routines.get(pointer)
         if code is None and pointer:
             code = self._routines[pointer] = ROUTINES + len(self._routines)
             program.routine(code, partial(self._call, pointer))
-        self._dsp.cpu.store(address, code or 0, 32)
+        self._dsp.cpu.store(place.word, code or 0, 2 * WORD)
 
     def _assembled(self, text: str) -> None:
         """asm("...") of the sources. FirmwareLost for what nobody knows here."""
@@ -219,15 +299,3 @@ class _Run:
             raise FirmwareLost(
                 f"{self._dsp.name}: asm({text!r}) is not known on the host, which has {known}, rpt || nop"
             )
-
-    def _register(self, word: int) -> tuple[int, int]:
-        """The register that a word belongs to, and its width: 16 where nothing is modelled."""
-        found = self._widths.get(word)
-        if found is None:
-            try:
-                _, register, back = self._dsp.memory.find(word)
-                found = (word - back, register.width)
-            except NoSuchAddress:
-                found = (word, 16)
-            self._widths[word] = found
-        return found

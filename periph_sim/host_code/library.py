@@ -11,8 +11,11 @@ from pathlib import Path
 from elftools.elf.elffile import ELFFile
 from elftools.elf.sections import SymbolTableSection
 
-WORDS = 0x1_0000  # with registers
-READ, WRITE, TIME, ASSEMBLY, DELAY, HALF_WORD = range(6)  # what runtime.c asks
+from .register_layout import LARGEST
+
+BYTES = 0x4_0000  # of registers: 2 ** 16 words
+READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY = range(7)  # what runtime.c asks
+UNWINDS, NO_PLACE, PROTECTED = -1, 0, 1  # what it is answered; larger numbers are places that are written
 ENDED, UNWOUND, FAULT, LOOPS = range(4)  # how a function ended
 
 Asked = Callable[[int, int, int, int, int, int], int]
@@ -38,11 +41,12 @@ class Library:
         self._library.c28x_run.argtypes = (ctypes.c_void_p,)
         if self._library.c28x_begin(base, self._asked, blocks_at_once):
             raise OSError(f"the host has no room for registers at {base:#x}")
-        self.words = (ctypes.c_uint32 * WORDS).from_address(base)
+        self.memory = memoryview((ctypes.c_ubyte * BYTES).from_address(base)).cast("B")
+        self._numbers = (ctypes.c_int * (BYTES * (LARGEST + 1))).in_dll(self._library, "c28x_numbers")
 
-    def put_wide(self, word: int) -> None:
-        """A register of 32 bits begins at this word."""
-        (ctypes.c_uint8 * WORDS).in_dll(self._library, "c28x_wide")[word] = 1
+    def write_as_announced(self, at: int, size: int, place: int) -> None:
+        """From now on writes announced for these bytes are writes of this place, which need no question."""
+        self._numbers[at * (LARGEST + 1) + size] = place
 
     def run(self, address: int) -> int:
         """Call a function at a host's address, to its end: ENDED, UNWOUND, FAULT or LOOPS."""

@@ -5,6 +5,7 @@ Source: SPRS439M Tables 3-8 to 3-11; the names of the linker command files that 
 
 from __future__ import annotations
 
+BYTES_A_WORD = 4  # on the host, of the chip's address space: as many as an unsigned int has
 IER, IFR = 0x0F00, 0x0F04  # registers of the CPU, in place of addresses that nothing has
 VECTORS = range(0x0D00, 0x0E00)
 

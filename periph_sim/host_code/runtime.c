@@ -1,8 +1,11 @@
-/* What C sources find below them in place of a C28x: accesses that gcc's thread sanitizer announces go in, the
- * host's Python is asked, and what a register holds stands in memory before it is read.
+/* Replaces the C28x below C sources: accesses that gcc's thread sanitizer announces go in, Python is asked, and the
+ * value of a register is in memory before it is read.
  *
- * A word of the chip's address space is four bytes here, as `unsigned int` is, so the structures of register headers
- * lie as on the chip. A write is announced before it is made: it is told with the next thing that happens. */
+ * Structures of registers lie in memory as the host's gcc lays them out; Python knows the place of each member on the
+ * chip. A write is announced before it is made, so Python is told of it with the next event. gcc announces a write of
+ * a bit field with all fields beside it. Where these belong to several words, or overlap a number, memory is protected
+ * until the store, and the fault tells what is written: the load before a store of a bit field is executed with zeros
+ * in memory, then with ones, and the bits that do not follow are the field's. Then it is executed as it should be. */
 
 #define _GNU_SOURCE /* REG_RIP */
 #include <setjmp.h>
@@ -13,32 +16,40 @@
 #include <sys/mman.h>
 #include <sys/time.h>
 #include <ucontext.h>
+#include <unistd.h>
 
-enum { READ, WRITE, TIME, ASSEMBLY, DELAY, HALF_WORD };
+enum { READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY };
 enum { ENDED, UNWOUND, FAULT, LOOPS };
 
-#define WORDS 0x10000u
+#define BYTES 0x40000u /* of registers: four for each word */
+#define LARGEST 8      /* bytes of an access */
+#define STRANGE 9      /* in place of the bytes of a store */
 #define STUB_PAGE 0x380000u /* ADC_cal is called there, and returns at once */
 #define PAGE 4096u
 #define TICK_US 20000 /* of processor time: so often it is looked whether an empty loop runs */
 #define QUIET_TICKS 3
 
-typedef int (*asked_t)(int what, uint32_t word, uint32_t size, uint64_t detail, uint64_t blocks, uint64_t pc);
+/* Returns UNWINDS, or for ANNOUNCED and TOUCHED which place is written, or PROTECTED. */
+typedef int (*asked_t)(int what, uint32_t at, uint32_t size, uint64_t detail, uint64_t blocks, uint64_t pc);
+enum { UNWINDS = -1, NO_PLACE, PROTECTED };
 
 static asked_t asked;
 static unsigned char *registers;
 static uint64_t blocks, blocks_at_once = UINT64_MAX; /* constructors run before anybody asks */
 static uint64_t times_asked;
-static uint32_t pending_word, pending_size;
+static int pending; /* which place is written; NO_PLACE if none is */
 static uint64_t pending_pc;
+static uint32_t protected_at, protected_size; /* announced bytes; size 0 if nothing is protected */
+static enum { BEGINS, ZEROS, ONES } phase;    /* of finding what is stored there */
 static sigjmp_buf *way_out; /* of the firmware that runs now; none while Python runs */
 static const int SIGNALS[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL};
 #define SIGNAL_COUNT (sizeof SIGNALS / sizeof *SIGNALS)
 static struct sigaction before[SIGNAL_COUNT];
+static long page_size;
 
 int c28x_signal;
 uint64_t c28x_fault_at, c28x_fault_pc;
-unsigned char c28x_wide[WORDS]; /* not 0: a register of 32 bits begins there */
+int c28x_numbers[BYTES][LARGEST + 1]; /* places that are written as they are announced, by offset and size */
 
 /* `for (;;);` has no piece of code that gcc would announce: nothing but a service routine can happen any more. */
 static void ticked(int number) {
@@ -55,23 +66,6 @@ static void ticked(int number) {
     }
 }
 
-static void caught(int number, siginfo_t *info, void *context) {
-    if (!way_out) { /* not the firmware's: as if nobody were here */
-        signal(number, SIG_DFL);
-        return;
-    }
-    c28x_signal = number;
-    c28x_fault_at = (uint64_t)(uintptr_t)info->si_addr;
-#if defined(__x86_64__)
-    c28x_fault_pc = (uint64_t)((ucontext_t *)context)->uc_mcontext.gregs[REG_RIP];
-#elif defined(__aarch64__)
-    c28x_fault_pc = ((ucontext_t *)context)->uc_mcontext.pc;
-#else
-    (void)context;
-#endif
-    siglongjmp(*way_out, FAULT);
-}
-
 /* It stays, and does nothing while Python runs. */
 static void catch_ticks(void) {
     struct sigaction mine;
@@ -80,6 +74,8 @@ static void catch_ticks(void) {
     mine.sa_flags = SA_RESTART | SA_NODEFER;
     sigaction(SIGVTALRM, &mine, NULL);
 }
+
+static void caught(int number, siginfo_t *info, void *context);
 
 static void catch_signals(void) {
     struct sigaction mine;
@@ -94,44 +90,124 @@ static void leave_signals(void) {
     for (size_t i = 0; i < SIGNAL_COUNT; i++) sigaction(SIGNALS[i], &before[i], NULL);
 }
 
-static void ask(int what, uint32_t word, uint32_t size, uint64_t detail, uint64_t pc) {
+static int ask(int what, uint32_t at, uint32_t size, uint64_t detail, uint64_t pc) {
     sigjmp_buf *mine = way_out;
     uint64_t passed = blocks;
     blocks = 0;
     times_asked++;
     way_out = NULL;
     leave_signals();
-    int unwinds = asked(what, word, size, detail, passed, pc);
+    int said = asked(what, at, size, detail, passed, pc);
     catch_signals();
     way_out = mine;
-    if (unwinds) siglongjmp(*mine, UNWOUND);
+    if (said == UNWINDS) siglongjmp(*mine, UNWOUND);
+    return said;
+}
+
+static void protect(int how) {
+    uintptr_t first = ((uintptr_t)registers + protected_at) & ~(uintptr_t)(page_size - 1);
+    mprotect((void *)first, (uintptr_t)registers + protected_at + protected_size - first, how);
+}
+
+static void unprotect(void) {
+    if (protected_size) protect(PROT_READ | PROT_WRITE);
+    protected_size = 0;
 }
 
 static void tell_pending(void) {
-    if (!pending_size) return;
-    uint32_t size = pending_size;
-    pending_size = 0;
-    ask(WRITE, pending_word, size, 0, pending_pc);
+    int place = pending;
+    pending = NO_PLACE;
+    unprotect();
+    if (place) ask(WRITE, 0, 0, (uint64_t)place, pending_pc);
 }
 
-static int register_word(const void *address, uint32_t *word) {
+static int register_offset(const void *address, uint32_t *at) {
     uintptr_t offset = (uintptr_t)address - (uintptr_t)registers;
-    *word = (uint32_t)(offset / 4);
-    return offset < 4 * (uintptr_t)WORDS;
+    *at = (uint32_t)offset;
+    return offset < BYTES;
 }
 
-/* A bit field is accessed with its word: this is a uint16_t, with which structures do not lie as on the chip. */
-static void refuse_half_words(const void *address, uint32_t size, void *pc) {
-    uint32_t word;
-    if ((uintptr_t)address % 4 && register_word(address, &word))
-        ask(HALF_WORD, word, size, 0, (uint64_t)(uintptr_t)pc);
+/* The store of an instruction that has faulted, and its value: its bytes, 0 if it is a load, STRANGE if it is no MOV. */
+static uint32_t stored(const ucontext_t *context, uint64_t *value) {
+#if defined(__x86_64__)
+    static const int REGISTERS[] = {REG_RAX, REG_RCX, REG_RDX, REG_RBX, REG_RSP, REG_RBP, REG_RSI, REG_RDI,
+                                    REG_R8, REG_R9, REG_R10, REG_R11, REG_R12, REG_R13, REG_R14, REG_R15};
+    const greg_t *held = context->uc_mcontext.gregs;
+    const unsigned char *code = (const unsigned char *)held[REG_RIP];
+    uint32_t size = 4, rex = 0;
+    if (!(held[REG_ERR] & 2)) return 0;
+    if (*code == 0x66) size = 2, code++;
+    if ((*code & 0xF0) == 0x40) rex = *code++;
+    if (rex & 8) size = 8;
+    *value = (uint64_t)held[REGISTERS[(code[1] >> 3 & 7) + (rex & 4 ? 8 : 0)]]; /* of MOV to memory from a register */
+    if (*code == 0x88 || *code == 0xC6) return 1;
+    return *code == 0x89 || *code == 0xC7 ? size : STRANGE;
+#else
+    (void)context, (void)value;
+    return 0; /* Python refuses sources that would need it */
+#endif
+}
+
+static void find_field(unsigned char with) {
+    protect(PROT_READ | PROT_WRITE);
+    memset(registers + protected_at, with, protected_size);
+    protect(PROT_READ);
+}
+
+/* A load or store in the bytes that are protected. */
+static void touched(uint32_t at, ucontext_t *context) {
+    static ucontext_t at_load;
+    static uint64_t with_zeros;
+    uint64_t value = 0, announced = (uint64_t)protected_at << 8 | protected_size, kept;
+    uint32_t size = stored(context, &value);
+    switch (size == STRANGE ? BEGINS : phase) {
+    case BEGINS:
+        if (size) break;
+        memcpy(at_load.uc_mcontext.gregs, context->uc_mcontext.gregs, sizeof at_load.uc_mcontext.gregs);
+        find_field(0);
+        phase = ZEROS;
+        return;
+    case ZEROS:
+        with_zeros = value;
+        memcpy(context->uc_mcontext.gregs, at_load.uc_mcontext.gregs, sizeof at_load.uc_mcontext.gregs);
+        find_field(0xFF);
+        phase = ONES;
+        return;
+    case ONES:
+        memcpy(context->uc_mcontext.gregs, at_load.uc_mcontext.gregs, sizeof at_load.uc_mcontext.gregs);
+        kept = value ^ with_zeros;
+        while (size && (kept & 0xFF) == 0xFF) kept >>= 8, size--, at++;
+        size = 0;
+    }
+    unprotect();
+    pending = ask(TOUCHED, at, size, announced, pending_pc);
+}
+
+static void caught(int number, siginfo_t *info, void *context) {
+    uint32_t at;
+    if (!way_out) { /* not the firmware's: as if nobody were here */
+        signal(number, SIG_DFL);
+        return;
+    }
+    if (protected_size && number == SIGSEGV && register_offset(info->si_addr, &at)) {
+        touched(at, (ucontext_t *)context);
+        return;
+    }
+    c28x_signal = number;
+    c28x_fault_at = (uint64_t)(uintptr_t)info->si_addr;
+#if defined(__x86_64__)
+    c28x_fault_pc = (uint64_t)((ucontext_t *)context)->uc_mcontext.gregs[REG_RIP];
+#elif defined(__aarch64__)
+    c28x_fault_pc = ((ucontext_t *)context)->uc_mcontext.pc;
+#endif
+    siglongjmp(*way_out, FAULT);
 }
 
 static void reads(const void *address, uint32_t size, int is_volatile, void *pc) {
-    uint32_t word;
-    if (register_word(address, &word)) {
+    uint32_t at;
+    if (register_offset(address, &at)) {
         tell_pending();
-        ask(READ, word, size, 0, (uint64_t)(uintptr_t)pc);
+        ask(READ, at, size, 0, (uint64_t)(uintptr_t)pc);
     } else if (is_volatile) { /* somebody waits for what a service routine writes */
         tell_pending();
         ask(TIME, 0, 0, 0, (uint64_t)(uintptr_t)pc);
@@ -139,22 +215,27 @@ static void reads(const void *address, uint32_t size, int is_volatile, void *pc)
 }
 
 static void writes(const void *address, uint32_t size, void *pc) {
-    uint32_t word;
-    if (!register_word(address, &word)) return;
+    uint32_t at;
+    int place;
+    if (!register_offset(address, &at)) return;
     tell_pending();
-    if (size < 4 || (size == 4 && c28x_wide[word])) /* a bit field: the rest of its register is written with it */
-        ask(READ, word, size, 0, (uint64_t)(uintptr_t)pc);
-    pending_word = word;
-    pending_size = size;
+    place = size <= LARGEST ? c28x_numbers[at][size] : NO_PLACE;
+    if (!place) place = ask(ANNOUNCED, at, size, 0, (uint64_t)(uintptr_t)pc);
     pending_pc = (uint64_t)(uintptr_t)pc;
+    if (place == PROTECTED) {
+        protected_at = at, protected_size = size, phase = BEGINS;
+        protect(PROT_NONE);
+    } else {
+        pending = place;
+    }
 }
 
 #define PC __builtin_return_address(0)
 #define HOOKS(size) \
     void __tsan_read##size(void *a) { reads(a, size, 0, PC); } \
     void __tsan_write##size(void *a) { writes(a, size, PC); } \
-    void __tsan_volatile_read##size(void *a) { refuse_half_words(a, size, PC); reads(a, size, 1, PC); } \
-    void __tsan_volatile_write##size(void *a) { refuse_half_words(a, size, PC); writes(a, size, PC); } \
+    void __tsan_volatile_read##size(void *a) { reads(a, size, 1, PC); } \
+    void __tsan_volatile_write##size(void *a) { writes(a, size, PC); } \
     void __tsan_unaligned_read##size(void *a) { reads(a, size, 0, PC); } \
     void __tsan_unaligned_write##size(void *a) { writes(a, size, PC); } \
     void __tsan_unaligned_volatile_read##size(void *a) { reads(a, size, 1, PC); } \
@@ -164,8 +245,8 @@ HOOKS(2)
 HOOKS(4)
 HOOKS(8)
 HOOKS(16)
-void __tsan_read_range(void *a, unsigned long size) { (void)a, (void)size; }
-void __tsan_write_range(void *a, unsigned long size) { (void)a, (void)size; }
+void __tsan_read_range(void *a, unsigned long size) { reads(a, (uint32_t)size, 0, PC); }
+void __tsan_write_range(void *a, unsigned long size) { writes(a, (uint32_t)size, PC); }
 void __tsan_init(void) {}
 void __tsan_func_entry(void *pc) { (void)pc; }
 void __tsan_func_exit(void) { tell_pending(); }
@@ -200,9 +281,10 @@ int c28x_begin(uint64_t base, asked_t who, uint64_t at_once) {
     const struct itimerval tick = {{0, TICK_US}, {0, TICK_US}};
     asked = who;
     blocks_at_once = at_once;
+    page_size = sysconf(_SC_PAGESIZE);
     catch_ticks(); /* first: a tick that nobody catches ends the process */
     setitimer(ITIMER_VIRTUAL, &tick, NULL);
-    registers = mmap((void *)(uintptr_t)base, 4 * WORDS, PROT_READ | PROT_WRITE,
+    registers = mmap((void *)(uintptr_t)base, BYTES, PROT_READ | PROT_WRITE,
                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);
     if (registers != (void *)(uintptr_t)base) return 1;
     page = mmap(page, PAGE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);
@@ -217,15 +299,15 @@ int c28x_begin(uint64_t base, asked_t who, uint64_t at_once) {
 void c28x_end(int last) {
     const struct itimerval none = {{0, 0}, {0, 0}};
     if (last) setitimer(ITIMER_VIRTUAL, &none, NULL);
-    munmap(registers, 4 * WORDS);
+    munmap(registers, BYTES);
 }
 
 /* Calls a function of the firmware, main or a service routine. Says how it ended. */
 int c28x_run(void (*entry)(void)) {
     sigjmp_buf here, *outer = way_out;
-    uint32_t word = pending_word, size = pending_size; /* of what it interrupts */
+    int place = pending; /* of what it interrupts */
     uint64_t pc = pending_pc;
-    pending_size = 0;
+    pending = NO_PLACE;
     catch_signals();
     int how = sigsetjmp(here, 1);
     if (!how) {
@@ -239,6 +321,7 @@ int c28x_run(void (*entry)(void)) {
     }
     way_out = outer;
     leave_signals();
-    pending_word = word, pending_size = size, pending_pc = pc;
+    unprotect();
+    pending = place, pending_pc = pc;
     return how;
 }

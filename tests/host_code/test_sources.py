@@ -164,9 +164,11 @@ def test_time_passes_in_loops_without_any_access(folder: Path):
         ('asm(" ESTOP0");', "ESTOP0 is reached at main:2"),
         (
             "((volatile unsigned short *)&SciaRegs)[1] = 3;",
-            "an access of 2 bytes at main:2 is no register's; declare registers of 16 bits as unsigned int, and those "
-            "of 32 bits as unsigned long, as TI's headers do",
+            "an access of 2 bytes at main:2 is no register's, 2 bytes into word 0x7050; access a register by the "
+            "member of its structure",
         ),
+        ("struct SCI_REGS copy = SciaRegs;", "an access of 64 bytes at main:2 is no register's"),
+        ("*(volatile Uint32 *)&SciaRegs = 1;", "an access of 8 bytes at main:2 is no register's"),
     ],
 )
 def test_what_firmware_must_not_do_ends_the_run_with_its_place(folder: Path, body: str, sentence: str):

@@ -1,0 +1,307 @@
+"""Places of the members of register structures: a library's debug information goes in; addresses on the chip come out.
+
+    extern volatile struct SCI_REGS SciaRegs --DWARF--> RegisterLayout: offset and size on the host --> Place
+
+gcc and TI's compiler lay out a structure differently, because the sizes of their types differ. So each member has two
+positions: the one on the host, which DWARF states, and the one on the chip, which is computed from the types. A member
+whose two positions cannot be matched is refused. Offsets are bytes from the host's address of the chip's word 0.
+
+Source: SPRU514Z sections 6.4 (sizes of types) and 7.1.7 (structures); SPRAC71B section 2.8 (bit fields: the access may
+be narrower than the declared type; here it is always the 16-bit word that the field lies in).
+"""
+
+from __future__ import annotations
+
+import platform
+import re
+from pathlib import Path
+
+from elftools.dwarf.compileunit import CompileUnit
+from elftools.dwarf.die import DIE
+from elftools.elf.elffile import ELFFile
+from msgspec import Struct
+
+from .register_symbols import BYTES_A_WORD, SYMBOLS
+
+WORD = 16  # bits
+CHIP_BITS = {  # what is not here has 16 bits
+    **dict.fromkeys(("float", "long int", "long unsigned int"), 32),
+    **dict.fromkeys(("double", "long double", "long long int", "long long unsigned int", "__int128"), 64),
+}
+FIXED_WIDTH = re.compile(r"u?int(?:_least|_fast)?(8|16|32|64)_t")
+QUALIFIERS = ("DW_TAG_const_type", "DW_TAG_volatile_type", "DW_TAG_restrict_type", "DW_TAG_atomic_type")
+SIGNED = (5, 6)  # DW_ATE_signed, DW_ATE_signed_char
+COMPOUND = ("DW_TAG_structure_type", "DW_TAG_union_type")
+LARGEST = 8  # bytes of an access
+STORES_ARE_DECODED = platform.machine() == "x86_64"  # by runtime.c
+NO_REGISTER = "no register has this type; declare 16 bits as unsigned int or uint16_t, 32 as unsigned long or uint32_t"
+
+
+class BadLayout(ValueError):
+    """A register structure has a member without a certain place on the chip. One sentence, with file and line."""
+
+
+class Place(Struct, frozen=True):
+    """A number in a register structure, or a word that contains bit fields.
+
+    at, size: offset and bytes on the host.
+    word, width: address on the chip, and 16 or 32 bits.
+    signed: the host's number is sign-extended.
+    partial: a field is a part of the word, so a write of the field begins with a read of the word.
+    """
+
+    at: int
+    size: int
+    word: int
+    width: int
+    signed: bool = False
+    partial: bool = False
+
+
+class RegisterLayout:
+    """Places of all members of the structures in `SYMBOLS` that the sources use."""
+
+    def __init__(self, library: Path) -> None:
+        """BadLayout where a member has no certain place."""
+        self._numbers: dict[tuple[int, int], Place] = {}  # by offset and size
+        self._fields: dict[int, Place] = {}  # by offset of each byte that has bits of a field
+        self._announced: dict[int, int] = {}  # bytes of adjacent fields by offset: gcc announces a write of all of them
+        with library.open("rb") as file:
+            for unit in ELFFile(file).get_dwarf_info().iter_CUs():
+                for die in unit.get_top_DIE().iter_children():
+                    name = _name(die)
+                    if die.tag == "DW_TAG_variable" and name in SYMBOLS and "DW_AT_type" in die.attributes:
+                        _Structures(self, die).add(die, BYTES_A_WORD * SYMBOLS[name], SYMBOLS[name])
+        uncertain = any(map(self._is_ambiguous, self._numbers.values())) or max(self._announced.values(), default=0) > 2
+        if uncertain and not STORES_ARE_DECODED:
+            raise BadLayout(
+                f"on a host of {platform.machine()} a bit field beside a number of its size, or fields of another "
+                "word, cannot be followed; run C sources with such registers on x86_64"
+            )
+
+    def read(self, at: int, size: int) -> tuple[Place, ...]:
+        """Places that a read of these bytes reads. Empty if the bytes are no member."""
+        number = self._numbers.get((at, size))
+        if number is not None:
+            return (number,)
+        return self._words(at, size) if all(byte in self._fields for byte in range(at, at + size)) else ()
+
+    def may_write(self, at: int, size: int) -> bool:
+        """True if a write announced for these bytes can be one of a member."""
+        return (at, size) in self._numbers or (size <= LARGEST and bool(self._words(at, size)))
+
+    def announced(self, at: int, size: int) -> Place | None:
+        """The place that a write announced for these bytes writes. None if only the store tells (`stored`)."""
+        number, words = self._numbers.get((at, size)), self._words(at, size)
+        if number is not None:
+            return number if not words or not self._is_ambiguous(number) else None
+        return words[0] if len(words) == 1 and size <= words[0].size else None
+
+    def stored(self, announced: tuple[int, int], at: int, size: int) -> Place | None:
+        """The place that is written. at, size: of the store; or of the first byte of a bit field, and 0."""
+        if (at, size) == announced and announced in self._numbers:
+            return self._numbers[announced]
+        place = self._fields.get(at)
+        return place if place is not None and place.at <= at and at + size <= place.at + place.size else None
+
+    def _is_ambiguous(self, number: Place) -> bool:
+        """True if gcc announces a write of the number like one of the bit fields beside it."""
+        return number.size <= self._announced.get(number.at, 0)
+
+    def add_run(self, at: int, size: int) -> None:
+        """Add adjacent bit fields of so many bytes."""
+        self._announced[at] = max(size, self._announced.get(at, 0))
+
+    def add_number(self, place: Place) -> bool:
+        """Add a number. False if one of the same bytes has another place."""
+        return self._numbers.setdefault((place.at, place.size), place) == place
+
+    def add_field(self, place: Place, first: int, last: int) -> bool:
+        """Add a bit field in bytes `first` to `last`. False if a byte belongs to another word."""
+        for byte in range(first, last + 1):
+            here = self._fields.setdefault(byte, place)
+            if (here.at, here.word) != (place.at, place.word):
+                return False
+            if place.partial:
+                self._fields[byte] = place
+        return True
+
+    def _words(self, at: int, size: int) -> tuple[Place, ...]:
+        return tuple(dict.fromkeys(self._fields[byte] for byte in range(at, at + size) if byte in self._fields))
+
+
+class _Structures:
+    """Walks through the type of one variable, and adds its members to the layout."""
+
+    def __init__(self, layout: RegisterLayout, variable: DIE) -> None:
+        self._layout = layout
+        self._path = [variable]  # and the members on the way to the one that is looked at
+
+    def add(self, member: DIE, at: int, word: int) -> int:
+        """Add a member that is no bit field, and return its words on the chip. at, word: where it begins."""
+        kind = _stripped(member)
+        if kind.tag == "DW_TAG_array_type":
+            words, stride = 0, _size(_stripped(kind))
+            for index in range(_length(kind)):
+                words += self.add(kind, at + index * stride, word + words)
+            return words
+        if kind.tag in COMPOUND:
+            return self._add_compound(kind, at, word)
+        bits = self._bits(member)
+        place = Place(at, _size(kind), word, bits, _is_signed(kind) and 8 * _size(kind) > bits)
+        if bits > 2 * WORD or place.size * WORD > BYTES_A_WORD * bits:
+            raise self._refusal(NO_REGISTER)
+        if not self._layout.add_number(place):
+            raise self._refusal("another declaration of it has another type; keep one of them")
+        return bits // WORD
+
+    def _add_compound(self, compound: DIE, at: int, word: int) -> int:
+        bit = host_bit = longest = begin = 0  # bit, host_bit: behind the member before. begin: of adjacent fields
+        for member in _members(compound):
+            self._path.append(member)
+            if compound.tag == "DW_TAG_union_type":
+                bit = host_bit = begin = 0
+            if "DW_AT_bit_size" in member.attributes:
+                bit, host_bit = self._add_bit_field(member, at, word, bit, host_bit)
+                self._layout.add_run(at + begin // 8, -(-(host_bit - begin) // WORD) * WORD // 8)
+            else:
+                if bit % WORD:
+                    raise self._refusal("bit fields before it end within a word; name all 16 bits of the word")
+                offset, align = _value(member, "DW_AT_data_member_location"), self._alignment(member)
+                first = -(-bit // WORD // align) * align
+                bit = WORD * (first + self.add(member, at + offset, word + first))
+                host_bit = begin = 8 * (offset + _size(_stripped(member)))
+            self._path.pop()
+            longest = max(longest, bit)
+        align = self._alignment_of_members(compound)
+        return -(-longest // WORD // align) * align
+
+    def _add_bit_field(self, member: DIE, at: int, word: int, bit: int, host_bit: int) -> tuple[int, int]:
+        """Add a bit field. Return the bits behind it, on the chip and on the host.
+
+        at, word: of the structure. bit, host_bit: behind the member before. Unnamed bits are not in DWARF: what is not
+        explained by the alignment of the field is a gap.
+        """
+        width, bits = _value(member, "DW_AT_bit_size"), self._bits(member)
+        if bits > 2 * WORD:
+            raise self._refusal(NO_REGISTER)
+        host = _value(member, "DW_AT_data_bit_offset")
+        if host == _aligned(host_bit, width, 8 * _size(_stripped(member))):
+            first = _aligned(bit, width, bits)
+        else:
+            first = bit + host - host_bit
+            if (first - 1) // WORD != bit // WORD:
+                raise self._refusal("unnamed bits before it go on in another word; name them, word by word")
+        last, host = first + width - 1, 8 * at + host
+        host_last = host + width - 1
+        if first // WORD != last // WORD or host // WORD != host_last // WORD or first % 8 != host % 8:
+            raise self._refusal(
+                f"with the fields before it, its {width} bits cross a 16-bit word; fill each word by itself"
+            )
+        place = Place(host // 8 - first % WORD // 8, 2, word + first // WORD, WORD, partial=width != WORD)
+        if not self._layout.add_field(place, host // 8, host_last // 8):
+            raise self._refusal("another declaration of it has another place; keep one of them")
+        return last + 1, host_last + 1 - 8 * at
+
+    def _alignment(self, member: DIE) -> int:
+        """Words of whose multiple the address of the member is."""
+        kind = _stripped(member)
+        if kind.tag in COMPOUND:
+            return self._alignment_of_members(kind)
+        return self._alignment(kind) if kind.tag == "DW_TAG_array_type" else min(self._bits(member) // WORD, 2)
+
+    def _alignment_of_members(self, compound: DIE) -> int:
+        align = 1
+        for member in _members(compound):
+            self._path.append(member)
+            align = max(align, self._alignment(member))
+            self._path.pop()
+        return align
+
+    def _bits(self, member: DIE) -> int:
+        """Bits that the type of a number has on the chip."""
+        names, kind = _names_of_type(member), _stripped(member)
+        if kind.tag == "DW_TAG_pointer_type":
+            return 2 * WORD
+        bits = CHIP_BITS.get(_name(kind), WORD)
+        for name in names:
+            fixed = FIXED_WIDTH.fullmatch(name)
+            if fixed and max(int(fixed[1]), WORD) != bits:
+                if f"__{name}" not in names:  # the name that glibc declares it by
+                    raise self._refusal(f"{name} is declared as {_name(kind)}, which has {bits} bits on the chip")
+                return max(int(fixed[1]), WORD)
+        return bits
+
+    def _refusal(self, why: str) -> BadLayout:
+        path = ".".join(filter(None, map(_name, self._path)))
+        return BadLayout(f"{_declared_at(self._path[-1])}: {path} is no register's: {why}")
+
+
+def _aligned(bit: int, width: int, container: int) -> int:
+    """The first bit of a field that begins at `bit` or, where it would leave its container, in the next container."""
+    return bit if bit % container + width <= container else -(-bit // container) * container
+
+
+def _name(die: DIE) -> str:
+    name = die.attributes.get("DW_AT_name")
+    return "" if name is None else name.value.decode("utf-8", "replace")
+
+
+def _value(die: DIE, attribute: str) -> int:
+    found = die.attributes.get(attribute)
+    return 0 if found is None else int(found.value)
+
+
+def _members(compound: DIE) -> list[DIE]:
+    return [die for die in compound.iter_children() if die.tag == "DW_TAG_member"]
+
+
+def _names_of_type(member: DIE) -> list[str]:
+    """Names of the typedefs that a member is declared by."""
+    names, die = [], member
+    while "DW_AT_type" in die.attributes and die.tag in (member.tag, "DW_TAG_typedef", *QUALIFIERS):
+        die = die.get_DIE_from_attribute("DW_AT_type")
+        if die.tag == "DW_TAG_typedef":
+            names.append(_name(die))
+    return names
+
+
+def _stripped(member: DIE) -> DIE:
+    """The type of a member, or of the elements of an array, without typedefs and qualifiers."""
+    die = member.get_DIE_from_attribute("DW_AT_type")
+    while die.tag == "DW_TAG_typedef" or die.tag in QUALIFIERS:
+        die = die.get_DIE_from_attribute("DW_AT_type")
+    return die
+
+
+def _size(kind: DIE) -> int:
+    """Bytes on the host."""
+    if kind.tag == "DW_TAG_array_type":
+        return _length(kind) * _size(_stripped(kind))
+    return _value(kind, "DW_AT_byte_size")
+
+
+def _length(array: DIE) -> int:
+    """Elements of all dimensions. 0 if the declaration leaves it open."""
+    length = 1
+    for dimension in array.iter_children():
+        if "DW_AT_count" in dimension.attributes:
+            length *= _value(dimension, "DW_AT_count")
+        else:
+            length *= _value(dimension, "DW_AT_upper_bound") + 1 if "DW_AT_upper_bound" in dimension.attributes else 0
+    return length
+
+
+def _is_signed(kind: DIE) -> bool:
+    return _value(kind, "DW_AT_encoding") in SIGNED
+
+
+def _declared_at(member: DIE) -> str:
+    """`file, line N` of a declaration."""
+    assert isinstance(member.cu, CompileUnit)
+    program = member.dwarfinfo.line_program_for_CU(member.cu)
+    number, line = _value(member, "DW_AT_decl_file"), _value(member, "DW_AT_decl_line")
+    if program is None:
+        return f"line {line}"
+    entry = program["file_entry"][number - (0 if program["version"] >= 5 else 1)]
+    return f"{entry.name.decode('utf-8', 'replace')}, line {line}"

@@ -29,6 +29,7 @@ UNDEFINED = ("-fsanitize=undefined", "-fno-sanitize=alignment")
 COMPLAINT = re.compile(r"(?m)^(.+?):(\d+):(?:\d+:)? (?:fatal )?error: (.+)$")
 HEADER = re.compile(r"([^/\\]+): No such file or directory")
 MISSING = re.compile(r"undefined reference to [`']([^']+)'")
+ENDING = ("exit", "_exit", "_Exit", "quick_exit", "abort", "__assert_fail")  # runtime.c replaces them
 OWN_DECLARATIONS = "void c28x_assembly(const char *);"
 
 
@@ -103,10 +104,11 @@ def linked(objects: Objects, base: int, library: Path) -> Path:
     """The library, at this path. base: the host's address of the chip's word 0. BadSources if something is missing."""
     places = [f"-Wl,--defsym={name}={address:#x}" for name, address in _places(SYMBOLS, base).items()]
     places += [f"-Wl,--defsym={name}=0" for name in COPIED]
+    replaced = [f"-Wl,--wrap={name}" for name in ENDING]
     checked = ["-fsanitize=undefined"] if objects.undefined else []
     listed = library.with_suffix(".list")
     listed.write_text(f"{{ {'; '.join(SYMBOLS)}; }};\n", encoding="utf-8")  # bound as it is loaded, so that they stay
-    shared = ["-shared", f"-Wl,--dynamic-list={listed}", "-Wl,--no-relax", "-Wl,-z,defs", *checked]
+    shared = ["-shared", f"-Wl,--dynamic-list={listed}", "-Wl,--no-relax", "-Wl,-z,defs", *replaced, *checked]
     _run([objects.compiler, *shared, *places, *objects.files, "-o", str(library), "-lm"])
     return library
 

@@ -30,6 +30,7 @@ from .library import (
     ASSEMBLY,
     BYTES,
     DELAY,
+    ENDS,
     FAULT,
     LOOPS,
     NO_PLACE,
@@ -172,6 +173,9 @@ class _Run:
                 self._assembled((ctypes.c_char_p(detail).value or b"").decode("latin-1"))
             elif what == DELAY:
                 self._dsp.cpu.compute(DELAY_CALL + DELAY_PASS * detail)
+            elif what == ENDS:
+                how = (ctypes.c_char_p(detail).value or b"").decode("utf-8", "replace")
+                raise FirmwareLost(f"{self._dsp.name}: {how} at {self.place()}; firmware on the chip cannot end")
             enter_c()
         except BaseException as raised:  # nothing may pass through C: it goes on in `_call`
             self._raised = raised

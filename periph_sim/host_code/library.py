@@ -14,7 +14,7 @@ from elftools.elf.sections import SymbolTableSection
 from .register_layout import LARGEST
 
 BYTES = 0x4_0000  # of registers: 2 ** 16 words
-READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY = range(7)  # what runtime.c asks
+READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY, ENDS = range(8)  # what runtime.c asks
 UNWINDS, NO_PLACE, PROTECTED = -1, 0, 1  # what it is answered; larger numbers are places that are written
 ENDED, UNWOUND, FAULT, LOOPS = range(4)  # how a function ended
 

@@ -12,16 +12,18 @@
 #include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/time.h>
 #include <ucontext.h>
 #include <unistd.h>
 
-enum { READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY };
+enum { READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY, ENDS };
 enum { ENDED, UNWOUND, FAULT, LOOPS };
 
 #define BYTES 0x40000u /* of registers: four for each word */
+#define STACK_BYTES 0x100000 /* more than any memory of the chip */
 #define LARGEST 8      /* bytes of an access */
 #define STRANGE 9      /* in place of the bytes of a store */
 #define STUB_PAGE 0x380000u /* ADC_cal is called there, and returns at once */
@@ -46,6 +48,7 @@ static const int SIGNALS[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL};
 #define SIGNAL_COUNT (sizeof SIGNALS / sizeof *SIGNALS)
 static struct sigaction before[SIGNAL_COUNT];
 static long page_size;
+static const char *stack; /* its end as the firmware began */
 
 int c28x_signal;
 uint64_t c28x_fault_at, c28x_fault_pc;
@@ -248,7 +251,33 @@ HOOKS(16)
 void __tsan_read_range(void *a, unsigned long size) { reads(a, (uint32_t)size, 0, PC); }
 void __tsan_write_range(void *a, unsigned long size) { writes(a, (uint32_t)size, PC); }
 void __tsan_init(void) {}
-void __tsan_func_entry(void *pc) { (void)pc; }
+/* Functions of the C library that would end the process of the simulator: build.py has the linker replace them. */
+static void ends(const char *how, void *pc) {
+    tell_pending();
+    ask(ENDS, 0, 0, (uint64_t)(uintptr_t)how, (uint64_t)(uintptr_t)pc - 1); /* nothing needs to follow the call */
+}
+
+#define ENDING(name) \
+    void __wrap_##name(int status) { \
+        char text[40]; \
+        snprintf(text, sizeof text, #name "(%d) is called", status); \
+        ends(text, PC); \
+    }
+ENDING(exit)
+ENDING(_exit)
+ENDING(_Exit)
+ENDING(quick_exit)
+void __wrap_abort(void) { ends("abort() is called", PC); }
+void __wrap___assert_fail(const char *assertion) {
+    char text[200];
+    snprintf(text, sizeof text, "assert(%s) fails", assertion);
+    ends(text, PC);
+}
+
+void __tsan_func_entry(void *pc) {
+    const char *here = __builtin_frame_address(0);
+    if (stack && stack - here > STACK_BYTES) ends("the stack has more than 1 MB", pc);
+}
 void __tsan_func_exit(void) { tell_pending(); }
 
 /* Every piece of code without a branch in it begins so: loops without any access let time pass, too. */
@@ -310,6 +339,7 @@ int c28x_run(void (*entry)(void)) {
     pending = NO_PLACE;
     catch_signals();
     int how = sigsetjmp(here, 1);
+    if (!outer) stack = __builtin_frame_address(0);
     if (!how) {
         way_out = &here;
         entry();

@@ -167,12 +167,29 @@ def test_time_passes_in_loops_without_any_access(folder: Path):
             "an access of 2 bytes at main:2 is no register's, 2 bytes into word 0x7050; access a register by the "
             "member of its structure",
         ),
-        ("struct SCI_REGS copy = SciaRegs;", "an access of 64 bytes at main:2 is no register's"),
-        ("*(volatile Uint32 *)&SciaRegs = 1;", "an access of 8 bytes at main:2 is no register's"),
+        ("void exit(int); exit(0);", "exit(0) is called at main:2; firmware on the chip cannot end"),
     ],
 )
 def test_what_firmware_must_not_do_ends_the_run_with_its_place(folder: Path, body: str, sentence: str):
     assert sentence in fails_with(folder, body)
+
+
+@pytest.mark.parametrize(
+    ("body", "sentence"),
+    [
+        ("void abort(void); abort();", "abort() is called at main:2; firmware on the chip cannot end"),
+        ("\n#include <assert.h>\nassert(1 + 1 == 3);", "assert(1 + 1 == 3) fails at main:4"),
+        (
+            "int deeper(int i) { int big[4096]; return deeper(i) + 1; } deeper(0);",
+            "the stack has more than 1 MB at deeper.0:2",
+        ),
+        ("struct SCI_REGS copy = SciaRegs;", "an access of 64 bytes at main:2 is no register's"),
+        ("*(volatile Uint32 *)&SciaRegs = 1;", "an access of 8 bytes at main:2 is no register's"),
+    ],
+)
+def test_what_the_host_has_replaced_ends_the_run_with_its_place(folder: Path, body: str, sentence: str):
+    (folder / "echo.c").write_text(MAIN.format(body))
+    assert f"dsp: {sentence}" in "".join(run(folder).stuck)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,22 @@
-"""`python -m periph_sim` is `periph-sim`."""
+"""`periph-sim`, and `python -m periph_sim`: the command line, in a process that another one waits for."""
 
-from .cli import main
+from __future__ import annotations
 
-main()
+from typing import NoReturn
+
+from .supervisor import supervise
+
+
+def command_line() -> None:
+    from .cli import main
+
+    main()
+
+
+def main() -> NoReturn:
+    """Entry point of `periph-sim`."""
+    supervise(command_line, "periph-sim")
+
+
+if __name__ == "__main__":
+    main()

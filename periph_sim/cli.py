@@ -126,7 +126,7 @@ def cli() -> None:
 
 
 def main() -> None:
-    """Entry point of `periph-sim`."""
+    """Run the command that sys.argv names, in this process, and exit with its status."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # no matrices here: numpy need not start threads for them
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # cases need none: it need not look through packages
     if form.note:
@@ -157,11 +157,20 @@ def main() -> None:
             found = f"{error.filename or 'standard output'}: found {os.strerror(error.errno).lower()}"
             click.echo(f"Error: {found}, expected room for the output; make room, or redirect it", err=True)
             sys.exit(MISTAKE)
+        if _output_is_gone(error):
+            click.echo("Error: standard output is closed, expected a file, a pipe or a terminal", err=True)
+            sys.exit(MISTAKE)
         import traceback
 
         click.echo("periph-sim: a fault of its own; please report it with the command and what follows.", err=True)
         traceback.print_exc()
         sys.exit(FAULT)
+
+
+def _output_is_gone(error: Exception) -> bool:
+    """Whether the command began without a standard output that it can write to, or user code closed it."""
+    closed = sys.stdout is None or sys.stdout.closed
+    return closed or (isinstance(error, OSError) and error.errno == errno.EBADF and error.filename is None)
 
 
 def _drop_output() -> None:

@@ -49,8 +49,10 @@ def sweep(
 ) -> int:
     """Run CASE once for each combination of values, and say of each budget which run was nearest to its limit.
 
-    Exit status 0: every run passes; 1: not so; 2: a run could not be made (the others were).
+    Exit status 0: every run passes; 1: not so; 2: a run could not be made (the others were), or
+    Ctrl-C or SIGTERM stopped the sweep (what was done by then is shown).
     """
+    from ..reports.sweep import SweepStopped
     from ..reports.sweep import sweep as swept
     from ..scene.case.model import BadCase
     from ..traces.formats.atomic_write import atomic_write
@@ -65,9 +67,12 @@ def sweep(
         length = None if seconds is None else length_given(seconds)
         note_inputs([case])
         unfinished = None if csv_file is None else outputs.enter_context(atomic_write(csv_file))
+        stopped = ""
         with progress(case.stem) as told:
             try:
                 came = swept(case, fixed | varied, seconds=length, jobs=jobs, told=told)
+            except SweepStopped as error:
+                came, stopped = error.finished, str(error)
             except BadCase as error:
                 raise click.ClickException(_as_varied(str(error), varied)) from None
         if unfinished is not None:
@@ -76,6 +81,9 @@ def sweep(
         print_json("sweep", _object(came))
     else:
         _show(came, list(varied))
+    if stopped:
+        click.echo(f"Error: {stopped}", err=True)
+        return 2
     verdicts = set(came.verdict.tolist())
     return 2 if "error" in verdicts else int(verdicts != {"pass"})
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager
 
 import click
 
@@ -38,7 +37,9 @@ MISTAKES = {
 @contextmanager
 def running_user_code() -> Iterator[None]:
     """As `usage_errors_in_one_sentence`; what user code prints goes to standard error, and not between our output."""
-    with usage_errors_in_one_sentence(), redirect_stdout(sys.stderr):
+    from ..processor.user_code import output_aside
+
+    with usage_errors_in_one_sentence(), output_aside():
         yield
 
 

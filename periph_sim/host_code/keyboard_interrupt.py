@@ -29,7 +29,7 @@ def leave_c() -> None:
     _in_c = False
     if _kept:
         _kept = False
-        raise KeyboardInterrupt
+        _before(signal.SIGINT, None)
 
 
 @contextmanager

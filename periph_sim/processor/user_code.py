@@ -20,7 +20,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stdout
 from threading import get_ident
-from typing import TypeVar
+from typing import BinaryIO, TypeVar
 
 from greenlet import GreenletExit
 
@@ -111,13 +111,31 @@ class _Nowhere(io.TextIOBase):
         return len(text)
 
 
+class _Aside(io.TextIOBase):
+    """A text stream that writes to standard error, which stays open as this one is closed."""
+
+    def write(self, text: str) -> int:
+        return 0 if sys.stderr is None else sys.stderr.write(text)
+
+    def flush(self) -> None:
+        if sys.stderr is not None:
+            sys.stderr.flush()
+
+    def fileno(self) -> int:
+        return sys.stderr.fileno()
+
+    @property
+    def buffer(self) -> BinaryIO:
+        return sys.stderr.buffer
+
+
 @contextmanager
 def output_aside() -> Iterator[None]:
-    """Print to standard error within the block, in which user code runs after the command's own output has begun."""
+    """Print to standard error within the block, in which user code runs: standard output is the command's own."""
     if isinstance(sys.stdout, _Nowhere):
         yield
         return
-    with redirect_stdout(sys.stderr):
+    with redirect_stdout(_Aside()):
         yield
 
 

@@ -4,6 +4,9 @@
 
 Importing takes as long as many a case. A fork of this process would not do: it has run cases, and may have threads.
 Where there is no such server, on Windows, workers import what they need.
+
+No worker outlives its use. An error or Ctrl-C in the block of a pool ends its workers at once, `end_workers` those of
+all pools; a worker whose parent process has ended, in whatever way, ends itself, and the server ends with the last one.
 """
 
 from __future__ import annotations
@@ -11,21 +14,45 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_all_start_methods, get_context
+from contextlib import contextmanager
+from multiprocessing import get_all_start_methods, get_context, parent_process
 from signal import SIG_DFL, SIGINT, signal
+from threading import Thread
 
 SERVER = "forkserver"
 IMPORTED = ["periph_sim.reports.baselines.outcome", "periph_sim.reports.sweep.one_run"]
+_pools: set[ProcessPoolExecutor] = set()
 
 
-def processes(workers: int) -> ProcessPoolExecutor:
+@contextmanager
+def processes(workers: int) -> Iterator[ProcessPoolExecutor]:
     """So many processes, with this one's environment as it is now."""
     context = get_context(SERVER if SERVER in get_all_start_methods() else "spawn")
     if context.get_start_method() == SERVER:
         context.set_forkserver_preload(IMPORTED)
-    return ProcessPoolExecutor(workers, context, initializer=_begin, initargs=(dict(os.environ),))
+    pool = ProcessPoolExecutor(workers, context, initializer=_begin, initargs=(dict(os.environ),))
+    _pools.add(pool)
+    try:
+        yield pool
+    except BaseException:
+        _end(pool)
+        raise
+    finally:
+        _pools.discard(pool)
+        pool.shutdown(cancel_futures=True)
+
+
+def end_workers() -> None:
+    """End the workers of all pools: whoever waits for one of them gets BrokenProcessPool."""
+    for pool in list(_pools):
+        _end(pool)
+
+
+def _end(pool: ProcessPoolExecutor) -> None:
+    for worker in list((pool._processes or {}).values()):
+        worker.kill()
 
 
 def _begin(environment: Mapping[str, str]) -> None:
@@ -35,6 +62,15 @@ def _begin(environment: Mapping[str, str]) -> None:
     """
     signal(SIGINT, SIG_DFL)
     sys.stdout = sys.stderr
+    Thread(target=_end_with_parent, name="periph-sim parent watch", daemon=True).start()
     gc.freeze()
     os.environ.clear()
     os.environ.update(environment)
+
+
+def _end_with_parent() -> None:
+    """End this worker as soon as the process that uses it has ended, also by SIGKILL."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar, TypeVarTuple
 
 from ...scene.case.discover import cases_below
-from ..processes import processes
+from ..processes import end_workers, processes
 from .compare import Change, compare, explain, moved_accesses
 from .errors import BadCheck
 from .event_chain import EventLine, Wanted
@@ -30,6 +30,8 @@ from .outcome import Chains, Outcome, RejectedCase, occurrence, run_case, run_ch
 
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
+
+STOPPED = "it was not run to its end, since the check was stopped"
 
 
 def case_files(paths: Iterable[Path | str]) -> list[Path]:
@@ -72,36 +74,60 @@ def check(
     files = case_files(paths)
     refused: list[RejectedCase] = []
     before = {} if update else _baselines(files, refused)
-    with workers(jobs, len(files)) as start:
-        outcomes: list[Outcome] = []
-        waiting = [(path, start(run_case, path, tuple(changes), keep_values)) for path in files]
-        for done, (path, came) in enumerate(waiting, 1):
-            try:
-                one = came()
-            except BadCheck as error:
-                one = RejectedCase(path, str(error))
-            if isinstance(one, RejectedCase):
-                refused.append(one)
-            elif update or path in before:
-                outcomes.append(one)
-            if told is not None:
-                told(done / len(files))
-        wrong = [one for one in refused if on_refused is None or not one.outside]
-        if wrong and (update or on_refused is None):
-            raise BadCheck("\n".join(one.why for one in wrong))
-        if on_refused is not None:
-            for one in refused:
-                on_refused(one)
-        if update:
-            checks = _updated(outcomes, start)
+    ran, stopped = _run_each(
+        files, jobs, changes, keep_values, told, keep_finished=on_refused is not None and not update
+    )
+    refused += [one for one in ran if isinstance(one, RejectedCase)]
+    outcomes = [one for one in ran if isinstance(one, Outcome) and (update or one.path in before)]
+    wrong = [one for one in refused if on_refused is None or not one.outside]
+    if wrong and (update or on_refused is None):
+        raise BadCheck("\n".join(one.why for one in wrong))
+    if on_refused is not None:
+        for one in refused:
+            on_refused(one)
+    checks = [] if update else [_compared(outcome, before[outcome.path], tolerance) for outcome in outcomes]
+    if not stopped:
+        with workers(jobs, len(files)) as start:
+            if update:
+                checks = _updated(outcomes, start)
+                _find_causes(checks, start)
+                return checks
+            _explain(checks, before, start, tolerance)
             _find_causes(checks, start)
-            return checks
-        checks = [_compared(outcome, before[outcome.path], tolerance) for outcome in outcomes]
-        _explain(checks, before, start, tolerance)
-        _find_causes(checks, start)
     for one_check in checks:
         one_check.findings = judge(one_check)
     return checks
+
+
+def _run_each(
+    files: Sequence[Path],
+    jobs: int | None,
+    changes: Sequence[str],
+    keep_values: bool,
+    told: Callable[[float], None] | None,
+    *,
+    keep_finished: bool,
+) -> tuple[list[Outcome | RejectedCase], bool]:
+    """Run each case; whether Ctrl-C or SIGTERM stopped that, which rejects the cases that were not done.
+
+    keep_finished: False raises KeyboardInterrupt instead.
+    """
+    came: dict[Path, Outcome | RejectedCase] = {}
+    try:
+        with workers(jobs, len(files)) as start:
+            waiting = [(path, start(run_case, path, tuple(changes), keep_values)) for path in files]
+            for done, (path, result) in enumerate(waiting, 1):
+                try:
+                    came[path] = result()
+                except BadCheck as error:
+                    came[path] = RejectedCase(path, str(error))
+                if told is not None:
+                    told(done / len(files))
+    except KeyboardInterrupt:
+        if not keep_finished:
+            raise
+    stopped = [path for path in files if path not in came]
+    return [*came.values(), *(RejectedCase(path, f"{path}: {STOPPED}") for path in stopped)], bool(stopped)
 
 
 def _baselines(files: Iterable[Path], refused: list[RejectedCase]) -> dict[Path, Baseline | None]:
@@ -265,6 +291,7 @@ def workers(jobs: int | None, calls: int) -> Iterator[Start]:
             yield there
         except BaseException:  # a case that cannot be run, or Ctrl-C: the rest need not be
             threads.shutdown(wait=False, cancel_futures=True)
+            end_workers()
             raise
 
 

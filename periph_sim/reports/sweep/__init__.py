@@ -8,6 +8,6 @@ Rows stand in the order in which the changes do, whoever runs them and however m
 from __future__ import annotations
 
 from .columns import BudgetColumns, Sweep
-from .sweep import sweep
+from .sweep import SweepStopped, sweep
 
-__all__ = ["BudgetColumns", "Sweep", "sweep"]
+__all__ = ["BudgetColumns", "Sweep", "SweepStopped", "sweep"]

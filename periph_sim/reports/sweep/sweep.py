@@ -29,6 +29,17 @@ AT_A_TIME = 8  # runs that a worker is given together: sending them costs as muc
 FEW = 64  # runs that are sent one by one, so that all workers have some
 
 Program = Callable[[Any, Any], None]
+
+
+class SweepStopped(KeyboardInterrupt):
+    """Ctrl-C or SIGTERM in a sweep. finished: the runs that were done, of `runs` in all."""
+
+    def __init__(self, finished: Sweep, runs: int) -> None:
+        super().__init__(f"the sweep was stopped after {len(finished)} of {runs} runs")
+        self.finished = finished
+        self.runs = runs
+
+
 Texts = list[list[str]]
 
 
@@ -53,7 +64,8 @@ def sweep(
     their figures are the same whichever it is. told: the part done, 0 to 1, in this thread.
 
     BadCase for a change that names no key, and where not one run could be made; else a run that cannot be made says
-    why in its row. A script that calls this with more than one process needs the usual `if __name__ == "__main__":`.
+    why in its row. SweepStopped, a KeyboardInterrupt, has the runs that were done as Ctrl-C or SIGTERM came. A script
+    that calls this with more than one process needs the usual `if __name__ == "__main__":`.
     """
     if isinstance(case, Case):
         raise BadCase("a sweep changes keys of a file; give the path of the case, or write one")
@@ -74,10 +86,15 @@ def sweep(
     if executor is None and workers > 1:
         _check_sent(firmware)
     rows: list[Row] = []
-    for some in _made(job, texts, executor, workers):
-        rows += some
-        if told is not None:
-            told(len(rows) / len(runs))
+    try:
+        for some in _made(job, texts, executor, workers):
+            rows += some
+            if told is not None:
+                told(len(rows) / len(runs))
+    except KeyboardInterrupt:
+        if not rows:
+            raise
+        raise SweepStopped(sweep_of(name, runs[: len(rows)], rows), len(runs)) from None
     if all(row.verdict == ERROR for row in rows):
         raise BadCase(rows[0].error)
     return sweep_of(name, runs, rows)

@@ -1,0 +1,199 @@
+"""Commands whose process user code ends: exit status 0 only if the whole output was written, and nothing stays behind.
+
+shell --signal, exit status--> waiting process --> worker that runs firmware
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from subprocess import PIPE, Popen
+
+import pytest
+
+from periph_sim.supervisor import can_fork
+
+pytestmark = pytest.mark.skipif(not can_fork, reason="no fork here, so no process waits")
+
+CASE = """\
+name = "short"
+duration = "1 ms"
+
+[unit.dsp]
+firmware = "short.py"
+modules = ["I2C-A"]
+
+[[budget]]
+name = "load"
+measure = "cpu load"
+max = "100 %"
+"""
+LOST = b"exit status 3 is no verdict\n"
+BEFORE = b"before its output was complete"
+COMMAND = (sys.executable, "-m", "periph_sim")
+
+
+def case_of(folder: Path, code: str) -> Path:
+    """A case whose firmware executes `code` in main."""
+    text = f"import atexit, ctypes, os, signal, sys, threading, time\ndef main(dsp, settings):\n    {code}\n"
+    (folder / "short.py").write_text(text, encoding="utf-8")
+    path = folder / "short.toml"
+    path.write_text(CASE, encoding="utf-8")
+    return path
+
+
+def run(case: Path) -> tuple[int, bytes, bytes]:
+    came = subprocess.run([*COMMAND, "run", case], capture_output=True, timeout=60)
+    return came.returncode, came.stdout, came.stderr
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "os._exit(0)",
+        "os._exit(1)",
+        "os.execv(sys.executable, [sys.executable, '-c', ''])",
+        "threading.Timer(0, os._exit, (0,)).start(); time.sleep(60)",
+        "os.closerange(3, 100)",
+    ],
+    ids=["_exit", "_exit with a status", "execv", "a thread", "closed descriptors"],
+)
+def test_a_process_that_ends_before_its_verdict_has_status_3(tmp_path: Path, code: str):
+    status, _, err = run(case_of(tmp_path, code))
+    assert status == 3 and err.endswith(LOST) and BEFORE in err
+
+
+@pytest.mark.parametrize(
+    ("code", "number"),
+    [("os.kill(os.getpid(), signal.SIGKILL)", signal.SIGKILL), ("ctypes.CDLL(None).abort()", signal.SIGABRT)],
+    ids=["kill", "abort in C"],
+)
+def test_a_signal_that_ends_the_process_is_seen_by_the_caller(tmp_path: Path, code: str, number: int):
+    status, out, err = run(case_of(tmp_path, code))
+    assert (status, out) == (-number, b"") and BEFORE in err
+
+
+@pytest.mark.parametrize(
+    ("code", "status"),
+    [
+        ("os.dup2(os.open(os.devnull, os.O_WRONLY), 1)", 3),
+        ("os.close(1)", 2),
+        ("sys.__stdout__.close()", 2),
+    ],
+    ids=["dup2", "close", "sys.stdout"],
+)
+def test_output_that_does_not_reach_standard_output_is_no_pass(tmp_path: Path, code: str, status: int):
+    came = run(case_of(tmp_path, code))
+    assert came[:2] == (status, b"") and b"standard output" in came[2] and came[2].count(b"\n") == 1
+
+
+def test_a_command_that_is_started_without_standard_output_is_no_pass(tmp_path: Path):
+    came = subprocess.run([*COMMAND, "run", case_of(tmp_path, "pass")], stderr=PIPE, preexec_fn=lambda: os.close(1))
+    assert came.returncode == 2 and came.stderr.startswith(b"Error: standard output is closed")
+
+
+def test_a_thread_that_still_runs_ends_with_the_command(tmp_path: Path):
+    status, out, err = run(case_of(tmp_path, "threading.Thread(target=time.sleep, args=(600,), name='idle').start()"))
+    assert status == 0 and out.startswith(b"short: PASS") and b"ended thread 'idle'" in err
+
+
+@pytest.mark.parametrize(("exits_with", "status"), [(0, 0), (5, 3)])
+def test_an_exit_after_the_verdict_that_differs_from_it_is_no_verdict(tmp_path: Path, exits_with: int, status: int):
+    came, out, err = run(case_of(tmp_path, f"atexit.register(os._exit, {exits_with})"))
+    assert came == status and out.startswith(b"short: PASS") and err.endswith(LOST) == (status == 3)
+
+
+def test_a_fork_that_writes_the_verdict_twice_is_no_pass(tmp_path: Path):
+    status, out, _ = run(case_of(tmp_path, "os.waitpid(child, 0) if (child := os.fork()) else None"))
+    assert status == 3 and out.count(b"short: PASS") == 2
+
+
+# Signals -----------------------------------------------------------------------------------
+
+SLOW = 'open(f"began{settings.number}", "w").close(); time.sleep(600 if settings.number else 0)'
+
+
+@pytest.fixture
+def slow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A case that takes ten minutes, but for the run with number = 0."""
+    monkeypatch.chdir(tmp_path)
+    case = case_of(tmp_path, SLOW)
+    settings = "from dataclasses import dataclass\n@dataclass\nclass Settings:\n    number: int = 1\n"
+    firmware = tmp_path / "short.py"
+    firmware.write_text(settings + firmware.read_text("utf-8"), encoding="utf-8")
+    return case
+
+
+def begun(process: Popen[bytes], name: str) -> None:
+    """Wait until firmware has begun."""
+    while not Path(name).exists():
+        assert process.poll() is None
+        time.sleep(0.01)
+
+
+def descendants(pid: int) -> Iterator[int]:
+    for thread in Path(f"/proc/{pid}/task").iterdir():
+        for child in map(int, (thread / "children").read_text().split()):
+            yield child
+            yield from descendants(child)
+
+
+def runs(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def gone(pids: list[int]) -> None:
+    """Wait until these processes have ended."""
+    while any(map(runs, pids)):
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("send", [os.kill, os.killpg], ids=["one process", "both"])
+def test_a_signal_stops_a_run_and_removes_its_temporary_files(
+    slow: Path, number: int, send: Callable[[int, int], None]
+):
+    """A terminal, and `timeout`, send it to both processes, so that the worker receives it twice."""
+    process = Popen([*COMMAND, "run", slow, "--html", "page.html"], stdout=PIPE, stderr=PIPE, start_new_session=True)
+    begun(process, "began1")
+    assert any(path.name.startswith(".page") for path in Path().iterdir())
+    send(process.pid, number)
+    out, err = process.communicate()
+    assert (process.returncode, out, err) == (2, b"", b"\nstopped\n")
+    assert not any(path.name.startswith(".page") for path in Path().iterdir())
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a process that its parent was killed")
+@pytest.mark.parametrize(("command", "number"), [("sweep", signal.SIGKILL), ("check", signal.SIGTERM)])
+def test_a_stopped_command_leaves_no_process_and_keeps_what_is_done(slow: Path, command: str, number: int):
+    """Killed by SIGKILL, the waiting process can do nothing; the worker is told, and writes its rows."""
+    rows = Path("rows")
+    if command == "sweep":
+        options = [slow, "--vary", "unit.dsp.settings.number=0, 1, 2", "--csv", rows]
+    else:
+        quick = slow.with_name("quick.toml")
+        quick.write_text(slow.read_text("utf-8").replace('"short"', '"quick"') + "[unit.dsp.settings]\nnumber = 0\n")
+        options = [quick, slow, "--junit", rows]
+    process = Popen([*COMMAND, command, *options, "--jobs", "2"], stdout=PIPE, stderr=PIPE)
+    begun(process, "began1")
+    if command == "sweep":
+        begun(process, "began2")
+    processes = list(descendants(process.pid))
+    assert len(processes) >= 3  # the worker, the server, and one for each run
+    process.send_signal(number)
+    process.communicate()
+    gone(processes)
+    assert process.returncode == (2 if number == signal.SIGTERM else -number)
+    done = rows.read_text("utf-8")
+    if command == "sweep":
+        assert [line.split(",")[:3] for line in done.splitlines()[1:]] == [["0", "0", "pass"]]
+    else:
+        assert 'name="quick"' in done and "the check was stopped" in done

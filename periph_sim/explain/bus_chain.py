@@ -180,9 +180,14 @@ def _length(evidence: Evidence) -> int:
 
 
 def missed(evidence: Evidence) -> Chain:
-    """A round was due, and the one before still ran."""
+    """A round was due, and the one before still ran; or a round lacks a request, as the START at this instant shows."""
     due = evidence.window.begin
     before = max(due - evidence.period, evidence.window.kept[0].begin)
+    shows = next((phase for phase in evidence.phases if phase.begin == due), None)
+    if shows is not None:
+        round_so_far = [phase for phase in evidence.phases if before <= phase.begin < due]
+        made = (evidence.say(phase.begin, str(phase), phase.end - phase.begin) for phase in round_so_far)
+        return evidence.chain((*made, evidence.say(due, f"{shows} begins, and the request before it was not made")))
     running = a_round(evidence, before, due)
     steps = [
         evidence.say(due, f"a round is due, but the one before still runs: {evidence.unit} in {evidence.doing_at(due)}")

@@ -58,6 +58,8 @@ class SessionScene(Scene):
         self.frame_told: list[FrameTold] = []
         super().__init__(case, subscribe)
         self.on_transfer(self.bus.count)
+        self.others: list[Transfer] = []
+        self.bus.rounds.on_other.append(self.others.append)
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
         """The capture has both, controller and host; and the unit has SCI-A."""
@@ -204,6 +206,7 @@ class SessionReplay(I2cReplay):
         report.budgets = judged
         report.notes = [
             *report.notes,
+            *self._other_transfers(),
             *(
                 f"budget {verdict.name!r} is not judged: {verdict.measure!r} needs rounds of the case's requests, "
                 "and the capture has none"
@@ -218,6 +221,19 @@ class SessionReplay(I2cReplay):
             else:
                 report.notes.insert(0, f"RX: {self._serial_doubt}")
         return report
+
+    def _other_transfers(self) -> list[str]:
+        """A note on transfers of a capture with rounds that belong to none."""
+        scene = self._session_scene
+        if not scene.others or not scene.rounds:
+            return []
+        first = scene.others[0].phases[0]
+        at = float(scene.timebase.seconds(first.start_at - self.origin))
+        does = "reads from" if first.read else f"writes {first.data.hex(' ') or 'nothing'} to"
+        return [
+            "transfers of the capture that are none of the case's requests, so that a round that needs them counts as "
+            f"missed: {len(scene.others)}; the first, at {at:.6f} s, {does} 0x{first.address:02X}"
+        ]
 
     def _since_capture(self, verdict: Verdict) -> Verdict:
         """The same, its time counted from the capture's begin."""

@@ -4,10 +4,10 @@
                 +--> recognized in order --+--> rounds: due, begin, end, refused requests
     Asked ------'                          '--> rounds due, rounds missed
 
-A transfer is a request's if it begins with its address and way, and writes what it writes. A request that is passed
-over was not made. A transfer that is none of them belongs to no round. A round begins with its first START, or when it
-had to begin by the schedule if the START was held up, and ends with the STOP of its last request; if the first request
-comes before, it was broken off.
+A transfer is a request's if it begins with its address and way, and writes what it writes. A transfer that is none of
+them belongs to no round. A round begins with its first START, or when it had to begin by the schedule if the START was
+held up, and ends with the STOP of its last request. A round counts as missed if one of its requests is not made: a later
+one comes in its place, or the first one of the next round.
 
 When rounds are due: an agent has a schedule. A firmware, or a capture, has a clock of its own: there a round is due a
 period after the begin of the one before, and missed if it has not begun half a period later.
@@ -109,7 +109,10 @@ class ByRoundBefore(Schedule):
 
 
 class BusRounds:
-    """on_transfer, on_round: told when it is over. on_due, on_missed: told, as soon as it is known, when it was due.
+    """on_transfer, on_round: told when it is over. on_due: told when a round was due, as soon as it is known.
+
+    on_other: told of a transfer that is none of the requests.
+    on_missed: told when a round that did not begin was due; of one that lacks a request, the START that shows it.
 
     begun_at: asked, at the end of the run, for the START of a transfer that is not over; NO_TIME if there is none.
     completed: rounds so far.
@@ -120,6 +123,7 @@ class BusRounds:
         self.on_round: list[Callable[[Round], None]] = []
         self.on_due: list[Callable[[int], None]] = []
         self.on_missed: list[Callable[[int], None]] = []
+        self.on_other: list[Callable[[Transfer], None]] = []
         self._begun_at = begun_at
         self._startup = [] if asked is None else list(asked.startup)
         self._requests = () if asked is None else tuple(asked.requests)
@@ -152,10 +156,12 @@ class BusRounds:
         if place < len(self._requests):
             self._request(transfer, place)
         elif self._round is not None and may_be(first, self._requests[0]):
-            self._broken_off()
+            self._broken_off(first.start_at)
             self._request(transfer, 0)
         else:
             self._tell(transfer)
+            for told in self.on_other:
+                told(transfer)
 
     def at_start(self) -> bool:
         """Between two rounds: the next transfer begins one, as far as one can know by its START."""
@@ -176,11 +182,14 @@ class BusRounds:
 
     def _request(self, transfer: Transfer, place: int) -> None:
         """Of the round's requests it is the one at a place; those up to it that were not made yet are passed over."""
-        current = self._round or self._begin(transfer.phases[0].start_at)
+        start = transfer.phases[0].start_at
+        current = self._round or self._begin(start)
         made = asked_for(transfer, self._requests[place])
-        passed_over, self._made = place - self._made, place + 1
+        if place > self._made and current.transfers == self._made:  # the first that lacks
+            self._told_incomplete(start)
+        self._made = place + 1
         current.transfers += 1
-        current.nacked += passed_over + (not made.all_acked())
+        current.nacked += not made.all_acked()
         self._tell(made)
         if self._made == len(self._requests):
             current.end = self._over = transfer.stop_at
@@ -199,11 +208,18 @@ class BusRounds:
         self._round = Round(self._number, due, min(start, due + self._late))
         return self._round
 
-    def _broken_off(self) -> None:
+    def _broken_off(self, start: int) -> None:
         assert self._round is not None
         for told in self.on_due:
             told(self._round.due)
+        if self._round.transfers == self._made:
+            self._told_incomplete(start)
         self._made, self._round = 0, None
+
+    def _told_incomplete(self, start: int) -> None:
+        """A round lacks a request, as a START shows."""
+        for told in self.on_missed:
+            told(start)
 
     def _told_missed(self, missed: list[int]) -> None:
         for due in missed:

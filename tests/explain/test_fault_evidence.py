@@ -323,3 +323,24 @@ def test_a_byte_came_of_what_was_written_before_its_first_bit():
     evidence = Evidence(window, case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}))
     ((_, write, said_of_it),) = bytes_sent(evidence, phase)
     assert write == writes[0] and said_of_it == "byte 1: 0x11 ACK, written 0.023 us before its end"
+
+
+def test_a_round_that_lacks_a_request_is_explained_by_the_start_in_its_place():
+    """A firmware as master asks 0x50 and 0x51; in its second round it leaves 0x51 out."""
+    made = case(
+        "4 ms",
+        unit={
+            "dsp": {
+                "firmware": "captured_master",
+                "modules": ["I2C-A"],
+                "settings": {"script": ["50 W", "51 W", "50 W", "50 W", "51 W"], "pauses": ["500 us"] * 5},
+            }
+        },
+        rounds={"period": "1.2 ms", "request": [{"address": 0x50, "count": 0}, {"address": 0x51, "count": 0}]},
+        budget=[{"name": "b", "measure": "missed rounds", "max": 0}],
+    )
+    result = Scene(made).run()
+    assert (result.budgets[0].worst, result.budgets[0].verdict) == (1, "fail")
+    one = explain(made, result.budgets)["b"]
+    assert said(one)[-1] == "0x50 W begins, and the request before it was not made"
+    assert said(one)[:-1] == ["0x50 W"], "of the period before"

@@ -18,9 +18,11 @@ from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
-from tests.replay.make_session import ran, sampled
+from periph_sim.traces.decode import i2c
+from tests.replay.make_session import ran, sampled, samples
 from tests.replay.slow import slow_case
 from tests.scene.runs import TIMING, Edges
+from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.make_traces import FOLDER
 
 US = Fraction(1, 10**6)
@@ -79,6 +81,22 @@ def test_budgets_on_rounds_that_the_capture_does_not_have_are_left_out_by_name()
         "budget 'round complete' is not judged: 'round' needs rounds of the case's requests, and the capture has none"
     )
     assert len(notes) == len(OF_ROUNDS)
+
+
+def test_a_request_that_the_capture_does_not_make_is_a_missed_round_and_no_nack():
+    """The second round's accelerometer is asked for register 30 instead of 32."""
+    capture = formats.read(FOLDER / "imu_session.sr")
+    changed = i2c.transfers(capture, "SCL", "SDA")[4].phases[0].bytes[1].bits[6]
+    assert changed.high is not None
+    wave = bytearray(samples(capture))
+    for place in range(changed.at - 3, changed.at + changed.high):
+        wave[place] ^= 2
+    report = replay(of_bytes(bytes(wave), ("SCL", "SDA", "RX"), 1_000_000))
+    came = by_name(report.budgets)
+    assert report.first_divergence is None and report.verdict == "fail"
+    assert (came["nacked rounds"].worst, came["missed rounds"].worst) == (0, 1)
+    (note,) = [note for note in report.notes if "none of the case's requests" in note]
+    assert note.endswith("missed: 1; the first, at 0.025890 s, writes 30 to 0x53")
 
 
 # What a session shows that the run did not have --------------------------------------

@@ -28,7 +28,7 @@ class Heard:
 
     def __init__(self, **asked: object) -> None:
         self.begun_at = NO_TIME
-        rounds = self.rounds = BusRounds(Asked(ONE, **({"period": 1000, "first": 100} | asked)), lambda: self.begun_at)
+        rounds = self.rounds = BusRounds(Asked(**({"requests": ONE, "period": 1000, "first": 100} | asked)), lambda: self.begun_at)
         self.over: list[Round] = []
         self.due: list[int] = []
         self.missed: list[int] = []
@@ -88,14 +88,29 @@ def test_a_round_that_the_end_cuts_off_is_none_and_those_due_meanwhile_were_miss
     assert (held.due, held.missed) == ([1100], [1100])
 
 
-def test_refused_and_passed_over_requests_are_the_rounds():
+def test_refused_requests_are_the_rounds():
     heard = Heard()
     heard.ask(A, 100, acked=False)
     heard.ask(B, 150)
-    heard.ask(B, 1100)  # A was not asked
-    assert [(r.nacked, r.end) for r in heard.over] == [(1, 190), (1, 1140)]
+    heard.ask(B, 1100)  # A was not asked, and nobody refused it
+    assert [(r.nacked, r.end) for r in heard.over] == [(1, 190), (0, 1140)]
     assert [p.start_at for p in heard.transfers[0].phases] == [100, NO_TIME], "the read that was never begun"
     assert [p.count for p in heard.transfers[0].phases] == [0, 2]
+
+
+def test_a_round_that_lacks_requests_is_missed_once_as_the_start_in_their_place_shows():
+    three = (*ONE, *Request("0x30", C, 0x05, 2).transfers(by_stop=False))
+    heard = Heard(requests=three)
+    for at in (100, 1100, 2100, 3100):
+        heard.ask(A, at)
+        if at != 1100:
+            heard.ask(B, at + 50, pointer=0x77 if at == 2100 else 0x05)  # another register
+        if at > 100:
+            heard.ask(C, at + 100)
+    assert heard.missed == [1100, 1200, 2200], "the first one lacks C, as the next round shows"
+    heard.ask(C, 4100)  # A and B are not asked
+    heard.rounds.finish(4200)
+    assert heard.missed == [1100, 1200, 2200, 4100] and len(heard.over) == 4
 
 
 def test_a_round_that_begins_again_was_broken_off():
@@ -103,6 +118,7 @@ def test_a_round_that_begins_again_was_broken_off():
     heard.ask(A, 100)
     heard.round(1100)
     assert heard.times() == [(1100, 1100, 1190)] and heard.due == [100, 1100]
+    assert heard.missed == [1100]
 
 
 def test_transfers_that_nobody_asked_for_belong_to_no_round():

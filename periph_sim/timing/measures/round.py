@@ -34,7 +34,7 @@ class RoundTime(RoundMeasure):
 
 
 class MissedRounds(Counter):
-    """Rounds that did not begin while they were due."""
+    """Rounds that did not begin while they were due, or that lack a request."""
 
     needs = "rounds"
     asked = "rounds due"

@@ -16,6 +16,7 @@ from ..replay.compare import Change, Divergence
 from ..replay.i2c_closed_loop import I2cReplay
 from ..replay.i2c_master import I2cMasterReplay
 from ..replay.i2c_open_loop import I2cOpenReplay
+from ..replay.i2c_setup import PATIENCE
 from ..replay.report import Report
 from ..replay.session import SessionReplay
 from ..replay.uart import UartReplay, line_format
@@ -65,6 +66,7 @@ EXAMPLE = "periph-sim replay capture.sr --case timing/responder.toml"
 @click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="I2C: an address of the firmware's.")
 @click.option("--first", type=click.IntRange(min=1), metavar="N", help="I2C: only the first N transfers.")
 @click.option("--longest-low", metavar="TIME", help="I2C: let SCL go after this long: '10 us'; else as captured.")
+@click.option("--patience", metavar="TIME", help="I2C: end where SCL is held low for longer: '1 s'. [200 ms]")
 @click.option("--baud", type=click.IntRange(min=1), help="UART: the line's rate; else as the firmware sets it.")
 @click.option("--format", "frame", metavar="FORMAT", help="UART: data bits, parity and stop bits with --baud: 8n1.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
@@ -87,6 +89,7 @@ def replay(
     addresses: tuple[str, ...],
     first: int | None,
     longest_low: str | None,
+    patience: str | None,
     baud: int | None,
     frame: str | None,
     changes: tuple[str, ...],
@@ -119,12 +122,14 @@ def replay(
         host = None if serial is None else _serial(serial, salvage)
         own = [_address(text) for text in addresses]
         low = None if longest_low is None else _above_zero("--longest-low", longest_low)
+        wait = PATIENCE if patience is None else _above_zero("--patience", patience)
         most = None if tolerance is None else time_given("--tolerance", tolerance)
         line = None if baud is None else line_format(baud, frame or "8n1")
         i2c_only = {
             "--address": own,
             "--first": first,
             "--longest-low": low,
+            "--patience": patience,
             "--loop": loop,
             "--as": role,
             "--tolerance": tolerance,
@@ -132,7 +137,7 @@ def replay(
         session = host is not None or len(lines) == len(ALL)
         if not session:
             _refuse("rx" in lines, i2c_only, {"--baud": baud, "--format": frame})
-        _refuse_together(loop, role, own, low, baud, frame)
+        _refuse_together(loop, role, own, low, patience, baud, frame)
         _refuse_in_session(session, host is not None, "scl" in lines, loop, role, offset)
         after = Fraction(0) if offset is None else _offset(offset)
         with if_recorded(record, case.recorded_modules) as (subscribe, ended_at):
@@ -140,7 +145,20 @@ def replay(
             if session:
                 other, rx = (given, lines["rx"]) if host is None else host
                 player = SessionReplay(
-                    case, given, lines["scl"], lines["sda"], other, rx, after, line, own, first, low, subscribe, most
+                    case,
+                    given,
+                    lines["scl"],
+                    lines["sda"],
+                    other,
+                    rx,
+                    after,
+                    line,
+                    own,
+                    first,
+                    low,
+                    subscribe,
+                    most,
+                    wait,
                 )
             elif "rx" in lines:
                 player = UartReplay(case, given, lines["rx"], line, subscribe)
@@ -149,7 +167,9 @@ def replay(
             elif loop == "open":
                 player = I2cOpenReplay(case, given, lines["scl"], lines["sda"], own, first, subscribe, most)
             else:
-                player = I2cReplay(case, given, lines["scl"], lines["sda"], own, first, low, subscribe, most)
+                player = I2cReplay(
+                    case, given, lines["scl"], lines["sda"], own, first, low, subscribe, most, patience=wait
+                )
             with progress(case.name) as told:
                 report = player.run(told)
             ended_at(player.kernel.now)
@@ -198,15 +218,24 @@ def _draw(path: Path, picture: str | None) -> None:
 
 
 def _refuse_together(
-    loop: str | None, role: str | None, own: list[int], low: Fraction | None, baud: int | None, frame: str | None
+    loop: str | None,
+    role: str | None,
+    own: list[int],
+    low: Fraction | None,
+    patience: str | None,
+    baud: int | None,
+    frame: str | None,
 ) -> None:
     """Options that contradict each other."""
     if role == "master":
-        for name, value in {"--loop open": loop == "open", "--address": own, "--longest-low": low is not None}.items():
+        slaves = {"--loop open": loop == "open", "--address": own, "--longest-low": low, "--patience": patience}
+        for name, value in slaves.items():
             if value:
                 raise click.ClickException(f"{name} is for a slave; as master the firmware makes the clock itself")
     if loop == "open" and low is not None:
         raise click.ClickException("--longest-low is for --loop closed; in open loop every edge is the capture's")
+    if loop == "open" and patience is not None:
+        raise click.ClickException("--patience is for --loop closed; in open loop nobody waits for the firmware")
     if frame and not baud:
         raise click.ClickException("--format needs --baud; without both the line is read as the firmware sets the SCI")
 

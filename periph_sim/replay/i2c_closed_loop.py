@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING
 
 from ..bus.i2c.player import I2cPlayer
 from ..bus.i2c.scripted_target import ScriptedTarget
-from ..core.time import NO_TIME
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
@@ -28,7 +27,7 @@ from .divergence_history import CaptureOrigin, with_history
 from .event_names import i2c_words
 from .history import FlagHistory
 from .i2c_script import controllers_half, hurried, moves, usual_hold
-from .i2c_setup import HOLD, LEAD, PATIENCE, TAIL, Answering, answering, played
+from .i2c_setup import HOLD, LEAD, PATIENCE, STEP, TAIL, Answering, answering, played
 from .picture import closed_loop_picture
 from .report import Report
 from .scene_setup import alone, taken
@@ -45,6 +44,7 @@ class I2cReplay:
 
     longest_low: seconds that the controller holds SCL low at most; None: as long as SCL was low in the capture.
     tolerance: seconds that an event may be off; None: a sample period and a cycle, which is told but not judged.
+    patience: seconds for which SCL may be held low; the replay ends behind them.
 
     BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
@@ -61,9 +61,11 @@ class I2cReplay:
         subscribe: Subscribe | None = None,
         tolerance: Fraction | None = None,
         lead: Fraction = LEAD,
+        patience: Fraction = PATIENCE,
     ) -> None:
         self._given = (case, capture, scl, sda, addresses, first, longest_low)
         self._first = first
+        self._patience = patience
         self._part = part = played(capture, scl, sda, first)
         self._answering = found = answering(case, part, addresses, lead)
         self._scene = scene = self._build(case, found, subscribe)
@@ -104,15 +106,19 @@ class I2cReplay:
     def _drive(self, progress: Callable[[float], None] | None = None, until: int | None = None) -> str:
         """Play, to the end or up to a tick; returns why it cannot go on, if so."""
         kernel, timebase = self.kernel, self._scene.timebase
-        patience = timebase.ticks(PATIENCE, "nearest")
+        patience = timebase.ticks(self._patience, "nearest")
+        step = timebase.ticks(STEP, "nearest")
         self._plan()
         stuck = ""
         while not self._over and not stuck and (until is None or kernel.now <= until):
-            since = self._player.waiting_since
-            kernel.run_until((kernel.now if since == NO_TIME else since) + patience)
-            if since != NO_TIME and since == self._player.waiting_since:
+            kernel.run_until(kernel.now + min(step, patience - self._player.held(kernel.now)))
+            if self._player.held(kernel.now) >= patience:
                 who = " and ".join(self._scene.wire("SCL").held_by())
-                stuck = f"SCL is held low by {who} since {timebase.show(since - self.origin)}: the replay ends there"
+                since = timebase.show(self._player.waiting_since - self.origin)
+                stuck = (
+                    f"SCL is held low by {who} since {since}: the replay ends there, after "
+                    f"{timebase.show(patience)}; --patience sets how long it waits"
+                )
             if progress is not None:
                 progress(self._next / len(self._part.transfers))
         return stuck
@@ -145,7 +151,7 @@ class I2cReplay:
         self.kernel.stop()
 
     def _again(self, history: FlagHistory, until: int) -> None:
-        I2cReplay(*self._given, subscribe=history.subscribe)._drive(until=until)
+        I2cReplay(*self._given, subscribe=history.subscribe, patience=self._patience)._drive(until=until)
 
     # Summing up ---------------------------------------------------------------------
 
@@ -163,6 +169,7 @@ class I2cReplay:
         byte = int(9 * (part.low + part.high) * self._per_position)
         place = CaptureOrigin(scene, self.origin, byte)
         us = Fraction(1_000_000, scene.timebase.per_second)
+        held = self._player.held(kernel.now)
         return Report(
             case=scene.case.name,
             capture=str(part.capture.path),
@@ -182,8 +189,8 @@ class I2cReplay:
             addresses=[f"{address:02X}" for address in own.own],
             nacks=sum(isinstance(event, decode.Nack) for event in events),
             captured_stretch_us=float(part.stretch / part.rate * 1_000_000),
-            stretch_worst_us=float(self._player.longest * us),
-            stretch_total_us=float(self._player.delay * us),
+            stretch_worst_us=float(max(self._player.longest, held) * us),
+            stretch_total_us=float((self._player.delay + held) * us),
             lag_worst_us=float(outcome.lag * 1_000_000),
             lag_samples=float(outcome.lag * part.sample_rate),
             simulated_s=float(scene.timebase.seconds(kernel.now - scene.start)),

@@ -28,7 +28,7 @@ from .compare import compare
 from .divergence_history import CaptureOrigin, with_history
 from .event_names import i2c_words
 from .history import FlagHistory
-from .i2c_setup import HOLD, LEAD, PATIENCE, TAIL, events_of, played
+from .i2c_setup import HOLD, LEAD, STEP, TAIL, events_of, played
 from .picture import closed_loop_picture
 from .report import Report
 from .scene_setup import alone, settings_of, taken, unit_with
@@ -98,7 +98,7 @@ class I2cMasterReplay:
 
     def _drive(self, progress: Callable[[float], None] | None = None, until: int | None = None) -> str:
         kernel, scene = self.kernel, self._scene
-        step = scene.timebase.ticks(PATIENCE, "nearest")
+        step = scene.timebase.ticks(STEP, "nearest")
         length = int(self._part.capture.length * self._per_position)
         program = scene.units[self._unit].program
         while until is None or kernel.now <= until:

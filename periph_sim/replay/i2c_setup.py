@@ -13,6 +13,7 @@ from functools import cached_property
 from statistics import median
 
 from ..bus.i2c.scripted_target import Answer
+from ..core.counted import counted
 from ..scene.case.model import Case
 from ..traces.capture.capture import Capture
 from ..traces.capture.gaps import gap_notes
@@ -26,8 +27,10 @@ from .scene_setup import settings_of, unit_with
 from .time_base import check_length, rate_of
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
+STEP = Fraction(25, 1000)  # simulated seconds from one report of progress to the next
 TAIL = Fraction(1, 10_000)  # the wires are watched this long after the last move
-PATIENCE = Fraction(25, 1000)  # SCL held low longer than this ends the replay: SMBus's limit
+PATIENCE = Fraction(200, 1000)  # SCL held low longer than this ends the replay; an SHT21 stretches for up to 85 ms
+BYTE = 9  # bits, with its ACK
 LONG = Fraction(3, 2)  # times the usual low phase: a stretch or a pause
 HOLD = Fraction(300, 10**9)  # of the other targets: UM10204 Table 11, data hold time of a device
 
@@ -128,7 +131,7 @@ def played(capture: Capture, scl: str | int, sda: str | int, first: int | None =
         )
     last = wanted[-1]
     check_length(capture, capture.length if last.stop is None else last.stop.at)
-    notes = _before(found) + _shared(capture, scl, sda) + stamp_notes(capture)
+    notes = _before(found) + _cut(last) + _shared(capture, scl, sda) + stamp_notes(capture)
     notes += gap_notes(capture, capture.channel(scl), capture.channel(sda))
     return Played(capture, rate, whole, wanted, list(turns(wanted)), notes)
 
@@ -218,6 +221,16 @@ def _before(found: list[decode.Transfer]) -> list[str]:
     if not pulses:
         return []
     return [f"clock pulses before the capture's first START, of a transfer unknown and not played: {pulses}"]
+
+
+def _cut(last: decode.Transfer) -> list[str]:
+    """A note on a transfer that the capture does not show to its STOP."""
+    if last.stop is not None:
+        return []
+    phase = last.phases[-1]
+    bits = len(phase.bytes[-1].bits) if phase.bytes else 0
+    inside = f"in the middle of a byte, after {counted(bits, 'bit')}" if 0 < bits < BYTE else "before a STOP"
+    return [f"the capture ends {inside}: what follows in its last transfer is not compared"]
 
 
 def _shared(capture: Capture, scl: str | int, sda: str | int) -> list[str]:

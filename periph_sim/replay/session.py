@@ -33,7 +33,7 @@ from ..traces.decode import uart
 from . import BadReplay
 from .history import FlagHistory
 from .i2c_closed_loop import I2cReplay
-from .i2c_setup import LEAD, TAIL, Answering
+from .i2c_setup import LEAD, PATIENCE, TAIL, Answering
 from .line_errors import line_errors
 from .report import Report
 from .scene_setup import alone, unit_with
@@ -104,6 +104,7 @@ class SessionReplay(I2cReplay):
         longest_low: Fraction | None = None,
         subscribe: Subscribe | None = None,
         tolerance: Fraction | None = None,
+        patience: Fraction = PATIENCE,
     ) -> None:
         self._serial_rate = rate_of(serial)
         check_length(serial, serial.length)
@@ -113,7 +114,7 @@ class SessionReplay(I2cReplay):
         self._serial_line = serial.channel(rx)
         self._serial_doubt = ""
         lead = LEAD + max(Fraction(0), -offset)
-        super().__init__(case, capture, scl, sda, addresses, first, longest_low, subscribe, tolerance, lead)
+        super().__init__(case, capture, scl, sda, addresses, first, longest_low, subscribe, tolerance, lead, patience)
         scene = self._session_scene
         self._serial_origin = self.origin + scene.timebase.ticks(abs(offset), "nearest") * (1 if offset >= 0 else -1)
         edges, note = ticks_of(self._serial_line, self._serial_origin, scene.timebase.per_second / self._serial_rate)
@@ -191,7 +192,19 @@ class SessionReplay(I2cReplay):
         case, capture, scl, sda, addresses, first, longest_low = self._given
         serial, rx, offset, wanted = self._session
         again = SessionReplay(
-            case, capture, scl, sda, serial, rx, offset, wanted, addresses, first, longest_low, history.subscribe
+            case,
+            capture,
+            scl,
+            sda,
+            serial,
+            rx,
+            offset,
+            wanted,
+            addresses,
+            first,
+            longest_low,
+            history.subscribe,
+            patience=self._patience,
         )
         again._drive(until=until)
 

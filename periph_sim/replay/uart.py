@@ -196,6 +196,12 @@ class UartReplay:
         outcome = compare(judged.expected, judged.found)
         divergence = outcome.divergence
         notes = self._notes + self._rate_notes(line) + self._ambiguous_notes(judged.ambiguous, len(frames))
+        cut = [event for event in events if isinstance(event, decode.CutFrame)]
+        if cut:
+            notes.append(
+                f"frames that the capture does not show to their end, so that they are not compared: {len(cut)}, the "
+                f"last with {counted(len(cut[-1].bits), 'data bit')}"
+            )
         left = self._left()
         behind = None if divergence is None else len(judged.expected) - divergence.index
         if divergence is not None and divergence.found == NOTHING and behind == left:

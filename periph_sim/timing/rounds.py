@@ -6,7 +6,7 @@
 
 A transfer is a request's if it begins with its address and way, and writes what it writes. A transfer that is none of
 them belongs to no round. A round begins with its first START, or when it had to begin by the schedule if the START was
-held up, and ends with the STOP of its last request. A round counts as missed if one of its requests is not made: a later
+held up, and ends with the STOP of its last request. A round is missed, too, if one of its requests is not made: a later
 one comes in its place, or the first one of the next round.
 
 When rounds are due: an agent has a schedule. A firmware, or a capture, has a clock of its own: there a round is due a
@@ -182,11 +182,12 @@ class BusRounds:
 
     def _request(self, transfer: Transfer, place: int) -> None:
         """Of the round's requests it is the one at a place; those up to it that were not made yet are passed over."""
-        start = transfer.phases[0].start_at
+        phase = transfer.phases[0]
+        start = phase.start_at
         current = self._round or self._begin(start)
         made = asked_for(transfer, self._requests[place])
         if place > self._made and current.transfers == self._made:  # the first that lacks
-            self._told_incomplete(start)
+            self._tell_incomplete(start)
         self._made = place + 1
         current.transfers += 1
         current.nacked += not made.all_acked()
@@ -213,10 +214,10 @@ class BusRounds:
         for told in self.on_due:
             told(self._round.due)
         if self._round.transfers == self._made:
-            self._told_incomplete(start)
+            self._tell_incomplete(start)
         self._made, self._round = 0, None
 
-    def _told_incomplete(self, start: int) -> None:
+    def _tell_incomplete(self, start: int) -> None:
         """A round lacks a request, as a START shows."""
         for told in self.on_missed:
             told(start)

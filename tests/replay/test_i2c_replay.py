@@ -249,11 +249,49 @@ def test_a_controller_that_lets_scl_go_early_leaves_the_stretch_to_the_firmware(
     assert 14 < report.lag_worst_us < 16, "the end comes earlier than captured"
 
 
+def test_a_slave_that_stretches_as_long_as_a_sensor_measures_is_replayed(slow):
+    report = replay(one_read(), "unit.dsp.settings.wait=65000", case=slow)
+    assert report.verdict == "pass" and report.agreed == report.events
+    assert 64_900 < report.stretch_worst_us == report.stretch_total_us < 65_000
+
+
 def test_a_firmware_that_never_answers_ends_the_replay(slow):
-    report = replay(one_read(), "unit.dsp.settings.wait=30000", case=slow)
+    report = replay(one_read(), "unit.dsp.settings.wait=300000", case=slow)
     assert report.verdict == "fail" and report.agreed == 3
     assert report.first_divergence is not None and report.first_divergence.found == "nothing more"
-    assert re.fullmatch(r"SCL is held low by dsp\.SCLA since \d+\.\d+ us: the replay ends there", report.notes[0])
+    assert re.fullmatch(
+        r"SCL is held low by dsp\.SCLA since \d+\.\d+ us: the replay ends there, after 200\.000 ms; "
+        "--patience sets how long it waits",
+        report.notes[0],
+    )
+    assert report.stretch_worst_us == report.stretch_total_us == 200_000, "the stretch that does not end counts"
+
+
+def test_patience_sets_how_long_a_stretch_may_be(slow):
+    for patience, verdict in ((Fraction(10, 1000), "fail"), (Fraction(40, 1000), "pass")):
+        report = replay(one_read(), "unit.dsp.settings.wait=30000", case=slow, patience=patience)
+        assert report.verdict == verdict
+
+
+# What the capture does not show -----------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("bits", "note"), [(3, "in the middle of a byte, after 3 bits"), (9, "before a STOP"), (0, "")]
+)
+def test_a_capture_that_is_cut_in_its_last_transfer_says_so(slow, bits: int, note: str):
+    """A write that ends with the capture, or with its STOP."""
+    wave = new_wave()
+    wave.start()
+    wave.byte(0xA0)
+    for bit in (1, 0, 1, 0, 0, 1, 1, 1, 0)[:bits]:
+        wave.bit(bit)
+    if not bits:
+        wave.stop()
+        wave.idle(40)
+    report = replay(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000), case=slow)
+    said = f"the capture ends {note}: what follows in its last transfer is not compared"
+    assert (said in report.notes) == bool(note) and any("the capture ends" in one for one in report.notes) == bool(note)
 
 
 # Refused ----------------------------------------------------------------------------

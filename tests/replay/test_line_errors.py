@@ -89,6 +89,15 @@ def test_breaks_are_no_errors_of_the_line(behind: list[int]):
     assert (report.verdict, report.captured_errors, report.errors["FE"]) == ("pass", 0, 3)
 
 
+def test_a_capture_that_is_cut_within_a_frame_says_so():
+    line = sent(*text())
+    start = int(40 + 43 * 12 * BIT)
+    report = replay(line[: start + int(4.8 * BIT)])
+    assert (report.verdict, report.events) == ("pass", 43)
+    (note,) = report.notes
+    assert note.endswith("to their end, so that they are not compared: 1, the last with 4 data bits")
+
+
 @pytest.mark.parametrize(("baud", "doubted"), [(115_200, False), (230_400, True)])
 def test_a_session_says_that_rx_is_read_in_a_wrong_format(baud: int, doubted: bool):
     capture = formats.read(OURS / "imu_session.sr")

@@ -28,7 +28,9 @@ class Heard:
 
     def __init__(self, **asked: object) -> None:
         self.begun_at = NO_TIME
-        rounds = self.rounds = BusRounds(Asked(**({"requests": ONE, "period": 1000, "first": 100} | asked)), lambda: self.begun_at)
+        rounds = self.rounds = BusRounds(
+            Asked(**({"requests": ONE, "period": 1000, "first": 100} | asked)), lambda: self.begun_at
+        )
         self.over: list[Round] = []
         self.due: list[int] = []
         self.missed: list[int] = []

@@ -29,7 +29,7 @@ class Move(NamedTuple):
 
 
 class I2cPlayer:
-    """delay: ticks lost to stretching so far. longest: the longest single stretch.
+    """delay: ticks lost to stretches that are over. longest: the longest of them.
 
     waiting_since: SCL is let go and somebody else holds it low; NO_TIME otherwise.
     """
@@ -50,6 +50,10 @@ class I2cPlayer:
     @property
     def busy(self) -> bool:
         return self._next < len(self._moves)
+
+    def held(self, now: int) -> int:
+        """Ticks for which others have held SCL low so far since it was let go; 0 if they do not."""
+        return 0 if self.waiting_since == NO_TIME else now - self.waiting_since
 
     def play(self, moves: Sequence[Move], done: Callable[[], None]) -> None:
         """Make the moves, the first one `after` from now; `done()` comes with the last."""

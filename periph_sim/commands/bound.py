@@ -23,10 +23,10 @@ EXAMPLE = "periph-sim bound timing/imu_hil.toml --seconds 1"
 def bound(case: Path, seconds: str | None, changes: tuple[str, ...], as_json: bool) -> int:
     """Calculate the worst case of CASE in closed form, term by term, beside the worst value of a run.
 
-    It assumes rates as received, no frame left out, no other interrupt and no dependence on data, and proves nothing
-    where that is not so. Calculated are response, stretch, margin, reaction, round, slack, age, spans, service latency,
-    own address and the receive FIFO. Exit status 0: no value of the run is beyond the calculated one, and none of these
-    beyond a limit of the case; 1: one is, or one could not be calculated or compared; 2: the case has no closed form.
+    It assumes rates as received, no frame left out, no other interrupt and no dependence on data; nothing is proven.
+    Calculated are response, stretch, margin, reaction, round, slack, age, spans, service latency, own address and the
+    receive FIFO. Exit status 0: no value of the run is beyond the calculated one, and none of these beyond a limit of
+    the case; 1: one is, or one could not be calculated or compared; 2: the case has no closed form.
     """
     from ..explain.bound import report
     from ..explain.bound.text_report import as_json as as_dict

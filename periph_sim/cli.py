@@ -1,6 +1,7 @@
 """The command line: arguments go in; tables or one JSON object come out, and an exit status.
 
-0 all budgets hold or the replay agrees, 1 not so, 2 bad usage or bad input, 3 a fault of our own.
+0 all budgets hold or the replay agrees, 1 not so, 2 bad usage or bad input, 3 a fault of our own, or user code that
+ended the process (`supervisor`).
 
 One file of `commands/` that defines a click command of its own name is one subcommand, found by being
 there; its SECTION is where the help lists it, its EXAMPLE stands first in its own help.

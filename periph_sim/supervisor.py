@@ -145,10 +145,10 @@ def _wait(worker: int, reader: int, mask: Iterable[int], name: str, strict: bool
         said = b""
     complete = bool(said)
     if os.WIFSIGNALED(how):
-        number = os.WTERMSIG(how)
-        if said.startswith(f"{worker} ".encode()) and number in _numbers(STOPPING):  # it was about to exit
+        by = os.WTERMSIG(how)
+        if said.startswith(f"{worker} ".encode()) and by in _numbers(STOPPING):  # it was about to exit
             os._exit(int(said.split()[1]))
-        _die_by(number, name, complete)
+        _die_by(by, name, complete)
     status = os.WEXITSTATUS(how)
     if said == _completed(worker, status) or (status and not complete and not strict):
         os._exit(status)

@@ -10,7 +10,8 @@ boards and numpy come with the first case. `-p no:periph-sim` turns it off.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import sys
+from collections.abc import Generator, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,9 @@ from .keys import CASES, MARKER, current
 if TYPE_CHECKING:
     from .fixtures import SceneFactory
     from .runs import Run
+
+
+_in_tests: list[pytest.Item] = []  # that run now; several where a test runs a session of its own
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -37,6 +41,33 @@ def pytest_configure(config: pytest.Config) -> None:
             raise pytest.UsageError(f"{CASES}: there is no folder or file {str(place)!r}; {there}")
 
 
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, int | None]:
+    """A session that runs cases is one in its own process (whole_session.py), unless it runs within a test."""
+    if _in_tests:
+        return (yield)
+    if config.getini(CASES):
+        from .whole_session import begin
+
+        begin(config)
+    status = yield
+    if f"{__name__}.whole_session" in sys.modules:  # it began
+        from .whole_session import end
+
+        return end(int(status or 0))
+    return status
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> Iterator[None]:
+    """The same of a session in which tests ask for runs, which shows once they are collected."""
+    if not _in_tests and asks_for_runs(session.items):
+        from .whole_session import begin
+
+        begin(session.config)
+    return (yield)
+
+
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
     if file_path.suffix != ".toml" or not parent.config.getini(CASES):
         return None
@@ -49,9 +80,11 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     """Whose figures are told meanwhile: runs may come from fixtures of any scope, and outlive a test."""
     item.config.stash[current] = item
+    _in_tests.append(item)
     try:
         return (yield)
     finally:
+        _in_tests.pop()
         del item.config.stash[current]
 
 
@@ -81,3 +114,13 @@ def case_run(request: pytest.FixtureRequest, scene: SceneFactory) -> Run:
     if mark is None:
         pytest.fail('fixture case_run: the test has no mark; add @pytest.mark.case("timing/mine.toml")', pytrace=False)
     return scene(*mark.args, **mark.kwargs)
+
+
+def asks_for_runs(items: Iterable[pytest.Item]) -> bool:
+    """Whether any of the tests uses a fixture of this plugin."""
+    for item in items:
+        known = getattr(getattr(item, "_fixtureinfo", None), "name2fixturedefs", {})
+        for name in ("scene", "case_run"):
+            if any(one.func.__module__ == __name__ for one in known.get(name, ())):
+                return True
+    return False

@@ -14,7 +14,7 @@ from .core.convert import BadTable
 from .core.settings import duration
 from .levels.judged import judged, refuse_record
 from .records.if_recorded import if_recorded
-from .scene.case.load import apply, load, refusal
+from .scene.case.load import apply, built, load, refusal
 from .scene.case.model import BadCase, Case
 from .scene.case.origin import Source
 from .scene.clocks import clocks_of
@@ -34,7 +34,7 @@ def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
     places = tuple((change, apply(tree, change)) for change in changes)
     source = Source(Path(f"make_case({tables.get('name', '')})"), "", places)
     try:
-        return Case.model_validate(tree).from_source(source)
+        return built(Case.model_validate(tree), source)
     except BadTable as error:
         raise refusal(source, error, tree) from None
 

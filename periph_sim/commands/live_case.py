@@ -1,7 +1,7 @@
 """What `new --live` writes: the log of a session goes in; the case that was live, driven by that log, comes out.
 
-case file, its changes, less who gave way --+
-log --> wires, duration --------------------+--> case with [outside] and budgets
+case file, its changes --+
+log --> wires, duration -+--> case with [outside], and with budgets if it had none
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ from typing import Any
 
 import click
 
-from ..outside.live.case_for_line import without_controller, without_host
 from ..processor.user_code import output_muted
-from ..scene.case.load import apply, case_of, load, read
+from ..scene.case.load import apply, case_of, read
 from ..scene.case.model import BadCase
 from ..scene.outside_log import BadLog, LogReader
 from ..scene.scene import Scene
@@ -37,13 +36,14 @@ def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
     """
     try:
         reader = LogReader(log)
+        head = reader.head
+        if not head.file:
+            way_out = "replay it with Python's replay()"
+            raise click.ClickException(f"{log}: its case, {head.case}, came from no file; {way_out}")
         for _ in reader.instants():
             pass
     except BadLog as error:
         raise click.ClickException(str(error)) from None
-    head = reader.head
-    if not head.file:
-        raise click.ClickException(f"{log}: its case, {head.case}, came from no file; replay it with Python's replay()")
     source = log.parent / head.file
     place = Path(given) if given is not None else source.with_name(f"{source.stem}_live")
     place = place.with_suffix("") if place.suffix == ".toml" else place
@@ -52,15 +52,13 @@ def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
     _, tree = read(source, "case")
     for change in head.changes:
         apply(tree, change)
-    case = load(source, list(head.changes))
-    if "RX" in head.wires or case.host is not None:
-        tree = _without("host", tree, without_host(case)[1])
-    if not head.controller and case.controller is not None:
-        tree = _without("controller", tree, without_controller(case)[1])
+    name = case_of(tree, source).name
     _moved(tree, source.parent, place.parent)
+    if reader.unfinished:
+        click.echo(reader.unfinished, err=True)
     tree |= {
         "name": place.name,
-        "about": f"What was live: {case.name}, moved from outside as {log.name} says.",
+        "about": f"What was live: {name}, moved from outside as {log.name} says.",
         "duration": f"{reader.end / head.ticks_per_second:.12f} s",
         "outside": {"wires": list(head.wires), "log": relpath(log, place.parent)},
     }
@@ -68,17 +66,6 @@ def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
     if not tree.get("budget") and not tree.get("serial", {}).get("expect"):
         tree["budget"] = _as_seen(tree, target)
     return {target: toml(tree)}, target
-
-
-def _without(who: str, tree: Tree, left_out: tuple[str, ...]) -> Tree:
-    """As `without_host`, or `without_controller`, of a case."""
-    tree = {key: value for key, value in tree.items() if key != who}
-    if tree.get("controller", {}).get("check") == "host":
-        tree["controller"] = {**tree["controller"], "check": "expect"}
-    tree["budget"] = [budget for budget in tree.get("budget", []) if budget.get("name") not in left_out]
-    if "breaks" in tree:
-        tree["breaks"] = [name for name in tree["breaks"] if name not in left_out]
-    return tree
 
 
 def _moved(tree: Tree, before: Path, after: Path) -> None:

@@ -88,8 +88,8 @@ def serve(
 ) -> int:
     """Run CASE in real time, with one of its SCIs as a serial port, or its bus as an I2CDriver.
 
-    The [host] of the case, or its [controller], gives way to whoever opens the port. Ends with Ctrl-C, and prints what
-    it came to: exit status 0 where the budgets hold, 1 where not.
+    Who opens the port replaces the [host] of the case, or its [controller]. Ends with Ctrl-C, and prints the
+    verdicts: exit status 0 where the budgets hold, 1 where not.
     """
     from ..outside.live.case_for_line import case_for_bus, case_for_line
     from ..outside.live.i2cdriver_door import I2cDriverDoor
@@ -114,9 +114,9 @@ def serve(
             loop.stop()
 
     with running_user_code() if as_json else usage_errors_in_one_sentence(), _signals(end_it):
-        ready = case_for_line(case, sci, changes) if bus is None else case_for_bus(case, changes)
+        served = case_for_line(case, sci, changes) if bus is None else case_for_bus(case, changes)
         shown = Shown(view, None if browser is None else address_given("--browser", browser))
-        with Session(ready.case, ready.wires, log=log, subscribe=shown.subscribe) as session, shown:
+        with Session(served, log=log, subscribe=shown.subscribe) as session, shown:
             line: SerialLine | None = None
             door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor
             if bus is None:
@@ -132,9 +132,8 @@ def serve(
                 loops.append(loop)
                 if asked:
                     loop.stop()
-                for name in ready.left_out:
-                    who = "host" if bus is None else "controller"
-                    click.echo(f"budget {name!r} speaks of the case's {who}, and is left out", err=True)
+                for sentence in session.case.replaced:
+                    click.echo(sentence, err=True)
                 click.echo(door.path, err=as_json)
                 if shown.url:
                     click.echo(shown.url, err=as_json)
@@ -147,13 +146,13 @@ def serve(
                 click.echo(sentence, err=True)
             result = session.finish()
     if pacer.late and result.wall_s * pace_given(pace) > result.simulated_s:
-        click.echo(_slower(ready.case, result), err=True)
+        click.echo(_slower(served, result), err=True)
     if as_json:
         print_json("serve", {**dataclasses.asdict(result), "lateness": _lateness(pacer)})
     else:
         from .result_text import show
 
-        show(terminal(), result, ready.case)
+        show(terminal(), result, served)
         click.echo("\n".join(pacer.text()))
     return 0 if result.verdict != "fail" else 1
 

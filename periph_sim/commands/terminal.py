@@ -45,8 +45,8 @@ def terminal(
 ) -> int:
     """Type to an SCI of CASE, which runs in real time.
 
-    pyserial's miniterm (extra live): Ctrl-] ends it, Ctrl-T Ctrl-H lists its keys, a break among them. The [host]
-    of the case gives way to whoever types. Then the verdicts, as of a run: exit status 0 where the
+    pyserial's miniterm (extra live): Ctrl-] ends it, Ctrl-T Ctrl-H lists its keys, a break among them. Who types
+    replaces the [host] of the case. Then the verdicts, as of a run: exit status 0 where the
     budgets hold, 1 where not.
     """
     try:
@@ -87,6 +87,6 @@ def terminal(
     from .tables import terminal as standard_output
 
     assert port.result is not None
-    show_result(standard_output(), port.result, port.ready.case)
+    show_result(standard_output(), port.result, port.case)
     click.echo("\n".join(port.pacer.text()))
     return 0 if port.result.verdict != "fail" else 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os.path import relpath
 from pathlib import Path
 from typing import TextIO
@@ -25,15 +25,18 @@ class LogWriter:
         file: dict[str, object] = {}
         if case.file is not None and case.file.is_file():  # and was not made by a program
             file = {"file": relpath(case.file, path.parent), "set": case.changes}
-            if case.controller is None:
-                file["controller"] = False
         self._write({**head, "wires": wires, **file})
 
-    def instant(self, tick: int, levels: Mapping[str, int]) -> None:
-        self._write([tick, dict(sorted(levels.items()))])
+    def serial(self, wire: str) -> None:
+        """From here on a wire is driven by bytes."""
+        self._write({"serial": wire})
 
-    def end(self, tick: int, sci_bytes: int) -> None:
-        self._write({"end": tick, "sci_bytes": sci_bytes})
+    def instant(self, tick: int, levels: Mapping[str, int], begun: Sequence[str] = ()) -> None:
+        """begun: wires on which a byte begins."""
+        self._write([tick, dict(sorted(levels.items())), *([sorted(begun)] if begun else [])])
+
+    def end(self, tick: int) -> None:
+        self._write({"end": tick})
         self._file.close()
 
     def close(self) -> None:

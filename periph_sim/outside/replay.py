@@ -38,10 +38,13 @@ def _replayed(
             found = f"case {reader.head.case} with {reader.head.ticks_per_second} ticks a second"
             other = f"case {case.name} has {session.ticks_per_second}"
             raise OutsideError(f"{log}: it is the log of {found}, and {other}; replay it with the case it is of")
-        for tick, levels in reader.instants():
+        for tick, levels, sent in reader.instants():
+            for wire, count in sent.items():
+                session.scene.sent_from_outside(wire, count)
             session.apply(tick, levels)
             session.advance(tick + 1)
         if reader.end > session.now:
             session.advance(reader.end)
-        session.scene.outside_bytes = reader.sci_bytes
-        return session.finish()
+        result = session.finish()
+        result.notes += [reader.unfinished] if reader.unfinished else []
+        return result

@@ -33,18 +33,19 @@ WRONG = ("", "parity", "stop")
 class SerialLine:
     """received: bytes that came; those with a wrong parity or stop bit are counted in `wrong`, too.
 
-    waiting: bytes that are not on the line yet; sent: those that were put there. broken: RX is low for a break, or
-    will be once what waits is sent.
+    rx: the wire. waiting: bytes that are not on the line yet; sent: those that were put there. broken: RX is low for a
+    break, or will be once what waits is sent.
     """
 
     def __init__(self, session: Session, rx: str, tx: str, baud: int, form: str) -> None:
         self._session = session
-        self._rx = rx
+        self.rx = rx
         self.wrong = self.sent = self.received = 0
         self.waiting = 0
         self._got = bytearray()
         self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes, or the level that a break gives RX
         self._place = 0  # in the first of them
+        self._begins: deque[int] = deque()  # ticks of start bits that are not passed
         self.broken = False
         self._parts = 1  # of a tick: a bit is a whole number of them
         self._free = 0  # the time from which the line may carry the next frame, in parts of a tick
@@ -93,8 +94,8 @@ class SerialLine:
         if self._queue or self._free_at() > session.now:
             raise OutsideError("a break cannot begin: bytes are on their way; advance first")
         end = session.now + session.ticks(length)
-        session.apply(session.now, {self._rx: 0})
-        session.apply(end, {self._rx: 1})
+        session.apply(session.now, {self.rx: 0})
+        session.apply(end, {self.rx: 1})
         self._free = end * self._parts + self._parts_of_bit
 
     def read(self, count: int | None = None) -> bytes:
@@ -113,7 +114,7 @@ class SerialLine:
                 return
             first = self._queue[0]
             if isinstance(first, int):
-                self._session.apply(begin // parts, {self._rx: first})
+                self._session.apply(begin // parts, {self.rx: first})
                 # A bit at least: so long it lasts, and so it is parted from a frame.
                 self._free = begin + self._parts_of_bit
                 self._queue.popleft()
@@ -126,6 +127,13 @@ class SerialLine:
                 self._queue.popleft()
                 self._place = 0
 
+    def begins(self, tick: int) -> bool:
+        """Whether a frame begins in this tick. Ticks are asked for in order, and all in which RX moves."""
+        if not self._begins or self._begins[0] != tick:
+            return False
+        self._begins.popleft()
+        return True
+
     def _frame(self, begin: int, byte: int, wrong: Wrong) -> None:
         """begin: in parts of a tick."""
         form, parts, bit = self._format, self._parts, self._parts_of_bit
@@ -137,12 +145,13 @@ class SerialLine:
         before, at = 1, begin
         for level in levels:
             if level != before:
-                self._session.apply(at // parts, {self._rx: level})
+                self._session.apply(at // parts, {self.rx: level})
                 before = level
             at += bit
         self.sent += 1
+        self._begins.append(begin // parts)
         if not before:  # a stop bit that was low: the line is free a bit later
-            self._session.apply(at // parts, {self._rx: 1})
+            self._session.apply(at // parts, {self.rx: 1})
             at += bit
         self._free = at
 

@@ -19,8 +19,9 @@ from ..core.settings import duration
 from ..core.suggest import did_you_mean
 from ..records.recording import Subscribe
 from ..scene.case.load import load
-from ..scene.case.model import BadCase, Case, OutsideTable
+from ..scene.case.model import BadCase, Case
 from ..scene.firmware_loader import Firmware
+from ..scene.outside_parties import with_outside
 from ..scene.result import Result
 from ..scene.scene import Scene
 from .door import Change, Door
@@ -56,7 +57,7 @@ class Session:
             outside = case.outside.wires
         if outside is None:
             raise BadCase(f"case {case.name}: nobody is outside; name the wires: Session(case, outside=('SDA', 'SCL'))")
-        case = case.model_copy(update={"outside": OutsideTable(wires=tuple(outside))})
+        case = with_outside(case, tuple(outside))
         self.case = case
         self.scene = Scene(case, subscribe, programs)
         self.lines = tuple(outside)
@@ -163,6 +164,9 @@ class Session:
         if name in self._serial:
             raise OutsideError(f"{name} has its other end already; use that, or close the session")
         self._serial[name] = line
+        self.scene.sent_from_outside(line.rx, 0)
+        if self._log is not None:
+            self._log.serial(line.rx)
         self._fed.append(line.feed)
         return line
 
@@ -171,10 +175,9 @@ class Session:
     def finish(self) -> Result:
         """What the time stepped came to, judged by the case's budgets. The session is over."""
         if self._result is None:
-            self.scene.outside_bytes += sum(line.sent for line in self._serial.values())
             self._result = self.scene.finish(self._now)
             if self._log is not None:
-                self._log.end(self._now, self.scene.outside_bytes)
+                self._log.end(self._now)
         return self._result
 
     def _check_tick(self, tick: object) -> None:
@@ -186,8 +189,11 @@ class Session:
             raise OutsideError("the session is finished; begin another one")
 
     def _acted(self, tick: int, levels: Mapping[str, int]) -> None:
+        begun = [line.rx for line in self._serial.values() if line.begins(tick - self._start)]
+        for wire in begun:
+            self.scene.sent_from_outside(wire, 1)
         if self._log is not None:
-            self._log.instant(tick - self._start, levels)
+            self._log.instant(tick - self._start, levels, begun)
 
     def _at(self, tick: int) -> str:
         return f"tick {tick} ({self.scene.timebase.show(tick)})"

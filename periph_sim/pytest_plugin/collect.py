@@ -35,7 +35,6 @@ class CaseFile(pytest.File):
 
     def collect(self) -> Iterable[pytest.Item]:
         """The tests. CollectError in one sentence if the case cannot be built."""
-        from ..scene.case.origin import line_of
 
         try:
             self._plan = self._planned()
@@ -45,10 +44,9 @@ class CaseFile(pytest.File):
             raise self.CollectError(str(error)) from None
         self._run: Any = None
         self._failed: Exception | None = None
-        text = self.path.read_text(encoding="utf-8")
         yield CaseItem.from_parent(self, name=HANGS, number=None, line=1)
         for number, budget in enumerate(self._plan.case.budget):
-            line = line_of(text, ("budget", number))
+            line = self._plan.case.line("budget", number)
             item = CaseItem.from_parent(self, name=budget.name, number=number, line=line)
             if budget.name in getattr(self._plan.case, "breaks", ()):
                 item.add_marker(pytest.mark.xfail(reason=KNOWN, raises=AssertionError, strict=True))

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 from ..bus.edge_player import EdgePlayer
 from ..bus.i2c.transfer import Transfer
 from ..devices.host_pc import FRAME_BYTES, VALUES
-from ..scene.case.model import Case, Controller, RoundsTable
+from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
 from ..timing.budgets import BudgetJudge
@@ -51,13 +51,13 @@ FrameTold = Callable[[int, tuple[int, ...], int], None]
 
 
 class SessionScene(Scene):
-    """A scene whose agents are a capture: measures hear of its transfers and frames. checks: as the case checks."""
+    """A scene whose agents are a capture: measures hear of its transfers and frames."""
 
-    def __init__(self, case: Case, checks: bool, subscribe: Subscribe | None) -> None:
-        self._checks = checks
+    def __init__(self, case: Case, subscribe: Subscribe | None) -> None:
         self.frame_told: list[FrameTold] = []
         super().__init__(case, subscribe)
-        self.on_transfer(self.bus.count)
+        if case.rounds is None:
+            self.on_transfer(self.bus.count_nacked)
         self.others: list[Transfer] = []
         self.bus.rounds.on_other.append(self.others.append)
 
@@ -66,9 +66,6 @@ class SessionScene(Scene):
 
     def on_frame(self, told: FrameTold) -> None:
         self.frame_told.append(told)
-
-    def checks_host(self) -> bool:
-        return self._checks
 
     @property
     def rounds(self) -> int:
@@ -135,11 +132,10 @@ class SessionReplay(I2cReplay):
         serial_unit = unit_with(case, "SCI-A")
         if serial_unit != found.unit:
             raise case.mistake(f"SCI-A is in unit {serial_unit}, I2C-A in {found.unit}; a session drives one", "unit")
-        checks = case.controller is not None and case.controller.check == "host"
         prepared = alone(case, found.unit, "controller", found.forced, found.offered)
-        rounds = case.rounds if case.controller is None else _rounds(case.controller)
+        rounds = case.rounds if case.controller is None else case.controller.as_rounds()
         prepared = prepared.model_copy(update={"host": None, "budget": case.budget, "rounds": rounds})
-        self._session_scene = SessionScene(prepared, checks, subscribe)
+        self._session_scene = SessionScene(prepared, subscribe)
         return self._session_scene
 
     def _expect(self, transfer: Transfer) -> None:
@@ -155,7 +151,7 @@ class SessionReplay(I2cReplay):
         """The SCI is set by now: read RX as it does, and tell each frame when its last stop bit ends."""
         scene = self._session_scene
         dsp = scene.units[self._answering.unit]
-        line = line_of(dsp, scene.kernel.now) if self._wanted is None else self._wanted.line()
+        line = line_of(dsp) if self._wanted is None else self._wanted.line()
         try:
             words = uart.events(self._serial, self._rx, line)
         except ValueError as error:
@@ -255,11 +251,6 @@ class SessionReplay(I2cReplay):
         scene = self._session_scene
         lead = scene.timebase.seconds(self.origin - scene.start)
         return replace(verdict, at_s=float(round(Fraction(verdict.at_s) - lead, 9)))
-
-
-def _rounds(table: Controller) -> RoundsTable:
-    """What the case's controller asks, for a capture that takes its place."""
-    return RoundsTable(order=table.order, request=table.request, period=table.period, pointer_by=table.pointer_by)
 
 
 def _bursts(words: list[uart.Frame], pause: Fraction) -> list[list[uart.Frame]]:

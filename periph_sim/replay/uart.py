@@ -179,7 +179,7 @@ class UartReplay:
 
     def _line(self) -> decode.Line:
         """How to read the capture: as wanted, else as the SCI is set now."""
-        line = line_of(self.dsp, self._scene.kernel.now)
+        line = line_of(self.dsp)
         self._baud = Fraction(line.baud)
         if self._wanted is not None:
             return self._wanted.line()

@@ -69,11 +69,17 @@ class BusSide:
         return None if self._watch is None else self._watch.open_transfer
 
     def count(self, transfer: Transfer) -> None:
-        """Of those that make up the figures of the run."""
+        """Add a transfer of the controller agent to the figures of the run."""
         self.wire_bytes += transfer.wire_bytes
-        self.nacked += not transfer.acked
+        self.count_nacked(transfer)
         if self.whole_bytes is not None:
             self._passed = self.whole_bytes.passed
+
+    def count_nacked(self, transfer: Transfer) -> None:
+        """Add a transfer to the count of refused ones, unless it only asks whether a device is ready."""
+        first = transfer.phases[0]
+        polls = self.asked is not None and self.asked.ack_polling and not first.read and not first.data
+        self.nacked += not transfer.acked and not polls
 
     @property
     def passed(self) -> int:

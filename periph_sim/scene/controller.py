@@ -92,7 +92,8 @@ def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
     """What a master that is no agent asks: [rounds]. BadCase, with its line, for requests that nobody can make."""
     requests = _requests(context, table, "rounds")
     transfers = _transfers(requests, table.pointer_by == "STOP")
-    return Asked(transfers, context.exact_ticks(table.period, Fraction(0)), ack_polling=table.ack_polling)
+    period = context.exact_ticks(table.period, Fraction(0))
+    return Asked(transfers, period, rounds=table.rounds, ack_polling=table.ack_polling)
 
 
 def _requests(context: SceneContext, table: Controller | RoundsTable, name: str) -> list[Request]:

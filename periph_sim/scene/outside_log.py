@@ -1,18 +1,23 @@
 """The log of a session: a file goes in; what the outside did, instant by instant, comes out.
 
 {"format": "periph-sim outside", "version": 1, "case": ..., "ticks_per_second": ..., "wires": [...],
- "file": ..., "set": [...],             the case's file, from the log's folder, and its changes; if it has one
- "controller": false}                   that file's [controller] gave way
-[tick, {"SCL": 0}]                      of each instant, in order
-{"end": tick, "sci_bytes": count}       the session was finished there; without it, the last instant is the end
+ "file": ..., "set": [...]}             the case's file, from the log's folder, and its changes; if it has one
+{"serial": "RX"}                        from here on, this wire is driven by bytes
+[tick, {"SCL": 0}, ["RX"]]              of each instant, in order; wires on which a byte begins, if there are any
+{"end": tick}                           the session was finished there; without it, the last instant is the end
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+
+from ..core.counted import counted
 
 FORMAT, VERSION = "periph-sim outside", 1
 
@@ -23,17 +28,24 @@ class BadLog(ValueError):
 
 @dataclass(frozen=True)
 class Head:
-    """What a log is of. file: of the case, from the log's folder; "" if it came from none. changes: of it.
-
-    controller: whether the case had one, if its file has.
-    """
+    """What a log is of. file: of the case, from the log's folder; "" if it came from none. changes: of it."""
 
     case: str
     ticks_per_second: int
     wires: tuple[str, ...]
     file: str = ""
     changes: tuple[str, ...] = ()
-    controller: bool = True
+
+
+class Instant(NamedTuple):
+    """levels: of the lines that the outside moves in this tick.
+
+    sent: how many bytes begin, by wire, of wires that are driven by bytes; 0 where it is first known that one is.
+    """
+
+    tick: int
+    levels: dict[str, int]
+    sent: Mapping[str, int]
 
 
 class LogReader:
@@ -41,8 +53,10 @@ class LogReader:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self.end = -1  # known once all instants were read, as is the next one
-        self.sci_bytes = 0  # that the session sent to SCIs
+        self.end = -1  # known once all instants were read
+        self.finished = False  # there is an end
+        self._lines = 1  # read so far
+        self._cut = 0  # characters of a last line that was not written to its end
         try:
             self._file = path.open(encoding="utf-8")
             first = self._file.readline(1 << 20)
@@ -55,48 +69,78 @@ class LogReader:
     def close(self) -> None:
         self._file.close()
 
-    def instants(self) -> Iterator[tuple[int, dict[str, int]]]:
-        """In order of time. `end` is set behind the last."""
-        last, number = -1, 1
+    @property
+    def unfinished(self) -> str:
+        """Once all instants were read: what is missing at the end of the log, as a sentence; "" for nothing."""
+        if self.finished:
+            return ""
+        cut = f", and of the line after it only {counted(self._cut, 'character')} remain" if self._cut else ""
+        return (
+            f"{self._path} has no end: its session was ended before it was finished, so the replay ends with line "
+            f"{self._lines} of the log{cut}"
+        )
+
+    def instants(self) -> Iterator[Instant]:
+        """In order of time. `end` is set after the last. BadLog for a log that says nothing after its head."""
+        last, sent = -1, dict[str, int]()
         with self._file:
-            while True:
-                number += 1
-                value = self._line(number)
-                if value is None:
-                    break
-                if self.end >= 0:
-                    raise self._bad(number, "something behind the end", "nothing more")
+            while (value := self._line()) is not None:
+                if self.finished:
+                    raise self._bad(self._lines, "something behind the end", "nothing more")
                 if isinstance(value, dict) and isinstance(value.get("end"), int) and value["end"] >= last:
-                    self.end = value["end"]
-                    count = value.get("sci_bytes")
-                    self.sci_bytes = count if isinstance(count, int) else 0
-                    continue
-                if not (
-                    isinstance(value, list)
-                    and len(value) == 2
-                    and isinstance(value[0], int)
-                    and isinstance(value[1], dict)
-                ):
-                    raise self._bad(number, json.dumps(value), 'an instant, [tick, {"SCL": 0}], or {"end": tick}')
-                if value[0] <= last:
-                    raise self._bad(number, f"tick {value[0]} behind tick {last}", "instants in order of time")
-                last = value[0]
-                yield last, value[1]
+                    self.end, self.finished = value["end"], True
+                elif isinstance(value, dict) and value.get("serial") in self.head.wires:
+                    sent[value["serial"]] = 0
+                else:
+                    instant = self._instant(value, last)
+                    last = instant.tick
+                    yield instant._replace(sent={**sent, **instant.sent})
+                    sent = {}
         if self.end < 0:
             self.end = last + 1
+        if not self.end and not self.finished:
+            raise self._bad(
+                self._lines + 1, "nothing after the head", "what a session did; it ended before any time passed"
+            )
 
-    def _line(self, number: int) -> object:
+    def _instant(self, value: object, last: int) -> Instant:
+        """The instant that a line says, after tick `last`."""
+        try:
+            tick, levels, begun = msgspec.convert(value, tuple[int, dict[str, int], list[str]])
+        except msgspec.ValidationError:
+            try:
+                (tick, levels), begun = msgspec.convert(value, tuple[int, dict[str, int]]), []
+            except msgspec.ValidationError:
+                found, expected = json.dumps(value), 'an instant, [tick, {"SCL": 0}], or {"end": tick}'
+                raise self._bad(self._lines, found, expected) from None
+        if tick <= last:
+            raise self._bad(self._lines, f"tick {tick} behind tick {last}", "instants in order of time")
+        for name, level in levels.items():
+            if name not in self.head.wires or level not in (0, 1):
+                raise self._bad(self._lines, f"{name!r}: {level!r}", f"0 or 1 of {' or '.join(self.head.wires)}")
+        if strange := [wire for wire in begun if wire not in self.head.wires]:
+            raise self._bad(self._lines, f"a byte on {strange[0]!r}", f"one of {' or '.join(self.head.wires)}")
+        return Instant(tick, levels, dict.fromkeys(begun, 1))
+
+    def _line(self) -> object:
         """The next value; None at the end. Half a line there is what a process that died had begun to write."""
         try:
             text = self._file.readline()
-            return json.loads(text) if text.endswith("\n") else None
-        except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
-            raise self._bad(number, "a damaged line", "JSON") from None
+            if not text.endswith("\n"):
+                self._cut = len(text)
+                return None
+            self._lines += 1
+            return json.loads(text)
+        except (
+            ValueError,
+            RecursionError,
+        ):  # ValueError: no JSON, no UTF-8, or a number of more digits than Python reads
+            raise self._bad(self._lines, "a damaged line", "JSON") from None
 
     def _head(self, text: str) -> Head:
         try:
             value = json.loads(text)
-        except (json.JSONDecodeError, RecursionError):
+        except (ValueError, RecursionError):
             value = None
         if not isinstance(value, dict) or value.get("format") != FORMAT:
             raise self._bad(1, "no head", "the log of a session")
@@ -112,7 +156,6 @@ class LogReader:
             tuple(str(wire) for wire in wires),
             file if isinstance(file, str) else "",
             tuple(str(change) for change in changes) if isinstance(changes, list) else (),
-            value.get("controller") is not False,
         )
 
     def _bad(self, line: int, found: str, expected: str) -> BadLog:

@@ -18,8 +18,6 @@ def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
             what = f"there is no wire {name!r}; {did_you_mean(name, wires) if wires else 'the case has none'}"
         elif name in names[:entry]:
             what = f"{name} is named twice; once is enough"
-        elif name == "RX" and case.host is not None:
-            what = "RX is what the [host] sends on, and two would drive it; leave one of them out"
         else:
             continue
         raise case.mistake(what, "outside", "wires")

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .image_watching import variable_value
     from .limits import limits_of
     from .logged_outside import logged_outside
+    from .outside_parties import as_driven, drives_bus
     from .outside_wires import check_outside, not_run
     from .read_origins import origins_of
     from .release_delay import ReleaseDelay
@@ -50,6 +51,7 @@ _HOMES = {
     "scene.image_watching": ("variable_value",),
     "scene.limits": ("limits_of",),
     "scene.logged_outside": ("logged_outside",),
+    "scene.outside_parties": ("as_driven", "drives_bus"),
     "scene.outside_wires": ("check_outside", "not_run"),
     "scene.read_origins": ("origins_of",),
     "scene.release_delay": ("ReleaseDelay",),
@@ -71,6 +73,7 @@ __all__ = [
     "StuckWatch",
     "SystemOptions",
     "ValueDeviation",
+    "as_driven",
     "build_chip",
     "build_devices",
     "build_faults",
@@ -78,6 +81,7 @@ __all__ = [
     "build_unit",
     "check_outside",
     "deadlock_reason",
+    "drives_bus",
     "limits_of",
     "logged_outside",
     "not_run",

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from .case.model import Case
 
 MODEL_PIN = "MODEL"  # what a case calls the pin that firmware raises while its models run
-PLACE = ("controller", "check")
 
 
 class Parts(Sources, Protocol):
@@ -41,11 +40,12 @@ def origins_of(scene: Parts) -> Origins:
     """BadCase where the values of sensor models could not be told from others."""
     if scene.sensors is None:
         return FrameOrigins(scene)
+    place = ("rounds" if scene.case.line("rounds") else "controller", "check")
     if scene.computed is None:
-        raise scene.case.mistake("the firmware has sensor models, but no setting says their arithmetic", *PLACE)
+        raise scene.case.mistake("the firmware has sensor models, but no setting says their arithmetic", *place)
     if MODEL_PIN not in scene.wires:
         what = "what sensor models show can be checked only with the pin that is high while they run"
-        raise scene.case.mistake(f"{what}; give the unit pins = {{ {MODEL_PIN} = 34 }}", *PLACE)
+        raise scene.case.mistake(f"{what}; give the unit pins = {{ {MODEL_PIN} = 34 }}", *place)
     origins = ModelOrigins(scene, scene.computed)
     scene.wires[MODEL_PIN].watch(origins.model_pin)
     for dsp in scene.units.values():

@@ -94,6 +94,8 @@ class Scene:
             raise case.mistake("there is nothing to run; give it a [unit.NAME] with its firmware", "unit")
         if case.fidelity == SCHEDULE:
             parts.refuse_schedule(case)
+        if case.outside is not None:
+            case = parts.as_driven(case)
         self.case = case
         self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
         self.recorder = Recorder()
@@ -129,8 +131,8 @@ class Scene:
         self._counter: I2cByteCounter | None = None  # where there is none
         self.bus = BusSide(self.wires, self._ticks(SPIKE))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
+        self.log_ends_early = ""  # in a sentence, where [outside] has a log of an unfinished session
         self.stalled = ""  # by what the run ended before its time
-        self.outside_bytes = 0  # that a session sent to SCIs
         self._wall = 0.0  # seconds that it has taken
         wire, levels = self.wires.wire, bus_levels(case, wiring)
         context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring, self.start, levels)
@@ -140,21 +142,27 @@ class Scene:
             self.sensors = self.sensors or built.sensors
             self.computed = self.computed or built.computed
         self._build_targets(context, sources or {})
+        shared = case.outside is not None and parts.drives_bus(case)  # the bus, with whoever else is there
         if case.controller is not None:
             side = parts.build_head(context, case.controller, self.stuck.report)
             self.head = self.stuck.head = side.head
             self.requests, self.bus.asked = side.requests, side.asked
-            self.head.on_transfer.append(self.bus.count)
+            side.controller.beside_others = shared
+            if not shared:
+                self.head.on_transfer.append(self.bus.count)
             if levels.i2c != EDGE:
                 self.bus.whole_bytes = parts.whole_bytes_of(context, side.controller, self.units)
-        elif "SCL" in self.wires and "SDA" in self.wires:
+        has_bus = "SCL" in self.wires and "SDA" in self.wires
+        if has_bus and self.head is None and levels.i2c != EDGE:
+            self.bus.whole_bytes = parts.whole_bytes_of(context, None, self.units)
+        if has_bus and (self.head is None or shared):
             self._counter = parts.I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
             if self.recorder.wants(Kind.BUS):
                 parts.BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])
-            if levels.i2c != EDGE:
-                self.bus.whole_bytes = parts.whole_bytes_of(context, None, self.units)
         if case.rounds is not None:
             self.bus.asked = self._asked_by_master(context, case.rounds)
+        if has_bus and (shared or case.rounds is not None):
+            self.on_transfer(self.bus.count_nacked)
         if case.host is not None:
             self._host_side = parts.HostAgent(context, case.host, self.sensors)
             self.host = self._host_side.host
@@ -175,9 +183,11 @@ class Scene:
             parts.refuse_byte_level(context, self.bus.whole_bytes, self._uart.whole_frames, self.wires, self.limits)
         if case.outside is not None:
             parts.check_outside(case, self.wires)
+            self._uart.count(case.outside.wires)
             if case.outside.log is not None:
-                logged = parts.logged_outside(case, self.kernel, self.wires, self.start, self.timebase.per_second)
-                self.outside_bytes = logged.sci_bytes
+                log = parts.logged_outside(case, self.kernel, self.wires, self.start, self.timebase.per_second)
+                log.on_sent = self._uart.sent
+                self.log_ends_early = log.unfinished
 
     # Building ------------------------------------------------------------------
 
@@ -247,8 +257,6 @@ class Scene:
         self.bus.rounds.on_round.append(told)
 
     def _asked_by_master(self, context: SceneContext, table: RoundsTable) -> Asked:
-        if self.head is not None:
-            raise self.case.mistake("[controller] says its rounds already; leave one of them out", "rounds")
         if "SCL" not in self.wires:
             raise self.case.mistake("it needs a bus, and no unit has I2C-A", "rounds")
         return parts.rounds_of(context, table)
@@ -279,7 +287,8 @@ class Scene:
         return self._origins
 
     def checks_host(self) -> bool:
-        return self.case.controller is not None and self.case.controller.check == "host"
+        rounds = self.case.controller or self.case.rounds
+        return rounds is not None and rounds.check == "host"
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         return self._uart.on_reply(reply)
@@ -354,7 +363,11 @@ class Scene:
     def sci_bytes(self) -> int:
         """Characters that were sent to SCIs from outside."""
         sent = 0 if self.host is None else self.host.bytes
-        return sent + self._uart.characters + self.outside_bytes
+        return sent + self._uart.characters
+
+    def sent_from_outside(self, wire: str, count: int) -> None:
+        """So many characters more begin on a wire that the outside drives by bytes; 0 to say that it does."""
+        self._uart.sent(wire, count)
 
     def serial_notes(self) -> list[str]:
         """What went wrong on serial lines, or was to be sent and never went out."""

@@ -24,15 +24,15 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
     if wiring is None:
         wiring = wiring_of(case)
     wires = list(wiring.wires())
-    wires += ["SDA", "SCL"] if case.controller is not None or case.chip else []
-    wires += ["RX"] if case.host is not None else []
+    wires += ["SDA", "SCL"] if case.controller is not None or case.rounds is not None or case.chip else []
+    wires += ["RX"] if case.rx_sender else []
     units = {name: tuple(m for m in unit.modules if m in MAPS) for name, unit in case.unit.items()}
     rounds = case.controller is not None or case.rounds is not None
     lines = [wire for sci in sci_lines(case, wiring) for wire in (sci.rx, sci.tx)]
     pairs = tuple(dict.fromkeys(table.pair for table in case.transceiver))
     lines += pairs
     wires += pairs
-    lines += ["RX"] if case.host is not None else []
+    lines += ["RX"] if case.rx_sender else []
     return Scope(
         units,
         tuple(dict.fromkeys(wires)),

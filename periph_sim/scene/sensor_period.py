@@ -11,13 +11,18 @@ from .case.model import Case
 def check_sensor_period(case: Case, unit: str, settings: object, sensors: ImuParameters) -> None:
     """BadCase unless the models' period is that at which this firmware runs them.
 
-    That is the controller's, or the host's where the settings' `models_run` is "frame" or nobody asks in rounds.
+    That is the rounds', or the host's where the settings' `models_run` is "frame" or nobody asks in rounds.
     """
-    per_frame = getattr(settings, "models_run", "round") == "frame" or case.controller is None
-    table = case.host if per_frame else case.controller
+    rounds = case.controller or case.rounds
+    per_frame = getattr(settings, "models_run", "round") == "frame" or rounds is None
+    table = case.host if per_frame else rounds
     if table is None:
         return
-    what = "once a host frame (host.period)" if per_frame else "once a round (controller.period)"
+    what = (
+        "once a host frame (host.period)"
+        if per_frame
+        else f"once a round ({'controller' if case.rounds is None else 'rounds'}.period)"
+    )
     try:
         check_period(sensors, table.period, what)
     except BadParameter as error:

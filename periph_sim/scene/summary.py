@@ -31,6 +31,8 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
     counts = {"rounds": 0, "missed": 0, "nacked": scene.bus.nacked, "frames": 0, "stuck": len(scene.stuck.sentences)}
     if scene.head is not None:
         counts |= {"rounds": scene.head.rounds, "missed": scene.head.missed}
+    elif scene.bus.asked is not None:
+        counts |= {"rounds": scene.bus.rounds.completed, "missed": scene.bus.rounds.missed}
     if scene.host is not None:
         counts |= {"frames": scene.host.frames}
     if scene.frames is not None:
@@ -80,7 +82,7 @@ def wrong_bytes(scene: Scene) -> tuple[dict[str, int], str]:
 
 def notes_of(scene: Scene) -> list[str]:
     """What was noted of each unit and chip, a line each: broken duties, what is not modelled, an ended main."""
-    lines = []
+    lines = [*scene.case.replaced, *([scene.log_ends_early] if scene.log_ends_early else [])]
     for name, dsp in scene.units.items():
         for module, socket in dsp.sockets.items():
             for tick, note in joined(socket.notes) if socket.notes else ():

@@ -6,7 +6,7 @@ wire; where nobody is known to send, as the SCI is set whose RX is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from fractions import Fraction
 from functools import lru_cache, partial
 
@@ -51,9 +51,18 @@ class UartLines:
     def on_character(self, told: Callable[[int], None]) -> None:
         """`told(tick)` of each character to an SCI, once for each SCI that it goes to, as `UartCounter` does."""
         for name in self._heard:
-            if name not in self._counters:
-                self._counters[name] = UartCounter(self._wires[name], self._lines[name])
-            self._counters[name].told.append(told)
+            self._listen(name, told)
+
+    def on_character_from(self, wires: Collection[str], told: Callable[[str, int], None]) -> None:
+        """`told(wire, tick)` of each character on those of these wires that lead to SCIs."""
+        for name in dict.fromkeys(self._heard):
+            if name in wires:
+                self._listen(name, partial(told, name))
+
+    def _listen(self, name: str, told: Callable[[int], None]) -> None:
+        if name not in self._counters:
+            self._counters[name] = UartCounter(self._wires[name], self._lines[name])
+        self._counters[name].told.append(told)
 
     def finish(self, now: int) -> None:
         """The run is over."""
@@ -63,19 +72,23 @@ class UartLines:
 
 def sci_line(context: SceneContext, dsp: Dsp, module: str) -> tuple[Fraction, UartFormat]:
     """Ticks of a bit, and the format, that an SCI is set to now."""
-    return _ticks_and_format(context.timebase.per_second, *_settings(dsp, context.kernel.now, module))
+    return _ticks_and_format(context.timebase.per_second, *_settings(dsp, module))
 
 
-def line_of(dsp: Dsp, now: int, module: str = "SCI-A") -> uart_line.Line:
+def line_of(dsp: Dsp, module: str = "SCI-A") -> uart_line.Line:
     """The rate and format that an SCI of a unit is set to."""
-    return _line(*_settings(dsp, now, module))
+    return _line(*_settings(dsp, module))
 
 
-def _settings(dsp: Dsp, now: int, module: str) -> tuple[int, int, Fraction, int]:
-    """SCICCR; SCIHBAUD and SCILBAUD as one number; SYSCLKOUT in Hz, and what LSPCLK divides it by."""
-    socket, cycle = dsp.socket(module), dsp.clock.cycle_at(now)
-    ccr = socket.peek(cycle, SCICCR.offset)
-    brr = socket.peek(cycle, SCI_MAP["SCIHBAUD"].offset) << 8 | socket.peek(cycle, SCI_MAP["SCILBAUD"].offset)
+def _settings(dsp: Dsp, module: str) -> tuple[int, int, Fraction, int]:
+    """SCICCR; SCIHBAUD and SCILBAUD as one number; SYSCLKOUT in Hz, and what LSPCLK divides it by.
+
+    Only writes change these registers. They are read as of cycle 0, for which the chip does nothing: asked for now, it
+    would do what is due now before its turn in this tick, and what waits for its flags would not be told.
+    """
+    chip = dsp.socket(module).chip
+    ccr = chip.peek(0, SCICCR.offset)
+    brr = chip.peek(0, SCI_MAP["SCIHBAUD"].offset) << 8 | chip.peek(0, SCI_MAP["SCILBAUD"].offset)
     return ccr, brr, dsp.control.sysclk_hz, dsp.control.lspclk_divider
 
 

@@ -6,7 +6,7 @@ TX of an SCI, pairs --> UartLines: frames, characters
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -50,6 +50,8 @@ class UartSide:
         self._monitors: list[SciMonitor] = []
         self._pairs: Pairs | None = None
         self._lines: UartLines | None = None
+        self._counted: dict[str, int] = {}  # characters from outside, by wire
+        self._sent: dict[str, int] = {}
         senders = {} if host is None else {"RX": host.line}
         if serial is not None or context.case.transceiver:
             self._pairs = self._pairs_of(context)
@@ -91,8 +93,21 @@ class UartSide:
 
     @property
     def characters(self) -> int:
-        """How many were sent by the tables of [serial]."""
-        return 0 if self._serial is None else self._serial.characters
+        """How many were sent by the tables of [serial], and came from outside."""
+        counted = sum(count for wire, count in self._counted.items() if wire not in self._sent)
+        return counted + sum(self._sent.values()) + (0 if self._serial is None else self._serial.characters)
+
+    def count(self, wires: Collection[str]) -> None:
+        """Count the characters on those of these wires that lead to an SCI; the outside drives them."""
+        if self._lines is not None:
+            self._lines.on_character_from(wires, self._came)
+
+    def sent(self, wire: str, count: int) -> None:
+        """So many characters more begin on a wire that the outside drives by bytes, which are not counted there."""
+        self._sent[wire] = self._sent.get(wire, 0) + count
+
+    def _came(self, wire: str, tick: int) -> None:
+        self._counted[wire] = self._counted.get(wire, 0) + 1
 
     def notes(self) -> list[str]:
         """What went wrong on pairs, and what was to be sent and never was."""

@@ -5,7 +5,7 @@ from ..bus.i2c.transfer cimport Phase, Transfer
 
 cdef class BusRounds:
     cdef public list on_transfer, on_round, on_due, on_missed, on_other
-    cdef public long long completed
+    cdef public long long completed, missed
     cdef object _begun_at, _schedule, _round
     cdef list _startup
     cdef tuple _requests

@@ -86,15 +86,16 @@ class ByPlan(Schedule):
 
 
 class ByRoundBefore(Schedule):
-    """A round is due a period after the begin of the one before."""
+    """A round is due a period after the begin of the one before, until there were as many as are due."""
 
     def __init__(self, asked: Asked) -> None:
         self._period = int(asked.period // 1)
         self._next = NO_TIME
+        self._left = asked.rounds
 
     def begins(self, start: int) -> tuple[list[int], int]:
         missed = self._missed(start)
-        self._next = start + self._period
+        self._plan(start + self._period)
         return missed, start
 
     def missed_by(self, now: int, over: int | None) -> list[int]:
@@ -104,8 +105,14 @@ class ByRoundBefore(Schedule):
         missed = []
         while self._next != NO_TIME and now >= self._next + self._period // 2:
             missed.append(self._next)
-            self._next += self._period
+            self._plan(self._next + self._period)
         return missed
+
+    def _plan(self, due: int) -> None:
+        """A round was begun or missed; the next one is due at `due`, if it was not the last."""
+        if self._left is not None:
+            self._left -= 1
+        self._next = NO_TIME if self._left is not None and self._left <= 0 else due
 
 
 class BusRounds:
@@ -115,7 +122,7 @@ class BusRounds:
     on_missed: told when a round that did not begin was due; of one that lacks a request, the START that shows it.
 
     begun_at: asked, at the end of the run, for the START of a transfer that is not over; NO_TIME if there is none.
-    completed: rounds so far.
+    completed, missed: rounds so far.
     """
 
     def __init__(self, asked: Asked | None, begun_at: Callable[[], int]) -> None:
@@ -135,7 +142,7 @@ class BusRounds:
         self._made = 0  # requests of the round under way
         self._round: Round | None = None
         self._number = 0
-        self.completed = 0
+        self.completed = self.missed = 0
         self._over = NO_TIME  # the end of the last round
 
     def transfer(self, transfer: Transfer) -> None:
@@ -219,10 +226,12 @@ class BusRounds:
 
     def _tell_incomplete(self, start: int) -> None:
         """A round lacks a request, as a START shows."""
+        self.missed += 1
         for told in self.on_missed:
             told(start)
 
     def _told_missed(self, missed: list[int]) -> None:
+        self.missed += len(missed)
         for due in missed:
             for told in (*self.on_due, *self.on_missed):
                 told(due)

@@ -21,8 +21,7 @@ ROOT = Path(__file__).parents[2]
 
 def live(case: Path, log: Path, data: bytes, changes: tuple[str, ...] = ()) -> Records:
     records = Records()
-    ready = case_for_line(case, "scia", changes)
-    session = Session(ready.case, ready.wires, log=log, subscribe=records.subscribe)
+    session = Session(case_for_line(case, "scia", changes), log=log, subscribe=records.subscribe)
     line = session.serial("scia")
     session.advance(session.ticks("1 ms"))
     line.write(data)
@@ -79,7 +78,9 @@ def test_what_is_no_log_of_a_case_in_a_file(periph_sim: Run, tmp_path: Path) -> 
         ('{"format": "periph-sim outside", "version": 1, "case": "x", "ticks_per_second": 3, "wires": []}\n',
          "its case, x, came from no file; replay it with Python's replay()"),
         ('{"format": "periph-sim outside", "version": 1, "case": "x", "ticks_per_second": 3, "wires": [], '
-         '"file": "gone.toml"}\n', "gone.toml: cannot be read"),
+         '"file": "gone.toml"}\n[1, {}]\n', "gone.toml: cannot be read"),
+        ('{"format": "periph-sim outside", "version": 1, "case": "x", "ticks_per_second": 3, "wires": [], '
+         '"file": "gone.toml"}\n', "line 2: found nothing after the head, expected what a session did"),
     ):  # fmt: skip
         if text is not None:
             log.write_text(text)

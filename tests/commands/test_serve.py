@@ -44,7 +44,7 @@ def test_a_plain_script_talks_to_it_until_ctrl_c(tmp_path: Path) -> None:
     assert "echo: NOT JUDGED" in said and "8 SCI bytes" in said and "lateness: 99 % of " in said
     assert not link.is_symlink()
     end = json.loads(log.read_text().splitlines()[-1])
-    assert end["end"] > 0 and end["sci_bytes"] == 8
+    assert end["end"] > 0
 
 
 def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
@@ -71,7 +71,7 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
     link = tmp_path / "i2c"
     served = serve(str(registers.written(tmp_path)), "--i2cdriver", str(link), "--json")
     assert served.stderr is not None
-    assert "'all rounds' speaks of the case's controller, and is left out" in served.stderr.readline()
+    assert served.stderr.readline() == "SDA and SCL are driven from outside, in place of [controller]\n"
     assert served.stderr.readline().startswith("/dev/")
     driver = i2cdriver.I2CDriver(str(link))
     assert driver.scan(silent=True) == [0x50]
@@ -80,9 +80,10 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
     served.send_signal(signal.SIGINT)
     said, mistakes = served.communicate(timeout=60)
     told = json.loads(said)
-    assert served.returncode == 0 and not link.is_symlink(), mistakes
-    assert told["verdict"] == "pass" and told["wire_bytes"] >= 112 + 4 + 7
-    assert [(one["name"], one["verdict"]) for one in told["budgets"]] == [("work", "pass")]
+    assert served.returncode == 1 and not link.is_symlink(), mistakes
+    assert told["verdict"] == "fail" and told["wire_bytes"] >= 112 + 4 + 7
+    verdicts = [(one["name"], one["verdict"]) for one in told["budgets"]]
+    assert verdicts == [("all rounds", "fail"), ("work", "pass")]  # the program does not ask every millisecond
 
 
 @pytest.mark.parametrize(
@@ -120,9 +121,9 @@ def test_what_it_refuses(more: tuple[str, ...], status: int, sentence: str, tmp_
 def test_the_host_of_a_case_gives_way_with_its_budgets() -> None:
     case = Path(__file__).parents[2] / "timing" / "imu_hil.toml"
     said, mistakes = serve(str(case), "--pty", "--pace", "0", "--for", "30 ms").communicate(timeout=60)
-    assert "budget 'data age' speaks of the case's host, and is left out" in mistakes
-    assert "budget 'wrong bytes' speaks of the case's host" in mistakes
-    assert "wrong bytes" not in said
+    replaced = "RX is driven from outside, in place of [host]; left out, since nothing else can judge them:"
+    assert f"{replaced} 'wrong bytes', 'data age'" in mistakes
+    assert replaced in said.replace("\n", " ") and " wrong bytes  " not in said
 
 
 def test_why_simulated_time_fell_behind_is_told() -> None:

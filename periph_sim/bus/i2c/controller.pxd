@@ -13,6 +13,7 @@ cdef class I2cController(ByteParty):
     cdef public bint busy
     cdef Kernel _kernel
     cdef Recorder _recorder
+    cdef public bint beside_others
     cdef Wire _scl_wire, _sda_wire
     cdef Sampler _sampler
     cdef Event _next, _guard

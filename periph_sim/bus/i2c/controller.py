@@ -26,6 +26,7 @@ from .whole_bytes import ByteParty
 # What an event is for.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
+OF_AGENT = ("arbitration lost", "clear", "stuck")  # which nobody else sees on the wires
 NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
 
 
@@ -83,6 +84,7 @@ class I2cController(ByteParty):
         "_topics",
         "_transfer",
         "_wanted",
+        "beside_others",
         "busy",
         "timing",
         "who",
@@ -107,6 +109,7 @@ class I2cController(ByteParty):
         self.busy = False
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
+        self.beside_others = False
         self._topics: dict[str, Topic] = {}  # by what is recorded
         self._scl_wire = scl
         self._sda_wire = sda
@@ -407,7 +410,7 @@ class I2cController(ByteParty):
             self._on_stuck(wire)
 
     def _mark(self, what: str, value: int) -> None:
-        if self._recorder is None:
+        if self._recorder is None or (self.beside_others and what not in OF_AGENT):
             return
         topic = self._topics.get(what)
         if topic is None:

@@ -117,7 +117,7 @@ def receiver(case: Case, unit: str, scene_of: Mapping[str, Firmware] | None = No
     if not dsp.has(SCI) or not ends:
         raise refuse(case.name, "no host frame reaches the unit's SCI-A")
     bits, options = line(quiet.host, per_second), dsp.plan.sci or SciOptions()
-    hz, sci = dsp.clock.hz, line_of(dsp, scene.kernel.now)
+    hz, sci = dsp.clock.hz, line_of(dsp)
     nominal = Fraction(dsp.control.sysclk_hz) / (8 * Fraction(sci.baud))
     exact = per_second / hz
     clock = CpuClock(exact.numerator, exact.denominator)

@@ -23,12 +23,13 @@ from urllib.parse import parse_qs, urlsplit
 from serial import PortNotOpenError, SerialBase, SerialException, SerialTimeoutException
 
 from ...core.exact_number import exact_number
+from ...scene.case.model import Case
 from ...scene.result import Result
 from ..errors import OutsideError
 from ..serial_line import SerialLine
 from ..session import Session
 from .backlog import MOST, Backlog
-from .case_for_line import Ready, case_for_line
+from .case_for_line import case_for_line
 from .loop import Loop
 from .pacing import Pacer
 
@@ -129,7 +130,7 @@ class Serial(SerialBase):  # type: ignore[misc]
     is_open: bool
     result: Result | None
     lost: int
-    ready: Ready
+    case: Case
     pacer: Pacer
     _loop: Loop | None
     _thread: threading.Thread | None
@@ -191,9 +192,9 @@ class Serial(SerialBase):  # type: ignore[misc]
             raise mistakes[0]
 
     def _build(self, path: str, port: str, pace: Fraction, log: str | None, changes: tuple[str, ...]) -> None:
-        self.ready = case_for_line(path, port, changes)
+        self.case = case_for_line(path, port, changes)
         self._pace = pace
-        self._session = Session(self.ready.case, self.ready.wires, log=log)
+        self._session = Session(self.case, log=log)
         self._queue = _Queue(self._session.serial(port, self._baudrate, self._form()))
         self.pacer = Pacer(self._session.ticks_per_second, pace)
         self._loop = Loop(self._session, self.pacer, [self._queue])

@@ -54,16 +54,26 @@ def _checked(path: Path, text: str, changes: tuple[str, ...]) -> Case:
     source = Source(path, text, tuple((change, apply(tree, change)) for change in changes))
     refuse_unusable(source, tree)
     try:
-        return _located(Case.model_validate(tree), path.parent).from_source(source)
+        return built(_located(Case.model_validate(tree), path.parent), source)
     except BadTable as error:
         raise refusal(source, error, tree) from None
+
+
+def built(case: Case, source: Source) -> Case:
+    """A checked case of a source as it is built: without the parties that its [outside] replaces."""
+    case = case.from_source(source)
+    if case.outside is None:
+        return case
+    from ..outside_parties import as_driven
+
+    return as_driven(case)
 
 
 def case_of(tree: dict[str, Any], path: Path) -> Case:
     """The case that a tree says, as if it stood in a file there. BadCase with one sentence if it says none."""
     source = Source(path, "")
     try:
-        return _located(Case.model_validate(_copy(tree)), path.parent).from_source(source)
+        return built(_located(Case.model_validate(_copy(tree)), path.parent), source)
     except BadTable as error:
         raise refusal(source, error, tree) from None
 

@@ -174,6 +174,12 @@ class Controller(Table, frozen=True, kw_only=True):
     on_nack: Literal["go on", "give up"] = "go on"  # with the next phase of a transfer, where a written byte is refused
     stuck_after: Length = Fraction(25, 1000)
     clear_after: Length | None = None  # else the bus is never cleared
+    beside_outside: bool = False  # stays where the outside drives SDA and SCL; else the outside replaces it
+
+    def as_rounds(self) -> RoundsTable:
+        """What it asks, for a bus on which another controller takes its place."""
+        same = ("order", "request", "period", "rounds", "pointer_by", "check", "stuck_after")
+        return RoundsTable(**{name: getattr(self, name) for name in same})
 
     def check_together(self, given: Set[str]) -> None:
         if self.initialise is not None and self.initialise > self.first:
@@ -189,12 +195,14 @@ class Controller(Table, frozen=True, kw_only=True):
 
 
 class RoundsTable(Table, frozen=True, kw_only=True):
-    """What a unit, or a capture, asks as master, so that measures of rounds know its rounds on the bus."""
+    """What a master that is no [controller] asks, so that measures of rounds know its rounds on the bus."""
 
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
     period: Length
+    rounds: Annotated[int, Meta(ge=1)] | None = None
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
+    check: Literal["expect", "host"] = "expect"  # as of a [controller]
     ack_polling: bool = False  # a write of the address alone is no request
     stuck_after: Length = Fraction(25, 1000)
 
@@ -302,6 +310,8 @@ class Case(Table, frozen=True, kw_only=True):
     budget: tuple[Budget, ...] = ()
     breaks: tuple[str, ...] = ()
     _source: Source | None = None
+    _all_budgets: tuple[Budget, ...] = ()  # those of its file, if `budget` lacks some of them
+    _replaced: dict[str, str] = {}  # by party: see `outside_parties`
 
     @classmethod
     def model_validate(cls, tree: object) -> Case:
@@ -317,6 +327,8 @@ class Case(Table, frozen=True, kw_only=True):
             for number, name in enumerate(case.breaks)
             if name not in known
         ]
+        if case.controller is not None and case.rounds is not None:
+            strange.append(Mistake(("rounds",), "[controller] says its rounds already; leave one of them out"))
         if strange:
             raise BadTable(strange)
         return case
@@ -339,6 +351,16 @@ class Case(Table, frozen=True, kw_only=True):
     def changes(self) -> tuple[str, ...]:
         """The `key=value` texts that were applied to its file."""
         return () if self._source is None else tuple(change for change, _ in self._source.changes)
+
+    @property
+    def replaced(self) -> tuple[str, ...]:
+        """What drives wires from outside, and which parties of the file it replaces, a sentence each."""
+        return tuple(self._replaced.values())
+
+    @property
+    def rx_sender(self) -> str:
+        """Who sends on the wire RX that is no unit: the host, or who replaces it; "" if nobody does."""
+        return "the host" if self.host is not None else "the outside" if "host" in self._replaced else ""
 
     @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
@@ -370,7 +392,7 @@ class Case(Table, frozen=True, kw_only=True):
         """The names of this case's entries, as a tree of it."""
         serial = self.serial or SerialTable()
         return {
-            "budget": [{"name": budget.name} for budget in self.budget],
+            "budget": [{"name": budget.name} for budget in self._all_budgets or self.budget],
             "serial": {
                 "send": [{"name": send.name} for send in serial.send],
                 "expect": [{"name": expect.name} for expect in serial.expect],
@@ -378,7 +400,10 @@ class Case(Table, frozen=True, kw_only=True):
         }
 
     def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
-        """A place as the file has it: a budget that stands for an expected reply or a watch is written there."""
+        """A place as the file has it, with the budgets that were left out.
+
+        A budget that stands for an expected reply or a watch is written there.
+        """
         if len(place) < 2 or place[0] != "budget":
             return place
         budget = self.budget[int(place[1])]
@@ -387,4 +412,6 @@ class Case(Table, frozen=True, kw_only=True):
                 return ("watch", name)
         expected = () if self.serial is None else self.serial.expect
         entries = [n for n, one in enumerate(expected) if reply_budget(one) == budget]
-        return ("serial", "expect", entries[0], *place[2:]) if entries else place
+        if entries:
+            return ("serial", "expect", entries[0], *place[2:])
+        return ("budget", self._all_budgets.index(budget), *place[2:]) if self._all_budgets else place

@@ -59,7 +59,7 @@ def on_pairs(case: Case) -> list[OnPair]:
             what = f"unit {unit} has no GPIO, which would drive {table.de}; add it to its modules"
             raise case.mistake(what, "transceiver", entry, "de")
         others = [f"{one.unit}.{one.module}.TX" for one in lines if one.tx == sci.rx]
-        others += ["the host"] if case.host is not None and sci.rx == "RX" else []
+        others += [case.rx_sender] if case.rx_sender and sci.rx == "RX" else []
         if others:
             what = f"{others[0]} drives the RX of {table.on} already, which the transceiver would drive, too"
             raise case.mistake(what, "transceiver", entry, "on")

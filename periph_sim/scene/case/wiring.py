@@ -172,7 +172,7 @@ def _wire_names(case: Case) -> list[str]:
     found = [label for unit in case.unit.values() for label in unit.pins]
     if case.controller is not None or case.chip or any("I2C-A" in unit.modules for unit in case.unit.values()):
         found += SIGNALS["I2C-A"]
-    return [*dict.fromkeys(found), *(["RX"] if case.host is not None else [])]
+    return [*dict.fromkeys(found), *(["RX"] if case.rx_sender else [])]
 
 
 def _named(case: Case) -> Iterator[tuple[str, int, str]]:
@@ -217,8 +217,8 @@ def _check(case: Case, entry: int, group: list[Node]) -> None:
         for module, signal in [module_pins(case, unit).get(pin, ("", ""))]
         if signal == "TX"
     )
-    if case.host is not None and "RX" in names:
-        drivers.append("the host")
+    if case.rx_sender and "RX" in names:
+        drivers.append(case.rx_sender)
     if len(drivers) > 1:
         what = f"{' and '.join(drivers)} would drive one wire; give each of them a wire, or a transceiver to share one"
         raise case.mistake(what, "cable", entry)
@@ -253,7 +253,7 @@ class _Names:
             return self._pin(unit, pin)
         module, signal = self._usual[unit][pin]
         alone = len(self._owners[module]) == 1
-        if module == "SCI-A" and (alone or (signal == "RX" and self._case.host is not None)):
+        if module == "SCI-A" and (alone or (signal == "RX" and self._case.rx_sender)):
             return signal
         return f"{module}.{signal}" if alone else f"{unit}.{module}.{signal}"
 

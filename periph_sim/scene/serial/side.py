@@ -174,6 +174,8 @@ class SerialSide:
         others = [f"{one.unit}.{one.module}.TX" for one in self._lines.values() if one.tx == sci.rx]
         if self._case.host is not None and sci.rx == "RX":
             others.append("the host")
+        if self._case.outside is not None and sci.rx in self._case.outside.wires:
+            others.append("the outside")
         if others:
             what = f"{others[0]} drives the RX of {sci.unit}.{sci.module} already, and one line has one sender"
             raise self._case.mistake(f"{what}; send to another SCI, or leave the other one out", *place, "to")

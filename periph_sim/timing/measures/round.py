@@ -40,9 +40,17 @@ class MissedRounds(Counter):
     asked = "rounds due"
 
     @property
+    def silent(self) -> bool:
+        """No round was due, as where an outside controller asks for something else."""
+        return not self.occasions
+
+    @property
     def measured(self) -> int:
         """Of a round that is due it is always known whether it began."""
         return self.occasions or 0
+
+    def missing(self) -> str:
+        return "no round was due"
 
     def listen(self, scene: SceneEvents) -> None:
         scene.on_round_due(self.occasion)
@@ -57,8 +65,15 @@ class NackedRounds(RoundMeasure, Counter):
         super().listen(scene)
 
     @property
+    def silent(self) -> bool:
+        return not self._rounds
+
+    @property
     def measured(self) -> int:
         return self._rounds
+
+    def missing(self) -> str:
+        return "no round was completed"
 
     def round(self, over: Round) -> None:
         self._rounds += over.due >= self.not_before

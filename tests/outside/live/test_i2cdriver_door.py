@@ -30,10 +30,8 @@ class Served:
     """A client's end of it, and the loop, stepped by the test."""
 
     def __init__(self, folder: Path, log: Path | None = None, pace: int = 0) -> None:
-        ready = case_for_bus(written(folder))
-        self.left_out = ready.left_out
         self.records = Records()
-        self.session = Session(ready.case, ready.wires, log=log, subscribe=self.records.subscribe)
+        self.session = Session(case_for_bus(written(folder)), log=log, subscribe=self.records.subscribe)
         self.door = I2cDriverDoor(self.session)
         self.file = os.open(self.door.path, os.O_RDWR | os.O_NOCTTY)
         tty.setraw(self.file)
@@ -62,13 +60,14 @@ def test_commands_are_done_in_their_own_time_and_the_controller_gives_way(tmp_pa
     served.passes("1 ms")
     result = served.session.finish()
     served.close()
-    assert served.left_out == ("all rounds",) and [one.name for one in result.budgets] == ["work"]
-    assert result.wire_bytes == 5 and result.verdict == "pass"
+    assert result.notes == ["SDA and SCL are driven from outside, in place of [controller]"]
+    assert [(one.name, one.verdict) for one in result.budgets] == [("all rounds", "not judged"), ("work", "pass")]
+    assert result.wire_bytes == 5 and result.counts["rounds"] == 0  # the case asks from 0 on, and this was from 1 on
     files, target = files_of(log, str(tmp_path / "again"))
     target.write_text(files[target])
     again = Records()
-    made = load(target)
-    assert made.controller is None and Scene(made, again.subscribe).run().wire_bytes == 5
+    replayed = Scene(load(target), again.subscribe).run()
+    assert (replayed.notes, replayed.budgets, replayed.wire_bytes) == (result.notes, result.budgets, 5)
     assert again.kept == served.records.kept
 
 
@@ -116,10 +115,10 @@ def test_who_reads_no_answers_is_not_heard_until_it_does(tmp_path: Path, monkeyp
 def test_what_it_cannot_have(tmp_path: Path) -> None:
     taken = tmp_path / "taken"
     taken.touch()
-    session = Session(case_for_bus(written(tmp_path)).case, ("SDA", "SCL"))
+    session = Session(case_for_bus(written(tmp_path)))
     with pytest.raises(OutsideError, match="taken: File exists; give the link another name"):
         I2cDriverDoor(session, taken)
     with pytest.raises(OutsideError, match="SCL of case registers does not lead outside"):
-        I2cDriverDoor(Session(session.case, ("SDA",)))
+        I2cDriverDoor(Session(load(written(tmp_path)), ("SDA",)))
     with pytest.raises(BadCase, match="cpu lode"):
         case_for_bus(written(tmp_path), ("budget.1.measure=cpu lode",))

@@ -1,0 +1,106 @@
+"""Which parties of a case the outside replaces: a case with [outside] goes in; the case that is built comes out.
+
+    the outside drives    it replaces      judged from then on
+    SDA and SCL           [controller]     rounds, requests and bytes, from the wires: its requests become [rounds]
+    RX                    [host]           all but the budgets that need the host's frames
+
+A case is changed when it is loaded, when a session names other lines, and when its scene is built, always here: so
+sessions, simulators, served ports and replays follow one rule. With `beside_outside = true` a [controller] stays: the
+outside is then a second controller, or a device.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..core.time import Timebase
+from ..timing.budget_plan import BadBudget, BudgetPlan, plan_of
+from ..timing.measures.measure import Measure
+from .case.model import Case, OutsideTable
+from .limits import limits_of
+from .scope import scope_of_case
+
+BUS = frozenset(("SDA", "SCL"))
+
+
+def drives_bus(case: Case) -> bool:
+    """Whether the outside drives both lines of the I2C bus."""
+    return case.outside is not None and BUS.issubset(case.outside.wires)
+
+
+def as_driven(case: Case) -> Case:
+    """The case without the parties that the outside replaces; `replaced` of it has a sentence for each of them.
+
+    Budgets that need such a party are left out, by name. BadCase, with its line, for a budget that is wrong anyway.
+    """
+    outside, controller = case.outside, case.controller
+    if outside is None:
+        return case
+    if controller is not None and drives_bus(case):
+        if controller.beside_outside:
+            sentence = "SDA and SCL are driven from outside, beside [controller]"
+            case = case.model_copy(update={"_replaced": case._replaced | {"": sentence}})
+        else:
+            rounds = {"controller": None, "rounds": controller.as_rounds()}
+            case = _without("controller", "SDA and SCL", case, case.model_copy(update=rounds))
+    if case.host is not None and "RX" in outside.wires:
+        case = _without("host", "RX", case, case.model_copy(update={"host": None}))
+    return case
+
+
+def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
+    """The case as it is built where the outside drives these wires, instead of those that its [outside] names.
+
+    BadCase where its [outside] names more, and so replaced a party that would now be missing.
+    """
+    for party, lines in (("controller", BUS), ("host", frozenset(("RX",)))):
+        if party in case._replaced and not lines.issubset(wires):
+            what = f"the wires that it names replace [{party}], and {' and '.join(wires)} alone would not"
+            raise case.mistake(f"{what}; name those too, or take [outside] out of the case", "outside", "wires")
+    return as_driven(case.model_copy(update={"outside": OutsideTable(wires=wires)}))
+
+
+def _without(party: str, lines: str, case: Case, driven: Case) -> Case:
+    """The driven case with the budgets that it can judge. lines: on which it takes the place of a party."""
+    kept = tuple(budget for budget, judged in zip(case.budget, _judged(case, driven), strict=True) if judged)
+    names = [budget.name for budget in kept]
+    left_out = ", ".join(repr(budget.name) for budget in case.budget if budget.name not in names)
+    sentence = f"{lines} {'are' if ' ' in lines else 'is'} driven from outside, in place of [{party}]"
+    if left_out:
+        sentence += f"; left out, since nothing else can judge them: {left_out}"
+    update: dict[str, object] = {
+        "budget": kept,
+        "breaks": tuple(name for name in case.breaks if name in names),
+        "_all_budgets": case._all_budgets or case.budget,
+        "_replaced": case._replaced | {party: sentence},
+    }
+    if driven.host is None:  # there are no frames to compare with
+        for key, table in (("controller", driven.controller), ("rounds", driven.rounds)):
+            if table is not None and table.check == "host":
+                update[key] = table.model_copy(update={"check": "expect"})
+    return driven.model_copy(update=update)
+
+
+def _judged(case: Case, driven: Case) -> Iterator[bool]:
+    """Of each budget, whether the driven case can judge it."""
+    timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
+    start = timebase.ticks(case.start, "nearest")
+    limits_of(case, scope_of_case(case), timebase, start)  # BadCase for what is wrong with or without the party
+    rounds = case.controller or case.rounds
+    lost = case.host is not None and driven.host is None
+    compares = rounds is not None and rounds.check == "host"
+    scope = scope_of_case(driven)
+    for budget in case.budget:
+        try:
+            plan = plan_of(budget, timebase, scope, start)
+        except BadBudget:
+            yield False
+        else:
+            needs_host = any(measure.needs == "host" for measure in _measures(plan))
+            yield not (lost and (needs_host or (compares and budget.measure == "wrong bytes")))
+
+
+def _measures(plan: BudgetPlan) -> Iterator[Measure]:
+    yield plan.make()
+    for _, part in plan.joined:
+        yield from _measures(part)

@@ -1,0 +1,69 @@
+"""The log of a session that was cut off anywhere: what is whole is replayed, and what is missing is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.commands.live_case import files_of
+from periph_sim.outside import Session, replay
+from periph_sim.outside.live.case_for_line import case_for_line
+from periph_sim.scene.case.load import load
+from periph_sim.scene.outside_log import BadLog, LogReader
+from periph_sim.scene.scene import Scene
+from tests.outside.live.echo import written
+
+
+@pytest.fixture
+def session(tmp_path: Path) -> Path:
+    """The log of a session in which two bytes were sent."""
+    log = tmp_path / "live.jsonl"
+    with Session(case_for_line(written(tmp_path), "scia"), log=log) as session:
+        line = session.serial("scia")
+        session.advance(session.ticks("1 ms"))
+        line.write(b"ab")
+        session.advance(session.ticks("2 ms"))
+        session.finish()
+    return log
+
+
+def test_a_log_cut_at_every_byte_is_read_to_its_last_whole_line_or_refused_in_a_sentence(session: Path) -> None:
+    data, cut = session.read_bytes(), session.with_name("cut.jsonl")
+    whole = list(LogReader(session).instants())
+    assert len(whole) > 8 and data.isascii()
+    for size in range(len(data)):
+        cut.write_bytes(data[:size])
+        lines = data[:size].count(b"\n")
+        if lines < 3:  # the head, the wire that is driven by bytes
+            with pytest.raises(BadLog, match=rf"{cut.name}, line [123]: found no"):
+                list(LogReader(cut).instants())
+            continue
+        reader = LogReader(cut)
+        assert list(reader.instants()) == whole[: lines - 2]
+        rest = size - data.rfind(b"\n", 0, size) - 1
+        said = f", and of the line after it only {rest} character{'s' * (rest > 1)} remain" if rest else ""
+        ended = f"{cut} has no end: its session was ended before it was finished, so the replay ends with line {lines} "
+        assert reader.unfinished == f"{ended}of the log{said}"
+    reader = LogReader(session)
+    assert list(reader.instants()) == whole and not reader.unfinished
+
+
+def test_a_killed_session_is_replayed_with_the_bytes_that_it_sent_and_a_note(session: Path, tmp_path: Path) -> None:
+    lines = session.read_text().splitlines(keepends=True)
+    session.write_text("".join(lines[:-1]) + lines[-1][:4])
+    result = replay(case_for_line(tmp_path / "echo.toml", "scia"), session)
+    assert result.sci_bytes == 2
+    sentence = f"{session} has no end: its session was ended before it was finished, so the replay ends with line"
+    assert [note.startswith(sentence) for note in result.notes] == [True]
+    files, target = files_of(session, str(tmp_path / "again"))
+    target.write_text(files[target])
+    again = Scene(load(target)).run()
+    assert again.sci_bytes == 2 and len(again.notes) == 1 and " has no end: " in again.notes[0]
+
+
+def test_bytes_are_counted_on_the_wire_where_levels_are_all_that_is_known(session: Path, tmp_path: Path) -> None:
+    """As a simulator drives RX: no one says where a byte begins."""
+    lines = [line for line in session.read_text().splitlines(keepends=True) if "serial" not in line]
+    session.write_text("".join(line.replace(', ["RX"]]', "]") for line in lines))
+    assert replay(case_for_line(tmp_path / "echo.toml", "scia"), session).sci_bytes == 2

@@ -1,0 +1,186 @@
+"""Who drives the bus: the outside replaces [controller] on SDA and SCL, and [host] on RX, in every interface."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from periph_sim.commands.live_case import files_of
+from periph_sim.outside import Session, replay
+from periph_sim.outside.drivers import I2C, I2cDriverPort
+from periph_sim.outside.live.case_for_line import case_for_bus, case_for_line
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase, Case
+from periph_sim.scene.result import Result
+from periph_sim.scene.scene import Scene
+from tests.outside.sessions import BUS, case
+from tests.scene.runs import TIMING
+
+FIRMWARE = TIMING.parent / "firmware" / "python" / "responder.py"
+REPLACED = "SDA and SCL are driven from outside, in place of [controller]"
+REQUEST = {"name": "four", "address": 0x50, "pointer": 0, "count": 4, "expect": "01 02 03 04"}
+CONTROLLER = {"period": "1 ms", "first": "2 ms", "request": [REQUEST]}
+BUDGETS = [
+    {"name": "missed", "measure": "missed rounds", "max": 0},
+    {"name": "nacked", "measure": "nacked rounds", "max": 0},
+    {"name": "round", "measure": "round", "max": "800 us"},
+    {"name": "wrong bytes", "measure": "wrong bytes", "max": 0},
+]
+
+
+def asked(**controller: Any) -> Case:
+    """The responder, and a controller that asks it for four bytes each millisecond."""
+    return case(controller=CONTROLLER | controller, budget=BUDGETS)
+
+
+def three_rounds(session: Session) -> None:
+    """Each a millisecond after the one before, as a driver makes them."""
+    for number in range(1, 4):
+        session.advance(session.ticks(f"{number} ms"))
+        assert session.i2c.transfer(0x50, b"\x00", 4) == b"\x01\x02\x03\x04"
+    session.advance(session.ticks("4.2 ms"))
+
+
+def check(result: Result) -> None:
+    """Three rounds of seven bytes, judged from the wires, and nothing of a [controller]."""
+    assert result.notes[0] == REPLACED
+    assert (result.wire_bytes, result.counts["rounds"], result.counts["missed"]) == (3 * 7, 3, 0)
+    assert [(one.name, one.verdict, one.count) for one in result.budgets] == [
+        ("missed", "pass", 3),
+        ("nacked", "pass", 3),
+        ("round", "pass", 3),
+        ("wrong bytes", "pass", 12),
+    ]
+
+
+def test_a_session_and_the_replay_of_its_log(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    session = Session(asked(), BUS, log=log)
+    three_rounds(session)
+    check(session.finish())
+    check(replay(asked(), log))
+    given = {"wires": list(BUS), "log": str(log)}
+    logged = case(controller=CONTROLLER, budget=BUDGETS, outside=given)
+    check(Scene(logged).run(Fraction("0.0042")))
+
+
+def test_a_driver_of_the_bus() -> None:
+    with Session(asked(), BUS) as session:
+        bus, got = I2C(session), bytearray(4)
+        for number in range(1, 4):
+            session.advance(session.ticks(f"{number} ms"))
+            bus.writeto_then_readfrom(0x50, b"\x00", got)
+            assert got == b"\x01\x02\x03\x04"
+        session.advance(session.ticks("4.2 ms"))
+        check(session.finish())
+
+
+def test_a_driver_with_a_port_of_its_own() -> None:
+    with I2cDriverPort(asked(), BUS) as port:
+        pass
+    assert port.result is not None and port.result.notes[0] == REPLACED
+
+
+def test_a_served_bus_and_the_case_that_new_makes_of_it(tmp_path: Path) -> None:
+    path, log = tmp_path / "case.toml", tmp_path / "live.jsonl"
+    text = (TIMING / "responder.toml").read_text()
+    path.write_text(text.replace('firmware = "responder"', f'firmware = "{FIRMWARE}"'))
+    session = Session(case_for_bus(path), log=log)
+    session.advance(session.ticks("1 ms"))
+    session.i2c.transfer(0x50, b"\x00", 16)
+    session.advance(session.ticks("5 ms"))
+    live = session.finish()
+    files, target = files_of(log, str(tmp_path / "again"))
+    target.write_text(files[target])
+    again = Scene(load(target)).run()
+    assert live.notes == again.notes == [REPLACED]
+    assert live.budgets == again.budgets and [one.verdict for one in again.budgets] == ["pass"] * 3
+
+
+def test_a_served_line_replaces_the_host_with_the_budgets_that_need_its_frames() -> None:
+    served = case_for_line(TIMING / "imu_hil.toml", "scia")
+    (sentence,) = served.replaced
+    assert sentence == (
+        "RX is driven from outside, in place of [host]; left out, since nothing else can judge them: "
+        "'wrong bytes', 'data age'"
+    )
+    assert served.host is None and served.controller is not None and served.controller.check == "expect"
+    session = Session(served)
+    line = session.serial("scia")
+    line.write(bytes(12))
+    session.advance(session.ticks("2 ms"))
+    result = session.finish()
+    assert (result.notes[0], result.sci_bytes) == (sentence, 12)
+    assert {one.name for one in result.budgets}.isdisjoint({"wrong bytes", "data age"})
+
+
+def test_a_mistake_is_told_with_its_line_in_the_file_whatever_was_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    text = (TIMING / "imu_hil.toml").read_text().replace('firmware = "imu_hil"', f'firmware = "{FIRMWARE}"')
+    path.write_text(text + '\n[outside]\nwires = ["RX"]\n')
+    made = load(path)
+    line = text.splitlines().index('name = "SCI overruns"') + 2
+    last = len(made.budget) - 1
+    assert str(made.mistake("x", "budget", last, "measure")).startswith(f"{path}, line {line}: budget.SCI overruns")
+    assert made.line("budget", last) == line - 2
+
+
+def test_rounds_are_due_as_often_as_the_controller_asks() -> None:
+    session = Session(asked(rounds=3), BUS)
+    three_rounds(session)
+    session.advance(session.ticks("40 ms"))
+    assert session.finish().counts["missed"] == 0
+    session = Session(asked(), BUS)
+    three_rounds(session)
+    session.advance(session.ticks("40 ms"))
+    assert session.finish().counts["missed"] == 36
+
+
+def test_requests_that_nobody_acknowledges_are_counted_on_the_wires() -> None:
+    session = Session(asked(), BUS)
+    session.advance(session.ticks("1 ms"))
+    assert session.i2c.transfer(0x22, b"\x00", 1) is None
+    result = session.finish()
+    assert result.counts["nacked"] == 1
+    assert [one.verdict for one in result.budgets] == ["not judged"] * 4  # the case's requests were not among those
+
+
+def test_both_are_on_the_bus_where_the_case_says_so() -> None:
+    session = Session(asked(beside_outside=True, rounds=1), BUS)
+    session.advance(session.ticks("3 ms"))  # its round is over
+    assert session.i2c.transfer(0x50, b"\x00", 4) == b"\x01\x02\x03\x04"
+    assert session.i2c.transfer(0x22, b"\x00", 4) is None
+    session.advance(session.ticks("4 ms"))
+    result = session.finish()
+    assert result.notes[0] == "SDA and SCL are driven from outside, beside [controller]"
+    assert result.wire_bytes == 7 + 7 + 1  # bytes of both, as the wires have them
+    assert result.counts["nacked"] == 1
+
+
+def test_one_of_the_two_lines_alone_replaces_nobody() -> None:
+    session = Session(asked(), ("SDA",))
+    session.advance(session.ticks("3.9 ms"))
+    result = session.finish()
+    assert result.counts["rounds"] == 2 and not any("outside" in note for note in result.notes)
+
+
+def test_events_that_only_the_controller_tells_are_left_out() -> None:
+    budget = [*BUDGETS, {"name": "clears", "measure": "count of bus clear", "max": 0}]
+    made = case(controller=CONTROLLER, budget=budget, outside={"wires": list(BUS)})
+    assert made.replaced == (f"{REPLACED}; left out, since nothing else can judge them: 'clears'",)
+    assert [one.name for one in made.budget] == [one["name"] for one in BUDGETS]
+
+
+def test_a_session_cannot_bring_back_what_the_case_s_own_outside_replaced() -> None:
+    made = case(controller=CONTROLLER, outside={"wires": list(BUS)})
+    with pytest.raises(BadCase, match=r"the wires that it names replace \[controller\], and SDA alone would not"):
+        Session(made, ("SDA",))
+
+
+def test_a_table_that_sends_on_the_same_wire_is_refused() -> None:
+    send = {"send": [{"name": "a", "to": "dsp.SCI-A", "bytes": "01", "at": "1 ms"}]}
+    with pytest.raises(BadCase, match=r"the outside drives the RX of dsp\.SCI-A already, and one line has one sender"):
+        Session(case("uart_logger", ("SCI-A",), serial=send), ("RX",))

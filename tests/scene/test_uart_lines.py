@@ -1,0 +1,45 @@
+"""Who listens to an SCI's lines changes nothing on them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from periph_sim.api import make_case
+from periph_sim.firmware import start_sci
+from periph_sim.outside import Change, Session
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.uart_side import UartSide
+
+LINES = ("RX", "TX")
+CYCLE = 20  # ticks
+
+
+def echo(dsp: Any, settings: Any) -> None:
+    """Each character comes back plus one."""
+    sci = start_sci(dsp, "SCI-A", 0, 7, fifo=False)  # a bit of 64 cycles at 2.34 MBd
+    while True:
+        dsp.spin(lambda: sci.SCIRXST.RXRDY == 1)
+        word = sci.SCIRXBUF.RXDT
+        dsp.spin(lambda: sci.SCICTL2.TXRDY == 1)
+        sci.SCITXBUF.all = word + 1 & 0xFF
+
+
+def answers(phase: int) -> list[Change]:
+    """How TX moves where twelve characters begin `phase` cycles late."""
+    case = make_case(name="echo", duration="1 ms", unit={"dsp": {"firmware": "echo", "modules": ["SCI-A"]}})
+    session = Session(case, LINES, programs={"dsp": Firmware("echo", echo, None)})
+    line = session.serial("scia", 2_343_750)
+    found = session.advance(session.ticks("20 us") + phase * CYCLE)
+    line.write(bytes(range(0x50, 0x5C)))
+    found += session.advance(session.ticks("120 us"))
+    return [change for change in found if change.line == "TX"]
+
+
+def test_counting_characters_moves_no_edge_whatever_falls_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rate is read at a start bit, perhaps in the cycle in which the SCI begins to send."""
+    counted = [answers(phase) for phase in range(64)]
+    monkeypatch.setattr(UartSide, "count", lambda side, wires: None)
+    assert counted == [answers(phase) for phase in range(64)]
+    assert all(len(changes) > 60 for changes in counted)

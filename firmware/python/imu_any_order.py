@@ -23,7 +23,7 @@ from periph_sim.firmware import sci_fifo_receiver, start_pie, start_pin
 from periph_sim.processor.dsp import Dsp
 
 from .imu_hil import ACCELEROMETER, FRAME_BYTES, GYROSCOPE, MAGNETOMETER
-from .imu_models import ModelSettings, models_of, shown
+from .imu_models import NO_FRAME, ModelSettings, models_of, shown
 from .register_slave import Registers
 from .slave_module import SlaveModule
 from .slave_pins import PinCosts, SlavePins
@@ -98,12 +98,12 @@ class Emulator:
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp
         self.settings = settings
-        self.frame = bytes(FRAME_BYTES)
+        self.frame = NO_FRAME
         self.frame_waits = False  # for the models
         self.chips = {address: Chip(address) for address in settings.addresses}
         self.pie = dsp.module("PIE")
         self.sci = dsp.module("SCI-A") if dsp.has("SCI-A") else None
-        self.cost, self.models = settings.run_cost, models_of(settings)
+        self.cost, self.models = settings.run_cost, models_of(settings, dsp)
 
     def sci_received(self) -> None:
         """SCIRXINTA: the FIFO holds a whole frame."""

@@ -22,7 +22,7 @@ from periph_sim.core.settings import Duration, HexBytes
 from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pie, start_pin
 from periph_sim.processor.dsp import Dsp
 
-from .imu_models import ModelSettings, models_of, shown
+from .imu_models import NO_FRAME, ModelSettings, models_of, shown
 
 FRAME_BYTES = 12
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
@@ -49,11 +49,11 @@ class Emulator:
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp
         self.settings = settings
-        self.frame = bytes(FRAME_BYTES)
+        self.frame = NO_FRAME
         self.frame_waits = False  # for the models
         self.data = {address: bytes(6) for address in (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)}
         self.i2c = dsp.module("I2C-A")
-        self.cost, self.models = settings.run_cost, models_of(settings)
+        self.cost, self.models = settings.run_cost, models_of(settings, dsp)
         self.sci = dsp.module("SCI-A") if dsp.has("SCI-A") else None
         self.pie = dsp.module("PIE") if dsp.has("SCI-A") else None
 

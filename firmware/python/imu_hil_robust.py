@@ -30,7 +30,7 @@ from periph_sim.processor.dsp import Dsp
 from periph_sim.processor.python.register_view import ModulePort
 
 from .imu_hil import ACCELEROMETER, FRAME_BYTES, GYROSCOPE, MAGNETOMETER, endless
-from .imu_models import ModelSettings, models_of, shown
+from .imu_models import NO_FRAME, ModelSettings, models_of, shown
 
 RRDY, XRDY, SCD, AAS, SDIR = 1 << 3, 1 << 4, 1 << 5, 1 << 9, 1 << 14  # I2CSTR
 IRS, FREE = 1 << 5, 1 << 14  # I2CMDR
@@ -71,7 +71,7 @@ class Emulator:
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp
         self.settings = settings
-        self.frame = bytes(FRAME_BYTES)
+        self.frame = NO_FRAME
         self.frame_waits = False  # for the models
         self.left = 0  # characters that waited in the FIFO when it was looked at last
         self.overdue = 0  # waits in vain since the next round was near
@@ -81,7 +81,7 @@ class Emulator:
         self.pie = dsp.module("PIE")
         self.round_timer = dsp.module("TIMER0")
         self.wait_timer = dsp.module("TIMER1")
-        self.cost, self.models = settings.run_cost, models_of(settings)
+        self.cost, self.models = settings.run_cost, models_of(settings, dsp)
 
     # SCI ---------------------------------------------------------------------
 

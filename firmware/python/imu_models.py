@@ -8,28 +8,35 @@ body rates are kept from one sample to the next, also where no new frame has com
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from struct import Struct
 from typing import Annotated, Any, Literal
 
 from periph_sim.core.settings import DurationRange, Spread
 from periph_sim.firmware import After, Before
+from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.sensor_sets import named as parameter_set
 from periph_sim.sensors.host_frame import ACCELERATION, ANGLE
 from periph_sim.sensors.models.counts import counts_of
-from periph_sim.sensors.models.imu import Imu, Noise
+from periph_sim.sensors.models.imu import Imu, Noise, State
 from periph_sim.sensors.models.parameters import ImuParameters
 from periph_sim.sensors.numeric import arithmetic_names as named
 from periph_sim.sensors.numeric.estimate import estimate
-from periph_sim.sensors.shared_models import ModelNoise, model_of
+from periph_sim.sensors.shared_models import ModelNoise, model_of, overflows_of
 
 FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")
 MEASURED = Spread(Fraction(250, 1_000_000), Fraction(250, 1_000_000))  # dissertation, section 5.4
 NOTHING = Spread(Fraction(0), Fraction(0))
+NO_FRAME = bytes(FRAME.size)  # what the models work on until a frame has come
 BYTES = "bytes"  # no models: the chips show the values of the frame
+
+
+def _ignore() -> None:
+    """Do nothing with an overflow."""
 
 
 @cache
@@ -88,18 +95,35 @@ class ModelSettings:
 
 
 class Models:
-    """arithmetic: "float64", "q16", ... noise_seed: of the sensors' noise, whose sample n goes into the n-th call."""
+    """The sensor models of one emulator, with the attitude and body rates of the last sample.
 
-    def __init__(self, arithmetic: str, parameters: ImuParameters, noise_seed: int | None = None) -> None:
+    The first frame has no attitude before it, so its rates are zero: from the zeros before it the host's attitude would
+    have turned within one period, at a rate that no gyroscope shows and that Q16 cannot hold.
+    arithmetic: "float64", "q16", ...
+    noise_seed: of the sensors' noise, whose sample n goes into the n-th call.
+    on_overflow: called once for each result of a call that did not fit its Q format.
+    """
+
+    def __init__(
+        self,
+        arithmetic: str,
+        parameters: ImuParameters,
+        noise_seed: int | None = None,
+        on_overflow: Callable[[], None] = _ignore,
+    ) -> None:
         self._model = model_of(arithmetic, parameters)
         self._a = self._model.a
         self._state = self._model.at_rest
+        self._on_overflow = on_overflow
         self._quiet = self._a.name != "float32"  # numpy's arithmetic warns, Python's does not
         self._noise = ModelNoise(arithmetic, parameters, noise_seed)
         self._number = 0
 
     def chips(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
-        """Data registers of gyroscope, accelerometer and magnetometer, in the order in which they are read."""
+        """Return the data registers of gyroscope, accelerometer and magnetometer, in the order in which they are read.
+
+        frame: twelve bytes; NO_FRAME itself, the object, if no frame has come, which leaves nothing to the next sample.
+        """
         if self._quiet:
             return self._computed(frame)
         import numpy as np
@@ -108,11 +132,18 @@ class Models:
             return self._computed(frame)
 
     def _computed(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
-        scaled, model = self._a.scaled, self._model
+        scaled, model, before = self._a.scaled, self._model, overflows_of(self._model)
         roll, pitch, yaw, x, y, z = FRAME.unpack(frame)
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
-        codes, self._state = model.step(attitude, pushed, self._added(), self._state)
+        last = self._state
+        if last is model.at_rest:
+            last = State(attitude, last.body)
+        codes, state = model.step(attitude, pushed, self._added(), last)
+        if frame is not NO_FRAME:
+            self._state = state
+        for _ in range(overflows_of(model) - before):
+            self._on_overflow()
         x, y, z = codes.magnetometer
         return BIG.pack(*map(int, codes.gyroscope)), LITTLE.pack(*map(int, codes.accelerometer)), _swapped(x, y, z)
 
@@ -123,11 +154,15 @@ class Models:
         return added
 
 
-def models_of(settings: ModelSettings) -> Models | None:
-    """None where the chips show the values of frames."""
+def models_of(settings: ModelSettings, dsp: Dsp) -> Models | None:
+    """Return the models that a case asks for, or None where the chips show the values of frames.
+
+    Overflows are reported to `dsp`.
+    """
     if settings.arithmetic == BYTES:
         return None
-    return Models(settings.arithmetic, settings.parameters, settings.noise_seed)
+    on_overflow = partial(dsp.report_overflow, f"a result of the sensor models does not fit {settings.arithmetic}")
+    return Models(settings.arithmetic, settings.parameters, settings.noise_seed, on_overflow)
 
 
 def shown(frame: bytes) -> tuple[bytes, bytes, bytes]:

@@ -25,7 +25,8 @@ class Note(NamedTuple):
     """Something worth telling that is no fault of the simulation.
 
     code: "duty" where firmware does what the manual forbids, "lost" where data or a
-    request went missing, "unknown" where the model cannot know what silicon does.
+    request went missing, "unknown" where the model cannot know what silicon does,
+    "overflow" where a result of fixed-point arithmetic does not fit.
     joint, member: notes that share the first are one for people, with a list of the second.
     """
 

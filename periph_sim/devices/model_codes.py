@@ -67,14 +67,18 @@ class ModelCodes:
         self.at_rest = Shown(None, self._model.at_rest, ())
 
     def run(self, number: int, values: tuple[int, ...], before: Shown) -> Shown:
-        """Run `number` of the models, from 0, on the values of a frame."""
+        """Return what run `number` of the models, from 0, makes of the values of a frame.
+
+        The first frame behind `at_rest` has no attitude before it, so its rates are zero.
+        """
         scaled, model, last = self._a.scaled, self._model, before.state
         roll, pitch, yaw, x, y, z = values
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
         noise = self._noise.at(number)
         model.check(attitude, pushed, noise)
-        turned, body = self._quietly(model.motion, (attitude, last.attitude))
+        attitude_before = attitude if last is model.at_rest else last.attitude
+        turned, body = self._quietly(model.motion, (attitude, attitude_before))
         return Shown(self, State(attitude, body), (turned, pushed, body, last.body, noise))
 
     def of_chip(self, name: str, inputs: tuple[Any, ...]) -> Any:

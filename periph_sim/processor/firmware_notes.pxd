@@ -7,7 +7,7 @@ from ..core.time cimport Clock
 
 @cython.final
 cdef class FirmwareNotes:
-    cdef public dict counts, places
+    cdef public dict counts, first_at, places
     cdef public bint strict, placed
     cdef Clock _clock
     cdef Kernel _kernel

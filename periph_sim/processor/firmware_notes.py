@@ -13,13 +13,24 @@ from .source_location import SourceLocation
 
 
 class FirmwareNotes:
-    """counts: how often each note was made. places: where it was first, where that is known.
+    """counts: how often each note was made. first_at: the tick of the first. places: where it was first, if known.
 
     strict: a duty that the firmware breaks ends the run. placed: writes keep where they were issued until they land,
     which costs little in an image.
     """
 
-    __slots__ = ("_clock", "_kernel", "_name", "_place", "_recorder", "counts", "placed", "places", "strict")
+    __slots__ = (
+        "_clock",
+        "_kernel",
+        "_name",
+        "_place",
+        "_recorder",
+        "counts",
+        "first_at",
+        "placed",
+        "places",
+        "strict",
+    )
 
     def __init__(
         self,
@@ -32,6 +43,7 @@ class FirmwareNotes:
     ) -> None:
         """place: the statement of the firmware that is to blame for what happens now; None where there is none."""
         self.counts: dict[Note, int] = {}
+        self.first_at: dict[Note, int] = {}
         self.places: dict[Note, SourceLocation] = {}
         self.strict = self.placed = strict
         self._kernel = kernel
@@ -51,6 +63,7 @@ class FirmwareNotes:
         tick = self._clock.tick(cycle)
         self._insist(note, self._name, max(tick, self._kernel.now))
         if note not in self.counts:
+            self.first_at[note] = tick
             where = self._place()
             if where is not None:
                 self.places[note] = where

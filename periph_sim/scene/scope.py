@@ -42,6 +42,7 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
         tuple(dict.fromkeys(lines)),
         pairs,
         {name: _ImageNames(unit.image) for name, unit in case.unit.items() if unit.image},
+        next((name for name, unit in case.unit.items() if not unit.firmware), ""),
     )
 
 

@@ -94,6 +94,9 @@ def notes_of(scene: Scene) -> list[str]:
         for note, n in dsp.processor.notes.counts.items():
             place = dsp.processor.notes.places.get(note)
             where = f", {'first ' * (n > 1)}at {place.for_people()}" if place else ""
+            if note.code == "overflow":
+                at = scene.timebase.show(dsp.processor.notes.first_at[note] - scene.start)
+                where = f", first at {at}" + (f", {place.for_people()}" if place else "")
             lines.append(f"{name}: {note.text} [{note.source}] ({counted(n, 'time')}{where})")
         if dsp.watchdog_resets:
             first, place = dsp.watchdog_resets[0]

@@ -9,8 +9,9 @@ as in Q: of floats, 0.0 equals -0.0 and is another number.
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import Any
+from collections.abc import Callable
+from functools import lru_cache, partial
+from typing import Any, TypeVar
 
 from .imu_noise import ImuNoise
 from .models.angles import Angles
@@ -20,19 +21,24 @@ from .numeric import arithmetic_names as named
 from .numeric.q import Q
 from .numeric.vectors import Triple
 
+R = TypeVar("R")
+
 REMEMBERED = 16  # samples: more than one run of a scene's models may have been made of
 
 
 class RememberingImu(Imu[int]):
-    """An Imu in Q that knows the last samples."""
+    """An Imu in Q that knows the last samples. overflows: of all samples asked for, remembered ones included."""
 
     def __init__(self, a: Q, imu: ImuParameters) -> None:
         super().__init__(a, imu)
-        self._motion = lru_cache(REMEMBERED)(super().motion)
-        self._codes_of = lru_cache(3 * REMEMBERED)(super().codes_of)
+        self.overflows = 0
+        self._motion = lru_cache(REMEMBERED)(partial(_with_overflows, a, super().motion))
+        self._codes_of = lru_cache(3 * REMEMBERED)(partial(_with_overflows, a, super().codes_of))
 
     def motion(self, attitude: Triple[int], before: Triple[int]) -> tuple[Angles[int], Triple[int]]:
-        return self._motion(attitude, before)
+        made, overflows = self._motion(attitude, before)
+        self.overflows += overflows
+        return made
 
     def codes_of(
         self,
@@ -43,7 +49,20 @@ class RememberingImu(Imu[int]):
         body_before: Triple[int],
         noise: Noise[int],
     ) -> Triple[int]:
-        return self._codes_of(chip, turned, acceleration, body, body_before, noise)
+        codes, overflows = self._codes_of(chip, turned, acceleration, body, body_before, noise)
+        self.overflows += overflows
+        return codes
+
+
+def _with_overflows(a: Q, compute: Callable[..., R], *arguments: Any) -> tuple[R, int]:
+    """Return what is computed, and how many of its results did not fit."""
+    before = a.overflows
+    return compute(*arguments), a.overflows - before
+
+
+def overflows_of(model: Imu[Any]) -> int:
+    """Return how many results did not fit since the model was made; 0 for floats, which have no such limit."""
+    return model.overflows if isinstance(model, RememberingImu) else 0
 
 
 @lru_cache(maxsize=16)

@@ -131,6 +131,7 @@ BREAKS = {
     "CPU load": before("dsp.clear_pin(settings.pin)", "dsp.compute(60000)"),
     "lost flags": before("i2c.I2CSTR.SCD = 1", "dsp.compute(16000)"),
     "wrong bytes": Break("`0x7F` instead of `0xFF` in `sci_received`", "SCIRXBUF.all & 0xFF", "SCIRXBUF.all & 0x7F"),
+    "overflows": setting("host.motion.angles.2.frequency='7 Hz'"),
     "data age": setting("host.frames=4"),
     "missed rounds": before(WRITE, "dsp.compute(600000)"),
     "nacked rounds": without("i2c.I2COAR.all = address"),

@@ -8,21 +8,26 @@ from struct import pack, unpack
 import numpy as np
 import pytest
 
-from firmware.python.imu_models import Models
+from firmware.python.imu_models import NO_FRAME, Models
 from periph_sim.devices.host_pc import ramp
 from periph_sim.scene.case.model import BadCase
 from periph_sim.sensors.models.arrays import codes_of
 from periph_sim.sensors.models.parameters import ImuParameters, MagnetometerParameters
-from tests.scene.runs import run_file
+from tests.scene.runs import Ran, run_file
 
 FLOAT = "unit.dsp.settings.arithmetic=float64"
 
 
 def expected(frames: int) -> list[list[str]]:
-    """What the sensor head reads after 0, 1, 2 ... frames, from whole arrays: the frame before the first is zeros."""
-    counts = np.array([(0,) * 6, *(ramp(n) for n in range(frames))], dtype=np.float64).T
-    codes = codes_of(ImuParameters(), tuple(counts[:3] * 1e-4), tuple(counts[3:] * 1e-3), before=(0.0, 0.0, 0.0))
-    rows = np.array([axis for chip in codes for axis in chip]).T.tolist()
+    """What the sensor head reads after 0, 1, 2 ... frames, from whole arrays: zeros at rest, then the frames alone."""
+    rows = []
+    for sent in ([(0,) * 6], [ramp(n) for n in range(frames)]):
+        counts = np.array(sent, dtype=np.float64).reshape(-1, 6).T
+        attitude = tuple(counts[:3] * 1e-4)
+        if counts.size:
+            first = (attitude[0][0], attitude[1][0], attitude[2][0])  # nothing came before it: its rates are 0
+            codes = codes_of(ImuParameters(), attitude, tuple(counts[3:] * 1e-3), before=first)
+            rows += np.array([axis for chip in codes for axis in chip]).T.tolist()
     return [
         [pack(">3h", *row[0:3]).hex(" "), pack("<3h", *row[3:6]).hex(" "), pack(">3h", row[6], row[8], row[7]).hex(" ")]
         for row in rows
@@ -132,3 +137,46 @@ def test_a_byte_that_no_model_makes_is_wrong():
 def test_models_are_checked_only_where_the_pin_tells_when_they_run():
     with pytest.raises(BadCase, match=r"controller\.check: .* give the unit pins = \{ MODEL = 34 \}"):
         run_file("imu_models", "0.01", *CHECKED, "unit.dsp.pins={}")
+
+
+FAST = "host.motion.angles.2.frequency=7 Hz"  # 60 degrees of yaw: up to 2639 deg/s, which a chip of 2000 deg/s clips
+
+
+def overflows(ran: Ran) -> tuple[int, str, str]:
+    """How many, the verdict, and the note of a run of imu_hil."""
+    found = {verdict.name: verdict for verdict in ran.result.budgets}["overflows"]
+    notes = [note for note in ran.result.notes if "does not fit" in note]
+    return found.count, found.verdict, " ".join(notes)
+
+
+def test_overflows_are_counted_and_the_first_has_its_time_and_line():
+    count, verdict, note = overflows(run_file("imu_hil", "0.1", FAST))
+    assert count and verdict == "fail"
+    assert note.startswith("dsp: a result of the sensor models does not fit q16 [IQmath guide V1.70] (")
+    assert f"({count} time" in note and ", first at " in note and "of imu_models.py)" in note
+
+
+def test_a_scene_that_is_run_again_reports_the_overflows_of_remembered_samples():
+    assert overflows(run_file("imu_hil", "0.1", FAST)) == overflows(run_file("imu_hil", "0.1", FAST))
+
+
+@pytest.mark.parametrize("arithmetic", ["float64", "float32"])
+def test_floats_have_no_overflows(arithmetic: str):
+    assert overflows(run_file("imu_hil", "0.1", FAST, f"unit.dsp.settings.arithmetic={arithmetic}"))[0] == 0
+
+
+@pytest.mark.parametrize("name", ["float64", "q16"])
+def test_the_first_frame_has_no_attitude_before_it_so_its_rates_are_0(name: str):
+    """Zeros, before any frame, are at rest; a frame of zeros that has come is an attitude like any other."""
+    models, quarter = Models(name, ImuParameters()), pack("<6h", 0, 0, 15708, 0, 0, 1000)
+    models.chips(NO_FRAME)
+    first, second = models.chips(quarter)[0], models.chips(quarter)[0]
+    assert first == second
+    turned = Models(name, ImuParameters())
+    turned.chips(bytes(12))
+    assert turned.chips(quarter)[0] != first
+
+
+def test_a_unit_that_reports_no_overflows_has_no_such_budget():
+    with pytest.raises(BadCase, match="overflows are counted by Python firmware that reports them, and dsp does"):
+        run_file("imu_hil_image", "0.001", 'budget=[{name="o", measure="overflows", max=0}]')

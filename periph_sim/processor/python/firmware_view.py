@@ -11,6 +11,7 @@ from fractions import Fraction
 from random import Random
 from typing import Literal
 
+from ...core.chip import Note
 from ...core.settings import Spread
 from ...core.socket import Socket
 from ...core.suggest import did_you_mean
@@ -143,6 +144,13 @@ class FirmwareView:
         if not isinstance(name, str) or not name:
             raise Misuse(f"dsp.span needs the name of the stretch, but got {name!r}")
         return Span(self.cpu, name)
+
+    def report_overflow(self, text: str) -> None:
+        """Report a result of fixed-point arithmetic that does not fit, for the notes of the run and `overflows`.
+
+        text: which result, and what it does not fit.
+        """
+        self.cpu.processor.notes.note(self.cpu.time.cycle, Note("overflow", text, "IQmath guide V1.70"))
 
     def set_pin(self, pin: int) -> None:
         """GPxSET = bit: one whole-register write. Nothing where the scene has no GPIO."""

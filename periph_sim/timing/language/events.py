@@ -11,7 +11,7 @@
                     | "NACK" [ "address" | "byte" ] | "address" [ number ] [ "read" | "write" ] | "byte" [ number ] )
             | "frame" [ line ] [ number ] [ "begin" | "end" | "error" | "cut" | "collision" ]
             | "variable" variable ( "change" | "=" number )
-            | "note" ( "duty" | "lost" | "unknown" )
+            | "note" ( "duty" | "lost" | "unknown" | "overflow" )
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
                         |-- may_be(kind, where, what), value & mask == want   as the run goes on
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 EVERYTHING = -1  # all bits of a value
 CHANGES = ("rise", "fall", "change")
-NOTES = ("duty", "lost", "unknown")
+NOTES = ("duty", "lost", "unknown", "overflow")
 BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
 OF_AGENT = ("arbitration lost", "clear")  # told by the controller of a case only
 OF_PAIRS = ("cut", "collision")

@@ -80,6 +80,7 @@ class Scope:
 
     rounds: it is known what the controller asks in rounds, whoever it is.
     images: units that run an image, each with the names in it.
+    uncounted: a unit whose program reports no overflows, since it is no Python firmware; empty if there is none.
     """
 
     units: dict[str, tuple[str, ...]] = field(default_factory=dict)
@@ -90,6 +91,7 @@ class Scope:
     lines: tuple[str, ...] = ()
     pairs: tuple[str, ...] = field(default=(), compare=False)
     images: Mapping[str, ImageNames] = field(default_factory=dict, compare=False)
+    uncounted: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         if not self.lines:

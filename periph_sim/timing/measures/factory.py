@@ -27,6 +27,7 @@ from .registry import MEASURES, make
 from .round import Slack
 from .states import EachTimeIn, State, TimeIn
 
+OVERFLOWS = "overflows"  # of fixed-point arithmetic
 Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so that it serves all scenes of a case
 
 
@@ -46,10 +47,15 @@ def _called(name: str, scope: Scope) -> Maker:
         scope.span("", name.removeprefix(SPAN))
     if name.startswith((SPAN, REPLY, WATCH)) or name in MEASURES:
         return partial(make, name)
+    if name == OVERFLOWS:
+        if scope.uncounted:
+            what = "overflows are counted by Python firmware that reports them"
+            raise BadEvent(f"{name!r}: {what}, and {scope.uncounted} does not run such firmware; leave the budget out")
+        return maker_of("count of note overflow", scope)
     form = near_form(name)
     if form:
         raise BadEvent(f"there is no measure {name!r}; did you mean {form}?")
-    names = [*MEASURES, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]
+    names = [*MEASURES, OVERFLOWS, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]
     hint = did_you_mean(name, names)
     if not hint.startswith("did you mean"):
         hint = f"it has {', '.join(names)}, and {', '.join(FORMS.values())}"

@@ -204,7 +204,10 @@ class ModelOrigins(Origins):
                 yield self._chain(number, third, before.shown)
 
     def _chain(self, number: int, sent: Sent, before: Shown) -> Chain:
-        return Chain(sent, self._codes.run(number, sent.values, before))
+        shown = self._codes.run(number, sent.values, before)
+        if sent is NOTHING_SENT:
+            shown.state = before.state  # a run before the first frame leaves nothing to the next
+        return Chain(sent, shown)
 
 
 def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:

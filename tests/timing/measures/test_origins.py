@@ -60,10 +60,13 @@ class Models:
         self._pin(0, 0)  # pulled up until it becomes an output
         self.data = dict.fromkeys(CHIPS, bytes(6))
 
-    def run(self, values: tuple[int, ...]) -> None:
+    def run(self, values: tuple[int, ...] | None) -> None:
+        """values: of a frame; None if none has come, which leaves the models at rest."""
         self._pin(0, 1)
-        self._shown = self._codes.run(self._runs, values, self._shown)
-        self.data = {address: self._shown.data(address) for address in CHIPS}
+        shown = self._codes.run(self._runs, values or (0,) * 6, self._shown)
+        self.data = {address: shown.data(address) for address in CHIPS}
+        if values is not None:
+            self._shown = shown
         self._runs += 1
         self._pin(0, 0)
 
@@ -129,9 +132,10 @@ def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
         for _ in range(come):
             sent += 1
             bus.frame(sent, moved(sent))
+        is_first = taken == BEFORE_ANY  # all rates are 0, whichever frame it takes: only the attitude tells it
         taken = max(taken, sent - passed_over)
-        models.run(moved(taken) if taken != BEFORE_ANY else (0,) * 6)
-        for address in random.sample(CHIPS, random.randrange(1, 4)):
+        models.run(moved(taken) if taken != BEFORE_ANY else None)
+        for address in [MAGNETOMETER] if is_first else random.sample(CHIPS, random.randrange(1, 4)):
             found = bus.read(origins, address, models.data[address])
             assert found is not None and (found.frame, found.wanted) == (taken, models.data[address])
 
@@ -189,7 +193,7 @@ def test_a_run_may_pass_over_three_frames_and_no_more(frames: int, taken: int, k
     for number in range(frames):
         bus.frame(number, moved(number))
     models.run(moved(taken))
-    found = bus.read(origins, GYROSCOPE, models.data[GYROSCOPE])
+    found = bus.read(origins, MAGNETOMETER, models.data[MAGNETOMETER])
     assert found is not None and (found.frame, found.known) == ((taken, True) if known else (None, False))
 
 

@@ -8,7 +8,8 @@ encoding open: low byte first is a choice of ours. Nothing in a frame marks its 
 
 from __future__ import annotations
 
-from collections import deque
+from array import array
+from bisect import bisect_right
 from collections.abc import Callable
 from fractions import Fraction
 from random import Random
@@ -72,8 +73,6 @@ class HostSchedule(msgspec.Struct, frozen=True):
 class Host(Agent):
     """sent: told (number, values, end of its last stop bit) of each frame, of one that is sent twice both times."""
 
-    REMEMBERED = 64  # frames
-
     def __init__(
         self,
         kernel: Kernel,
@@ -99,7 +98,7 @@ class Host(Agent):
         self._pause = int(self._period // 1)
         self._by_schedule = schedule.paced_by == "schedule"
         self._number = 0
-        self._due = deque([(0, self._first)], maxlen=self.REMEMBERED)  # of the last frames: (number, tick)
+        self._due = array("q", [self._first])  # by frame, where a pause paces them
         self._due_next = self._first
         self._sending: tuple[int, tuple[int, ...], bytes] = (0, (), b"")  # number, values, bytes of the frame under way
         self._again = False  # it is to be sent once more,
@@ -114,21 +113,21 @@ class Host(Agent):
             self._send(number, values, data, False)
 
     def due(self, number: int) -> int:
-        """The tick at which a frame was due, before jitter; where a pause paces them, of one of the last frames."""
+        """The tick at which a frame was due, before jitter; where a pause paces them, of one that has begun."""
         if self._by_schedule:
             return self._first + number * self._period.numerator // self._period.denominator
-        return next(tick for known, tick in self._due if known == number)
+        return self._due[number]
 
     def frame_at(self, tick: int) -> Fraction:
-        """Which frame is due at a tick of the recent past, as a fraction between two frames; negative before the first.
+        """Which frame is due at a past tick, as a fraction between two frames; negative before the first.
 
         The next one is a whole period away as long as nobody knows better.
         """
         period = self._period
         if self._by_schedule or tick < self._first:
             return Fraction(tick - self._first) / period
-        number, due = next(known for known in reversed(self._due) if known[1] <= tick)
-        return number + min(Fraction(tick - due) / period, Fraction(1))
+        number = bisect_right(self._due, tick) - 1
+        return number + min(Fraction(tick - self._due[number]) / period, Fraction(1))
 
     def _plan(self, due: int) -> None:
         schedule = self._schedule
@@ -140,8 +139,8 @@ class Host(Agent):
     def _begin(self, due: int) -> None:
         schedule, now = self._schedule, self._kernel.now
         number, self._number = self._number, self._number + 1
-        if number:
-            self._due.append((number, due))
+        if number and not self._by_schedule:
+            self._due.append(due)
         self._plan(self.due(self._number) if self._by_schedule else now + self._pause)
         for begin, end in schedule.silent:
             if begin <= now < end:

@@ -105,7 +105,8 @@ class BudgetJudge:
         limits = [(key, limit) for key, limit in self._limits.items() if self._can_judge(key, limit)]
         silent = measure.silent or not limits
         enough = self._measured_enough()
-        found = self._found or measure.refuted or (measure.missing() if silent else "")
+        judged = enough and not silent and not measure.not_judged
+        found = self._found or measure.refuted or measure.not_judged or (measure.missing() if silent else "")
         if not enough and not found:
             found = f"measured {measure.measured} of {measure.occasions} {measure.asked}, less than {self._coverage()}"
         if silent:
@@ -130,7 +131,7 @@ class BudgetJudge:
             limit=self.show(nearest.limit),
             margin=None if silent else self.show(nearest.slack),
             count=measure.counted,
-            verdict=FAIL if nearest.slack < 0 or measure.refuted else NOT_JUDGED if silent or not enough else PASS,
+            verdict=FAIL if nearest.slack < 0 or measure.refuted else PASS if judged else NOT_JUDGED,
             at_s=None if at < 0 else (at - start) / self._timebase.per_second,
             why=self.budget.why,
             which=nearest.which,

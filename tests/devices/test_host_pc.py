@@ -127,6 +127,13 @@ def test_where_a_tick_lies_between_frames(paced_by: PacedBy):
     ]
 
 
+def test_a_paused_host_knows_when_each_of_its_frames_was_due():
+    desk = Desk(HostSchedule(first=0, period=2000, paced_by="pause"))
+    desk.run(200 * 2000)
+    assert [desk.host.due(n) for n in (0, 1, 199)] == [0, 2000, 398_000]
+    assert [desk.host.frame_at(tick) for tick in (500, 3000)] == [Fraction(1, 4), Fraction(3, 2)]
+
+
 def test_a_paused_host_is_no_more_than_a_period_past_its_last_frame():
     desk = Desk(HostSchedule(first=0, period=2000, jitter=400, paced_by="pause"), seed=1)
     desk.run(2150)  # the second one is due at 2000 and later

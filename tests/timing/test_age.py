@@ -6,9 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from periph_sim.core.time import NO_TIME
 from periph_sim.devices.sensor_rounds import CHIPS
 from periph_sim.timing.measures.age import Age
 from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.origins import FrameOrigins, Origin
 from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import Ran, run_file
 from tests.timing.events_by_hand import ONE
@@ -154,3 +156,49 @@ def test_every_read_of_every_chip_counts():
     known = {chip.address for chip in CHIPS.values()}
     reads = [p for t in ran.transfers for p in t.phases if p.read and p.address in known]
     assert age.passed and age.count == len(reads) == 75
+
+
+@pytest.mark.parametrize("period", ["2.5 ms", "1.1 ms"])
+def test_right_firmware_passes_however_many_frames_come_in_a_round(period: str):
+    """Models run once a round of 20 ms, on the youngest frame of then; 8 and 18 more come until it is read."""
+    ran = run_file("imu_hil_published", "0.2", f"host.period={period}")
+    verdicts = {verdict.name: verdict for verdict in ran.result.budgets}
+    assert (verdicts["wrong bytes"].worst, verdicts["wrong bytes"].count) == (0, 180)
+    age = verdicts["data age"].worst
+    assert age is not None and 17_000 < age < 25_000  # from a frame before the models to the next round
+
+
+def test_chips_that_stay_at_zero_are_not_judged_and_their_data_gets_old():
+    ran = run_file("imu_hil_published", "0.4", "unit.dsp.settings.table={'0x68'='00 00 00 00 00 00'}")
+    verdicts = {verdict.name: verdict for verdict in ran.result.budgets}
+    assert verdicts["wrong bytes"].verdict == "not judged"
+    assert "read as 0 from chips that never showed a host frame's values" in verdicts["wrong bytes"].found
+    assert verdicts["data age"].verdict == "fail"
+
+
+class NotAllCompared(FrameOrigins):
+    """Origins that have left out what the bytes ff ff ... may be."""
+
+    def origin(self, address: int, got: bytes) -> Origin:
+        return Origin(None, NO_TIME, bytes(6), judged=False) if got[0] == 0xFF else super().origin(address, got)
+
+
+class ToldSome(Told):
+    def origins(self) -> NotAllCompared:
+        return NotAllCompared(self)
+
+
+def test_a_read_that_was_not_compared_with_all_frames_has_no_age_and_its_bytes_are_not_wrong():
+    told = ToldSome("age")
+    told.measure.keep()
+    wrong = ToldSome("wrong bytes")
+    for each in (told, wrong):
+        each.frame(1, 1000)
+        each.transfer(read(GYRO, gyro_bytes(1), at=1700))
+        assert not each.measure.not_judged
+        each.transfer(read(GYRO, bytes([0xFF] * 6), at=4200))
+        each.measure.finish(5000)
+    assert ages(told) == [(700, 1700)]
+    assert told.measure.not_judged == "1 read may carry frames that were not compared with them"
+    assert (wrong.measure.worst, wrong.measure.count) == (0, 6)
+    assert wrong.measure.not_judged == "6 bytes may be of frames that were not compared with them"

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...timing.measures.origins import RECENT
-from .extremes import NO_VALUE, Extremes
+from .extremes import Extremes
 from .inputs import Inputs
 from .result import Observable, Observables
 from .structure import Structure
@@ -29,7 +28,6 @@ class Tally:
         self.refused = np.zeros(count, np.bool_)
 
     def observables(self) -> Observables:
-        self._forget_ages()
         found = {name: Observable.of(name, values) for name, values in self.values.items()}
         found["stretch"] = Observable("stretch", "ticks", self.held, np.zeros_like(self.held), self.phases)
         found["missed rounds"] = Observable.counter("missed rounds", self.missed, self.due)
@@ -37,10 +35,3 @@ class Tally:
         chips = len(self._structure.terms.names)
         found["nacked"] = Observable.counter("nacked", self.nacked, self.due * chips)
         return found
-
-    def _forget_ages(self) -> None:
-        """Where so many frames may follow the one that is read that `age` on edges knows it no more, it is not told."""
-        age, inputs = self.values["age"], self._inputs
-        longest = max(bus.stop for bus in self._structure.terms.bus)
-        forgotten = age.worst + longest >= (RECENT - 1) * inputs.frames_apart
-        age.worst[forgotten], age.count[forgotten] = NO_VALUE, 0

@@ -16,6 +16,7 @@ cdef class ReadMeasure(PhaseMeasure):
 cdef class Age(ReadMeasure):
     cdef object _origins
     cdef dict _shown
+    cdef long long _unknown
     cpdef void chip_read(self, Phase phase)
 
 

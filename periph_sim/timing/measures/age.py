@@ -11,6 +11,7 @@ Every read has an age. Data that no frame comes for gets older and older, whoeve
 from __future__ import annotations
 
 from ...bus.i2c.transfer import Phase, Transfer
+from ...core.counted import counted
 from ...core.records import UNHEARD, Kind
 from ...core.time import NO_TIME
 from ...devices.sensor_rounds import CHIPS
@@ -69,12 +70,17 @@ class Age(ReadMeasure):
     def listen(self, scene: SceneEvents) -> None:
         self._origins = scene.origins()
         self._shown: dict[int, int] = {}  # by address, the end of the frame that was shown last
+        self._unknown = 0  # reads whose age is not known
         super().listen(scene)
 
     def chip_read(self, phase: Phase) -> None:
         origin = self._origins.of(phase)
         if origin is not None and origin.known:
             self._shown[phase.address] = min(origin.ended, phase.start_at)
+        elif origin is not None and origin.frame is None and not origin.judged:
+            self._unknown += 1
+            self.not_judged = f"{counted(self._unknown, 'read')} may carry frames that were not compared with them"
+            return
         self.take(phase.start_at - self._shown.get(phase.address, self.first_frame), phase.start_at)
 
 

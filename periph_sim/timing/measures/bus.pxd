@@ -26,6 +26,9 @@ cdef class WrongBytes(PhaseMeasure):
     cdef public dict where
     cdef public str first
     cdef object _origins
+    cdef dict _zeros
+    cdef long long _unknown
+    cdef bint _is_judged(self, Phase phase, long long compared)
     @cython.locals(got=bytearray, wanted=bytes, compared=cython.longlong)
     cpdef void phase(self, Transfer transfer, Phase phase)
     cdef bytes _wanted(self, Phase phase)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...bus.i2c.transfer import Phase, Transfer
+from ...core.counted import counted
 from ...core.time import NO_TIME
 from ...devices.sensor_rounds import ADDRESSES
 from .measure import READ, Counter, Measure, SceneEvents
@@ -92,7 +93,7 @@ class Nacked(Counter):
 
 
 class WrongBytes(PhaseMeasure):
-    """Bytes read that are not what they should be: `expect` of the request, or what a recent host frame makes them.
+    """Bytes read that are not what they should be: `expect` of the request, or what a host frame makes them.
 
     worst is how many were wrong, count how many were compared: a run that compared nothing proves nothing.
     """
@@ -106,6 +107,8 @@ class WrongBytes(PhaseMeasure):
         self._origins = scene.origins() if scene.checks_host() else None
         self.where: dict[str, int] = {}  # "gyroscope byte 0" -> how often it was wrong
         self.first = ""  # the first wrong read, as a sentence
+        self._zeros: dict[int, int] = {}  # by address: bytes that are right if a frame is shown later
+        self._unknown = 0  # bytes that may be right or wrong
         super().listen(scene)
 
     def phase(self, transfer: Transfer, phase: Phase) -> None:
@@ -117,9 +120,31 @@ class WrongBytes(PhaseMeasure):
         if got:
             wanted = self._wanted(phase)
             compared = min(len(got), len(wanted))
+            if phase.expect is None and self._origins is not None and not self._is_judged(phase, compared):
+                return
             self.count += compared
             if got[:compared] != wanted[:compared]:
                 self._wrong(transfer, phase, wanted)
+
+    def _is_judged(self, phase: Phase, compared: int) -> bool:
+        """False, after counting the bytes of the read, where they may be right or wrong."""
+        origin = None if self._origins is None else self._origins.of(phase)
+        if origin is None:
+            return True
+        if origin.known:
+            self.count += self._zeros.pop(phase.address, 0)
+        elif not origin.judged and origin.frame is None:
+            self._unknown += compared
+        elif not origin.judged:
+            self._zeros[phase.address] = self._zeros.get(phase.address, 0) + compared
+        return origin.judged
+
+    def finish(self, now: int) -> None:
+        zeros = sum(self._zeros.values())
+        if zeros:
+            self.not_judged = f"{counted(zeros, 'byte')} read as 0 from chips that never showed a host frame's values"
+        elif self._unknown:
+            self.not_judged = f"{counted(self._unknown, 'byte')} may be of frames that were not compared with them"
 
     def _wrong(self, transfer: Transfer, phase: Phase, wanted: bytes) -> None:
         """A read in which some bytes are not those."""

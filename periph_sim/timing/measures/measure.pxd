@@ -4,6 +4,7 @@ from .tally cimport Tally
 
 cdef class Measure(Listener):
     cdef public long long count, worst, least, worst_at, least_at, cut_off, not_before
+    cdef public str not_judged
     cdef public object occasions, tap
     cdef public object _kept
     cdef public Tally _tally

@@ -152,6 +152,7 @@ class Measure(Listener):
         self.least_at = NO_TIME
         self.cut_off = 0  # of these, how many the end of the run cut off
         self.not_before = NO_TIME
+        self.not_judged = ""  # why it is not known whether all occurrences keep the limit
         self.occasions: int | None = 0 if self.asked else None
         self.tap: Callable[[int, int], None] | None = None  # told of each value that is taken
         self._kept: tuple[array[int], array[int]] | None = None

@@ -14,6 +14,7 @@ cdef class Sent:
 @cython.final
 cdef class Chain:
     cdef public Sent sent
+    cdef public long long before
     cdef public Shown shown
 
 
@@ -31,21 +32,25 @@ cdef class Origins:
 
 
 cdef class FrameOrigins(Origins):
+    cdef object _frames
+    cdef dict _shown
     @cython.locals(sent=Sent, wanted=bytes, youngest_first=list)
     cpdef object origin(self, long long address, bytes got)
 
 
 cdef class ModelOrigins(Origins):
     cdef ModelCodes _codes
-    cdef bint _pulled_up
+    cdef bint _pulled_up, _left_out
     cdef list _chains, _before, _over, _may_take
     cdef long long _runs
     cdef Run _last
     @cython.locals(run=Run)
     cpdef object origin(self, long long address, bytes got)
-    @cython.locals(chain=Chain, least=cython.longlong, sent=Sent)
+    @cython.locals(chain=Chain, count=cython.longlong, many=cython.bint, may_be=list, sent=Sent)
     cdef list _longer(self, Run run)
-    cdef Chain _chain(self, long long number, Sent sent, Shown before)
+    @cython.locals(least=cython.longlong, oldest=cython.longlong, may_be=list, sent=Sent)
+    cdef list _may_be(self, Chain chain, Run run)
+    cdef Chain _chain(self, long long number, Sent sent, Chain before)
 
 
 @cython.locals(chain=Chain, fitting=list)

@@ -4,10 +4,12 @@
     MODEL pin (runs of models) --+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
     reads of the controller ----'
 
-Where the chips show the numbers of frames (`FrameOrigins`), a read's bytes are looked for among the last frames.
-Where firmware computes sensors (`ModelOrigins`), run n of the models may have taken any of the last frames that had
-come by the rise of the MODEL pin; each read leaves those chains of frames whose codes agree with its bytes. A chain
-never goes back to an older frame. Nothing is asked of the firmware but the level of that pin.
+Where the chips show the numbers of frames (`FrameOrigins`), a read's bytes are compared with the last 8 frames and with
+every frame since the one that the chip showed last: how old they are is for `age` to judge. Where firmware computes
+sensors (`ModelOrigins`), run n of the models may have taken any frame that had come by the rise of the MODEL pin; each
+read leaves those chains of frames whose codes agree with its bytes. A chain never goes back to an older frame. The
+number of chains is limited: a read that agrees with none of them, after others had to be left out, is not judged. The
+firmware provides nothing but the level of that pin.
 """
 
 from __future__ import annotations
@@ -22,24 +24,29 @@ from ...core.time import NO_TIME
 from ...devices.model_codes import BY_ADDRESS, Computed, ModelCodes, Shown, register_bytes
 from ...devices.sensor_rounds import ADDRESSES
 from ...devices.truth import shown as shown_numbers
+from .frame_history import FrameHistory
 
 BEFORE_ANY = -1  # instead of a frame's number: what firmware shows before a frame has come
 ZEROS = (0,) * 6
-RECENT = 8  # frames that a read may carry
-PASSED_OVER = 3  # frames that a run of the models may have passed over, or taken once more
-MOST = 64  # chains that are followed at a time
+RECENT = 8  # frames that the bytes of a read are compared with first
+KEPT = 64  # frames that a run of the models is tried with, at most
+COMPLETE = 256  # chains up to which all are followed; of more, only
+PASSED_OVER = 3  # those that pass over so many frames at most,
+MOST = 64  # and the youngest of these
 
 
 class Origin(NamedTuple):
     """frame: whose values the bytes carry, the youngest of several; None where they are those of no frame.
 
     ended: the tick at which its last stop bit ended. wanted: of all that would have been right what agrees in the
-    most bytes.
+    most bytes. judged: False if the bytes may be right or wrong, because not everything that would have been right
+    was compared with them.
     """
 
     frame: int | None
     ended: int
     wanted: bytes
+    judged: bool = True
 
     @property
     def known(self) -> bool:
@@ -82,8 +89,10 @@ NOTHING_SENT = Sent(BEFORE_ANY, ZEROS, NO_TIME)
 class Origins:
     """Listens before the measures that ask it, so that each phase of a transfer has its origin when they hear of it."""
 
+    LENGTH = RECENT
+
     def __init__(self, scene: Sources) -> None:
-        self._sent: deque[Sent] = deque([NOTHING_SENT], maxlen=RECENT)
+        self._sent: deque[Sent] = deque([NOTHING_SENT], maxlen=self.LENGTH)
         self._of: dict[int, Origin] = {}
         scene.on_frame(self._frame)
         scene.on_transfer(self._transfer)
@@ -107,7 +116,20 @@ class Origins:
 
 
 class FrameOrigins(Origins):
-    """The chips show a frame's numbers: angles, accelerations, angles again."""
+    """The chips show a frame's numbers: angles, accelerations, angles again.
+
+    Zeros, as chips show them before a frame has come, are right for a few frames; later they are not judged as long as
+    the chip has never shown a frame, and wrong once it has.
+    """
+
+    def __init__(self, scene: Sources) -> None:
+        super().__init__(scene)
+        self._frames = FrameHistory()
+        self._shown: dict[int, int] = {}  # by address, the number of the frame that the chip showed last
+
+    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        super()._frame(number, values, tick)
+        self._frames.add(number, values, tick)
 
     def origin(self, address: int, got: bytes) -> Origin:
         youngest_first = list(self._sent)
@@ -115,17 +137,30 @@ class FrameOrigins(Origins):
         for sent in youngest_first:
             wanted = sent.shown_at(address)
             if wanted.startswith(got):
+                if sent.number != BEFORE_ANY:
+                    self._shown[address] = sent.number
                 return Origin(sent.number, sent.ended, wanted)
+        last = self._shown.get(address, BEFORE_ANY)
+        older = self._frames.youngest(address, got)
+        if older is not None and older[0] >= last:
+            self._shown[address] = older[0]
+            return Origin(*older)
+        if last == BEFORE_ANY and not any(got):
+            return Origin(BEFORE_ANY, NO_TIME, bytes(6), False)
         return _nearest(got, [(sent, sent.shown_at(address)) for sent in youngest_first])
 
 
 class Chain:
-    """One way in which the models may have come to where they are: the frame of their last run, and what that left."""
+    """One way in which the models may have come to where they are: the frame of their last run, and what that left.
 
-    __slots__ = ("sent", "shown")
+    before: the number of the frame of the run before, on which that depends as well.
+    """
 
-    def __init__(self, sent: Sent, shown: Shown) -> None:
+    __slots__ = ("before", "sent", "shown")
+
+    def __init__(self, sent: Sent, before: int, shown: Shown) -> None:
         self.sent = sent
+        self.before = before
         self.shown = shown
 
 
@@ -142,6 +177,8 @@ class Run:
 class ModelOrigins(Origins):
     """Firmware computes the chips' values. `model_pin` is to be told of every change of its MODEL pin."""
 
+    LENGTH = KEPT
+
     def __init__(self, scene: Sources, computed: Computed) -> None:
         super().__init__(scene)
         self._codes = ModelCodes(computed)
@@ -150,7 +187,8 @@ class ModelOrigins(Origins):
     def reset(self) -> None:
         """The firmware begins anew, the pin as an input."""
         self._pulled_up = True
-        self._chains = [Chain(NOTHING_SENT, self._codes.at_rest)]
+        self._chains = [Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)]
+        self._left_out = False  # chains that may be the true one, since a read last agreed with one
         self._before: list[Chain] = []  # those of the run before the last
         self._runs = 0
         self._over: list[Run] = []  # runs that no chain has taken yet
@@ -180,34 +218,55 @@ class ModelOrigins(Origins):
         if not fitting:
             fitting = _fitting(self._anew(), address, got)
         if fitting:
-            self._chains = fitting
-        return _nearest(got, [(chain.sent, chain.shown.data(address)) for chain in self._chains])
+            self._chains, self._left_out = fitting, False
+        nearest = _nearest(got, [(chain.sent, chain.shown.data(address)) for chain in self._chains])
+        return nearest._replace(judged=False) if self._left_out else nearest
 
     def _longer(self, run: Run) -> list[Chain]:
-        """Every chain with a frame more, youngest frames first."""
-        longer: dict[tuple[int, int], Chain] = {}
+        """Every chain with a frame more, youngest frames first; of too many, those of the youngest frames."""
+        count = 0
         for chain in self._chains:
-            least = chain.sent.number
-            may_be = [sent for sent in run.sent if sent.number >= least][-PASSED_OVER - 1 :]
-            for sent in reversed(may_be):
-                key = sent.number, least
+            count += len(self._may_be(chain, run))
+        many = count > COMPLETE
+        if many:
+            self._left_out = True
+        longer: dict[tuple[int, int, int], Chain] = {}
+        for chain in self._chains:
+            may_be = self._may_be(chain, run)
+            for sent in reversed(may_be[-PASSED_OVER - 1 :] if many else may_be):
+                key = sent.number, chain.sent.number, chain.before
                 if key not in longer:
-                    longer[key] = self._chain(run.number, sent, chain.shown)
-        return list(longer.values())[:MOST]
+                    longer[key] = self._chain(run.number, sent, chain)
+        return list(longer.values())[:MOST] if many else list(longer.values())
+
+    def _may_be(self, chain: Chain, run: Run) -> list[Sent]:
+        """The frames that a run may have taken after those of a chain, oldest first: the chain's last one, or later."""
+        least = chain.sent.number
+        may_be: list[Sent] = []
+        for sent in reversed(run.sent):
+            if sent.number < least:
+                break
+            may_be.append(sent)
+        oldest = may_be[-1].number
+        if oldest > least:  # frames after the chain's are no longer kept
+            may_be.append(chain.sent)
+            self._left_out = self._left_out or oldest > least + 1
+        may_be.reverse()
+        return may_be
 
     def _anew(self) -> Iterator[Chain]:
         """Chains that do not go on from any other: the last runs took frames in order, whatever was before."""
         if self._last is not None:
             number, recent = self._last.number, self._last.sent[-PASSED_OVER - 1 :]
+            at_rest = Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)
             for first, second, third in combinations_with_replacement(recent, 3):
-                before = self._chain(0, second, self._chain(0, first, self._codes.at_rest).shown)
-                yield self._chain(number, third, before.shown)
+                yield self._chain(number, third, self._chain(0, second, self._chain(0, first, at_rest)))
 
-    def _chain(self, number: int, sent: Sent, before: Shown) -> Chain:
-        shown = self._codes.run(number, sent.values, before)
+    def _chain(self, number: int, sent: Sent, before: Chain) -> Chain:
+        shown = self._codes.run(number, sent.values, before.shown)
         if sent is NOTHING_SENT:
-            shown.state = before.state  # a run before the first frame leaves nothing to the next
-        return Chain(sent, shown)
+            shown.state = before.shown.state  # a run before the first frame leaves nothing to the next
+        return Chain(sent, before.sent.number, shown)
 
 
 def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:

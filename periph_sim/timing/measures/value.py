@@ -5,7 +5,8 @@
     truth at an instant, per chip ---'
 
 The instant is the read's first data bit, which is when its values are given away; or, to leave out their age, that at
-which a host frame was due: of the last frames the one that fits best.
+which a host frame was due: the one that fits best of those that have come since the frame that fitted the chip's last
+read, and of the last 8.
 """
 
 from __future__ import annotations
@@ -15,12 +16,15 @@ from collections.abc import Sequence
 from math import ceil
 
 from ...bus.i2c.transfer import Transfer
+from ...core.counted import counted
+from ...core.time import NO_TIME
 from ...devices.sensor_rounds import CHIPS
 from ...devices.truth import Axes, distance
 from .bus import begin_of
 from .measure import MILLIONTHS, READ, Measure, SceneEvents
 
-RECENT = 8  # frames that a read may carry, as for "wrong bytes"
+RECENT = 8  # frames that a read is always compared with,
+MOST = 64  # and those that it is compared with at most
 BYTES = 6  # of a read that carries a whole sample
 
 
@@ -40,7 +44,10 @@ class ValueDeviation(Measure):
         super().__init__()
         self._chips = {c.address: (name, c) for name, c in CHIPS.items() if chip in ("", name)}
         self._at_frame = at_frame
-        self._due: deque[int] = deque(maxlen=RECENT)
+        self._due: deque[int] = deque(maxlen=MOST)
+        self._fitted: dict[str, int] = {}  # by chip, when the frame was due that fitted its last read
+        self._left_out = NO_TIME  # when the last frame was due that is no longer in `_due`
+        self._unknown = 0  # reads that may fit a frame which was left out
 
     def listen(self, scene: SceneEvents) -> None:
         self._scene = scene
@@ -48,6 +55,8 @@ class ValueDeviation(Measure):
         scene.on_transfer(self._transfer)
 
     def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        if len(self._due) == MOST:
+            self._left_out = self._due[0]
         self._due.append(self._scene.frame_due(number))
 
     def _transfer(self, transfer: Transfer) -> None:
@@ -57,9 +66,24 @@ class ValueDeviation(Measure):
             self.occasion(begin_of(transfer, phase))
             if len(phase.got) == BYTES:
                 name, chip = self._chips[phase.address]
-                instants = self._due if self._at_frame else [phase.answer_at]
                 values = chip.values(bytes(phase.got))
-                self.take(min(_off(values, self._scene.truth_at(tick)[name]) for tick in instants), phase.start_at)
+                if self._at_frame:
+                    self._at_best(name, values, phase.start_at)
+                else:
+                    self.take(_off(values, self._scene.truth_at(phase.answer_at)[name]), phase.start_at)
+
+    def _at_best(self, name: str, values: Sequence[int], at: int) -> None:
+        """Take the error against the frame that fits best, unless a frame that may fit better was left out."""
+        oldest = self._fitted.get(name, NO_TIME)
+        recent = len(self._due) - RECENT
+        instants = [due for n, due in enumerate(self._due) if n >= recent or due >= oldest]
+        off, fitted = min((_off(values, self._scene.truth_at(due)[name]), -due) for due in instants)
+        if self._left_out != NO_TIME and oldest <= self._left_out:
+            self._unknown += 1
+            self.not_judged = f"{counted(self._unknown, 'read')} may fit frames that were not compared with them"
+            return
+        self._fitted[name] = -fitted
+        self.take(off, at)
 
     def missing(self) -> str:
         names = " or ".join(name for name, _ in self._chips.values())

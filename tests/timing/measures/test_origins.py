@@ -15,10 +15,13 @@ from hypothesis import strategies as st
 
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.time import NO_TIME
-from periph_sim.devices.model_codes import Computed, ModelCodes
+from periph_sim.devices.host_pc import ramp
+from periph_sim.devices.model_codes import Computed, ModelCodes, register_bytes
+from periph_sim.devices.sensor_rounds import CHIPS as CHIP_DATA
+from periph_sim.devices.truth import shown
 from periph_sim.sensors.models.parameters import AccelerometerParameters, ImuParameters
 from periph_sim.timing.measures import origins as origins_module
-from periph_sim.timing.measures.origins import BEFORE_ANY, RECENT, FrameOrigins, ModelOrigins, Origin, Origins
+from periph_sim.timing.measures.origins import BEFORE_ANY, KEPT, RECENT, FrameOrigins, ModelOrigins, Origin, Origins
 
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 CHIPS = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
@@ -185,8 +188,8 @@ def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise()
             assert found is not None and found.frame == number
 
 
-@pytest.mark.parametrize(("frames", "taken", "known"), [(4, 0, True), (5, 0, False), (5, 1, True), (9, 5, True)])
-def test_a_run_may_pass_over_three_frames_and_no_more(frames: int, taken: int, known: bool):
+@pytest.mark.parametrize(("frames", "taken"), [(4, 0), (5, 0), (40, 0), (40, 39), (KEPT, 0)])
+def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, taken: int):
     bus = Bus()
     origins = ModelOrigins(bus, COMPUTED)
     models = Models(origins)
@@ -194,7 +197,78 @@ def test_a_run_may_pass_over_three_frames_and_no_more(frames: int, taken: int, k
         bus.frame(number, moved(number))
     models.run(moved(taken))
     found = bus.read(origins, MAGNETOMETER, models.data[MAGNETOMETER])
-    assert found is not None and (found.frame, found.known) == ((taken, True) if known else (None, False))
+    assert found is not None and (found.frame, found.known, found.judged) == (taken, True, True)
+
+
+def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
+    """Without that they are wrong."""
+    for frames, runs, judged in ((KEPT - 1, 1, True), (2 * KEPT, 1, False), (20, 3, False)):
+        bus = Bus()
+        origins = ModelOrigins(bus, COMPUTED)
+        models = Models(origins)
+        for number in range(frames):
+            bus.frame(number, moved(number))
+        for _ in range(runs):
+            models.run(moved(frames - 1))
+        found = bus.read(origins, MAGNETOMETER, b"no one")
+        assert found is not None and (found.frame, found.judged) == (None, judged)
+        found = bus.read(origins, MAGNETOMETER, models.data[MAGNETOMETER])
+        assert found is not None and (found.frame, found.judged) == (frames - 1, True)
+        found = bus.read(origins, MAGNETOMETER, b"no one")
+        assert found is not None and found.judged  # the read before has told which chain is the true one
+
+
+def test_a_model_that_goes_on_with_a_frame_that_is_no_longer_kept_is_followed():
+    bus = Bus()
+    origins = ModelOrigins(bus, COMPUTED)
+    models = Models(origins)
+    for number in range(3 * KEPT):
+        bus.frame(number, moved(number))
+        if number % KEPT == 0:
+            models.run(moved(0))
+            found = bus.read(origins, MAGNETOMETER, models.data[MAGNETOMETER])
+            assert found is not None and found.frame == 0
+
+
+def test_two_runs_without_a_read_between_them_may_each_have_taken_any_frame():
+    """What the second shows depends on the frames of three runs, not of two."""
+    for second in range(4):
+        for third in range(second, 4):
+            bus = Bus()
+            origins = ModelOrigins(bus, COMPUTED)
+            models = Models(origins)
+            for number in range(4):
+                bus.frame(number, moved(number))
+            for taken in (0, second, third):
+                models.run(moved(taken))
+            found = bus.read(origins, ACCELEROMETER, models.data[ACCELEROMETER])
+            assert found is not None and (found.frame, found.judged) == (third, True)
+
+
+@pytest.mark.parametrize("passed", [RECENT, 40, 700])
+def test_a_chip_may_show_a_frame_after_any_number_of_others_but_never_go_back(passed: int):
+    bus = Bus()
+    origins = FrameOrigins(bus)
+    for number in range(passed + 2):
+        bus.frame(number, ramp(number))
+    first, second = (register_bytes(CHIP_DATA["gyroscope"], shown(ramp(n))["gyroscope"]) for n in range(2))
+    for got in (second, second[:5]):
+        assert bus.read(origins, GYROSCOPE, got) == Origin(1, 100, second)
+    gone_back = bus.read(origins, GYROSCOPE, first)
+    assert gone_back is not None and (gone_back.frame, gone_back.judged) == (None, True)
+
+
+def test_zeros_of_a_chip_that_has_shown_no_frame_are_right_at_first_and_later_not_judged():
+    bus = Bus()
+    origins = FrameOrigins(bus)
+    for number in range(RECENT - 1):
+        bus.frame(number, moved(number))
+    assert bus.read(origins, GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6))
+    bus.frame(RECENT, moved(RECENT))
+    assert bus.read(origins, GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6), judged=False)
+    assert bus.read(origins, GYROSCOPE, register_bytes(CHIP_DATA["gyroscope"], shown(moved(1))["gyroscope"]))
+    wrong = bus.read(origins, GYROSCOPE, bytes(6))
+    assert wrong is not None and (wrong.frame, wrong.judged) == (None, True)
 
 
 def test_a_chain_never_goes_back_to_an_older_frame():

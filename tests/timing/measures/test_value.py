@@ -65,6 +65,22 @@ def test_at_the_frame_only_what_the_firmware_made_of_it_is_left():
     assert (wrong.verdict, wrong.unit) == ("fail", "LSB") and wrong.worst is not None and wrong.worst > 900
 
 
+@pytest.mark.parametrize("period", ["2.5 ms", "1.1 ms"])
+def test_a_read_is_compared_with_every_frame_since_the_one_that_fitted_the_read_before(period: str):
+    """Eight frames, and eighteen, come between the models and the read of what they made."""
+    budget = error(measure="value error at frame", max=0, after="30 ms")
+    assert judged(budget, changes=(f"host.period={period}",))[0].verdict == "pass"
+
+
+def test_a_read_that_may_fit_a_frame_which_is_no_longer_kept_is_not_judged():
+    """What the firmware shows stays at the first frame, while 80 more come."""
+    stays = 'unit.dsp.settings.table={"0x68"="00 01 03 e8 f8 30"}'
+    budget = error(measure="value error of gyroscope at frame", max="2000 LSB")
+    (verdict,) = judged(budget, changes=(stays, "host.period=1.1 ms"))
+    assert verdict.verdict == "not judged"
+    assert verdict.found.endswith("may fit frames that were not compared with them")
+
+
 def test_what_was_read_before_anything_had_come_is_left_out_by_its_time():
     early, late = judged(error(max=300), error(name="late", after="20 ms", max=300))
     assert (early.verdict, late.verdict) == ("fail", "pass")  # zeros until the first frame was worked on

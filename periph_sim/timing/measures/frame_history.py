@@ -1,0 +1,53 @@
+"""All frames that a host has sent: numbers and values go in, the youngest frame that shows given bytes comes out.
+
+A frame takes 28 bytes, and 6 more for each chip that is asked for: an hour of 50 frames a second is 5 MB.
+"""
+
+from __future__ import annotations
+
+from array import array
+from struct import Struct
+
+from ...devices.model_codes import BY_ADDRESS, register_bytes
+from ...devices.truth import shown as shown_numbers
+
+VALUES = Struct("<6h")
+BYTES = 6  # that a chip shows of a frame
+
+
+class FrameHistory:
+    def __init__(self) -> None:
+        self._numbers = array("q")
+        self._ended = array("q")
+        self._values = bytearray()
+        self._shown: dict[int, bytearray] = {}  # by address, what the chip shows of each frame up to some frame
+
+    def add(self, number: int, values: tuple[int, ...], ended: int) -> None:
+        """Append a frame. ended: the tick at which its last stop bit ended."""
+        self._numbers.append(number)
+        self._ended.append(ended)
+        self._values += VALUES.pack(*values)
+
+    def youngest(self, address: int, got: bytes) -> tuple[int, int, bytes] | None:
+        """Return (number, ended, bytes shown) of the youngest frame that shows `got`, or begins so.
+
+        None if there is no such frame.
+        """
+        shown = self._shown_at(address)
+        at = shown.rfind(got)
+        while at > 0 and at % BYTES:
+            at = shown.rfind(got, 0, at - 1 + len(got))
+        if at < 0 or at % BYTES:
+            return None
+        frame = at // BYTES
+        return self._numbers[frame], self._ended[frame], bytes(shown[at : at + BYTES])
+
+    def _shown_at(self, address: int) -> bytearray:
+        """The bytes that the chip with this address shows of each frame, one frame after the other."""
+        shown = self._shown.setdefault(address, bytearray())
+        name, chip = BY_ADDRESS[address]
+        size = VALUES.size
+        for frame in range(len(shown) // BYTES, len(self._numbers)):
+            x, y, z = shown_numbers(VALUES.unpack_from(self._values, frame * size))[name]
+            shown += register_bytes(chip, (x, y, z))
+        return shown

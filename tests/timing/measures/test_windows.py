@@ -1,0 +1,42 @@
+"""Every place that keeps only the last so many of something, with what happens where an older one is needed."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import periph_sim
+
+ROOT = Path(periph_sim.__file__).parent
+PACKAGES = ("timing", "records", "explain", "scene", "devices", "processor")
+
+WINDOWS = {
+    ("timing/measures/origins.py", "deque"): "a frame history, or a verdict that is not judged, stands behind it",
+    ("timing/measures/origins.py", "slice"): "what is passed over is counted as left out; _anew only finds more",
+    ("timing/measures/value.py", "deque"): "a read that may fit a frame which was left out is not judged",
+    ("explain/window.py", "deque"): "a wire's level before the edges that are kept is unknown, and drawn so",
+    ("devices/chips/adxl345.py", "slice"): "the chip's own FIFO",
+    ("scene/serial/triggers.py", "slice"): "as many characters as the text has that they are compared with",
+    ("records/subject.py", "slice"): "the parts of a name",
+}
+
+
+def windows(path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and any(keyword.arg == "maxlen" for keyword in node.keywords):
+            yield "deque"
+        if isinstance(node, ast.Slice) and node.upper is None and node.lower is not None:
+            lower = ast.unparse(node.lower)
+            if lower.startswith("-") and lower != "-1":
+                yield "slice"
+
+
+def test_every_window_that_forgets_is_known_with_what_happens_then():
+    found = {
+        (path.relative_to(ROOT).as_posix(), kind)
+        for package in PACKAGES
+        for path in sorted((ROOT / package).rglob("*.py"))
+        for kind in windows(path)
+    }
+    assert found == set(WINDOWS)

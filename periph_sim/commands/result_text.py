@@ -33,7 +33,7 @@ def show(console: Screen, result: Result, case: Case, verbose: bool = False, cho
     say(
         console,
         f"{simulated(result.simulated_s)} simulated at {result.fidelity} fidelity{share}; "
-        f"{counted(result.wire_bytes, 'I2C byte')}, {counted(result.sci_bytes, 'SCI byte')}, "
+        f"{counted(result.wire_bytes, 'I2C byte')}, {_sci_bytes(result)}, "
         f"{counted(result.events, 'event')}",
     )
     for line in _counts(result.counts, verbose):
@@ -50,6 +50,12 @@ def show(console: Screen, result: Result, case: Case, verbose: bool = False, cho
         say(console, f"note: {line}")
     for line in assumptions(result.unknowns, case, verbose):
         say(console, line)
+
+
+def _sci_bytes(result: Result) -> str:
+    """ "3 SCI bytes", or "3 SCI bytes to units and 100 from units" where units have sent any."""
+    to_units = counted(result.sci_bytes, "SCI byte")
+    return f"{to_units} to units and {result.sci_bytes_sent} from units" if result.sci_bytes_sent else to_units
 
 
 def found_lines(budgets: Sequence[Verdict]) -> list[str]:

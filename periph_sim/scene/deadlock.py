@@ -2,11 +2,14 @@
 
     registers that the wait reads <-- their modules, if they have a clock: what they have due by themselves,
                                       and wires, moved by other parties
-                                  <-- service routines, if interrupts are on: then every module counts
+                                  <-- service routines, if interrupts are on: then each module counts whose interrupt
+                                      IER and PIEIER enable
+    registers that nothing models <-- nothing
     memory that the wait reads    <-- service routines
-    IDLE                          <-- interrupts that IER and PIEIER enable
+    IDLE                          <-- modules whose interrupts IER and PIEIER enable
 
-An agent whose schedule is over could have gone on: who waits for more of it is idle, not stuck.
+An agent whose schedule is over could have gone on, and so could firmware that has ended: a unit that waits for more of
+them is idle, not stuck. Units that wait for nobody but each other are stuck.
 """
 
 from __future__ import annotations
@@ -16,9 +19,10 @@ from typing import TYPE_CHECKING, cast
 
 from ..core.chip import NEVER
 from ..core.wire import Wire
-from ..f28335.cpu.pie_map import GROUPS, PIEIER
+from ..f28335.cpu.pie_map import GROUPS, LINES, PIEIER
 from ..f28335.i2c.register_map import STR_NACK
 from ..f28335.unit_modules import GATED, PIN_OF
+from ..records.cause_trace.interrupt_sources import sources
 
 if TYPE_CHECKING:
     from ..f28335.gpio.module import Gpio
@@ -36,6 +40,7 @@ INPUTS = {
     "TIMER2": (),
     "SYS": (),
 }
+DIRECT = {12: "TIMER1", 13: "TIMER2"}  # by bit of IER: modules whose interrupts no PIE group has
 OFF = ("IER = 0", "INTM = 1")  # by whether INTM is
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
 OUTPUTS = {pin for signal, pin in PIN_OF.items() if signal.startswith("SCITXD")}
@@ -53,7 +58,7 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
     if not dsp.processor.time.waits_for_input:
         return ""
     if dsp.core.idlestat:
-        return sleep_reason(dsp)
+        return sleep_reason(dsp) or ("" if watchdog_runs(dsp) else nothing_comes(dsp, waking(dsp), may_move, instant))
     spin = dsp.program.spin
     if spin is None:
         return ""
@@ -63,9 +68,19 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
             return ""  # an endless loop of the program's own
         if not takes_interrupts(dsp):
             return f"only a service routine could change that, and {OFF[bool(dsp.core.intm)]}; {ENABLE}"
+    if unanswered and not spin.polls:
+        return "" if watchdog_runs(dsp) else unanswered
     modules = [module for module in signals_behind(dsp, spin) if has_clock(dsp, module)]
     if not modules and not unanswered:
         return f"PCLKCR gives {' and '.join(dict.fromkeys(poll.place.name for poll in spin.polls))} no clock"
+    found = nothing_comes(dsp, modules, may_move, instant)
+    return unanswered or found if found else ""
+
+
+def nothing_comes(
+    dsp: Dsp, modules: list[str], may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]
+) -> str:
+    """Why these modules will not change, as a clause; empty if one of them may."""
     wires = {wire.name: wire for module in modules for wire in wires_into(dsp, module)}
     for wire in wires.values():
         others = [who for who in wire.parties() if not who.startswith(f"{dsp.name}.")]
@@ -73,8 +88,8 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
             return ""
     if any(dsp.socket(module).chip.next_wake < NEVER for module in modules) or dsp.core.next_wake < NEVER:
         return ""
-    if unanswered:
-        return unanswered
+    if not modules:
+        return "no module of the unit has an interrupt that IER and PIEIER enable; enable one, or name its module"
     due = f"{' and '.join(modules)} {'has' if len(modules) == 1 else 'have'} nothing due"
     inputs = [name for name in wires if name not in outputs(dsp)]
     moved = f"nobody will move {' or '.join(inputs)}" if inputs else "no wire leads there"
@@ -125,9 +140,27 @@ def outputs(dsp: Dsp) -> list[str]:
 def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
     """Modules on which the end of a wait depends."""
     read = list(dict.fromkeys(poll.place.name for poll in spin.polls))
-    if takes_interrupts(dsp) or "PIE" in read:
+    if "PIE" in read:
         return list(dsp.sockets)
-    return read
+    return list(dict.fromkeys([*read, *waking(dsp)])) if takes_interrupts(dsp) else read
+
+
+def waking(dsp: Dsp) -> list[str]:
+    """Modules of the unit whose interrupts IER and PIEIER enable."""
+    ier = dsp.core.ier
+    enabled = [name for name, place in LINES.items() if ier >> place[0] - 1 & 1 and _is_enabled(dsp, *place)]
+    found = [*dict.fromkeys(map(_module_of, enabled)), *(name for bit, name in DIRECT.items() if ier >> bit & 1)]
+    return [module for module in found if module in dsp.sockets]
+
+
+def _is_enabled(dsp: Dsp, group: int, line: int) -> bool:
+    return bool(dsp.pie.peek(0, PIEIER[group - 1].offset) >> line - 1 & 1)
+
+
+def _module_of(line: str) -> str:
+    """The module that requests the interrupt of a PIE line; "" where no unit can have it."""
+    module, _ = sources(line)
+    return module or ("XINT" if line.startswith("XINT") else "")
 
 
 def has_clock(dsp: Dsp, module: str) -> bool:

@@ -1,7 +1,7 @@
 """How long an I2C-A takes from a write of I2CDXR that SCL is held for to the release of SCL, as it is set now.
 
 Copy to I2CXSR unless BCM does that at the write, SDA set up before SCL, pin output: in cycles of the module clock and
-of SYSCLKOUT; ticks come out.
+of SYSCLKOUT; the tick of the write goes in, ticks come out.
 """
 
 from __future__ import annotations
@@ -29,12 +29,13 @@ class ReleaseDelay:
         self._writes = -1  # of the chip, when it was looked at last,
         self._cycles = 0  # and what came of that
 
-    def ticks(self) -> int:
+    def ticks(self, written: int) -> int:
+        """Return the time from a write at tick `written`: cycles of a clock that is off are not all of one length."""
         clock = self._clock
-        now = clock.cycle_at(self._kernel.now)
         if self._socket.chip.writes != self._writes:
-            self._look(now)
-        return clock.tick(now + self._cycles) - clock.tick(now)
+            self._look(clock.cycle_at(self._kernel.now))
+        cycle = clock.cycle_at(written)
+        return clock.tick(cycle + self._cycles) - clock.tick(cycle)
 
     def _look(self, now: int) -> None:
         """At both registers, which only a write changes."""

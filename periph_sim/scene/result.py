@@ -18,6 +18,8 @@ BYTE_LEVEL = "byte_level"  # I2C bytes of which seven bits passed at once, where
 class Result:
     """What a run came to. wall_s: the run alone, building apart.
 
+    sci_bytes: characters that others sent to SCIs of units. sci_bytes_sent: characters that SCIs of units sent.
+
     estimated: units whose cycles between accesses are estimated.
     terms_s: seconds of edge runs that the terms of level "schedule" were measured in; their time is in wall_s.
     """
@@ -39,6 +41,7 @@ class Result:
     first_wrong: str = ""
     terms_s: float = 0.0
     estimated: list[str] = field(default_factory=list)
+    sci_bytes_sent: int = 0
 
     @property
     def share_above_edges(self) -> str:

@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from .release_delay import ReleaseDelay
     from .sensor_chips import ChipOnBus
 
+SETTLED = Fraction(1, 1_000_000)  # seconds in which outputs and holds that were begun are over
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
 
@@ -361,13 +362,17 @@ class Scene:
         return self._hosts().truth_at(tick)
 
     def sci_bytes(self) -> int:
-        """Characters that were sent to SCIs from outside."""
+        """Characters that were sent to SCIs by others than units."""
         sent = 0 if self.host is None else self.host.bytes
         return sent + self._uart.characters
 
     def sent_from_outside(self, wire: str, count: int) -> None:
         """So many characters more begin on a wire that the outside drives by bytes; 0 to say that it does."""
         self._uart.sent(wire, count)
+
+    def sci_bytes_sent(self) -> int:
+        """Characters that SCIs of units have sent, to whomever."""
+        return self._uart.sent()
 
     def serial_notes(self) -> list[str]:
         """What went wrong on serial lines, or was to be sent and never went out."""
@@ -438,23 +443,36 @@ class Scene:
         """
         if self.stalled:
             return [self.stalled]
-        told = []
-        for name, dsp in self.units.items():
-            why = parts.deadlock_reason(dsp, self._may_move, lambda tick: self.timebase.show(tick - self.start))
-            if why:
-                told.append(f"{name} {self.doing(dsp)} and would for ever: {why}")
-        return told
+        stuck = dict.fromkeys(self.units, "")
+        before = -1
+        while len(stuck) != before:  # any of them may be helped by one that turned out not to be stuck
+            before, may_move = len(stuck), partial(self._may_move, set(stuck))
+            found = {name: parts.deadlock_reason(self.units[name], may_move, self._instant) for name in stuck}
+            stuck = {name: why for name, why in found.items() if why}
+        return [f"{name} {self.doing(self.units[name])} and would for ever: {why}" for name, why in stuck.items()]
 
-    def _may_move(self, wire: Wire, parties: list[str]) -> bool:
-        """Whether one of these parties has something left to do, or an agent among them has done all it was to do."""
-        if self.kernel.next_time() < NEVER:
+    def _instant(self, tick: int) -> str:
+        return self.timebase.show(tick - self.start)
+
+    def _may_move(self, stuck: set[str], wire: Wire, parties: list[str]) -> bool:
+        """Whether one of these parties may move the wire: none that is stuck, or only answers, or waits in a round."""
+        coming = self.kernel.next_time()
+        if coming <= self.kernel.now + self.timebase.ticks(SETTLED):
             return True
-        passive = set(self.units)
-        if wire.name in ("SCL", "SDA"):
-            passive |= {*self.chips, *self.devices}  # they only answer there
-        if self.head is not None and not self.head.at_rest:
-            passive.add("controller")
-        return any(who.partition(".")[0] not in passive for who in parties)
+        held = wire.held_by()
+        for who in parties:
+            name = who.partition(".")[0]
+            if name in self.units:
+                may = name not in stuck
+            elif wire.name in ("SCL", "SDA") and (name in self.chips or name in self.devices):
+                may = who in held and coming < NEVER
+            elif name == "controller" and self.head is not None:
+                may = self.head.at_rest or coming < NEVER
+            else:
+                may = True
+            if may:
+                return True
+        return False
 
 
 def _let_go(recorder: Recorder, units: Mapping[str, Dsp]) -> None:

@@ -57,6 +57,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         events=scene.kernel.events,
         wire_bytes=scene.bytes_on_bus(),
         sci_bytes=scene.sci_bytes(),
+        sci_bytes_sent=scene.sci_bytes_sent(),
         budgets=verdicts,
         counts=counts,
         unknowns=sorted({f"{name}.{t}" for name, part in parts.items() for t in part.touched}),

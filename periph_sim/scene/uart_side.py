@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from .case.wiring import sci_lines
 from .context import SceneContext
@@ -17,6 +17,7 @@ from .result import FRAMES, FRAMES_PASSED
 if TYPE_CHECKING:
     from ..bus.receiver_listener import ReceiverListener
     from ..core.wire import Wire
+    from ..f28335.sci.module import Sci
     from ..processor.dsp import Dsp
     from ..timing.measures.measure import SceneEvents
     from ..timing.measures.reply import Expected, Reply
@@ -108,6 +109,10 @@ class UartSide:
 
     def _came(self, wire: str, tick: int) -> None:
         self._counted[wire] = self._counted.get(wire, 0) + 1
+
+    def sent(self) -> int:
+        """How many characters the SCIs of units have sent."""
+        return sum(cast("Sci", self._units[sci.unit].socket(sci.module).chip).frames_sent for sci in self._scis)
 
     def notes(self) -> list[str]:
         """What went wrong on pairs, and what was to be sent and never was."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -88,6 +89,80 @@ def test_two_units_that_wait_for_each_other():
     assert all(line.endswith("I2C-A has nothing due and nobody will move SDA or SCL") for line in result.stuck)
 
 
+def two_units(one: Callable[[Dsp], None], other: Callable[[Dsp], None], *modules: str, **more: Any) -> list[str]:
+    """The units that are stuck at the end. modules: of `one`; the other one has an I2C-A."""
+    units = {name: {"firmware": "made here", "modules": ["I2C-A"]} for name in ("one", "other")}
+    units["one"]["modules"] = ["I2C-A", *modules]
+    made = case(unit=units, **more)
+    programs = {
+        "one": Firmware("made here", lambda dsp, settings: one(dsp), None),
+        "other": Firmware("made here", lambda dsp, settings: other(dsp), None),
+    }
+    return [sentence.split(" ")[0] for sentence in Scene(made, programs=programs).run().stuck]
+
+
+def writes_a_byte(dsp: Dsp) -> None:
+    """As the bus master, to address 0x68; then it ends."""
+    start_i2c(dsp)
+    i2c = dsp.module("I2C-A")
+    i2c.I2CSAR.all = 0x68
+    i2c.I2CCNT.all = 1
+    i2c.I2CDXR.all = 0x5A
+    i2c.I2CMDR.all = 0x6E20
+    dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+
+
+def hangs_after_a_byte(dsp: Dsp) -> None:
+    writes_a_byte(dsp)
+    i2c = dsp.module("I2C-A")
+    i2c.I2CSTR.SCD = 1
+    dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+
+
+def reads_bytes(dsp: Dsp) -> None:
+    """As a slave at 0x68, for ever."""
+    start_i2c(dsp, own_address=0x68)
+    i2c = dsp.module("I2C-A")
+    i2c.I2CMDR.IRS = 1
+    while True:
+        dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+        assert i2c.I2CDRR.all == 0x5A
+
+
+def test_a_slave_is_idle_beside_a_master_that_has_ended_and_stuck_beside_one_that_hangs():
+    assert two_units(writes_a_byte, reads_bytes) == []
+    assert two_units(hangs_after_a_byte, reads_bytes) == ["one", "other"]
+
+
+def test_a_master_that_computes_or_waits_for_a_timer_may_go_on():
+    def computes(dsp: Dsp) -> None:
+        writes_a_byte(dsp)
+        dsp.compute(10**9)
+
+    def waits(dsp: Dsp) -> None:
+        writes_a_byte(dsp)
+        timer = dsp.module("TIMER0")
+        timer.PRD.all = 0xFFFF
+        timer.PRDH.all = 0xFFFF
+        timer.TCR.all = 0x20
+        dsp.spin(lambda: timer.TCR.TIF == 1)
+
+    assert two_units(computes, reads_bytes) == []
+    assert two_units(waits, reads_bytes, "TIMER0") == []
+
+
+def test_frames_elsewhere_and_a_chip_that_only_answers_do_not_hide_a_wait():
+    """The bus is quiet, and nobody but the unit that waits, too, would begin a transfer; frames come on RX for ever."""
+    chip = {"gyroscope": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}
+
+    def hangs(dsp: Dsp) -> None:
+        start_i2c(dsp)
+        i2c = dsp.module("I2C-A")
+        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+
+    assert two_units(hangs, waits_for_aas, "SCI-A", chip=chip, host={"period": "2 ms"}) == ["one", "other"]
+
+
 def test_a_timer_that_is_stopped_never_comes_and_one_that_runs_does(monkeypatch: pytest.MonkeyPatch):
     def waits_for_tif(dsp: Dsp, stop: int) -> None:
         timer = dsp.module("TIMER0")
@@ -124,7 +199,7 @@ def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive(monkeypat
 def test_firmware_that_sleeps_is_said_to_sleep(monkeypatch: pytest.MonkeyPatch):
     scene = scene_with(monkeypatch, lambda dsp: dsp.cpu.idle(), [])
     scene.run()
-    assert scene.doing(scene.units["dsp"]) == "waits in IDLE for an interrupt at line 125 of test_deadlock.py"
+    assert scene.doing(scene.units["dsp"]) == "waits in IDLE for an interrupt at line 200 of test_deadlock.py"
 
 
 # The bus held ------------------------------------------------------------------

@@ -59,9 +59,54 @@ def test_a_sleep_that_no_interrupt_can_end(tmp_path: Path, before: str, why: str
     assert result.verdict == "fail"
 
 
-@pytest.mark.parametrize("before", ["OR IER,#0x1000", PIE + "OR IER,#1\n MOV @PIEIER1,#0x40"])
-def test_a_sleep_that_an_interrupt_may_end_is_none(tmp_path: Path, before: str):
-    assert ran(tmp_path, "IDLE", before).stuck == []
+RUNS, STOPPED = (f"MOVW DP,#TIMER0PRD >> 6\n MOV @TIMER0TCR,#{tcr}\n" for tcr in (0x4020, 0x4030))
+TINT0 = PIE + "OR IER,#1\n MOV @PIEIER1,#0x40\n"
+
+
+def test_a_sleep_that_a_running_timer_may_end_is_none(tmp_path: Path):
+    assert ran(tmp_path, "IDLE", RUNS + TINT0).stuck == []
+
+
+@pytest.mark.parametrize(
+    ("before", "why"),
+    [
+        (STOPPED + TINT0, "TIMER0 has nothing due and no wire leads there"),
+        (
+            RUNS + PIE + "OR IER,#1\n MOV @PIEIER1,#0x20",
+            "no module of the unit has an interrupt that IER and PIEIER en",
+        ),
+        (
+            RUNS + "OR IER,#0x1000",
+            "no module of the unit has an interrupt that IER and PIEIER enable; enable one, or name",
+        ),
+    ],
+)
+def test_a_sleep_whose_interrupts_cannot_come(tmp_path: Path, before: str, why: str):
+    """The timer runs in two of them, but its interrupt is not the one that is enabled."""
+    (told,) = ran(tmp_path, "IDLE", before).stuck
+    assert (
+        "dsp waits in IDLE for an interrupt at _c_int00 (waits.asm:" in told and f" and would for ever: {why}" in told
+    )
+
+
+UNMODELLED = "MOVW DP,#0x7100 >> 6\n MOV AL,@0x19\n ANDB AL,#4\n SB again,EQ"  # ADCST, which no module has
+
+
+@pytest.mark.parametrize("before", ["NOP", RUNS, RUNS + TINT0 + "CLRC INTM", RUNS + "OR IER,#1\n CLRC INTM"])
+def test_a_poll_of_what_nothing_models_is_told_whatever_else_runs(tmp_path: Path, before: str):
+    (told,) = ran(tmp_path, UNMODELLED, before + "\n NOP").stuck
+    assert "and would for ever: nothing models that; answer it by [[unit.dsp.stub]] with register = " in told
+
+
+def test_a_poll_of_what_nothing_models_is_none_where_the_watchdog_ends_it(tmp_path: Path):
+    assert ran(tmp_path, UNMODELLED, wdcr=ENABLED).stuck == []
+
+
+def test_a_running_timer_whose_interrupt_is_not_enabled_does_not_hide_a_wait(tmp_path: Path):
+    """IER enables another line: only that could run a service routine."""
+    on = PIE + "OR IER,#1\n MOV @PIEIER1,#0x20\n CLRC INTM\n MOVW DP,#_flag >> 6\n "
+    (told,) = ran(tmp_path, FLAG, RUNS + on).stuck
+    assert "waits for _flag+1 at " in told
 
 
 def test_a_sleep_that_the_watchdog_ends_is_none(tmp_path: Path):

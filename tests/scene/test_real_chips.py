@@ -98,6 +98,14 @@ def test_values_change_while_it_runs(values: dict[str, Any]):
     assert x == ([14, 14, 29, 29, 29] if "rows" in values else [0, 1, 2, 3, 4])
 
 
+def test_a_ramp_begins_at_its_first_time_after_the_start_of_the_run():
+    """Rounds are at 5, 25, 45, 65 and 85 ms; before the first step the values are those of number 0."""
+    chip = {**GYRO, "values": {"ramp": "angles", "first": "50 ms"}}
+    for start in ("0 s", "1 s"):
+        run = run_case(case(chip={"gyroscope": chip}, controller={"order": ["gyroscope"]}, start=start), "0.1")
+        assert [CHIPS["gyroscope"].values(bytes(t.phases[-1].got))[0] for (t,) in run.rounds] == [0, 0, 0, 1, 2]
+
+
 def test_values_in_lsb_are_those_of_the_scale_that_registers_set():
     chip = {**MAG, "registers": {"CRB": 0x60, "Mode": 0}, "values": {"fixed": [1, -2, 3], "unit": "LSB"}}
     assert counts(run_case(case(chip={"m": chip}, controller={"order": ["magnetometer"]}), "0.03")) == [(1, -2, 3)]

@@ -10,6 +10,7 @@ from periph_sim.core.chip import NEVER
 from periph_sim.f28335.gpio.module import Gpio
 from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.sci.module import Sci
+from periph_sim.firmware.sci import start_sci
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.scene import Scene
 from tests.scene.small import case, scene_with
@@ -74,6 +75,25 @@ def test_a_host_in_a_scene_without_sci_talks_to_nobody(monkeypatch):
     scene = scene_with(monkeypatch, idle, ["I2C-A"], host={"frames": 1})
     assert set(scene.wires) == {"SDA", "SCL", "RX"}
     assert scene.run().sci_bytes == 12
+
+
+def sends_ten(dsp: Dsp) -> None:
+    sci = start_sci(dsp)
+    for number in range(10):
+        dsp.spin(lambda: sci.SCIFFTX.TXFFST < 16)
+        sci.SCITXBUF.all = number
+    dsp.spin(lambda: sci.SCICTL2.TXEMPTY == 1)
+
+
+@pytest.mark.parametrize("fidelity", ["edge", "adaptive"])
+def test_characters_count_in_both_directions(monkeypatch: pytest.MonkeyPatch, fidelity: str):
+    """What units send, and what others send to them, whether the frames go edge by edge or at once."""
+    result = scene_with(
+        monkeypatch, sends_ten, ["SCI-A"], host={"frames": 1}, fidelity=fidelity, duration="40 ms"
+    ).run()
+    assert (result.sci_bytes, result.sci_bytes_sent) == (12, 10)
+    silent = scene_with(monkeypatch, idle, ["SCI-A"], host={"frames": 1}, fidelity=fidelity).run()
+    assert (silent.sci_bytes, silent.sci_bytes_sent) == (12, 0)
 
 
 def test_two_units_share_the_wires():

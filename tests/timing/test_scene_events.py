@@ -225,12 +225,17 @@ def test_a_value_is_off_by_its_worst_axis_at_its_first_data_bit():
 
 
 @given(st.integers(1, 12), st.integers(0, 14))
-def test_at_the_frame_the_best_of_the_last_eight_counts(frames: int, carried: int):
+def test_at_the_frame_the_best_of_the_last_eight_and_of_those_since_the_last_read_counts(frames: int, carried: int):
     measure, scene = deviation(True, frames=frames)
-    phase = read(GYRO, sample(carried, -carried, 0), at=2000, answer_at=2020)
+    for at in (2000, 2100):  # before the second read, the frame that fitted the first one is known
+        phase = read(GYRO, sample(carried, -carried, 0), at=at, answer_at=at + 20)
+        scene.heard["on_transfer"](Transfer("gyroscope", [phase]))
+        assert measure.worst == min(abs(carried - number) for number in range(1, frames + 1)) * MILLIONTHS
+    phase = read(GYRO, sample(1, -1, 0), at=2200, answer_at=2220)
     scene.heard["on_transfer"](Transfer("gyroscope", [phase]))
-    recent = range(max(frames - RECENT, 0) + 1, frames + 1)
-    assert measure.worst == min(abs(carried - number) for number in recent) * MILLIONTHS
+    fitted = min(range(1, frames + 1), key=lambda number: (abs(carried - number), -number))
+    oldest = min(fitted, max(frames - RECENT, 0) + 1)
+    assert measure.all_kept()[0][-1] == (oldest - 1) * MILLIONTHS
 
 
 def test_which_reads_have_a_value():

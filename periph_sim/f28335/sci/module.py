@@ -44,6 +44,11 @@ class Sci(SciLines):
 
     mid_byte: tuple[int, ...] = (CCR, CTL1, HBAUD, LBAUD, FFTX, FFCT, PRI)
 
+    @property
+    def frames_sent(self) -> int:
+        """Frames whose start bits have begun on TXD; resets do not clear it."""
+        return self._tx.frames
+
     # CPU access -------------------------------------------------------------
 
     def read(self, now: int, offset: int) -> int:

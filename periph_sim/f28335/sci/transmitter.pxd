@@ -14,7 +14,7 @@ cdef class SciTx:
     cdef public Fifo fifo
     cdef public list sent, lost
     cdef public bint request, word_line, enabled, running, in_swreset, stopping, int_enabled, txwake, wut, fifo_mode, active
-    cdef public long long mark, out_mark, delay, txbuf, scifftx, next_tick, next_cycle
+    cdef public long long frames, mark, out_mark, delay, txbuf, scifftx, next_tick, next_cycle
     cdef SciClock _clock
     cdef SciFormat _layout
     cdef bint _waiting, _loaded, _data_frame, _reached, _level_mode

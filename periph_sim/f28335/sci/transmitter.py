@@ -73,6 +73,7 @@ class SciTx:
         self.bits = SciTxBits()
         self.word_line = False  # words are handed over in `sent`, no levels are made
         self.sent: list[SentWord] = []
+        self.frames = 0  # whose start bits have begun, since the model was made
         self.lost: list[str] = []  # what happened to words that will never be sent
         self.mark = 0
         self.out_mark = 0
@@ -241,6 +242,7 @@ class SciTx:
         self._data_frame = layout.address or not self.wut
         if self._data_frame:
             self._end = tick + layout.end
+            self.frames += 1
             self._send(tick)
         else:
             self.touched.add("txwake_idle_len")

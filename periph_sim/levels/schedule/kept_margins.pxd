@@ -8,9 +8,9 @@ from .value_range cimport ValueRange
 cdef class KeptMargins:
     cdef public long long most, least
     cdef public bint alone
-    cdef long long _den, _most_let_go, _most_landed, _most_next, _least_let_go, _least_landed, _least_next
+    cdef long long _den, _most_let_go, _most_landed, _least_let_go, _least_landed
     cpdef void clear(self, long long den)
     @cython.locals(near=cython.bint)
-    cpdef void add(self, long long part, long long let_go, long long landed, long long next_landed)
+    cpdef void add(self, long long part, long long let_go, long long landed)
     @cython.locals(most=cython.longlong, least=cython.longlong)
     cpdef void take(self, ValueRange margins, Lane lane, long long start, long long cycle)

@@ -24,7 +24,7 @@ cdef class Lane:
     cdef long long tick(self, long long cycle)
     cdef long long cycle_at(self, long long tick)
     @cython.locals(after=cython.longlong, fall=cython.longlong, heard=cython.longlong)
-    cdef long long margin(self, long long let_go, long long rise, long long landed, long long next_landed)
+    cdef long long margin(self, long long let_go, long long landed)
     @cython.locals(well_before=cython.longlong)
     cpdef long long wait_from_far(self, long long first, long long flag, long long poll)
     @cython.locals(waits=cython.longlong, end=cython.longlong, passes=cython.longlong, latch=cython.longlong)

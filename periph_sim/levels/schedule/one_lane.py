@@ -118,15 +118,9 @@ class Lane:
         """The first cycle that begins at or after this tick."""
         return -(-tick * self.den // self.num)
 
-    def margin(self, let_go: int, rise: int, landed: int, next_landed: int) -> int:
-        """The `margin of I2CDXR` of one byte, as `margins_of` measures it.
-
-        let_go, rise: ticks at which SCL could rise and did. landed, next_landed: cycles of this byte's write to I2CDXR
-        and of the next one's.
-        """
-        after, fall = self.tick(next_landed), rise + self._high
-        heard = self.cycle_at(min(after, fall) if after > rise else fall)
-        return let_go - (self.tick(heard + self._margin) - self.tick(heard)) - self.tick(landed)
+    def margin(self, let_go: int, landed: int) -> int:
+        """The `margin of I2CDXR` of one byte. let_go: tick at which SCL could rise. landed: cycle of its write."""
+        return let_go - self.tick(landed + self._margin)
 
     # As in `lanes` ------------------------------------------------------------------
 

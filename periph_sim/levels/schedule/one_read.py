@@ -161,7 +161,7 @@ class OneRead:
             let_go, landed = self._let_gos[byte], self._landed[byte]
             part = let_go * lane.den - landed * lane.num
             if margins.moved_by(part, part):
-                value = lane.margin(let_go, self._rises[byte], landed, self._landed[byte + 1])
+                value = lane.margin(let_go, landed)
                 margins.take_all(value, value, 0)
 
     def _restore(self) -> None:
@@ -178,4 +178,4 @@ class OneRead:
         for byte in range(self._count):
             let_go, landed = self._let_gos[byte], self._landed[byte]
             part = let_go * lane.den - landed * lane.num + rest
-            margins.add(part, let_go - start, landed - cycle, self._landed[byte + 1] - cycle)
+            margins.add(part, let_go - start, landed - cycle)

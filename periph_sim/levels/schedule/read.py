@@ -19,7 +19,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.chip import NEVER
 from .clock import CpuClock, Ints
 from .lanes import Lanes
 from .terms import Terms
@@ -109,22 +108,14 @@ def read(terms: Terms, number: int, clock: CpuClock, lanes: Lanes, start: Ints, 
         seen[over] = writes[-1][over] = ready[over]
         lanes.back(over, places)
     landed = clock.tick(np.array(writes))
-    margins = margins_of(terms, clock, np.array(let_gos), np.array(rises), landed)
+    margins = margins_of(terms, clock, np.array(let_gos), landed)
     cleared = start + bus.sdir - clock.tick(written)
     held_from = start + bus.needs[0] + terms.low
     again = start + bus.again
     return Read(hung, held_from, stop, seen, again, response, held, margins, cleared, let_gos, rises, landed, waits)
 
 
-def margins_of(terms: Terms, clock: CpuClock, let_go: Ints, rise: Ints, landed: Ints, end: int = NEVER) -> Ints:
-    """From each write to the latest instant that is soon enough. landed: ticks of writes, one more than bytes.
-
-    What the module takes is counted in ticks where the measure hears of the rise of SCL: with the next record, of SCL's
-    fall or the next write of I2CDXR, or as the run ends.
-    """
-    after = landed[1:]
-    fall = np.minimum(rise + terms.high, end)
-    heard = clock.cycle_at(np.where(after > rise, np.minimum(after, fall), fall))
-    takes = clock.tick(heard + terms.margin) - clock.tick(heard)
-    found: Ints = let_go - takes - landed[:-1]
+def margins_of(terms: Terms, clock: CpuClock, let_go: Ints, landed: Ints) -> Ints:
+    """From each write to the latest instant that is soon enough. landed: ticks of writes, one more than bytes."""
+    found: Ints = let_go - clock.tick(clock.cycle_at(landed[:-1]) + terms.margin)
     return found

@@ -167,8 +167,8 @@ class Told:
         terms, clock, end = self._structure.terms, self._inputs.clock, self._end
         for made in self._made:
             if made.acked and not made.hung:
-                let_go, rises, writes = (np.array(each, np.int64) for each in (made.let_go, made.rise, made.landed))
-                spare = margins_of(terms, clock, let_go, rises, writes, end).tolist()
+                let_go, writes = (np.array(each, np.int64) for each in (made.let_go, made.landed))
+                spare = margins_of(terms, clock, let_go, writes).tolist()
                 for value, rise, landed in zip(spare, made.rise, made.landed, strict=False):
                     if rise <= end:
                         margin.occasion(rise)

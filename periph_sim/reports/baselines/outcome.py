@@ -153,7 +153,12 @@ def baseline_of(scene: Scene, result: Result) -> Baseline:
         ticks_per_second=scene.timebase.per_second,
         ticks_per_cycle=scene.timebase.per_second // clocks[0] if clocks else 1,
         events=result.events,
-        counts={**result.counts, "I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes},
+        counts={
+            **result.counts,
+            "I2C bytes": result.wire_bytes,
+            "SCI bytes": result.sci_bytes,
+            **({"SCI bytes from units": result.sci_bytes_sent} if result.sci_bytes_sent else {}),
+        },
         budgets={part.budget.name: _figures(part, scene.start) for limit in scene.limits for part in limit.parts},
     )
 

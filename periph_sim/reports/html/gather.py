@@ -72,7 +72,8 @@ def case_report(
         options=tuple(result.unknowns),
         changes=tuple(changes),
         counts={name.replace("_", " "): count for name, count in result.counts.items() if count and name != SKIPPED}
-        | {"I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes},
+        | {"I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes}
+        | ({"SCI bytes from units": result.sci_bytes_sent} if result.sci_bytes_sent else {}),
         findings=tuple(_beside_failures(_found(result) if findings is None else findings, budgets)),
         notes=tuple(_devices_first(case, result.notes)),
         budgets=tuple(budgets),

@@ -78,7 +78,7 @@ def cost_of(case: Case, length: Fraction, traced: bool = True) -> Cost:
         cpu,
         result.events,
         result.wire_bytes,
-        result.sci_bytes,
+        result.sci_bytes + result.sci_bytes_sent,
         passed,
         memory,
         sci_frames=frames,

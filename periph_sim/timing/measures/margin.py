@@ -85,7 +85,7 @@ class Margin(Measure):
         self._copied()
         written, self._shifting = self._shifting, NO_TIME
         if written != NO_TIME:
-            delay = self._delay.ticks()
+            delay = self._delay.ticks(written)
             self.take(let_go - delay - written, written)
 
     def finish(self, now: int) -> None:

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 
 class Delay(Protocol):
-    def ticks(self) -> int:
-        """How long it is as things are set now."""
+    def ticks(self, written: int) -> int:
+        """How long it is from a write at this tick, as things are set now."""
 
 
 class SceneEvents(Protocol):

@@ -35,11 +35,10 @@ def test_the_bytes_of_the_extreme_parts_have_the_extreme_margins(num: int, den: 
     for _ in range(200):
         let_go = [random.randrange(9_000, 9_040) for _ in range(BYTES)]
         landed = [random.randrange(300, 304) for _ in range(BYTES)]
-        following = [at + random.randrange(130, 260) for at in landed]
         start = random.randrange(1_000_000)
         kept = KeptMargins()
         kept.clear(den)
-        for each in zip(let_go, landed, following, strict=True):
+        for each in zip(let_go, landed, strict=True):
             kept.add(each[0] * den - each[1] * num, *each)
         assert kept.most == max(at * den - cycle * num for at, cycle in zip(let_go, landed, strict=True))
         assert kept.least == min(at * den - cycle * num for at, cycle in zip(let_go, landed, strict=True))
@@ -49,8 +48,8 @@ def test_the_bytes_of_the_extreme_parts_have_the_extreme_margins(num: int, den: 
             range_ = ValueRange()
             kept.take(range_, lane, begin, cycle)
             ticks = begin + np.array(let_go)
-            writes = clock.tick(cycle + np.array([landed, following]))
-            values = margins_of(terms, clock, ticks, ticks, writes)[0].tolist()
+            writes = clock.tick(cycle + np.array([landed, landed]))
+            values = margins_of(terms, clock, ticks, writes)[0].tolist()
             assert (range_.worst, range_.least, range_.count) == (max(values), min(values), 0)
             orders.add((values.index(max(values)), values.index(min(values))))
     assert 10 < rounds_alone < 190 and len(orders) > BYTES

@@ -266,7 +266,7 @@ class Scene(Played):
     def i2c_release_delay(self, unit: str) -> Scene:
         return self
 
-    def ticks(self) -> int:
+    def ticks(self, written: int) -> int:
         return RELEASE
 
 

@@ -372,7 +372,7 @@ class Scene:
 
     def sci_bytes_sent(self) -> int:
         """Characters that SCIs of units have sent, to whomever."""
-        return self._uart.sent()
+        return self._uart.sent_by_units()
 
     def serial_notes(self) -> list[str]:
         """What went wrong on serial lines, or was to be sent and never went out."""

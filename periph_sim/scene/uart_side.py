@@ -110,7 +110,7 @@ class UartSide:
     def _came(self, wire: str, tick: int) -> None:
         self._counted[wire] = self._counted.get(wire, 0) + 1
 
-    def sent(self) -> int:
+    def sent_by_units(self) -> int:
         """How many characters the SCIs of units have sent."""
         return sum(cast("Sci", self._units[sci.unit].socket(sci.module).chip).frames_sent for sci in self._scis)
 

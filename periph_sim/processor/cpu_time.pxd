@@ -6,8 +6,8 @@ from ..core.time cimport Clock
 
 @cython.final
 cdef class CpuTime:
-    cdef public long long cycle, lease, lands, met
-    cdef public bint asleep
+    cdef public long long cycle, lease, lands, met, wakes
+    cdef public bint asleep, watching
     cdef Clock _clock
     cdef Kernel _kernel
     cdef Event _wake
@@ -18,6 +18,7 @@ cdef class CpuTime:
     cpdef long long renew(self)
     cpdef bint rest(self, long long cycle)
     cpdef void sleep(self, long long until)
+    cpdef void watch(self, long long until)
     cpdef void meet(self)
     cpdef void limit(self, long long lands)
     cpdef void begin(self, long long delay)

@@ -21,6 +21,7 @@ class CpuTime:
     lands: the cycle at whose end the next posted write takes effect; NEVER if there is none. The lease ends there.
     met: the cycle for which the kernel's time was last made this CPU's.
     asleep: at an instruction boundary, so that an interrupt can wake it.
+    watching: it executes passes of a wait that it could sleep through; `wakes` is the cycle at which it would be woken.
     """
 
     __slots__ = (
@@ -35,6 +36,8 @@ class CpuTime:
         "lands",
         "lease",
         "met",
+        "wakes",
+        "watching",
     )
 
     def __init__(self, kernel: Kernel, clock: Clock, agent: Agent) -> None:
@@ -43,7 +46,8 @@ class CpuTime:
         self.lease = 0
         self.lands = NEVER
         self.met = -1
-        self.asleep = False
+        self.asleep = self.watching = False
+        self.wakes = NEVER
         self._kernel = kernel
         self._clock = clock
         self._wake: Event = kernel.event(agent, CPU)  # the promise by which this CPU is woken
@@ -58,7 +62,7 @@ class CpuTime:
     @property
     def waits_for_input(self) -> bool:
         """Asleep, and no cycle is known at which this CPU goes on: a watched register or an interrupt must come."""
-        return self.asleep and not self._wake.queued
+        return self.wakes == NEVER if self.watching else self.asleep and not self._wake.queued
 
     def left(self) -> int:
         """Cycles from here to the last tick that there is."""
@@ -103,6 +107,10 @@ class CpuTime:
         self.asleep = True
         self._until = until
 
+    def watch(self, until: int) -> None:
+        """Go on, and note for when a sleeping CPU would have been woken: at `until`, or by `resume_by`."""
+        self.watching, self.wakes = True, until
+
     def meet(self) -> None:
         """The kernel's time becomes this CPU's: an access is made that acts. It may promise events: the lease ends."""
         kernel, cycle = self._kernel, self.cycle
@@ -146,6 +154,9 @@ class CpuTime:
 
     def resume_by(self, cycle: int) -> None:
         """Be woken at `cycle`, or sooner if that is promised already."""
+        if self.watching:
+            self.wakes = min(self.wakes, cycle)
+            return
         if not self._wake.queued or self._wake_tick > self._clock.tick(cycle):
             self._kernel.cancel(self._wake)
             self.wake_at(cycle)
@@ -160,4 +171,4 @@ class CpuTime:
         """No wake-up, no landing: the program is over."""
         self._kernel.cancel(self._wake)
         self.lands = NEVER
-        self.asleep = False
+        self.asleep = self.watching = False

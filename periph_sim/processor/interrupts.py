@@ -76,7 +76,7 @@ class Interrupts:
         """INTn was pulsed at `cycle`."""
         core = self.core
         core.raise_line(cycle, number)
-        if self._time.asleep:
+        if self._time.asleep or self._time.watching:
             due = core.next_wake if core.idlestat else core.earliest()
             if due < NEVER:
                 self._time.resume_by(max(due, cycle))

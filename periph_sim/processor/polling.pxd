@@ -16,7 +16,7 @@ cdef class Poll:
 cdef class Spin:
     cdef public long long since, ends, start, held_up, made, live_from
     cdef public object pass_cycles
-    cdef public list reads
+    cdef public list last, reads
     cdef public bint bare, pure
     cpdef void begin_pass(self, long long cycle)
     @cython.locals(place=cython.Py_ssize_t, read=Poll)
@@ -29,6 +29,9 @@ cdef class Spin:
     cpdef void answer_before(self, long long cycle)
     cpdef void hold_up(self, long long cycles)
     cpdef long long rest(self, long long cycle, long long branch)
+    cpdef void executes_next(self)
+    @cython.locals(operand=Operand, value=cython.longlong)
+    cpdef bint unchanged(self, long long cycle)
     cpdef str waits_for(self)
 
 

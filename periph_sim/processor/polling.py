@@ -36,12 +36,14 @@ class Spin:
     start: cycle at which the present pass began. held_up: cycles of it that interrupts and stalls took.
     bare: its present pass took nothing but its reads and their tests.
     live_from: reads before this cycle are answered by what came before.
+    last: operands and values of the pass before, where passes are executed that could be skipped; else empty.
     """
 
     __slots__ = (
         "bare",
         "ends",
         "held_up",
+        "last",
         "live_from",
         "made",
         "pass_cycles",
@@ -62,11 +64,23 @@ class Spin:
         self.start = 0
         self.held_up = 0
         self.live_from = 0
+        self.last: list[tuple[Operand, int]] = []
 
     @property
     def polls(self) -> list[Operand]:
-        """What the present pass has read."""
-        return [read.operand for read in self.reads[: self.made]]
+        """What the present pass has read; the last one, where passes are executed that could be skipped."""
+        return [operand for operand, _ in self.last] or [read.operand for read in self.reads[: self.made]]
+
+    def executes_next(self) -> None:
+        """The present pass is over, and one that could be skipped is executed."""
+        self.last = [(read.operand, read.value) for read in self.reads[: self.made]]
+
+    def unchanged(self, cycle: int) -> bool:
+        """True if such a pass would still read what the last one read."""
+        for operand, value in self.last:
+            if (operand.see(cycle) ^ value) & operand.mask:
+                return False
+        return len(self.last) > 0
 
     def begin_pass(self, cycle: int) -> None:
         self.made = 0

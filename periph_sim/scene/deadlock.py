@@ -55,7 +55,7 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 
     may_move: whether the named parties, who are not of this unit, may ever move the wire. instant: a tick for people.
     """
-    if not dsp.processor.time.waits_for_input:
+    if not dsp.processor.time.waits_for_input and not polls_for_input(dsp):
         return ""
     if dsp.core.idlestat:
         return sleep_reason(dsp) or ("" if watchdog_runs(dsp) else nothing_comes(dsp, waking(dsp), may_move, instant))
@@ -95,6 +95,13 @@ def nothing_comes(
     moved = f"nobody will move {' or '.join(inputs)}" if inputs else "no wire leads there"
     ignored = refused(dsp, instant) if "I2C-A" in modules else ""
     return f"{due} and {moved}{f'; {ignored}' if ignored else ''}"
+
+
+def polls_for_input(dsp: Dsp) -> bool:
+    """True if passes of a wait without a time-out are executed that only an input can end: `skip_polls = false`."""
+    spin, time = dsp.program.spin, dsp.processor.time
+    waits = spin is not None and spin.ends == NEVER and spin.unchanged(time.cycle)
+    return waits and time.lands == NEVER and dsp.core.earliest() == NEVER
 
 
 def sleep_reason(dsp: Dsp) -> str:

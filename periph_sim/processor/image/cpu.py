@@ -66,7 +66,7 @@ class ImageCpu(Engine):
     returning, idling: IRET or IDLE was executed, which the program sees to.
     """
 
-    def __init__(self, processor: Processor, options: SystemOptions) -> None:
+    def __init__(self, processor: Processor, options: SystemOptions, skip_polls: bool = True) -> None:
         self._core = processor.interrupts.core
         super().__init__()
         self._processor = processor
@@ -81,7 +81,7 @@ class ImageCpu(Engine):
         self._tested = 0  # bits that the present instruction looks at in its operand
         self._written = [0] * RAM_TO  # 1 for a word that somebody wrote
         self.watched: VariableRecords | None = None
-        self.polls = Polls(self._time, self._core)
+        self.polls = Polls(self._time, self._core, skip_polls)
         self.reads_unwritten: UnwrittenReads | None = None
         self.reset()
 

@@ -8,7 +8,7 @@ from ..polling cimport Lease, Spin
 
 @cython.final
 cdef class Polls:
-    cdef public bint asleep, clean, counting, replaying, tracking
+    cdef public bint asleep, clean, counting, replaying, skips, tracking
     cdef public long long live_from
     cdef public list elsewhere
     cdef public dict changed
@@ -38,8 +38,9 @@ cdef class Polls:
     cpdef void soil(self)
     @cython.locals(time=CpuTime, lease=Lease, spin=Spin, until=cython.longlong)
     cpdef Spin sleep(self, long long most=?)
-    @cython.locals(time=CpuTime, first=cython.longlong, now=cython.longlong, skipped=cython.longlong)
-    cpdef long long woken(self)
+    @cython.locals(time=CpuTime, passes=cython.longlong)
+    cpdef long long woken(self, long long now)
+    cpdef long long begins_at(self, long long passes)
     cpdef void resume(self, long long cycle)
     cpdef bint answer(self, long long cycle)
     cpdef long long answered(self)

@@ -31,17 +31,19 @@ class Polls:
     """tracking: a pass is looked at. clean: nothing in it but what every further pass would do again. counting: it may
     change words of memory, besides; changed: those, with what they held before.
 
-    asleep: passes are skipped. replaying: reads are answered as they were up to the cycle `live_from`. elsewhere: words
-    read that nothing models.
+    skips: passes that come out alike are skipped; else they are executed, and only the times are noted at which the
+    program would have begun to sleep and been woken. asleep: between these. replaying: reads are answered as they were
+    up to the cycle `live_from`. elsewhere: words read that nothing models.
     """
 
     __slots__ = (
         "_before", "_branch", "_core", "_failed", "_lease", "_look_at", "_most", "_next", "_passes", "_period",
         "_since", "_spin", "_started", "_step", "_time", "_values", "asleep", "changed", "clean", "counting",
-        "elsewhere", "live_from", "replaying", "tracking",
+        "elsewhere", "live_from", "replaying", "skips", "tracking",
     )  # fmt: skip
 
-    def __init__(self, time: CpuTime, core: CpuInterrupts) -> None:
+    def __init__(self, time: CpuTime, core: CpuInterrupts, skips: bool) -> None:
+        self.skips = skips
         self._time = time
         self._core = core
         self._lease = Lease(time)
@@ -189,26 +191,38 @@ class Polls:
         if most < NEVER:
             self._failed.pop(self._branch, None)
             until = self._started + most * self._period
-            time.wake_at(until)
-        time.sleep(until)
+        if self.skips:
+            if until < NEVER:
+                time.wake_at(until)
+            time.sleep(until)
+        else:
+            self.tracking = False
+            time.watch(until)
         self.asleep = True
         return spin
 
-    def woken(self) -> int:
-        """Go on at the start of the pass in progress. How many passes were skipped."""
+    def woken(self, now: int) -> int:
+        """A pass may come out otherwise from this cycle on. How many passes came out alike before the one in progress.
+
+        Where these were skipped, it is made anew from its start, and what lies in the past is answered as it was.
+        """
         time = self._time
         self._lease.end()
-        self.asleep = False
-        first, now = self._started, time.cycle
-        skipped = (now - first) // self._period
-        time.cycle = first + skipped * self._period
-        self.live_from, self._next = now, 0
-        self.replaying = now > time.cycle
+        self.asleep = time.watching = False
+        passes = (now - self._started) // self._period
+        if self.skips:
+            time.cycle = self._started + passes * self._period
+            self.live_from, self._next = now, 0
+            self.replaying = now > time.cycle
         self.tracking = False
         self._look_at = self._passes + 1
         if self._most < NEVER:
             self._step = 1
-        return skipped
+        return passes
+
+    def begins_at(self, passes: int) -> int:
+        """When the pass begins that is so many behind the one looked at."""
+        return self._started + passes * self._period
 
     def resume(self, cycle: int) -> None:
         """What a word answers that nothing models has changed: a sleeping program looks."""

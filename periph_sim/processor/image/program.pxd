@@ -17,14 +17,15 @@ cdef class ImageProgram(Program):
     cdef public long long instructions
     cdef Processor _processor
     cdef Operation _ready
-    cdef bint _executed, _idle_began, _looks, _skip_polls
-    cdef long long _counted, _pass
+    cdef bint _executed, _idle_began, _looks
+    cdef long long _back, _counted, _pass
     cdef long long _jumps[8]
     cdef long long _jumped
     cdef object _clock, _functions, _calls, _waits, _watch, _counting
     cdef bint _sleeps(self)
     cdef object _sleeps_counting(self)
-    cdef void _woken(self)
+    cdef void _follow_wait(self)
+    cdef void _woken(self, long long cycle)
     cdef dict _places
     cdef long long _at, _entry, _asleep_at, _stack_begin, _stack_end, _sp
     cdef set _unwritten

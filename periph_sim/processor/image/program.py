@@ -47,7 +47,7 @@ class ImageProgram(Program):
     ) -> None:
         """entry: where PC begins. skip_polls: sleep through passes of waits that come out as those before."""
         super().__init__()
-        self.cpu = ImageCpu(processor, options)
+        self.cpu = ImageCpu(processor, options, skip_polls)
         self.image = image
         self.instructions = 0
         self._processor = processor
@@ -63,8 +63,8 @@ class ImageProgram(Program):
         self._calls: CallStack | None = None  # somebody wants to know what is called
         self._waits: WaitRecords | None = None  # somebody records when it waits
         self._watch: InstructionWatch | None = None  # somebody looks at each instruction
-        self._skip_polls = skip_polls
         self._looks = False  # a loop has come to its begin again
+        self._back = -1  # the branch by which a wait has come to its begin again, where its passes are executed
         self._counted = self._pass = 0  # instructions up to there, and of a pass
         self._counting: CountingLoop | None = None  # a pass of a loop is taken apart, or passes that count are skipped
         self._entry = entry
@@ -102,14 +102,14 @@ class ImageProgram(Program):
         Program.kill(self, how)
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])
-        if self.cpu.polls.asleep:
-            loop, time.cycle = self._counting, now
-            self._woken()
-            if loop is not None:
+        polls, loop = self.cpu.polls, self._counting
+        if polls.asleep:
+            self._woken(min(now, time.wakes))
+            if loop is not None and polls.skips:
                 loop.cut_off(now - time.cycle)
         elif self._idle_began and self._waits is not None:
             self._waits.ends(now)
-        self.cpu.polls.forget()
+        polls.forget()
 
     # Who wants to know ------------------------------------------------------------------
 
@@ -159,8 +159,8 @@ class ImageProgram(Program):
         cpu, time, processor = self.cpu, self._processor.time, self._processor
         core, timing, polls = processor.interrupts.core, cpu.timing, cpu.polls
         pipeline = timing.pipeline
-        if polls.asleep:
-            self._woken()
+        if polls.asleep and polls.skips:
+            self._woken(time.cycle)
         if cpu.ended:
             return self._ended()
         f: Operation | None = None  # the last one of this turn
@@ -168,9 +168,11 @@ class ImageProgram(Program):
             if self._ready is not None:
                 f, self._ready = self._ready, None
             else:
+                if time.watching:
+                    self._follow_wait()
                 if self._looks:
                     self._looks = False
-                    if self._sleeps():
+                    if self._sleeps() and polls.skips:
                         return Stop.SLEEPS
                 if cpu.idling:
                     if not self._slept():
@@ -211,8 +213,11 @@ class ImageProgram(Program):
                 if f.jumps:
                     if cpu.pc & 1:
                         cycle += timing.landing(cpu.after(f))
-                    if f.loops and cpu.pc <= f.address and self._skip_polls:
-                        self._looks = polls.again(f.address, cycle)
+                    if f.loops and cpu.pc <= f.address:
+                        if time.watching:
+                            self._back = f.address
+                        else:
+                            self._looks = polls.again(f.address, cycle)
                 self._jumps[self._jumped & LAST_JUMPS - 1] = f.address
                 self._jumped += 1
                 if self._calls is not None:
@@ -281,23 +286,32 @@ class ImageProgram(Program):
         self._counting = None
         return None
 
-    def _woken(self) -> None:
-        """A pass may come out otherwise: the one in progress is made from its start."""
-        time = self._processor.time
-        woken = time.cycle
-        skipped = self.cpu.polls.woken()
-        self.polls_skipped += skipped
-        self.instructions += skipped * self._pass
-        self.spin = None
-        if self._counting is not None:
-            self._counting.move(skipped)
-            self._counting = None
-            if not self.cpu.polls.reads:
-                return
+    def _follow_wait(self) -> None:
+        """At a boundary of a wait whose passes are executed: it is over if a sleeping program would have been woken."""
+        time, back = self._processor.time, self._back
+        self._back = -1
+        if time.wakes <= time.cycle:
+            woken = time.wakes
+            self._woken(woken)
+            if back >= 0 and woken < time.cycle:  # in the pass that has just ended
+                self._looks = self.cpu.polls.again(back, time.cycle)
+
+    def _woken(self, cycle: int) -> None:
+        """A pass may come out otherwise from this cycle on; see `Polls.woken`."""
+        polls, counting = self.cpu.polls, self._counting
+        passes = polls.woken(cycle)
+        self.spin = self._counting = None
+        if polls.skips:
+            self.polls_skipped += passes
+            self.instructions += passes * self._pass
+            if counting is not None:
+                counting.move(passes)
+        if counting is not None and not polls.reads:
+            return
         if self._waits is not None:
-            self._waits.ends(woken)
+            self._waits.ends(cycle)
         if self._calls is not None:
-            self._calls.slept(self._clock.tick(time.cycle) - self._asleep_at)
+            self._calls.slept(self._clock.tick(polls.begins_at(passes)) - self._asleep_at)
 
     @property
     def asleep_since(self) -> int | None:

@@ -119,7 +119,7 @@ class Waits:
                     waited = records.waited_for(spin)
                     records.tell(waited, spin.since, 1)
             instructions.instruction(spin.rest(time.cycle, self._branch))
-            again = self._skip_polls and spin.pure and time.cycle < spin.ends and self._skip(spin)
+            again = spin.pure and time.cycle < spin.ends and self._skip(spin)
             if time.cycle >= spin.ends:
                 break
         if waited is not None:
@@ -139,15 +139,21 @@ class Waits:
         spin.ends = ends
         spin.bare = False
         spin.live_from = 0
+        if spin.last:
+            spin.last = []
         return spin
 
     def _skip(self, spin: Spin) -> bool:
         """Sleep over the passes that must come out as this one did, and set up the replay of the one in progress.
 
+        Where they are executed, `Spin.last` tells that they could have been skipped.
         True if nothing but reads can make the next pass come out otherwise.
         """
         time, core = self._time, self._core
         if not spin.made or time.lands < NEVER or core.earliest() < NEVER:
+            return False
+        if not self._skip_polls:
+            spin.executes_next()
             return False
         lease = self._lease
         lease.take(spin)

@@ -14,6 +14,7 @@ from periph_sim.image.model import Image
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.image.boot import Boot, Stub
 from periph_sim.processor.image.program import ImageProgram
+from periph_sim.processor.image.wait_records import WaitRecords
 
 HEAD = """
 WDCR .set 0x7029
@@ -54,6 +55,13 @@ class Rig:
     def run(self, ticks: int = 6_000_000) -> Rig:
         self.kernel.run_until(self.kernel.now + ticks)
         return self
+
+    def record_waits(self) -> list[Record]:
+        """Its WAIT records, as the run goes on."""
+        waits: list[Record] = []
+        self.recorder.subscribe({Kind.WAIT}, waits.append)
+        self.program.record_waits(WaitRecords(self.recorder, self.dsp.clock, "dsp"))
+        return waits
 
     def word(self, address: int) -> int:
         return self.dsp.processor.bus.ram.word(address)

@@ -10,11 +10,11 @@ from hypothesis.strategies import integers
 
 from periph_sim.core.records import Kind
 from periph_sim.processor.image.boot import Stub
-from periph_sim.processor.image.wait_records import WaitRecords
 from tests.processor.image.rig import HEAD, Rig
 from tests.profiles import examples
 
 ADCST, COUNT, FLAG = 0x7119, 0x9100, 0x9101
+SCICTL2 = "SCI-A.SCICTL2.all"
 
 # SCI-A at its fastest; timer 0 asks all PERIOD cycles, and its routine counts; each 5th time it sets FLAG
 HARDWARE = """
@@ -106,10 +106,14 @@ def outcome(rig: Rig) -> dict[str, object]:
 
 
 def both(source: str, stubs: Iterable[Stub] = (), ticks: int = 6_000_000) -> tuple[int, dict[str, object]]:
-    """Passes that were skipped, and what came of it, which is the same without skipping."""
-    skipping, executing = (Rig(source, "SCI-A", "TIMER0", stubs=stubs, skip=skip).run(ticks) for skip in (True, False))
+    """Passes that were skipped, and what came of it, which is the same without skipping, with the records of waits."""
+    skipping, executing = (Rig(source, "SCI-A", "TIMER0", stubs=stubs, skip=skip) for skip in (True, False))
+    waits = [rig.record_waits() for rig in (skipping, executing)]
+    skipping.run(ticks)
+    executing.run(ticks)
     assert executing.program.polls_skipped == 0
     assert outcome(skipping) == outcome(executing)
+    assert [wait[1:] for wait in waits[0]] == [wait[1:] for wait in waits[1]]
     return skipping.program.polls_skipped, outcome(skipping)
 
 
@@ -170,11 +174,11 @@ def test_a_watchdog_reset_ends_a_wait_for_what_the_reset_changes():
     clock = "EALLOW; MOVW DP,#0x7010 >> 6; MOV @0x701C,#0x0400; EDIS; MOVW DP,#0x7050 >> 6"
     wait = HEAD.replace("#0x68", "#0x28") + lines(f"{clock}; w: MOV AL,@0x7054; SB w,NEQ; ESTOP0", "w", 0)
     rigs = [Rig(wait, "SCI-A", skip=skip) for skip in (True, False)]
-    waits: list[tuple[str, int]] = []
-    rigs[0].recorder.subscribe({Kind.WAIT}, lambda one: waits.append((one.what, one.value)))
-    rigs[0].program.record_waits(WaitRecords(rigs[0].recorder, rigs[0].dsp.clock, "dsp"))
+    waits = [rig.record_waits() for rig in rigs]
     for rig in rigs:
         rig.run(14_000_000)
     assert [rig.dsp.resets for rig in rigs] == [1, 1]
     assert rigs[0].cpu.state()[:-1] == rigs[1].cpu.state()[:-1]
-    assert waits == [("SCI-A.SCICTL2.all", 1), ("SCI-A.SCICTL2.all", 0), ("SCI-A.SCICTL2.all", 1)]
+    told = [[(one.tick, one.what, one.value) for one in some] for some in waits]
+    assert [one[1:] for one in told[0]] == [(SCICTL2, 1), (SCICTL2, 0), (SCICTL2, 1)]
+    assert told[0] == told[1]

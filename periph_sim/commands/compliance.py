@@ -39,7 +39,8 @@ def compliance(
 ) -> int:
     """Judge every I2C timing limit over the whole of CAPTURE.
 
-    A limit passes, fails, or cannot be decided at the capture's sample rate. Exit status 0: none fails; 1: one does.
+    A limit passes, fails, or cannot be decided at the capture's sample rate. Exit status 0: none fails; 1: one does, or
+    nothing was measured.
     """
     from ..replay import BadReplay
     from ..replay.channels import channel_map
@@ -66,5 +67,5 @@ def compliance(
         print_json("compliance", as_dict(report))
     else:
         click.echo(str(report))
-    failed = report.verdict is Verdict.FAIL or (strict and report.verdict is Verdict.UNDECIDABLE)
+    failed = report.verdict in (Verdict.FAIL, Verdict.NOT_JUDGED) or (strict and report.verdict is Verdict.UNDECIDABLE)
     return int(failed)

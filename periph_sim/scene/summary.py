@@ -119,4 +119,17 @@ def notes_of(scene: Scene) -> list[str]:
         for note, (tick, times) in party.notes.items():
             at = scene.timebase.show(tick - scene.start)
             lines.append(f"{name}, first at {at}: {note.text} [{note.source}] ({counted(times, 'time')})")
-    return lines + scene.serial_notes()
+    return lines + _missed_rounds(scene) + scene.serial_notes()
+
+
+def _missed_rounds(scene: Scene) -> list[str]:
+    """A note on rounds that the controller could not begin, where no budget judges them."""
+    head, table = scene.head, scene.case.controller
+    judged = any(part.budget.measure == "missed rounds" for limit in scene.limits for part in limit.parts)
+    if head is None or table is None or not head.missed or judged:
+        return []
+    period = scene.timebase.show(scene.timebase.ticks(table.period, "nearest"))
+    return [
+        f"controller: {counted(head.missed, 'round')} that were due every {period} did not begin, because the one "
+        "before was still running; a budget on 'missed rounds' judges that"
+    ]

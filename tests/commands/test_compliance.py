@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.traces import formats
+from periph_sim.traces.compliance import check
 from tests.commands.conftest import Run
 from tests.unwrapped import unwrapped
 
@@ -46,6 +48,18 @@ def test_our_own_run_is_exact_and_passes(periph_sim: Run, tmp_path: Path, monkey
     periph_sim("run", case, "--seconds", "10 ms", "--record", path, "--set", "controller.rate=105 kHz")
     came = periph_sim("compliance", path, "--mode", "standard")
     assert came.status == 1 and came.out.splitlines()[-1] == "FAIL: fSCL"
+
+
+@pytest.mark.parametrize("mode", ["standard", "fast"])
+def test_a_start_alone_measures_nothing_and_is_status_1(periph_sim: Run, tmp_path: Path, mode: str):
+    csv = tmp_path / "start.csv"
+    csv.write_text("Time [s],SCL,SDA\n0.000000000,1,1\n0.000100000,1,0\n0.000200000,1,0\n")
+    came = periph_sim("compliance", str(csv), "--mode", mode)
+    assert (came.status, came.out.splitlines()[-1]) == (1, "NOT JUDGED: nothing was measured")
+    found = json.loads(periph_sim("compliance", str(csv), "--mode", mode, "--json").out)
+    assert found["verdict"] == "not judged: nothing was measured"
+    with pytest.raises(AssertionError, match="no time of the I2C limits was measured"):
+        check(formats.read(csv), "SCL", "SDA", mode).assert_compliant()
 
 
 def test_times_of_a_file_without_samples_are_as_good_as_their_grid(periph_sim: Run, tmp_path: Path):

@@ -25,11 +25,14 @@ class Report:
 
     @property
     def verdict(self) -> Verdict:
-        """FAIL if any row fails, else UNDECIDABLE if any is or none could be judged, else PASS."""
+        """NOT_JUDGED if no time was measured, FAIL if any row fails, else UNDECIDABLE if any is, else PASS."""
         found = {row.verdict for row in self.rows}
+        judged = {row.verdict for row in self.rows if row.count}
+        if not judged & {Verdict.PASS, Verdict.FAIL, Verdict.UNDECIDABLE}:
+            return Verdict.NOT_JUDGED
         if Verdict.FAIL in found:
             return Verdict.FAIL
-        return Verdict.UNDECIDABLE if Verdict.UNDECIDABLE in found or Verdict.PASS not in found else Verdict.PASS
+        return Verdict.UNDECIDABLE if Verdict.UNDECIDABLE in found else Verdict.PASS
 
     def row(self, symbol: str) -> Row:
         """KeyError if there is no such limit."""
@@ -43,7 +46,9 @@ class Report:
         return [row.limit.symbol for row in self.rows if row.verdict is verdict]
 
     def assert_compliant(self, strict: bool = False) -> None:
-        """AssertionError with the worst rows if any limit is broken; strict: or cannot be decided."""
+        """AssertionError with the worst rows if any limit is broken, or none was measured; strict: or undecidable."""
+        if self.verdict is Verdict.NOT_JUDGED:
+            raise AssertionError(f"{self.name}: no time of the I2C limits was measured; the trace has no whole bit")
         if self.verdict is Verdict.FAIL or (strict and self.verdict is Verdict.UNDECIDABLE):
             raise AssertionError(failure(self, strict))
 

@@ -127,13 +127,13 @@ def _remarks(report: Report) -> list[str]:
 
 
 def _conclusion(report: Report) -> str:
+    if report.verdict is Verdict.NOT_JUDGED:
+        return "NOT JUDGED: nothing was measured"
     failed, open_rows = report.of(Verdict.FAIL), report.of(Verdict.UNDECIDABLE)
     if failed:
         return f"FAIL: {', '.join(failed)}"
     if open_rows:
         return f"UNDECIDABLE at this sample rate: {', '.join(open_rows)}; nothing that can be decided fails"
-    if report.verdict is Verdict.UNDECIDABLE:
-        return "UNDECIDABLE: nothing was measured"
     return "PASS"
 
 

@@ -26,6 +26,7 @@ class Verdict(Enum):
     FAIL = "fail"
     UNDECIDABLE = "undecidable at this sample rate"
     NOT_SEEN = "does not occur"
+    NOT_JUDGED = "not judged: nothing was measured"  # of a whole trace
     NO_LIMIT = "no limit in this mode"
     NOT_IN_CAPTURE = "not in a logic capture"
 

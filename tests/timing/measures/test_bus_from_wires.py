@@ -361,14 +361,34 @@ def test_what_others_send_or_we_receive_has_no_margin(read: bool, acked_by: str)
     assert measure.missing() == "dsp sent no byte as a slave whose write of I2CDXR is known"
 
 
-def test_writes_of_others_and_other_flags_are_not_taken():
+def test_writes_of_others_and_reads_are_not_taken():
     bus = addressed()
     bus.add(Kind.ACCESS, "imu", "W I2C-A.I2CDXR", 7)
     bus.add(Kind.ACCESS, "dsp", "R I2C-A.I2CDXR", 7)
-    bus.add(Kind.FLAG, "dsp.I2C-A", "I2CSTR.RRDY", 1)
     bus.byte(0xA5, HEAD, DSP)
     measure, found = margins(bus)
     assert found == [] and measure.occasions == 1
+
+
+@pytest.mark.parametrize(
+    ("where", "flag", "taken"),
+    [
+        ("dsp.I2C-A", "I2CSTR.XRDY", 1),
+        ("dsp.I2C-A", "I2CSTR.RRDY", 0),
+        ("dsp.I2C-A", "I2CSTR.XSMT", 0),
+        ("dsp.I2C-A", "I2CFFTX.XRDY", 0),
+        ("imu.I2C-A", "I2CSTR.XRDY", 0),
+    ],
+)
+def test_only_its_own_xrdy_says_that_a_byte_went_to_the_shift_register(where: str, flag: str, taken: int):
+    """A byte is written while another one is sent: it waits in I2CDXR, and no other flag takes it from there."""
+    bus = addressed()
+    xrdy(bus, 0)
+    writes(bus)
+    bus.add(Kind.FLAG, where, flag, 1)
+    bus.byte(0xA5, HEAD, DSP)
+    measure, found = margins(bus)
+    assert (len(found), measure.occasions) == (taken, 1)
 
 
 def test_scl_held_to_the_end_of_the_run_counts():

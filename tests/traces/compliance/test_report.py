@@ -141,8 +141,8 @@ def test_what_cannot_be_decided_raises_only_where_asked():
 
 def test_a_trace_with_nothing_on_it_passes_nothing():
     report = check(lines("SCL ----\nSDA ----"), mode=Mode.STANDARD)
-    assert report.verdict is Verdict.UNDECIDABLE
-    assert str(report).splitlines()[-1] == "UNDECIDABLE: nothing was measured"
+    assert report.verdict is Verdict.NOT_JUDGED
+    assert str(report).splitlines()[-1] == "NOT JUDGED: nothing was measured"
 
 
 def test_both_lines_at_once_are_told():

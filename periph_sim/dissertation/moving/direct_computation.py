@@ -31,7 +31,10 @@ BITS_OF_BYTE = 10  # start, eight, stop
 
 
 def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings:
-    """Of each round; of each run of the models instead where frames says which frame each works on (-1: none yet)."""
+    """Of each round; of each run of the models instead where frames says which frame each works on (-1: none yet).
+
+    Runs before the first frame leave nothing to it, and it has no rate, as in the firmware.
+    """
     carried = frames_by_schedule(subject) if frames is None else frames
     counts = _counts(subject, carried)
     imu, runs = subject.sensors, len(carried)
@@ -42,9 +45,20 @@ def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings
         x, y, z = (_taken(one, chip) for chip in added)
         noise = Noise(x, y, z)
     scaled = [many.scaled(column, lsb) for column, lsb in zip(counts.T, 3 * [ANGLE] + 3 * [ACCELERATION], strict=True)]
-    attitude, pushed = (scaled[0], scaled[1], scaled[2]), (scaled[3], scaled[4], scaled[5])
-    codes = codes_of(imu, attitude, pushed, noise, before=(0.0, 0.0, 0.0), arithmetic=many)
-    return Readings(_due(subject, runs), _stacked(codes), _scales(subject))
+    began = int(np.argmax(carried >= 0)) if (carried >= 0).any() else runs
+    parts = []
+    for part in (slice(0, began), slice(began, runs)):
+        x, y, z, *pushed = (column[part] for column in scaled)
+        added = None if noise is None else Noise(*(_part(chip, part) for chip in noise))
+        codes = codes_of(imu, (x, y, z), (pushed[0], pushed[1], pushed[2]), added, arithmetic=many)
+        parts.append(_stacked(codes))
+    whole = {name: np.concatenate([one[name] for one in parts]) for name in Codes._fields}
+    return Readings(_due(subject, runs), whole, _scales(subject))
+
+
+def _part(chip: Triple[Floats], part: slice) -> Triple[Floats]:
+    x, y, z = chip
+    return x[part], y[part], z[part]
 
 
 def sensors(subject: EmulatorUnderTest) -> Readings:

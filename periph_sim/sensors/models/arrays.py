@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from ..numeric.arithmetic import Arithmetic
 from ..numeric.float64_arrays import Float64Arrays, Floats
+from ..numeric.q import Q
 from ..numeric.vectors import Triple
 from . import parameters
-from .finite import check_arrays, check_before, inputs_of
+from .finite import INPUTS, check_arrays, check_before, inputs_of
 from .imu import Codes, Imu, Noise
 
 PIECE = 8192  # samples: what is being worked on fits the second-level cache
@@ -35,8 +36,9 @@ def codes_of(
 
     attitude: roll, pitch, yaw, float64[n] in rad; acceleration: x, y, z, linear, float64[n] in g; noise: nine
     float64[n] in deg/s, g and gauss, or none. before: the attitude one period before the first; as if the first had
-    stood, unless given (a Simulink block begins with 0, 0, 0). ValueError if the arrays differ in length; NotFinite,
-    naming axis and sample, for a NaN or an infinity.
+    stood, unless given (a Simulink block begins with 0, 0, 0). arithmetic: Float64Arrays unless given; for Float32
+    all arrays are float32, for QArrays integers in its format. ValueError if the arrays differ in length or are of
+    another type than the arithmetic computes on; NotFinite, naming axis and sample, for a NaN or an infinity.
     """
     length = len(attitude[0])
     model = Imu(arithmetic or Float64Arrays(), imu)
@@ -44,6 +46,7 @@ def codes_of(
     if any(len(array) != length for array in given):
         raise ValueError(f"arrays of {', '.join(str(len(array)) for array in given)} samples; expected the same of all")
     check_arrays(given)
+    _check_types(model.a, given)
     out = np.empty((9, length), dtype=np.int16)
     last = tuple(angle[:1] for angle in attitude)
     if before is not None:
@@ -62,6 +65,18 @@ def codes_of(
                 row[here] = axis
             last, body_last = _last(now), _last(body)
     return Codes((out[0], out[1], out[2]), (out[3], out[4], out[5]), (out[6], out[7], out[8]))
+
+
+def _check_types(a: Arithmetic[Floats], given: tuple[Floats, ...]) -> None:
+    """Raise ValueError for arrays that the arithmetic would compute on in another one, or not at all."""
+    if isinstance(a, Q):
+        raise ValueError(f"{a.name} of Q computes one number at a time; give QArrays for arrays")
+    if a.name == "float64":
+        return
+    wanted, called = (np.float32, "float32") if a.name == "float32" else (np.integer, "integers in its format")
+    for axis, array in zip(INPUTS, given, strict=False):
+        if not np.issubdtype(array.dtype, wanted):
+            raise ValueError(f"{axis}: an array of {array.dtype}, but {a.name} computes on {called}; convert it before")
 
 
 def _cut(arrays: Triple[Floats], here: slice) -> Triple[Floats]:

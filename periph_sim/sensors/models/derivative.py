@@ -16,19 +16,25 @@ from math import pi
 from typing import Generic, TypeVar
 
 from ..numeric.arithmetic import Arithmetic
+from ..numeric.q import DoesNotFit
 from ..numeric.vectors import Triple, vectors_of
 from .parameters import Wrap
 
+COARSEST = 0.01  # of 1/Ts: every rate is off by the same part
 T = TypeVar("T")
 
 
 class Derivative(Generic[T]):
-    """period: Ts in seconds."""
+    """period: Ts in seconds. DoesNotFit for a period whose 1/Ts is more than 1 % off in a Q format."""
 
     def __init__(self, a: Arithmetic[T], period: float, wrap: Wrap = "as built") -> None:
         self._a, self._v = a, vectors_of(a)
         self._wrap = wrap
         self._per_second = a.constant(1 / period)
+        held = float(a.value(self._per_second))
+        if abs(held * period - 1) > COARSEST:
+            off = f"{abs(held * period - 1):.2%}"
+            raise DoesNotFit(f"{1 / period:g} is {off} off in {a.name}; take more fraction bits, or a shorter period")
         self._half_turn, self._turn = a.constant(pi), a.constant(2 * pi)
         self._minus_half_turn = a.constant(-pi)
 

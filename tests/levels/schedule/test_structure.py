@@ -96,8 +96,8 @@ def test_models_that_take_more_cycles_than_32_bits_hold():
 
 
 def test_a_seed_of_the_case_that_int64_does_not_hold_is_refused():
-    structure = structure_of(load(TIMING / "imu_hil_published.toml", [f"seed={10**20}"]))
-    with pytest.raises(BadSchedule, match=r"seed is 100000000000000000000; expected less than 2\^62"):
+    structure = structure_of(load(TIMING / "imu_hil_published.toml", [f"seed={2**62}"]))
+    with pytest.raises(BadSchedule, match=r"seed is 4611686018427387904; expected less than 2\^62"):
         schedule(structure, rounds=2)
 
 

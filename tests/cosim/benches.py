@@ -21,7 +21,10 @@ from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware
 
 FIRMWARE = Path(__file__).parents[2] / "firmware" / "python"
-RTL = sorted(Path(__file__).with_name("rtl").glob("*.v"))
+RTL = [
+    *sorted(Path(__file__).with_name("rtl").glob("*.v")),
+    Path(__file__).parents[2] / "timing" / "rtl" / "i2c_master.v",
+]
 TOLD = "COSIM_TOLD"  # the folder of a run: told.json says how many rounds, each bench has a folder there
 
 

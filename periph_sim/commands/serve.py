@@ -190,7 +190,7 @@ def _door(
         return Rfc2217Door(line, baud, form, port, address, told)
     from ..outside.live.pty_door import PtyDoor
 
-    return PtyDoor(line, baud, form, Path(link) if link else None)
+    return PtyDoor(line, baud, form, Path(link) if link else None, told)
 
 
 def _not_handed_over(line: SerialLine | None, door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor) -> Iterator[str]:

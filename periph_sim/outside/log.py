@@ -3,29 +3,49 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from os.path import relpath
 from pathlib import Path
 from typing import TextIO
 
+from ..core.input_files import is_input
 from ..scene.case.model import Case
 from ..scene.outside_log import FORMAT, VERSION
 from .errors import OutsideError
 
 
 class LogWriter:
-    """Each line is written as it is known, so that what was live is there whatever ends the process."""
+    """Each line is written as it is known, so that what was live is there whatever ends the process.
+
+    A file that is there already is replaced by `begin`, when time begins to pass: a session that is refused before that
+    leaves it as it was. OutsideError for a file that cannot be written, and for one that the case is read from.
+    """
 
     def __init__(self, path: Path, case: Case, ticks_per_second: int, wires: tuple[str, ...]) -> None:
+        if is_input(path) or (case.file is not None and _is_same(path, case.file)):
+            raise OutsideError(f"{path}: the session reads this file; give the log another place")
+        self._path = path
+        self._is_new = not path.exists()
         try:
-            self._file: TextIO = path.open("w", encoding="utf-8", newline="\n")
+            handle = os.open(path, os.O_WRONLY | os.O_CREAT, 0o666)
+            self._file: TextIO = os.fdopen(handle, "w", encoding="utf-8", newline="\n")
         except OSError as error:
             raise OutsideError(f"{path}: {error.strerror}; give the log another place") from None
         head = {"format": FORMAT, "version": VERSION, "case": case.name, "ticks_per_second": ticks_per_second}
         file: dict[str, object] = {}
         if case.file is not None and case.file.is_file():  # and was not made by a program
             file = {"file": relpath(case.file, path.parent), "set": case.changes}
-        self._write({**head, "wires": wires, **file})
+        self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines, until it begins
+
+    def begin(self) -> None:
+        """Time passes from now on."""
+        if self._waiting is not None:
+            if self._path.is_file():  # and no device or pipe
+                self._file.truncate(0)
+            waiting, self._waiting = self._waiting, None
+            for value in waiting:
+                self._write(value)
 
     def serial(self, wire: str) -> None:
         """From here on a wire is driven by bytes."""
@@ -36,13 +56,26 @@ class LogWriter:
         self._write([tick, dict(sorted(levels.items())), *([sorted(begun)] if begun else [])])
 
     def end(self, tick: int) -> None:
+        self.begin()
         self._write({"end": tick})
         self._file.close()
 
     def close(self) -> None:
-        """Without an end: the session was not finished."""
+        """Without an end: the session was not finished. Nothing is left of a log that did not begin."""
         self._file.close()
+        if self._waiting is not None and self._is_new:
+            self._path.unlink(missing_ok=True)
 
     def _write(self, value: object) -> None:
+        if self._waiting is not None:
+            self._waiting.append(value)
+            return
         self._file.write(json.dumps(value) + "\n")
         self._file.flush()
+
+
+def _is_same(path: Path, other: Path) -> bool:
+    try:
+        return path.samefile(other)
+    except OSError:
+        return False

@@ -28,6 +28,7 @@ PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]
 WRONG = ("", "parity", "stop")
+LAST = Fraction(1, 10)  # seconds of what a client had sent, that still go on the line when the next one is there
 
 
 class SerialLine:
@@ -97,6 +98,21 @@ class SerialLine:
         session.apply(session.now, {self.rx: 0})
         session.apply(end, {self.rx: 1})
         self._free = end * self._parts + self._parts_of_bit
+
+    def next_client(self) -> int:
+        """Another client has the line: how many waiting bytes of the one before are discarded.
+
+        None of them if they are over within a tenth of a second: a program that writes and ends is heard.
+        """
+        lasts = self.waiting * self._format.length * self._bit
+        if lasts <= LAST * self._session.ticks_per_second:
+            return 0
+        discarded, self.waiting = self.waiting, 0
+        self._queue.clear()
+        self._place = 0
+        self._queue.append(1)  # a break that was held is over
+        self.broken = False
+        return discarded
 
     def read(self, count: int | None = None) -> bytes:
         """Up to so many of the bytes that came; all of them if None."""

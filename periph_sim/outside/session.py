@@ -100,6 +100,8 @@ class Session:
         for feed in self._fed:
             feed(until)
         if until > self._now:
+            if self._log is not None:
+                self._log.begin()
             self._door.plan()
             self.scene.advance(self._start + until - 1)
             self._door.withdraw()

@@ -12,10 +12,13 @@ from pathlib import Path
 
 from ..errors import OutsideError
 from .backlog import AT_ONCE
+from .openings import Openings
 
 
 class PseudoTerminal:
     """path: what clients open. link: a name for it, made as a symbolic link. OutsideError if that is taken.
+
+    A link that a session left behind is replaced: one to a pseudo-terminal that is not there any more.
 
     file: ours, which never blocks. kept: the clients' side, kept open, so that the last client's leaving is no end.
     """
@@ -25,20 +28,36 @@ class PseudoTerminal:
         tty.setraw(self.kept)
         os.set_blocking(self.file, False)
         self.path = os.ttyname(self.kept)
+        self._openings = Openings(self.path)
         self._link = link
         if link is not None:
             try:
+                if self._is_left_behind(link):
+                    link.unlink()
                 link.symlink_to(self.path)
             except OSError as error:
                 self._link = None
                 self.close()
-                raise OutsideError(f"{link}: {error.strerror}; give the link another name") from None
+                found = f"it is a link to {link.readlink()} already" if link.is_symlink() else error.strerror
+                raise OutsideError(f"{link}: {found}; give the link another name") from None
+
+    def _is_left_behind(self, link: Path) -> bool:
+        """Whether this is a link to a pseudo-terminal of before; the number of that may be the new one's now."""
+        if not link.is_symlink():
+            return False
+        target = link.readlink()
+        return target.parent == Path(self.path).parent and (str(target) == self.path or not target.exists())
 
     def close(self) -> None:
-        if self._link is not None:
+        if self._link is not None and self._link.is_symlink() and str(self._link.readlink()) == self.path:
             self._link.unlink(missing_ok=True)
+        self._openings.close()
         os.close(self.file)
         os.close(self.kept)
+
+    def clients(self) -> tuple[bool, bool]:
+        """Since this was asked last: whether the last client left, and whether another one came."""
+        return self._openings.passed()
 
     def read(self) -> bytes:
         """What has come, a few kilobytes of it; b"" for nothing."""

@@ -10,7 +10,7 @@ and no breaks: the line's format is given when it is made. It survives clients t
 from __future__ import annotations
 
 import termios
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..serial_line import SerialLine
@@ -23,12 +23,21 @@ RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0
 class PtyDoor:
     """path: what clients open. link: a name for it, made as a symbolic link. OutsideError if that is taken.
 
-    A client that is a megabyte ahead of the line waits, as of a port with flow control. back: what it has not read.
+    A client that is a megabyte ahead of the line waits, as of a port with flow control. What one that left has not sent
+    yet is discarded when the next one comes, and told. back: what it has not read.
     unheard: bytes of it that were not taken when this was closed.
     """
 
-    def __init__(self, line: SerialLine, baud: int, form: str, link: Path | None = None) -> None:
+    def __init__(
+        self,
+        line: SerialLine,
+        baud: int,
+        form: str,
+        link: Path | None = None,
+        told: Callable[[str], None] = lambda sentence: None,
+    ) -> None:
         self._line = line
+        self._told = told
         self._baud, self._form = baud, form
         self._terminal = PseudoTerminal(link)
         self.back = Backlog()
@@ -48,6 +57,12 @@ class PtyDoor:
 
     def turn(self) -> None:
         self._follow_rate()
+        left, came = self._terminal.clients()
+        if left and not came:  # what the system holds is all of that client
+            while data := self._terminal.read():
+                self._line.write(data)
+        if came and (discarded := self._line.next_client()):
+            self._told(f"a client came: {discarded} bytes of the one before were not sent yet, and are discarded")
         while self._line.waiting < MOST:
             data = self._terminal.read()
             if not data:

@@ -82,10 +82,13 @@ class Rfc2217Door:
                 pass
             client.tell(self.back)
         except Gone as gone:
-            self._told(f"{client.name} {gone}")
-            client.close()
-            self._client = None
-            self._line.hold_break(False)
+            self._let_go(client, str(gone))
+
+    def _let_go(self, client: Client, why: str) -> None:
+        self._told(f"{client.name} {why}")
+        client.close()
+        self._client = None
+        self._line.hold_break(False)
 
     def _welcome(self) -> None:
         try:
@@ -97,14 +100,18 @@ class Rfc2217Door:
             return
         name = f"client {address[0]}:{address[1]}"
         connection.setblocking(False)
+        if self._client is not None and self._client.closed():  # it is so far ahead that its end was not read yet
+            self._let_go(self._client, "left")
         if self._client is not None:
             with connection:
                 said = f"this SCI has a client already, {self._client.name.removeprefix('client ')}; close that first"
                 _try_to_send(connection, f"{said}\r\n".encode())
             self._told(f"{name} was turned away: {self._client.name} has the line")
             return
+        discarded = self._line.next_client()
         self._client = Client(connection, name, self._line, self._port, self._manager_of)
-        self._told(f"{name} came")
+        of_before = f"; {discarded} bytes of the one before were not sent yet, and are discarded" if discarded else ""
+        self._told(f"{name} came{of_before}")
 
 
 class Gone(Exception):
@@ -131,6 +138,12 @@ class Client:
 
     def close(self) -> None:
         self._connection.close()
+
+    def closed(self) -> bool:
+        """Whether the client has closed its end, or is gone; what it sent before may not be read yet."""
+        poll = select.poll()
+        poll.register(self.file, getattr(select, "POLLRDHUP", 0))
+        return bool(poll.poll(0))
 
     def come(self) -> bytes:
         """What comes by and by, Telnet and all; b"" for nothing in a while, or no more."""

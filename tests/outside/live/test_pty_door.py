@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import termios
 import tty
 from contextlib import suppress
@@ -37,6 +38,18 @@ def client(path: str | Path) -> int:
     tty.setraw(file)
     os.set_blocking(file, False)
     return file
+
+
+def heard(served: Served, file: int, end: bytes) -> bytes:
+    """What a client reads up to this end; the system hands it on in its own time."""
+    got = b""
+    for _ in range(500):
+        served.passes("1 ms")
+        with suppress(BlockingIOError):
+            got += os.read(file, 4096)
+        if got.endswith(end):
+            break
+    return got
 
 
 def test_clients_come_and_go(tmp_path: Path) -> None:
@@ -116,3 +129,55 @@ def test_a_name_that_is_taken_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OutsideError, match=r"dsp: File exists; give the link another name"):
         Served(tmp_path, link)
     assert link.read_text() == "mine"
+
+
+def test_a_link_that_a_session_left_behind_is_replaced_and_any_other_is_refused(tmp_path: Path) -> None:
+    link, other = tmp_path / "dsp", Served(tmp_path)
+    pts = Path(other.door.path).parent
+    link.symlink_to(pts / "99999")  # of a session that was killed
+    served = Served(tmp_path, link)
+    assert str(link.readlink()) == served.door.path
+    with pytest.raises(OutsideError, match=f"dsp: it is a link to {served.door.path} already; give the link"):
+        Served(tmp_path, link)
+    assert str(link.readlink()) == served.door.path
+    link.unlink()
+    link.symlink_to(other.door.path)  # somebody else's meanwhile
+    served.door.close()
+    assert str(link.readlink()) == other.door.path
+    other.door.close()
+    link.unlink()
+    link.symlink_to(tmp_path / "gone")
+    with pytest.raises(OutsideError, match=r"dsp: it is a link to .*/gone already"):
+        Served(tmp_path, link)
+    assert link.is_symlink()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
+def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(tmp_path: Path) -> None:
+    said: list[str] = []
+    served = Served(tmp_path)
+    served.door.close()
+    served.door = PtyDoor(served.line, 115_200, "8n1", told=said.append)
+    file = client(served.door.path)
+    for _ in range(20):
+        os.write(file, b"x" * 1000)
+        served.door.turn()
+    os.close(file)
+    served.passes("5 ms")
+    assert served.line.waiting > 19_000
+    file = client(served.door.path)
+    served.passes("1 ms")
+    os.write(file, b"hello")
+    assert heard(served, file, b"ifmmp").strip(b"y") == b"ifmmp" and not served.line.waiting
+    (sentence,) = said
+    assert sentence.startswith("a client came: 19") and sentence.endswith("were not sent yet, and are discarded")
+    os.close(file)
+    file = client(served.door.path)
+    os.write(file, b"short")
+    served.door.turn()
+    os.close(file)
+    served.door.turn()
+    file = client(served.door.path)  # at once: the five bytes of the program before are still sent
+    assert heard(served, file, b"tipsu") == b"tipsu" and len(said) == 1
+    os.close(file)
+    served.door.close()

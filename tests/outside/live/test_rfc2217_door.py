@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import socket
 import struct
 import sys
 import threading
 from collections.abc import Iterator
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
 from periph_sim.outside import OutsideError, Session
+from periph_sim.outside.live import backlog
 from periph_sim.outside.live.backlog import Backlog
 from periph_sim.outside.live.loop import Loop
 from periph_sim.outside.live.pacing import Pacer
@@ -108,6 +111,8 @@ def test_a_second_client_is_told_who_is_there(served: Served) -> None:
         name = "{}:{}".format(*first.getsockname())
         assert second.recv(100).decode() == f"this SCI has a client already, {name}; close that first\r\n"
         assert second.recv(100) == b""
+        turned_away = "client {}:{} was turned away".format(*second.getsockname())
+        assert served.said[1:] == [f"{turned_away}: client {name} has the line"]
         first.send(b"a")
         served.passes("2 ms")
         assert first.recv(10) == b"b"
@@ -196,3 +201,41 @@ def test_without_pyserial_the_way_out_is_told(served: Served, monkeypatch: pytes
     ):
         with pytest.raises(OutsideError, match=rf"{what} needs pyserial: pip install 'periph-sim\[live\]'"):
             made()
+
+
+def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(served: Served) -> None:
+    first = served.client()
+    while served.line.waiting < backlog.MOST:
+        with suppress(BlockingIOError):
+            first.send(b"x" * 65536)
+        served.door.turn()
+    first.close()
+    served.passes("2 ms")
+    assert served.door.files() and served.line.waiting > backlog.MOST - 100  # so far ahead that its end is not read
+    second = served.client()
+    came, left = served.said[-1], served.said[-2]
+    assert left.partition(" ")[0] == "client" and (left.endswith(" left") or " vanished: " in left)
+    assert came.endswith("bytes of the one before were not sent yet, and are discarded")
+    second.send(b"hello")
+    served.passes("2 ms")
+    assert second.recv(4096).strip(b"y") == b"ifmmp" and not served.line.waiting
+    second.close()
+
+
+def test_a_client_that_the_system_cannot_let_in_is_told(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+    listener = served.door._listener
+
+    class Full:
+        """A listener where no file is left for another connection."""
+
+        fileno, close = listener.fileno, listener.close
+
+        def accept(self) -> None:
+            raise OSError(errno.EMFILE, "Too many open files")
+
+    monkeypatch.setattr(served.door, "_listener", Full())
+    served.door.turn()
+    assert served.said == ["a client could not be let in: Too many open files"]
+    monkeypatch.undo()
+    served.client().close()
+    assert served.said[1].endswith(" came")

@@ -1,0 +1,42 @@
+"""Where the log of a session goes: no input is replaced, and a session that is refused leaves the last one's log."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.outside import OutsideError, Session
+from periph_sim.outside.live.case_for_line import case_for_line
+from periph_sim.outside.live.pty_door import PtyDoor
+from tests.outside.live.echo import written
+
+
+def test_a_log_never_replaces_the_case(tmp_path: Path) -> None:
+    case = written(tmp_path)
+    before = case.read_text()
+    link = tmp_path / "link.jsonl"
+    link.symlink_to(case)
+    for log in (case, link):
+        with pytest.raises(OutsideError, match="the session reads this file; give the log another place"):
+            Session(case_for_line(case, "scia"), log=log)
+    assert case.read_text() == before
+
+
+def test_a_session_that_is_refused_before_time_passes_leaves_the_log_of_the_last_one(tmp_path: Path) -> None:
+    log, taken = tmp_path / "live.jsonl", tmp_path / "taken"
+    log.write_text("the last session\n")
+    taken.touch()
+    with Session(case_for_line(written(tmp_path), "scia"), log=log) as session:
+        line = session.serial("scia")
+        with pytest.raises(OutsideError, match="File exists"):
+            PtyDoor(line, 115_200, "8n1", taken)
+    assert log.read_text() == "the last session\n"
+    new = tmp_path / "new.jsonl"
+    with Session(case_for_line(written(tmp_path), "scia"), log=new):
+        pass
+    assert not new.exists()
+    with Session(case_for_line(written(tmp_path), "scia"), log=log) as session:
+        session.serial("scia")
+        session.advance(1)
+        assert log.read_text().startswith('{"format": "periph-sim outside"') and log.read_text().count("\n") == 2

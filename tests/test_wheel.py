@@ -155,7 +155,7 @@ def test_all_files_are_below_the_package_and_none_is_forgotten(wheel: Path) -> N
     assert {name.partition("/")[0] for name in names} == {"periph_sim"}
     sources = [
         file.relative_to(ROOT).as_posix()
-        for folder in ("periph_sim", "firmware/python", "firmware/c28x", "timing")
+        for folder in ("periph_sim", "firmware/python", "firmware/c28x", "firmware/c", "timing")
         for file in (ROOT / folder).rglob("*")
         if file.is_file() and not {"__pycache__", "compiled"} & set(file.parts)
     ]

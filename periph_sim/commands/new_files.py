@@ -88,6 +88,12 @@ def example(name: str, folder: Path) -> Files:
             text = text.replace(f'image = "{unit["image"]}"', f'image = "{source.name}"')
             found |= {folder / file.name: file.read_text(encoding="utf-8") for file in sources_of(source)}
             continue
+        if "sources" in unit:
+            for said in unit["sources"]:
+                source = (cases[name].parent / said).resolve()
+                text = text.replace(f'"{said}"', f'"{source.name}"')
+                found |= {folder / file.name: file.read_text(encoding="utf-8") for file in _with_headers(source)}
+            continue
         program = unit["firmware"]
         text = text.replace(f'firmware = "{program}"\n', f'firmware = "{program}.py"\n')
         for module in _imported(program):
@@ -97,6 +103,15 @@ def example(name: str, folder: Path) -> Files:
         if len(said) < 200 and Path(said).name == said and file.is_file():
             found[folder / said] = file.read_text(encoding="utf-8")
     return {folder / f"{name}.toml": text, **found}
+
+
+def _with_headers(source: Path) -> list[Path]:
+    """A C file, and the headers beside it that it includes."""
+    found = [source]
+    for file in found:
+        names = re.findall(r'^#include "([^"/]+)"', file.read_text(encoding="utf-8"), re.M)
+        found += [header for name in names if (header := source.with_name(name)) not in found and header.is_file()]
+    return found
 
 
 def _imported(program: str) -> list[str]:

@@ -65,6 +65,7 @@ class RegisterLayout:
         """BadLayout where a member has no certain place."""
         self._numbers: dict[tuple[int, int], Place] = {}  # by offset and size
         self._fields: dict[int, Place] = {}  # by offset of each byte that has bits of a field
+        self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # answers of `read`
         self._announced: dict[int, int] = {}  # bytes of adjacent fields by offset: gcc announces a write of all of them
         with library.open("rb") as file:
             for unit in ELFFile(file).get_dwarf_info().iter_CUs():
@@ -81,10 +82,13 @@ class RegisterLayout:
 
     def read(self, at: int, size: int) -> tuple[Place, ...]:
         """Places that a read of these bytes reads. Empty if the bytes are no member."""
-        number = self._numbers.get((at, size))
-        if number is not None:
-            return (number,)
-        return self._words(at, size) if all(byte in self._fields for byte in range(at, at + size)) else ()
+        places = self._read.get((at, size))
+        if places is None:
+            number = self._numbers.get((at, size))
+            fields = all(byte in self._fields for byte in range(at, at + size))
+            places = (number,) if number is not None else self._words(at, size) if fields else ()
+            self._read[at, size] = places
+        return places
 
     def may_write(self, at: int, size: int) -> bool:
         """True if a write announced for these bytes can be one of a member."""

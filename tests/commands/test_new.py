@@ -145,6 +145,12 @@ def test_an_example_with_an_image_comes_with_its_source_and_all_that_it_includes
     assert periph_sim("run", "bench/imu_hil_image.toml", "--seconds", "0.001").status in (0, 1)
 
 
+def test_an_example_in_c_comes_with_its_sources_and_their_headers(periph_sim: Run, here: Path):
+    assert periph_sim("new", "--example", "imu_hil_c", "bench").status == 0
+    assert {path.name for path in Path("bench").iterdir()} == {"imu_hil_c.toml", "imu_hil.c", "f28335.h"}
+    assert 'sources = ["imu_hil.c"]' in Path("bench/imu_hil_c.toml").read_text(encoding="utf-8")
+
+
 def test_a_disk_that_fills_up_leaves_no_half_of_a_pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     opened = Path.open
 

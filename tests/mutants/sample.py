@@ -39,6 +39,8 @@ ROOMS = {
     ),
     "numeric": Room(("periph_sim/sensors/numeric",), ("tests/sensors/numeric",)),
     "models": Room(("periph_sim/sensors/models",), ("tests/sensors/models",)),
+    "c28x": Room(("periph_sim/c28x",), ("tests/c28x",), ("tests/image", "tests/processor/image")),
+    "image": Room(("periph_sim/image",), ("tests/image",)),
     "extremes": Room(("periph_sim/sensors/extremes",), ("tests/sensors/extremes",)),
 }
 USUAL = ("chips", "processor", "measures", "decoders", "insight")

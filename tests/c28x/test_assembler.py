@@ -105,6 +105,14 @@ def test_moves_between_registers_of_cpu_and_fpu_name_the_address_of_the_latter(s
     assert words(source) == expected
 
 
+def test_interrupts_are_switched_by_a_bit_of_setc_and_clrc():
+    """And take what these take for that bit [SPRU430F, DINT, EINT]."""
+    for name, source in (("DINT", "SETC INTM"), ("EINT", "CLRC INTM")):
+        row, other = parse(name, AT, {}).encoding, parse(source, AT, {}).encoding
+        assert words(name) == words(source)
+        assert row.cycles == other.cycles_of({"y": 0x10})[0] == 2
+
+
 def test_push_and_pop_of_32_bits_are_their_moves():
     assert words("PUSH XAR4") == words("MOVL *SP++,XAR4")
     assert words("POP ACC") == words("MOVL ACC,*--SP")

@@ -173,12 +173,21 @@ class _Structures:
                     raise self._refusal("bit fields before it end within a word; name all 16 bits of the word")
                 offset, align = _value(member, "DW_AT_data_member_location"), self._alignment(member)
                 first = -(-bit // WORD // align) * align
+                if begin < host_bit and not self._is_certain(member, bit // WORD, host_bit):
+                    raise self._refusal("unnamed bits may be before it; put the bit fields in a structure of their own")
                 bit = WORD * (first + self.add(member, at + offset, word + first))
                 host_bit = begin = 8 * (offset + _size(_stripped(member)))
             self._path.pop()
             longest = max(longest, bit)
         align = self._alignment_of_members(compound)
         return -(-longest // WORD // align) * align
+
+    def _is_certain(self, member: DIE, word: int, host_bit: int) -> bool:
+        """True if no unnamed bits between bit fields and a member can move it. word, host_bit: behind the fields."""
+        offset, align = _value(member, "DW_AT_data_member_location"), self._alignment(member)
+        host_align = _host_alignment(member)
+        here, moved = (-(-bits // 8 // host_align) * host_align for bits in (host_bit, host_bit + 1))
+        return offset == here and (offset != moved or -(-word // align) == -(-(word + 1) // align))
 
     def _add_bit_field(self, member: DIE, at: int, word: int, bit: int, host_bit: int) -> tuple[int, int]:
         """Add a bit field. Return the bits behind it, on the chip and on the host.
@@ -283,6 +292,14 @@ def _size(kind: DIE) -> int:
     if kind.tag == "DW_TAG_array_type":
         return _length(kind) * _size(_stripped(kind))
     return _value(kind, "DW_AT_byte_size")
+
+
+def _host_alignment(member: DIE) -> int:
+    """Bytes of whose multiple the host's address of a member is."""
+    kind = _stripped(member)
+    if kind.tag in COMPOUND:
+        return max(map(_host_alignment, _members(kind)), default=1)
+    return _host_alignment(kind) if kind.tag == "DW_TAG_array_type" else _size(kind)
 
 
 def _length(array: DIE) -> int:

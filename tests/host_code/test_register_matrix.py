@@ -98,7 +98,8 @@ struct MIXED {
     uint16_t a; uint32_t b; enum state c; unsigned char d; unsigned short e[3]; unsigned long f;
     struct { uint16_t g; struct { uint32_t h; uint16_t i; } inner[2]; } nested;
     union { uint32_t all; struct { uint16_t low; uint16_t high; } half; } j;
-    struct { uint16_t k : 4; uint16_t : 4; uint16_t l : 8; uint16_t m : 12; uint16_t n : 8; uint16_t rest : 8; } fields;
+    struct { uint16_t k : 4; uint16_t : 4; uint16_t l : 8; uint16_t m : 12; uint16_t n : 8; uint16_t rest : 8;
+             uint16_t after; } fields;
     int o; uint16_t *p; _Bool q; float r; const volatile long s;
 };
 extern volatile struct MIXED ECanaRegs;
@@ -111,6 +112,7 @@ int main(void) {
     ECanaRegs.nested.g = 7; ECanaRegs.nested.inner[1].h = 0x80008; ECanaRegs.nested.inner[1].i = 9;
     ECanaRegs.j.all = 0xA000A; ECanaRegs.j.half.high = 11;
     ECanaRegs.fields.l = 12; ECanaRegs.fields.m = 13; ECanaRegs.fields.n = 14;
+    ECanaRegs.fields.after = 15;
     ECanaRegs.o = -1; ECanaRegs.p = (uint16_t *)16; ECanaRegs.q = 3; *(volatile uint32_t *)&ECanaRegs.r = 17;
     ECanaRegs.o = ECanaRegs.o < 0 ? 18 : 19; (void)ECanaRegs.s;
     for (;;);
@@ -125,9 +127,9 @@ def test_members_of_all_types_have_the_addresses_of_the_chip(tmp_path: Path, mon
         ("W", 0x0A, 2, 0x60006), ("W", 0x0C, 1, 7), ("W", 0x12, 2, 0x80008), ("W", 0x14, 1, 9),
         ("W", 0x16, 2, 0xA000A), ("W", 0x17, 1, 11),
         ("R", 0x18, 1, 0), ("W", 0x18, 1, 12 << 8), ("R", 0x19, 1, 0), ("W", 0x19, 1, 13),
-        ("R", 0x1A, 1, 0), ("W", 0x1A, 1, 14),
-        ("W", 0x1B, 1, 0xFFFF), ("W", 0x1C, 2, 16), ("W", 0x1E, 1, 1), ("W", 0x20, 2, 17),
-        ("R", 0x1B, 1, 0xFFFF), ("W", 0x1B, 1, 18), ("R", 0x22, 2, 0),
+        ("R", 0x1A, 1, 0), ("W", 0x1A, 1, 14), ("W", 0x1B, 1, 15),
+        ("W", 0x1C, 1, 0xFFFF), ("W", 0x1E, 2, 16), ("W", 0x20, 1, 1), ("W", 0x22, 2, 17),
+        ("R", 0x1C, 1, 0xFFFF), ("W", 0x1C, 1, 18), ("R", 0x24, 2, 0),
     ]  # fmt: skip
     assert seen == [(how, FIRST + word, count, value) for how, word, count, value in places]
 
@@ -183,6 +185,8 @@ def test_a_field_of_a_32_bit_register_is_an_access_of_its_half(tmp_path: Path):
             "bit.b is no register's: with the fields before it, its 5",
         ),
         ("unsigned a : 8; unsigned b; } bit;", "bit.b is no register's: bit fields before it end within a word"),
+        ("unsigned a : 16; unsigned : 16; unsigned b; } bit;", "bit.b is no register's: unnamed bits may be before it"),
+        ("uint16_t a : 16; uint16_t : 9; uint16_t b; } bit;", "bit.b is no register's: unnamed bits may be before it"),
         ("uint64_t a; } bit;", "bit.a is no register's: no register has this type"),
         ("double a[2]; } bit;", "bit.a is no register's: no register has this type"),
         (

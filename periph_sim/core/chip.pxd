@@ -1,5 +1,5 @@
 cdef class Chip:
-    cdef public long long next_wake, out, requests, held, filter_width, writes
+    cdef public long long next_wake, out, requests, held, filter_width, writes, loaded
     cdef public list notes
     cdef public set touched
     cpdef long long pins(self, long long now, long long levels)

@@ -66,6 +66,7 @@ class Chip:
     held: int  # bit i: LINES[i] is held asserted (asks again as soon as it was served)
     filter_width: int  # cycles from an input's change to its first effect
     notes: list[Note]  # since the owner last cleared it
+    loaded: int  # of one with data registers: bit i: that at offset i took a value since the owner last set this to 0
     touched: set[str]  # open questions on whose option the run depended
     mid_byte: tuple[int, ...] = ()  # registers, below 62, a write to which may change a byte in the middle
     steady: tuple[int, ...] = ()  # words of registers that stay as they are seen while `writes` is the same

@@ -124,6 +124,7 @@ class Register(Struct, frozen=True, dict=True):
     width: int = 16
     free_running: bool = False  # counts by itself, and no wake-up tells when it changes
     read_acts: bool = False  # a read does something beyond this register: takes a word, clears another's flag
+    data: str = ""  # the field that takes a word at a time: each is an event, though it be equal to the one before
     upper: str = ""  # the register of bits 31:16 where C headers make one `all` of the two, and `half` of each
 
     def __post_init__(self) -> None:

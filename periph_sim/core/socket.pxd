@@ -30,7 +30,7 @@ cdef class Socket(Agent):
     cdef public object marks, before, after, on_held, on_watch, on_note
     cdef public long long out_delay
     cdef public bint traces
-    cdef bint _some_steady
+    cdef bint _some_data, _some_steady
     cdef Kernel _kernel
     cdef Clock _clock
     cdef Recorder _recorder
@@ -69,6 +69,6 @@ cdef class Socket(Agent):
     cpdef void reclock(self)
     @cython.locals(register=WatchedRegister)
     cdef bint _look(self, long long cycle)
-    @cython.locals(register=WatchedRegister, field=WatchedField, changed=cython.longlong)
+    @cython.locals(register=WatchedRegister, field=WatchedField, changed=cython.longlong, loaded=cython.longlong)
     cdef void _record_flags(self, long long cycle)
     cdef void _take_notes(self, long long cycle)

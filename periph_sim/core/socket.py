@@ -73,6 +73,7 @@ class Socket(Agent):
         "_on_request",
         "_out",
         "_recorder",
+        "_some_data",
         "_some_steady",
         "_spare",
         "_touched",
@@ -144,6 +145,7 @@ class Socket(Agent):
         self._watched = [WatchedRegister(r, recorder, name) for r in wanted]
         self._moving = [r for r in self._watched if r.offset not in chip.steady or r.upper not in (0, *chip.steady)]
         self._some_steady = len(self._moving) < len(self._watched)
+        self._some_data = any(r.data for r in self._watched)
         self._looked = self._watched  # the last time
         self._writes = -1  # of the chip, when it was looked at last
         self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
@@ -427,11 +429,16 @@ class Socket(Agent):
     def _record_flags(self, cycle: int) -> None:
         if self._recorder.cause:
             self._last_cause = self._recorder.cause
-        if not self._look(cycle):
+        loaded = 0
+        if self._some_data:
+            loaded, self.chip.loaded = self.chip.loaded, 0
+        if not self._look(cycle) and not loaded:
             return
         tick = self._clock.tick(cycle)
         for register in self._looked:
             changed = register.was ^ register.value
+            if register.data and loaded >> register.offset & 1:
+                changed |= register.data
             if changed:
                 for field in register.fields:
                     if changed & field.mask:

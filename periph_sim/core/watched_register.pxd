@@ -11,5 +11,5 @@ cdef class WatchedField:
 
 @cython.final
 cdef class WatchedRegister:
-    cdef public long long offset, upper, value, was
+    cdef public long long offset, upper, value, was, data
     cdef public list fields

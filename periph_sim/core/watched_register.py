@@ -18,14 +18,15 @@ class WatchedField:
 
 class WatchedRegister:
     """A register that somebody wants. value: as it was seen last; was: before. upper: of 32 bits, the upper half's
-    offset."""
+    offset. data: the bits of its field that takes a word at a time; 0 without one."""
 
-    __slots__ = ("fields", "offset", "upper", "value", "was")
+    __slots__ = ("data", "fields", "offset", "upper", "value", "was")
 
     def __init__(self, register: Register, recorder: Recorder, name: str) -> None:
         self.offset = register.offset
         self.upper = register.offset + 1 if register.width == 32 else 0
         self.value = self.was = 0
+        self.data = register[register.data].mask if register.data else 0
         self.fields: list[WatchedField] = []
         for what, mask, lsb in register.named_fields:
             field = WatchedField()

@@ -39,7 +39,7 @@ ASKS = {  # vector -> its flag in the PIE, module, fields whose rise asks for it
     ),
     "TINT0": ("PIEIFR1.INTx7", "TIMER0", ["TCR.TIF", "TCR.TIE"]),
 }
-SOON, GATE, MODIFY, LANDS_BEHIND = 1000, 16, 4, 3
+GATE, MODIFY, LANDS_BEHIND = 16, 4, 3
 
 
 class Oracle:
@@ -123,14 +123,13 @@ class Oracle:
         return [*beside, *self._served(write, newest, write)], newest
 
     def _looks(self, write: Record) -> list[Record]:
-        """Of each place and field the last look within 1000 own cycles, newest first."""
+        """Of each place and field the last look, newest first; of up to eight."""
         found: dict[tuple[str, str, str], Record] = {}
         made_for_writes = {read.number for read in self.read_of.values()}
         for access in reversed(self.accesses[write.where, write.cause]):
             if access.number >= write.number:
                 continue
-            served = sum(length for _, length in self._routines(write, access, write))
-            if round(Fraction(write.tick - access.tick - served) / self.cycle) > SOON or len(found) == 8:
+            if len(found) == 8:
                 break
             if access.what[0] == "R" and access.number not in made_for_writes:
                 found.setdefault((access.what, access.text, access.field), access)

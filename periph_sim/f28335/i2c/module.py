@@ -61,7 +61,7 @@ class I2c(Chip):
         self.next_wake = NEVER
         self._timer = NEVER  # the first of all timers inside, as of the last input
         self.out = self._pins = BOTH
-        self.requests = self.held = self.writes = 0
+        self.requests = self.held = self.loaded = self.writes = 0
         self.notes, self.touched = self.state.notes, self.state.touched
         self._clocked = self._suspended = False
         self._lines = I2cNoiseFilter(options.unequal_arrival == "one_sample", self.touched)
@@ -220,6 +220,9 @@ class I2c(Chip):
         if state.requests:
             self.requests |= state.requests
             state.requests = 0
+        if state.loaded:
+            self.loaded |= state.loaded
+            state.loaded = 0
         self.held = state.held
         self.out = BOTH & ~(self.target.pulls | self.master.pulls) if state.mdr & MDR_IRS else BOTH
         self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due

@@ -64,12 +64,17 @@ I2CDRR = Register(
     "SPRUG03B table 19",
     (field("DATA", "7:0", "R", doc="Byte received; output of the RX FIFO."),),
     read_acts=True,
+    data="DATA",
 )
 I2CSAR = Register(
     "I2CSAR", 0x07, "SPRUG03B table 16", (field("SAR", "9:0", "R/W", 0x3FF, doc="Address sent next as master."),)
 )
 I2CDXR = Register(
-    "I2CDXR", 0x08, "SPRUG03B table 20", (field("DATA", "7:0", doc="Byte to send; input of the TX FIFO."),)
+    "I2CDXR",
+    0x08,
+    "SPRUG03B table 20",
+    (field("DATA", "7:0", doc="Byte to send; input of the TX FIFO."),),
+    data="DATA",
 )
 I2CMDR = Register(
     "I2CMDR",

@@ -5,7 +5,7 @@ from .fifos cimport I2cFifos
 
 @cython.final
 cdef class I2cRegisters(I2cFifos):
-    cdef public long long bcm, clkh, clkl, cnt, drr, dxr, filter_width, oar, psc, rsr, sar, tm, xsr, nack_since
+    cdef public long long bcm, clkh, clkl, cnt, drr, dxr, filter_width, loaded, oar, psc, rsr, sar, tm, xsr, nack_since
     cdef public bint drr_unread, dxr_full, emdr_written
     cdef public object nack_of
     cdef public list dxr_behind

@@ -30,6 +30,8 @@ from .register_map import (
 
 COMMANDS = MDR_STT | MDR_STP | MDR_NACKMOD
 
+RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`
+
 
 class I2cRegisters(I2cFifos):
     """Everything of the module that is not bits on wires. Times are SYSCLKOUT cycles."""
@@ -46,6 +48,7 @@ class I2cRegisters(I2cFifos):
         "dxr_full",
         "emdr_written",
         "filter_width",
+        "loaded",
         "nack_of",
         "nack_since",
         "oar",
@@ -58,6 +61,7 @@ class I2cRegisters(I2cFifos):
 
     def __init__(self, options: I2cOptions) -> None:
         super().__init__(options)
+        self.loaded = 0  # as of a chip: of I2CDRR and I2CDXR
         self.reset()
 
     def reset(self) -> None:
@@ -125,6 +129,7 @@ class I2cRegisters(I2cFifos):
                 )
             elif self._extra_stage() and not self.dxr_full:
                 self.dxr, self.dxr_full = value, True
+                self.loaded |= SENDING
             elif not self.tx_fifo.push(value):
                 self.notes.append(Note("lost", "a byte was written to a full TX FIFO", "SPRUG03B section 5.12"))
             self.fifo_levels(now)
@@ -139,6 +144,7 @@ class I2cRegisters(I2cFifos):
                 self.dxr_behind.append(value)
                 return
         self.dxr, self.dxr_full = value, True
+        self.loaded |= SENDING
         self.str = self.str & ~STR_XRDY | STR_XSMT
         self.update(now)
 
@@ -156,6 +162,7 @@ class I2cRegisters(I2cFifos):
                 self.dxr_full = bool(self.tx_fifo)
                 if self.tx_fifo:
                     self.dxr = self.tx_fifo.pop()
+                    self.loaded |= SENDING
             elif self.tx_fifo:
                 self.xsr = self.tx_fifo.pop()
             else:
@@ -168,6 +175,7 @@ class I2cRegisters(I2cFifos):
         self.xsr, self.xsr_full = self.dxr, True
         if self.dxr_behind:
             self.dxr = self.dxr_behind.pop(0)
+            self.loaded |= SENDING
             return True
         self.dxr_full = False
         if xrdy:
@@ -187,11 +195,14 @@ class I2cRegisters(I2cFifos):
         """I2CRSR is copied to I2CDRR, or to the RX FIFO."""
         if self.fifo:
             if self.ffrx & FFRST:
+                if not self.rx_fifo:
+                    self.loaded |= RECEIVED
                 self.rx_fifo.words.append(value)
                 self.fifo_levels(now)
                 self.set(now, STR_RRDY)
             return
         self.drr = value
+        self.loaded |= RECEIVED
         self.drr_unread = True
         self.set(now, STR_RRDY)
 
@@ -199,7 +210,9 @@ class I2cRegisters(I2cFifos):
         if self.fifo:
             if self.rx_fifo:
                 self.drr = self.rx_fifo.pop()
-                if not self.rx_fifo:
+                if self.rx_fifo:
+                    self.loaded |= RECEIVED
+                else:
                     self.str &= ~STR_RRDY
                 self.fifo_levels(now)
         else:

@@ -41,6 +41,7 @@ cdef class SciLines(Chip):
     cdef void _set_out(self, long long now)
     cdef void _run_rx(self, long long at)
     cdef void _move(self, long long now, long long word, long long address)
+    cdef void _load_received(self)
     cdef bint _is_break_like(self, long long word, long long address)
     cdef void _take_break(self, long long now)
     cdef void _request_rx(self, long long now)

@@ -30,6 +30,8 @@ from .receiver_bits import BREAK, FE, FRAME, IDLE, PE, SciRxBits
 from .register_map import SCI_MAP
 from .transmitter import SciTx, SentWord
 
+RECEIVED = 1 << SCI_MAP["SCIRXBUF"].offset | 1 << SCI_MAP["SCIRXEMU"].offset
+
 RXINT = 1
 TXINT = 2
 
@@ -57,6 +59,7 @@ class SciLines(Chip):
         self.out = 1
         self.requests = 0
         self.held = 0
+        self.loaded = 0
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self._layout = SciFormat(0, options)
@@ -316,8 +319,15 @@ class SciLines(Chip):
         """A character leaves RXSHF."""
         rx = self._rx
         rx.deliver(word, address, bool(word & FE) and self._is_break_like(word, address))
+        self._load_received()
         if rx.request:
             self._request_rx(now)
+
+    def _load_received(self) -> None:
+        """SCIRXBUF may show another word now, or an equal one."""
+        if self._rx.loaded:
+            self._rx.loaded = False
+            self.loaded |= RECEIVED
 
     def _is_break_like(self, word: int, address: int) -> bool:
         """Every bit of the frame was 0; of the parity bit PE tells that."""

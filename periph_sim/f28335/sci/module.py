@@ -83,6 +83,7 @@ class Sci(SciLines):
             return
         if offset == TXBUF:
             self._tx.write_buffer(now, value)
+            self.loaded |= 1 << TXBUF
         elif offset == FFTX:
             self._write_fftx(now, value)
         elif offset == FFRX:
@@ -126,6 +127,7 @@ class Sci(SciLines):
     def _read_rxbuf(self, now: int) -> int:
         rx = self._rx
         word = rx.read_buffer()
+        self._load_received()
         if rx.request:
             rx.request = False
             self.requests |= RXINT

@@ -7,7 +7,7 @@ from ...core.fifo cimport Fifo
 cdef class SciRx:
     cdef public object options
     cdef public set touched
-    cdef public bint request, enabled, sleep, bk_enabled, error_enabled, fifo_mode, parity
+    cdef public bint request, loaded, enabled, sleep, bk_enabled, error_enabled, fifo_mode, parity
     cdef public long long status, rxbuf, sciffrx
     cdef public Fifo fifo
     cdef bint _reached, _sticky, _level_mode, _rxrdy_follows, _oe_per_word

@@ -67,6 +67,7 @@ class SciRx:
         # The receiver's own state.
         self.status = 0  # BRKDT, FE, OE, PE, RXWAKE, RXRDY in their SCIRXST places
         self.rxbuf = 0
+        self.loaded = False  # SCIRXBUF shows another word, or an equal one, since the owner last set this to False
         self.fifo = Fifo(DEPTH)
         self.sciffrx = SCIFFRX.reset  # configuration, RXFFOVF and RXFFINT; RXFFST is counted
         self._reached = False  # RXFFST >= RXFFIL held after the last change
@@ -96,6 +97,7 @@ class SciRx:
             if self.status & ST_RXRDY:
                 errors |= ST_OE
             self.rxbuf = word & 0xFF
+            self.loaded = True
             self.status |= ST_RXRDY
             self.request = self.request or self.bk_enabled
         if address:
@@ -130,6 +132,7 @@ class SciRx:
             return
         if not self.fifo_mode:
             self.rxbuf = word & 0xFF
+            self.loaded = True
             return
         asked = self.request
         self._to_fifo(word)
@@ -145,11 +148,13 @@ class SciRx:
         if not self.sciffrx & RXFIFORESET:
             return overrun
         if self.fifo.push(word):
+            self.loaded = self.loaded or not waiting
             return overrun
         self.touched.update(("fifo_overflow_drops", "rxffovf_interrupt"))
         if self.options.fifo_overflow_drops == "oldest":
             self.fifo.pop()
             self.fifo.push(word)
+            self.loaded = True
         if not self.sciffrx & RXFFOVF:
             self.sciffrx |= RXFFOVF
             if self.sciffrx & RXFFIENA and self.options.rxffovf_interrupt == "rxffiena":
@@ -211,6 +216,7 @@ class SciRx:
         if self.fifo_mode:
             if self.fifo.words:
                 self.rxbuf = self.fifo.pop()
+                self.loaded = bool(self.fifo.words)
                 self._watch_level()
             else:
                 self.touched.add("rxfifo_read_when_empty")

@@ -83,6 +83,7 @@ SCI_MAP = RegisterMap(
             "SPRUFZ5A F2-8",
             (field("ERXDT", "7:0", "R", doc="SCIRXBUF's data, without the effects of reading it."),),
             width=8,
+            data="ERXDT",
         ),
         Register(
             "SCIRXBUF",
@@ -94,6 +95,7 @@ SCI_MAP = RegisterMap(
                 field("RXDT", "7:0", "R", doc="The character; reading it takes it."),
             ),
             read_acts=True,
+            data="RXDT",
         ),
         Register(
             "SCITXBUF",
@@ -101,6 +103,7 @@ SCI_MAP = RegisterMap(
             "SPRUFZ5A F2-10",
             (field("TXDT", "7:0", doc="A write queues a character for sending."),),
             width=8,
+            data="TXDT",
         ),
         Register(
             "SCIFFTX",

@@ -8,15 +8,16 @@ said to be inferred.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.counted import counted
 from ...core.records import Kind, Record
 from ...f28335.cpu.pie_map import LINES
 from ..run import Run
-from .firmware_causes import INFERRED, RECORDED, Link, causes_of_access, held_up
+from .firmware_causes import INFERRED, MOST_ACCESSES, RECORDED, Link, accesses_before, causes_of_access, held_up
 from .holders import causes_of_hold, mover
 from .interrupt_sources import sources
 
@@ -52,6 +53,24 @@ def walk_back(run: Run, row: int, depth: int) -> Iterator[Step]:
         if not told or told[-1].aside:
             return
         step = told[-1]
+
+
+def end_of_walk(run: Run, steps: Sequence[Step], depth: int) -> str:
+    """Why a walk goes no further than its last step, as a clause; "" if there was no step."""
+    main = [step for step in steps if not step.aside]
+    if not main:
+        return ""
+    if len(main) > depth:
+        return f"{counted(depth, 'cause')} were asked for; --depth gives more"
+    record = main[-1].record
+    if record.kind is not Kind.ACCESS:
+        return "no record of a cause of it"
+    if record.what.startswith("R "):
+        return "nothing that this access read had changed before it"
+    searched = len(accesses_before(run, main[-1].row, record))
+    if searched > MOST_ACCESSES:
+        return f"its routine read nothing else in the {MOST_ACCESSES} accesses before it; no more were searched"
+    return "its routine had read nothing before it"
 
 
 def _step(run: Run, row: int, link: Link) -> Step:

@@ -21,11 +21,11 @@ from ...core.records import Record
 from ...core.registers import Field, OnWrite, Register
 from ..read_modify_write import read_modify_writes
 from ..register_maps import register_of
-from ..run import Run
+from ..run import Rows, Run
 
 RECORDED, INFERRED = "recorded", "inferred"
-SOON = 1000  # cycles of its own routine: a write later than this after a look is not said to come of it
 MOST_LOOKS = 8  # at different places or fields
+MOST_ACCESSES = 10_000  # of a routine that are searched for them before a write
 MOST_ROUTINES = 3  # shown of those that held the firmware up: the longest
 SEEN = "the last change of what it looked at"
 
@@ -72,17 +72,23 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
 
 
 def looks_before(run: Run, row: int, record: Record) -> list[int]:
-    """The looks of the same routine that were not long before a write; the last one of each place and field."""
-    routine = run.routine(record.where, record.cause)
+    """The last looks of the same routine before a write, however long before; the last one of each place and field."""
     of_writes = read_modify_writes(run, record.where)
     found: dict[tuple[str, str, str], int] = {}
-    for earlier in reversed(routine[: np.searchsorted(routine, row)].tolist()):
-        if _own_time(run, record, earlier, row) > SOON or len(found) == MOST_LOOKS:
+    for earlier in accesses_before(run, row, record)[-MOST_ACCESSES:][::-1].tolist():
+        if len(found) == MOST_LOOKS:
             break
         look = run.record(earlier)
         if look.what.startswith("R ") and not of_writes.has_read(earlier):
             found.setdefault((look.what, look.text, look.field), earlier)
     return [*found.values()]
+
+
+def accesses_before(run: Run, row: int, record: Record) -> Rows:
+    """The accesses of the routine of an access before it."""
+    routine = run.routine(record.where, record.cause)
+    before: Rows = routine[: np.searchsorted(routine, row)]
+    return before
 
 
 def _beside(run: Run, look: int) -> list[Link]:
@@ -131,15 +137,6 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
         )
         for n in longest.tolist()
     ]
-
-
-def _own_time(run: Run, record: Record, earlier: int, row: int) -> int:
-    """Cycles of a routine from one row to another, without those of the service routines that interrupted it."""
-    table = run.table
-    ends, entries = run.service(record.where, record.cause, earlier, row)
-    served = int((table.tick[ends] - table.tick[entries]).sum())
-    own = int(table.tick[row] - table.tick[earlier]) - served
-    return run.clock(record.where).cycles(int(table.tick[row]) - own, int(table.tick[row]))
 
 
 def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:

@@ -31,6 +31,8 @@ def text(answer: Answer) -> str:
         known = f"\n{indent}[{step.known}: {step.because}]" if step.known else ""
         rows.append((f"#{step.record.number}", distance, f"{indent}{_with_source(said(run, step))}{known}"))
     lines += columns(rows)
+    if answer.ends:
+        lines += paragraph(f"the walk ends here: {answer.ends}", "  ", "    ")
     return "\n".join([*lines, "", "forward:", *_forward(answer)])
 
 
@@ -53,6 +55,7 @@ def as_json(answer: Answer) -> dict[str, object]:
         "pulled_by": list(answer.pulled_by),
         "held_by": list(answer.held_by),
         "back": [_entry(answer, step) for step in answer.back],
+        "back_ends": answer.ends or None,
         "set_off": [_entry(answer, step) for step in answer.effects],
         "next_read": None if answer.reader is None else _entry(answer, answer.reader),
         "reads_before_change": answer.reads,

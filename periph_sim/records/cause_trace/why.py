@@ -14,7 +14,7 @@ import numpy as np
 from ...core.records import Kind
 from ..run import Rows, Run
 from ..subject import RecordedSignal, asked
-from .causes import Step, walk_back
+from .causes import Step, end_of_walk, walk_back
 from .firmware_causes import RECORDED
 from .holders import holders, wire_rows
 
@@ -28,7 +28,8 @@ class Answer:
     """value: None where nothing is known, as of a wire before its first edge. since: the tick from which on it had the
     value; 0 where it never changed before. back: the record that gave the value, then its causes; of a low wire
     first the record from which on nobody else has held it. pulled_by, held_by: of such a wire, who pulled it low, and
-    who holds it now. reads: how many recorded reads looked at the field before the next change."""
+    who holds it now. reads: how many recorded reads looked at the field before the next change. ends: why `back`
+    goes no further."""
 
     run: Run
     subject: RecordedSignal
@@ -42,6 +43,7 @@ class Answer:
     reader: Step | None
     reads: int
     changed: Step | None
+    ends: str = ""
 
 
 def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
@@ -75,6 +77,7 @@ def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
         _step(run, int(reads[0])) if len(reads) else None,
         len(reads),
         None if next_row is None else _step(run, next_row),
+        end_of_walk(run, back, depth),
     )
 
 

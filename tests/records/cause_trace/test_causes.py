@@ -89,10 +89,10 @@ def test_a_write_comes_of_the_look_that_saw_the_newest_change_and_a_later_look_i
     assert steps[3].of == steps[2].row
 
 
-def test_a_look_in_another_routine_or_too_long_ago_is_no_cause():
+def test_a_look_in_another_routine_is_no_cause_and_one_of_its_own_is_however_long_ago():
     before = flag(100, "SCD", 1), read(110, SCD, "SCD"), irq(120, 1), read(125, SCD, "SCD", "sci:8", 3), irq(130, 0, 3)
     assert numbers(walk(*before, count(140), counted(140, 6)))[:4] == ["7", "6", "(5)", "2"]
-    assert numbers(walk(*before, count(2000), counted(2000, 6))) == ["7", "6"]
+    assert numbers(walk(*before, count(2000), counted(2000, 6))) == ["7", "6", "(5)", "2", "1"]
 
 
 def test_a_read_modify_writes_own_read_and_the_flag_that_it_handed_back_stand_beside():
@@ -317,16 +317,15 @@ def test_the_chain_of_a_stop_goes_to_the_transfer_that_it_ended():
     falls = run.rows(Kind.FLAG, "dsp.I2C-A", "I2CSTR.SCD")
     falls = falls[run.table.value[falls] == 0]
     assert len(falls) == 6
-    near = 0
+    models = 37_500  # cycles
+    behind = []
     for fall in falls.tolist():
         steps = list(walk_back(run, fall, 3))
         rise = steps[-1].record
-        if steps[-1].aside:
-            continue  # after the models: 250 us behind the last look
         assert happened(rise) == "I2C-A.I2CSTR.SCD set"
-        assert run.cycles.of(steps[0].record.tick - rise.tick) < 100
-        near += 1
-    assert near == 4
+        behind.append(run.cycles.of(steps[0].record.tick - rise.tick))
+    near = [cycles for cycles in behind if cycles < 100]
+    assert len(near) == 4 and all(models < cycles < models + 100 for cycles in behind if cycles not in near)
 
 
 def test_a_flag_wiped_unseen_is_explained_by_its_read_modify_write_and_the_routine_that_made_it_late(hang: Run):

@@ -47,6 +47,7 @@ def test_an_answer_as_lines(run: Run):
         f"  #1  220 ns (33 cycles) before  dsp.I2C-A.I2CSTR.SCD set {TABLE_10}",
         "                                 [inferred: the last change of what it looked",
         "                                   at]",
+        "  the walk ends here: no record of a cause of it",
         "",
         "forward:",
         "  set off  1 us (150 cycles) after  dsp.I2C-A.I2CCNT.ICDC = 5",
@@ -80,11 +81,15 @@ def test_an_answer_about_a_wire_knows_no_reads_and_tells_who_let_go():
     low, high = (text(why(run, f"SCL@{time}")).splitlines() for time in ("0.1us", "0.2us"))
     assert low[3:] == [
         "  #1  0.000067 ms  SCL falls, pulled low by controller",
+        "  the walk ends here: no record of a cause of it",
         "",
         "forward:",
         "  changed  66.667 ns (10 cycles) after  SCL rises, released by controller",
     ]
-    assert high[3:5] == ["  #2  0.000133 ms  SCL rises, released by controller", ""]
+    assert high[3:5] == [
+        "  #2  0.000133 ms  SCL rises, released by controller",
+        "  the walk ends here: no record of a cause of it",
+    ]
     assert high[-1] == "  it did not change again"
 
 

@@ -25,6 +25,7 @@ from periph_sim.processor.dsp import Dsp
 
 FREE, STT, STP, MST, TRX, RM, IRS = 0x4000, 0x2000, 0x0800, 0x0400, 0x0200, 0x0080, 0x0020  # I2CMDR
 FLAGS = 0x0026  # of I2CSTR, cleared by writing ones: SCD, ARDY, NACK
+REPLAY = ("script", "pauses", "low", "high")  # settings that a replay fills in from the capture
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,8 @@ from periph_sim.firmware import Dsp, HexBytes, start_pie
 
 from .slave_module import SlaveModule
 
+REPLAY = ("address",)  # settings that a replay fills in from the capture
+
 
 @dataclass
 class Settings:

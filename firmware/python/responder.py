@@ -26,6 +26,8 @@ from periph_sim.processor.dsp import Dsp
 
 from .slave_module import SlaveInterrupt
 
+REPLAY = ("address", "replies", "asleep", "busy")  # settings that a replay fills in from the capture
+
 
 @dataclass
 class Settings:

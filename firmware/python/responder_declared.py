@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from periph_sim.processor.dsp import Dsp
 
-from .responder import Responder, Settings, Waits
+from .responder import REPLAY, Responder, Settings, Waits
 
-__all__ = ["Settings", "main"]
+__all__ = ["REPLAY", "Settings", "main"]
 
 
 class DeclaredResponder(Responder):

@@ -23,6 +23,7 @@ from periph_sim.processor.dsp import Dsp
 
 LSPCLK_HZ = 37_500_000  # SYSCLKOUT/4, as after reset
 FE, PE = 1 << 15, 1 << 14  # of SCIRXBUF
+REPLAY = ("baud", "bits", "parity", "stop")  # settings that a replay fills in from the capture
 
 
 @dataclass

@@ -71,7 +71,7 @@ EXAMPLE = "periph-sim replay capture.sr --case timing/responder.toml"
 @click.option("--format", "frame", metavar="FORMAT", help="UART: data bits, parity and stop bits with --baud: 8n1.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
-@click.option("--svg", type=click.Path(path_type=Path), help="Draw the worst divergence as a timing diagram.")
+@click.option("--svg", type=click.Path(path_type=Path), help="Draw the first divergence as a timing diagram.")
 @click.option("--strict", is_flag=True, help="Exit status 1 also where something is ambiguous.")
 @click.option("-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")

@@ -18,7 +18,7 @@ from ..traces.diff.align import align
 NOTHING = "nothing more"
 
 BYTE, ACK, EVENT, TIMING = "byte", "ACK", "event", "timing"
-RANKS = (BYTE, ACK, EVENT, TIMING)  # of divergences, the worst first
+KINDS = (BYTE, ACK, EVENT, TIMING)  # of divergences
 
 CONDITIONS = ("START", "repeated START", "STOP", NOTHING)
 
@@ -48,7 +48,7 @@ class Change:
 class Divergence:
     """index: events before it. Times in seconds since the capture began; None where nothing came.
 
-    kind: one of RANKS. history: what the chip's registers did around it, in order.
+    kind: one of KINDS. history: what the chip's registers did around it, in order.
     """
 
     index: int
@@ -65,7 +65,8 @@ class Comparison:
     """agreed: events that both lists have, in the same order, as many as there are. lag: the largest difference in time
     up to the first that differs, in seconds.
 
-    divergence: the first one but for timing. ranked: the first of each kind, in the order of RANKS.
+    divergence: the first one but for timing. ranked: the first of each kind in order of time, since an earlier one may
+    be the cause of a later one; timing last, since a stretch moves all that follows.
     """
 
     agreed: int
@@ -103,9 +104,8 @@ def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: 
             if tolerance is not None and abs(off) > tolerance and TIMING not in first:
                 told = f"{was.words} {float(abs(off) * 1_000_000):.3f} us {'later' if off > 0 else 'earlier'}"
                 first[TIMING] = Divergence(index, was.words, told, *times, TIMING)
-    ranked = tuple(first[kind] for kind in RANKS if kind in first)
-    wrong = [divergence for divergence in ranked if divergence.kind != TIMING]
-    earliest = min(wrong, key=lambda divergence: divergence.index, default=None)
+    ranked = tuple(sorted(first.values(), key=lambda divergence: (divergence.kind == TIMING, divergence.index)))
+    earliest = ranked[0] if ranked and ranked[0].kind != TIMING else None
     return Comparison(_in_both(expected, found) if parted else len(expected), earliest, lag, ranked)
 
 

@@ -6,7 +6,7 @@
                      events expected  <-------- compare -------->  events decoded from the wires
 
 The comparison shares no code with the agents or the chip: it decodes the wires as it decoded the capture.
-A firmware with settings called `address`, `replies`, `asleep` and `busy` is set to answer as the captured target did.
+A firmware whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer as the captured target did.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ class I2cReplay:
     def _play(self) -> None:
         edges = controllers_half(self._part.transfers[self._next], self._hold, self._part.half_sample)
         if self._longest_low is not None:
-            edges = hurried(edges, self._longest_low)
+            edges = hurried(edges, self._longest_low, self._part.step)
         self._next += 1
         self._player.play(moves(edges, self._per_position), self._plan)
 
@@ -201,7 +201,7 @@ class I2cReplay:
         )
 
     def picture(self, report: Report) -> str | None:
-        """The worst divergence of a run as SVG text; None without any."""
+        """The first divergence of a run as SVG text; None without any."""
         return closed_loop_picture(
             report, self._part.capture, self._given[2:4], self._part, self._replayed, self.origin, self._compared
         )

@@ -3,7 +3,7 @@
     capture --> the script --> firmware's settings --> unit --> SCL, SDA <-- ScriptedTarget <-- captured answers
        \\--> events expected  <-------------- compare -------------->  events decoded from the wires
 
-A firmware with settings called `script`, `pauses`, `low` and `high` is set to do as the captured controller did; one
+A firmware whose `REPLAY` names `script`, `pauses`, `low` and `high` is set to do as the captured controller did; one
 without does what it does, for as long as the capture lasts. Events are compared in order; times only if a tolerance
 is given, since a driver of its own has pauses of its own.
 """
@@ -162,7 +162,7 @@ class I2cMasterReplay:
         )
 
     def picture(self, report: Report) -> str | None:
-        """The worst divergence of a run as SVG text; None without any."""
+        """The first divergence of a run as SVG text; None without any."""
         return closed_loop_picture(
             report, self._part.capture, self._given[2:4], self._part, self._replayed, self.origin, self._compared
         )

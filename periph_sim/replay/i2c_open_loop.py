@@ -220,7 +220,8 @@ class I2cOpenReplay:
         outcome = compare(*self._compared)
         held = self._holds(driven.channel("SCL"))
         late = [one for one in held if one.late > tolerance]
-        ranked = outcome.ranked + tuple(self._late(one, part) for one in late[:1])
+        first_late = tuple(self._late(one, part) for one in late[:1])
+        ranked = tuple(sorted(outcome.ranked + first_late, key=lambda divergence: divergence.index))
         byte = int(9 * (part.low + part.high) * self._per_position)
         us = 1_000_000
         return Report(
@@ -256,7 +257,7 @@ class I2cOpenReplay:
         )
 
     def picture(self, report: Report) -> str | None:
-        """The worst divergence of a run as SVG text; None without any."""
+        """The first divergence of a run as SVG text; None without any."""
         if not report.divergences:
             return None
         divergence, part = report.divergences[0], self._part

@@ -67,10 +67,12 @@ def controllers_half(transfer: Transfer, hold: Fraction, half_sample: Fraction =
     return half.edges
 
 
-def hurried(edges: list[Edge], longest_low: Fraction) -> list[Edge]:
+def hurried(edges: list[Edge], longest_low: Fraction, step: int = 0) -> list[Edge]:
     """The same, but SCL is let go `longest_low` after it fell at the latest, and all that follows comes earlier.
 
     What is cut off was the target's stretching, or the controller's own pauses: whoever answers now must stretch.
+    step: positions of a sample. Each edge is known to within one, so a low phase that is longer by no more than that
+    stays as it is; shortening each would add up over the bits of a transfer.
     """
     found: list[Edge] = []
     cut = Fraction(0)
@@ -78,7 +80,7 @@ def hurried(edges: list[Edge], longest_low: Fraction) -> list[Edge]:
         at = edge.at - cut
         if edge.clock and edge.level and number:
             fall = next((e.at for e in reversed(found) if e.clock and not e.level), at)
-            if at - fall > longest_low:
+            if at - fall > longest_low + step:
                 cut += at - fall - longest_low
                 at = fall + longest_low
                 if not found[-1].clock and found[-1].at > fall + longest_low / 2:

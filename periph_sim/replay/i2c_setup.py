@@ -23,7 +23,7 @@ from ..traces.decode.sampling_rate import impossible_rate
 from . import BadReplay
 from .as_target import AsTarget, as_target
 from .i2c_script import Turn, most_frequent, turns
-from .scene_setup import settings_of, unit_with
+from .scene_setup import settings_of, undeclared, unit_with
 from .time_base import check_length, rate_of
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
@@ -167,8 +167,8 @@ def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = L
     """Whose addresses are the firmware's, and what it must be set to; adds to the notes what it cannot be set to.
 
     By default the firmware answers the address that the case sets, else the one the capture asks most often; a
-    firmware without a setting `address` answers all. Where the captured target refused its address the firmware is
-    put out of reach, but not if its addresses are given: then it must refuse, or differ from the capture.
+    firmware whose `REPLAY` does not name `address` answers all. Where the captured target refused its address the
+    firmware is put out of reach, but not if its addresses are given: then it must refuse, or differ from the capture.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))
@@ -176,6 +176,7 @@ def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = L
     found.asked = sum(turn.answer.ack for turn in own)
     if not own:
         part.notes.append(f"the capture does not ask {', '.join(f'{address:02X}' for address in found.own)}")
+    part.notes += undeclared(case, unit, ("address", "replies", "asleep", "busy"))
     if len(found.own) == 1 and "address" in settings_of(case, unit):
         found.offered = _settings(part, found.own[0], lead, in_reach=bool(given))
         found.forced = {"address": found.own[0]}

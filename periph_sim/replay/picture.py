@@ -100,7 +100,7 @@ def closed_loop_picture(
     origin: int,
     compared: Compared,
 ) -> str | None:
-    """The worst divergence of a report, where the replay made wires of its own: SVG text; None without any.
+    """The first divergence of a report, where the replay made wires of its own: SVG text; None without any.
 
     channels: of SCL and SDA in the capture. origin: of its time 0 in the replay.
     """

@@ -18,8 +18,8 @@ class Report:
     judged, since receivers may read them one way or another. filled: settings of the firmware that were taken from the
     capture. unjudged: why nothing was judged.
 
-    first_divergence: the earliest but for timing, without its history. divergences: the first of each kind, the worst
-    first, with what the chip did around it; a timing difference is one above the tolerance, and fails the replay where
+    first_divergence: the earliest but for timing, without its history. divergences: the first of each kind in order of
+    time, with what the chip did around it; a timing difference is one above the tolerance, and fails the replay where
     a tolerance was asked for.
 
     bytes: I2C with addresses; UART what the firmware took from the SCI. lag: the largest time from an event of the

@@ -1,12 +1,14 @@
 """A case made ready for a replay: the agent whose place the capture takes is removed, open settings are filled in.
 
+Only settings that the firmware's module names in `REPLAY` are filled in: another firmware may mean something else by
+`address` or `busy`.
 Budgets are not judged in a replay: its verdict is whether the wires agree with the capture.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import is_dataclass
 
 from ..scene.case.model import Case
@@ -22,16 +24,29 @@ def unit_with(case: Case, module: str) -> str:
 
 
 def settings_of(case: Case, unit: str) -> frozenset[str]:
-    """Names of the settings that a unit's firmware takes. BadCase if there is no such firmware."""
+    """The settings of a unit's firmware that a replay may fill in. BadCase if there is no such firmware."""
     if not case.unit[unit].firmware:
         return frozenset()
     try:
-        kind = load_firmware(case.unit[unit].firmware).settings
+        return frozenset(load_firmware(case.unit[unit].firmware).replay)
     except BadFirmware as error:
         raise case.mistake(str(error), "unit", unit, "firmware") from None
-    return (
-        frozenset(inspect.signature(kind).parameters) if inspect.isclass(kind) and is_dataclass(kind) else frozenset()
-    )
+
+
+def undeclared(case: Case, unit: str, names: Iterable[str]) -> list[str]:
+    """A note on settings of these names that the firmware has and a replay leaves alone, since `REPLAY` lacks them."""
+    if not case.unit[unit].firmware:
+        return []
+    firmware = load_firmware(case.unit[unit].firmware)
+    kind = firmware.settings
+    known = inspect.signature(kind).parameters if inspect.isclass(kind) and is_dataclass(kind) else {}
+    left = [name for name in names if name in known and name not in firmware.replay]
+    if not left:
+        return []
+    return [
+        f"settings of {firmware.name} that are not filled in from the capture, since its module does not name them in "
+        f"REPLAY: {', '.join(left)}"
+    ]
 
 
 def taken(case: Case, unit: str, offered: Mapping[str, object]) -> list[str]:

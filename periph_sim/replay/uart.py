@@ -4,7 +4,7 @@
        |                                             |
        \\--decode--> frames expected <-- compare --> words read, with SCIFFFE and SCIFFPE
 
-A firmware with settings called `baud`, `bits`, `parity` and `stop` is set to the line's format where one is given;
+A firmware whose `REPLAY` names `baud`, `bits`, `parity` and `stop` is set to the line's format where one is given;
 else the line is decoded in the format that the firmware has set the SCI to.
 """
 
@@ -242,7 +242,7 @@ class UartReplay:
         )
 
     def picture(self, report: Report) -> str | None:
-        """The worst divergence of a run as SVG text; None without any. Both sides have one time: nothing waits here."""
+        """The first divergence of a run as SVG text; None without any. Both sides have one time: nothing waits here."""
         if not report.divergences:
             return None
         divergence = report.divergences[0]

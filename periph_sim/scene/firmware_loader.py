@@ -27,11 +27,15 @@ T = TypeVar("T")
 
 
 class Firmware(Struct, frozen=True):
-    """A program: its main function, and the dataclass of what a case may set, if it has one."""
+    """A program: its main function, and the dataclass of what a case may set, if it has one.
+
+    replay: the settings that a replay may fill in from a capture, as the module names them in `REPLAY`.
+    """
 
     name: str
     main: Callable[[Dsp, object], None]
     settings: object
+    replay: tuple[str, ...] = ()
 
 
 class BadFirmware(ValueError):
@@ -63,7 +67,22 @@ def load_firmware(name: str) -> Firmware:
     if what:
         at = defined_at(module.main)
         raise BadFirmware(f"firmware {name!r}, {at}: main {what}; expected a plain function main(dsp, settings)")
-    return Firmware(name, module.main, getattr(module, "Settings", None))
+    return Firmware(name, module.main, getattr(module, "Settings", None), _replay_settings(name, module))
+
+
+def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
+    """The names in a module's `REPLAY`. BadFirmware if they are no names of its settings."""
+    given: object = getattr(module, "REPLAY", ())
+    kind = getattr(module, "Settings", None)
+    known = [*inspect.signature(kind).parameters] if inspect.isclass(kind) and is_dataclass(kind) else []
+    if not isinstance(given, tuple | list) or not all(isinstance(one, str) for one in given):
+        raise BadFirmware(f"firmware {name!r}: REPLAY is {given!r}; expected a tuple of names of settings")
+    for one in given:
+        if one not in known:
+            raise BadFirmware(
+                f"firmware {name!r}: REPLAY names {one!r}, which is no setting; {did_you_mean(one, known)}"
+            )
+    return tuple(given)
 
 
 def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:

@@ -10,6 +10,7 @@ from itertools import chain, cycle, repeat
 from periph_sim.firmware import HexBytes, start_i2c
 
 SCD = 0x0020  # of I2CSTR; written alone, since a write of the field would clear the other flags along with it
+REPLAY = ("address", "replies")  # settings that a replay fills in from the capture
 
 
 @dataclass

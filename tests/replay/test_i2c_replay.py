@@ -13,6 +13,7 @@ from periph_sim.replay import BadReplay
 from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.report import Report
 from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
 from periph_sim.traces import formats
 from periph_sim.traces.formats import Capture
 from tests.traces.decode.drawing import of_bytes
@@ -174,6 +175,60 @@ def test_a_given_address_stays_in_reach_so_that_a_wrong_acknowledge_shows():
     (ack,) = [divergence for divergence in report.divergences if divergence.kind == "ACK"]
     assert report.verdict == "fail" and (ack.index, ack.expected, ack.found) == (2, "NACK", "ACK")
     assert replay("nack.sr", addresses=[0x53]).verdict == "fail"
+
+
+# Settings of the firmware ---------------------------------------------------------
+
+
+HOMONYMS = """
+from dataclasses import dataclass
+
+from periph_sim.firmware import start_i2c
+
+REPLAY = {declared}
+
+
+@dataclass
+class Settings:
+    address: int = 0x50
+    busy: bool = False
+    replies: int = 7
+
+
+def main(dsp, settings):
+    assert isinstance(settings.busy, bool) and settings.replies == 7
+    start_i2c(dsp, settings.address)
+    dsp.spin(lambda: False)
+"""
+
+
+def homonyms(folder: Path, declared: str) -> Path:
+    (folder / "homonyms.py").write_text(HOMONYMS.format(declared=declared))
+    case = folder / "homonyms.toml"
+    unit = f'[unit.dsp]\nfirmware = "{folder / "homonyms.py"}"\nmodules = ["I2C-A"]\n'
+    case.write_text(f'name = "homonyms"\nduration = "1 s"\n{unit}')
+    return case
+
+
+def test_settings_that_the_firmware_does_not_declare_are_left_alone_and_named(tmp_path):
+    report = replay(one_read(), case=homonyms(tmp_path, "()"))
+    assert report.filled == [] and report.addresses == ["50"]
+    (note,) = [note for note in report.notes if "REPLAY" in note]
+    assert note.startswith("settings of ") and note.endswith("name them in REPLAY: address, replies, busy")
+    declared = replay(one_read(), case=homonyms(tmp_path, '("address",)'))
+    assert declared.filled == [] and declared.notes[-1].endswith("name them in REPLAY: replies, busy")
+
+
+@pytest.mark.parametrize(
+    ("declared", "said"),
+    [
+        ('("adress",)', "REPLAY names 'adress', which is no setting; did you mean address?"),
+        ("7", "REPLAY is 7; expected a tuple"),
+    ],
+)
+def test_a_declaration_that_names_no_setting_is_refused(tmp_path, declared: str, said: str):
+    with pytest.raises(BadCase, match=re.escape(said)):
+        replay(one_read(), case=homonyms(tmp_path, declared))
 
 
 # What it proves ---------------------------------------------------------------------

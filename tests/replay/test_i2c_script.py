@@ -104,6 +104,20 @@ def test_a_controller_in_a_hurry_lets_scl_go_early_and_has_sda_ready_before():
     assert hurried(edges, Fraction(96)) == edges
 
 
+def test_low_phases_that_are_longer_by_a_sample_stay_so_that_nothing_adds_up():
+    """SCL low for 20 or 21 samples by turns, as sampling makes it, and once for 30."""
+    lows = [20, 21, 21, 30, 21]
+    edges, at = [Edge(Fraction(0), SCL, 0)], 0
+    for low in lows:
+        at += low
+        edges += [Edge(Fraction(at), SCL, 1), Edge(Fraction(at + 20), SCL, 0)]
+        at += 20
+    assert hurried(edges, Fraction(20), step=1)[:7] == edges[:7]
+    assert [edge.at - was.at for edge, was in zip(hurried(edges, Fraction(20), step=1), edges, strict=True)][7:] == [
+        -10
+    ] * 4
+
+
 def test_the_targets_half_is_a_turn_for_each_address():
     wave = I2cWave(4, 1)
     wave.idle(10)

@@ -19,8 +19,8 @@ def test_missed_rounds_that_no_budget_judges_are_noted(period: str, missed: int)
     result = Scene(load(TIMING / "responder.toml", changes)).run(Fraction(25, 1000))
     assert result.verdict == "pass" and result.counts["missed"] == missed
     assert result.notes == [
-        "controller: 12 rounds that were due every 1000.000 us did not begin, because the one before was still running; "
-        "a budget on 'missed rounds' judges that"
+        "controller: 12 rounds that were due every 1000.000 us did not begin, because the one before was still "
+        "running; a budget on 'missed rounds' judges that"
     ] * bool(missed)
 
 

@@ -42,6 +42,7 @@ ROOMS = {
     "c28x": Room(("periph_sim/c28x",), ("tests/c28x",), ("tests/image", "tests/processor/image")),
     "image": Room(("periph_sim/image",), ("tests/image",)),
     "extremes": Room(("periph_sim/sensors/extremes",), ("tests/sensors/extremes",)),
+    "outside": Room(("periph_sim/outside",), ("tests/outside", "tests/scene/test_outside_parties.py")),
 }
 USUAL = ("chips", "processor", "measures", "decoders", "insight")
 

@@ -29,6 +29,7 @@ from cocotb.utils import get_sim_steps
 
 from ..core.suggest import did_you_mean
 from ..outside.errors import OutsideError
+from ..outside.log import refuse_input
 from ..outside.session import Session
 from ..records.if_recorded import if_recorded
 from ..scene.case.load import load
@@ -86,12 +87,16 @@ class F28335:
         self._driven = {name: _signal(dut, name, one) for name, (_, one) in pairs.items() if one is not None}
         if not read and not self._driven:
             raise OutsideError("no line is given; give scl, scl_o, sda, sda_o, rx or tx")
+        case = case if isinstance(case, Case) else load(Path(case))
+        if record is not None:
+            refuse_input(Path(record), case, "record")
+            if log is not None and Path(log).resolve() == Path(record).resolve():
+                raise OutsideError(f"{log}: log and record are one file; give each a file of its own")
         begin = get_sim_time("step")
         if begin:  # before, what runs at the beginning has not run yet
             for name, signal in read.items():
                 _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
-        case = case if isinstance(case, Case) else load(Path(case))
         if begin:  # records count from the simulator's zero, too
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
         self._files = ExitStack()

@@ -23,8 +23,7 @@ class LogWriter:
     """
 
     def __init__(self, path: Path, case: Case, ticks_per_second: int, wires: tuple[str, ...]) -> None:
-        if is_input(path) or (case.file is not None and _is_same(path, case.file)):
-            raise OutsideError(f"{path}: the session reads this file; give the log another place")
+        refuse_input(path, case, "log")
         self._path = path
         self._is_new = not path.exists()
         try:
@@ -74,7 +73,14 @@ class LogWriter:
         self._file.flush()
 
 
-def _is_same(path: Path, other: Path) -> bool:
+def refuse_input(path: Path, case: Case, what: str) -> None:
+    """OutsideError if a session of this case reads the file to which it would write. what: it would write there."""
+    if is_input(path) or (case.file is not None and is_same(path, case.file)):
+        raise OutsideError(f"{path}: the session reads this file; give the {what} another place")
+
+
+def is_same(path: Path, other: Path) -> bool:
+    """Whether both are one file that is there, by whatever name or link."""
     try:
         return path.samefile(other)
     except OSError:

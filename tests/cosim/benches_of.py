@@ -234,6 +234,7 @@ async def refusals(dut: Any) -> None:
         ("no signal", lines | {"sda_o": "dsp_sdb"}),
         ("no wire", lines | {"wires": {"SDC": (dut.rx, None)}}),
         ("no file", lines | {"log": "/nowhere/log.jsonl"}),
+        ("one file", lines | {"log": "/nowhere/a", "record": "/nowhere/a"}),
     ):
         try:
             F28335(dut, case, **given)

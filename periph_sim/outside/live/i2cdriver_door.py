@@ -3,7 +3,8 @@
 client --/dev/pts/N, or LINK--> I2cDriver --> SDA, SCL
 
 A transfer is done at once, and moves the session's time on by what it takes on the wires; the loop then waits for the
-clock. Whoever reads no answers is heard no more once a megabyte of them waits.
+clock. Whoever reads no answers is heard no more once a megabyte of them waits; they are discarded when another client
+comes.
 """
 
 from __future__ import annotations
@@ -41,6 +42,9 @@ class I2cDriverDoor:
 
     def turn(self) -> None:
         """The commands that have come, a few kilobytes of them; what is left is for the next turn."""
+        if self._terminal.clients()[1]:  # what the client before did not read is no answer to this one
+            self.back.clear()
+            self._terminal.discard_unread()
         if len(self.back) < MOST:
             self.back.add(self._adapter.take(self._terminal.read()))
             self.back.add(self._adapter.captured())

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import errno
 import os
+import termios
 import tty
 from pathlib import Path
 
@@ -69,6 +70,10 @@ class PseudoTerminal:
             if error.errno != errno.EIO:  # nobody has it open
                 raise
             return b""
+
+    def discard_unread(self) -> None:
+        """Discard what was written and no client has read."""
+        termios.tcflush(self.kept, termios.TCIFLUSH)
 
     def write(self, data: bytes) -> int:
         """How many of these bytes it took. BlockingIOError for none."""

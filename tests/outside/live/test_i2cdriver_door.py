@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import tty
 from contextlib import suppress
 from fractions import Fraction
@@ -122,3 +123,21 @@ def test_what_it_cannot_have(tmp_path: Path) -> None:
         I2cDriverDoor(Session(load(written(tmp_path)), ("SDA",)))
     with pytest.raises(BadCase, match="cpu lode"):
         case_for_bus(written(tmp_path), ("budget.1.measure=cpu lode",))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
+def test_answers_that_a_dead_client_left_are_none_to_the_next_one(tmp_path: Path) -> None:
+    served = Served(tmp_path)
+    served.passes("2 ms")
+    os.write(served.file, REGISTER + REGISTER)
+    served.passes("2 ms")
+    os.close(served.file)
+    served.passes("1 ms")
+    served.file = os.open(served.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    served.passes("1 ms")
+    with pytest.raises(BlockingIOError):
+        os.read(served.file, 10)
+    os.write(served.file, bytes([ord("r"), 0x50, 3, 1]))
+    served.passes("2 ms")
+    assert os.read(served.file, 10) == b"\x44"
+    served.close()

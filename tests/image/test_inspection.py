@@ -6,7 +6,8 @@ import pytest
 
 from periph_sim.image import inspection
 from periph_sim.image.inspection import Function, Inspection, inspect
-from periph_sim.image.model import Image, Symbol
+from periph_sim.image.model import Image, Section, Symbol
+from periph_sim.image.shared_memory import shared_memory
 from tests.image.own_images import CODE, ENTRY, HANDLER, image, text
 
 
@@ -103,3 +104,16 @@ def test_a_handler_has_the_name_that_budgets_know_and_not_its_symbol(monkeypatch
     monkeypatch.setattr(inspection, "functions_of", lambda image, debug: (of_debug_data,))
     (vector,) = inspect(image()).vectors
     assert vector.handler == "on_transfer"
+
+
+def test_a_register_by_a_pointer_and_an_index():
+    """MOVL XAR4,#0x7900; MOVL XAR1,#9, or XAR0; MOV AL,*+XAR4[AR1]: I2CMDR."""
+    for index, pointer in ((0, 0x8D00), (1, 0x8D40)):
+        found = of_code(0x8F00, 0x7900, pointer, 9, 0x9200 | 0x94 + 8 * index, 0x0006)
+        assert touched(found) == [("I2C-A", "I2CMDR", 1, 0)]
+
+
+def test_sections_of_the_linker_have_their_place_in_memory_unless_a_file_says_otherwise():
+    one, other = Section(".ebss", 0x9000, 0x9000, 8), Section("buffer", 0x9004, 0x9004, 8)
+    (sentence,) = shared_memory(image(text(), one, other))
+    assert ".ebss and buffer share 0x009004 to 0x009007" in sentence

@@ -85,6 +85,19 @@ MOV DP,#5                 | dp=0xFFFF                         | dp=0xFC05
 MOV @AR0,AL               | acc=5 x0=0x12340000               | x0=0x12340005
 MOV AL,@AR0               | x0=0x12345678                     | acc=0x5678 x0=0x12345678
 MOVL @XAR0,ACC            | acc=5                             | x0=5
+MOV AL,@AH                | acc=0x12345678                    | acc=0x12341234
+MOV AH,@AL                | acc=0x12345678                    | acc=0x56785678
+MOV AL,@PH                | p=0x12345678                      | acc=0x1234
+MOV AL,@PL                | p=0x12345678                      | acc=0x5678
+MOV AL,@T                 | xt=0x12345678                     | acc=0x1234
+MOV AL,@SP                | sp=0x456                          | acc=0x456
+MOV @PH,AL                | acc=7 p=0x12345678                | p=0x00075678
+MOV @PL,AL                | acc=7 p=0x12345678                | p=0x12340007
+MOV @T,AL                 | acc=7 xt=0x12345678               | xt=0x00075678
+MOV @SP,AL                | acc=0x456                         | sp=0x456
+MOVL ACC,@P               | p=0x12345678                      | acc=0x12345678
+MOVL ACC,@XT              | xt=0x12345678                     | acc=0x12345678
+MOVL ACC,@XAR0            | x0=0x12345678                     | acc=0x12345678
 MOV *XAR4,AR3             | x3=0x12345678                     | w=0x5678
 MOV *XAR4,AL,EQ           | acc=7 z=1 w=1                     | w=7
 MOV *XAR4,AL,EQ           | acc=7 z=0 w=1                     | w=1

@@ -8,6 +8,7 @@ What user code may not do:
 
 - exit: `sys.exit` becomes an error, as does every exception that is no `Exception`. Only Ctrl-C passes.
 - run without end: a call that uses more CPU time than its limit is stopped with its line.
+- poll for long without being told: `warn` does so while it runs.
 - print twice: a case that is run again for an explanation prints nothing the second time.
 
 Exits that Python does not see, such as `os._exit`, are noticed by `periph_sim.entry` from outside of the process.
@@ -137,6 +138,12 @@ def output_aside() -> Iterator[None]:
         return
     with redirect_stdout(_Aside()):
         yield
+
+
+def warn(sentence: str) -> None:
+    """Tell something about user code on standard error while it runs, unless an earlier run has told it."""
+    if sys.stderr is not None and not isinstance(sys.stdout, _Nowhere):
+        print(sentence, file=sys.stderr, flush=True)
 
 
 @contextmanager

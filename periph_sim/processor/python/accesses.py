@@ -6,6 +6,7 @@ firmware --> wait for writes, wait states --> Bus --> value, or a write on its w
 
 from __future__ import annotations
 
+from ...core.chip import Note
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.cpu.compiled_code_costs import CodeCosts
 from ...f28335.system.ram import block_at
@@ -15,14 +16,34 @@ from ..operand import Operand
 from ..polling import Spin
 from ..processor import Processor
 from ..source_location import SourceLocation
+from ..user_code import warn
 from .instructions import Instructions
 from .program import PythonProgram
+
+MANY_READS = 1000  # registers read in a row, without a write or a wait
+CYCLES_OF_A_PASS = 100  # a loop of so many cycles for each read polls, too; one that computes longer does not
+POLLING = Note(
+    "polling",
+    "a loop polls registers pass by pass, which takes long to simulate; wait with dsp.spin(lambda: CONDITION), which "
+    "skips the passes",
+    "firmware in Python",
+)
 
 
 class Accesses:
     """Each costs one cycle and the frame's wait states."""
 
-    __slots__ = ("_between", "_bus", "_instructions", "_program", "_time")
+    __slots__ = (
+        "_between",
+        "_bus",
+        "_instructions",
+        "_notes",
+        "_polling_places",
+        "_program",
+        "_reads",
+        "_reads_from",
+        "_time",
+    )
 
     def __init__(
         self, processor: Processor, program: PythonProgram, instructions: Instructions, code: CodeCosts
@@ -32,12 +53,19 @@ class Accesses:
         self._instructions = instructions
         self._program = program
         self._time: CpuTime = processor.time
+        self._notes = processor.notes
+        self._reads = 0  # since the last write or wait
+        self._reads_from = 0  # the cycle at which they began, at the latest
+        self._polling_places: set[str] = set()
 
     def read(self, operand: Operand, where: SourceLocation | None = None) -> int:
         """The value of the operand's words, each in its place. where: in the firmware, if that is known."""
         time, instructions, spin = self._time, self._instructions, self._program.spin
         if spin is None:
             instructions.run(self._between)
+            self._reads += 1
+            if self._reads == MANY_READS:
+                self._look_for_polling()
         elif spin.made:
             instructions.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the value before, in the same pass
         bus = self._bus
@@ -61,8 +89,20 @@ class Accesses:
                 value = self._fetch(operand)
         if spin is not None:
             spin.note(operand, value, where)
+            self._reads = 0
         instructions.instruction(1)
         return value
+
+    def _look_for_polling(self) -> None:
+        """Note, once for each place, a loop that reads registers pass by pass without `dsp.spin`."""
+        cycle = self._time.cycle
+        dense = cycle - self._reads_from < MANY_READS * CYCLES_OF_A_PASS
+        self._reads, self._reads_from = 0, cycle
+        where = self._program.place() if dense and self._program.placed is None else None
+        if where is not None and where not in self._polling_places:
+            self._polling_places.add(where)
+            self._notes.note(cycle, POLLING)
+            warn(f"{self._program.name}, {where.for_people()}: {POLLING.text}")
 
     def write(self, operand: Operand, value: int) -> None:
         """Write the operand's words, each in its place in `value`."""
@@ -133,6 +173,7 @@ class Accesses:
     def _before_write(self) -> None:
         """The code between two accesses; a pass of a wait has its own, and with a write in it cannot be skipped."""
         spin = self._program.spin
+        self._reads = 0
         if spin is None:
             self._instructions.run(self._between)
         else:

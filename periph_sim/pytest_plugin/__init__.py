@@ -10,6 +10,7 @@ boards and numpy come with the first case. `-p no:periph-sim` turns it off.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Generator, Iterable, Iterator
 from pathlib import Path
@@ -42,8 +43,18 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]:
+    """A session that runs cases is one in its own process (whole_session.py) from before its conftest.py on."""
+    if not _in_tests and early_config.getini(CASES) and "PYTEST_XDIST_WORKER" not in os.environ:
+        from .whole_session import begin
+
+        begin(early_config)
+    return (yield)
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, int | None]:
-    """A session that runs cases is one in its own process (whole_session.py), unless it runs within a test."""
+    """The same where that was too early: pytest-xdist starts sessions that are none of its workers, too."""
     if _in_tests:
         return (yield)
     if config.getini(CASES):

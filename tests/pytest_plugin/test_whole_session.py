@@ -44,6 +44,14 @@ def test_an_exit_in_firmware_of_a_test_is_no_pass(pytester: pytest.Pytester):
     assert came.ret == 3 and came.errlines[-1] == LOST
 
 
+@pytest.mark.parametrize("code", ["os._exit(0)", "raise SystemExit(0)"])
+def test_an_exit_of_conftest_is_no_pass(project: pytest.Pytester, monkeypatch: pytest.MonkeyPatch, code: str):
+    monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)  # this test's own session may be one of xdist
+    project.makeconftest(f"import os\n{code}\n")
+    came = project.runpytest_subprocess()
+    assert came.ret == 3 and came.errlines[-1] == LOST
+
+
 def test_an_exit_that_python_sees_fails_its_test_and_the_others_run(pytester: pytest.Pytester):
     pytester.makepyfile(TEST.format(code="raise SystemExit(0)"))
     came = pytester.runpytest_subprocess()

@@ -14,6 +14,7 @@ receives SIGTERM. Without `fork`, on Windows, the work is done in the process th
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
 import sys
@@ -79,8 +80,11 @@ def supervise(work: Callable[[], object], name: str) -> NoReturn:
     left = [one.name for one in threading.enumerate() if one is not threading.main_thread() and not one.daemon]
     if left:  # Python would wait for them as it ends, for ever if they never do
         _say(f"{name}: ended thread {left[0]!r}, which user code started and which was still running")
-        os._exit(status)
-    sys.exit(status)
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(AttributeError, OSError, ValueError):  # there is none, or it is closed
+            stream.flush()
+    os._exit(status)  # to take all modules apart first would cost more than the second process does
 
 
 def split(name: str, *, strict: bool = True) -> Completion:

@@ -11,11 +11,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
+from .bus_bytes import PART
 from .event_chain import EventLine, first_divergence, first_moved
 from .figures import Baseline, Figures
 
 NOTES = ("events", "polls_skipped")
 CHAIN = "chain"
+BUS_BYTES = "bus bytes"
 MOST_MOVED = 3  # accesses that moved, told of a case
 SAME = Fraction(1, 1000)  # seconds by which an occurrence may move and be the same
 VALUES = ("worst", "least")
@@ -63,7 +65,22 @@ def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]
         if was != came:
             shown = key.replace("_", " ")
             changes.append(Change(None, key, was, came, f"{shown} {was} -> {came}", note=key in NOTES))
-    return changes
+    return changes + _bus_bytes(before.bus_bytes, now.bus_bytes)
+
+
+def _bus_bytes(before: list[str], now: list[str]) -> list[Change]:
+    """Where the bytes on the bus first have other values or ACKs than in the baseline."""
+    if before == now:
+        return []
+    if not before:
+        text = "the baseline holds no bytes of the bus, so their values are not compared; --update-baseline adds them"
+        return [Change(None, BUS_BYTES, None, now[0], text, note=True)]
+    part = next((n for n, (was, came) in enumerate(zip(before, now, strict=False)) if was != came), None)
+    if part is None:
+        part = min(len(before), len(now))
+    was, came = (digests[part] if part < len(digests) else "none" for digests in (before, now))
+    where = f"first among bytes {part * PART + 1} to {(part + 1) * PART} of the run"
+    return [Change(None, BUS_BYTES, was, came, f"bytes on the bus are other ones than in the baseline, {where}")]
 
 
 def _budget(name: str, before: Baseline, old: Figures, now: Baseline, new: Figures, tolerance: int) -> list[Change]:

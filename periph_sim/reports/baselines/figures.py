@@ -38,6 +38,7 @@ class Baseline(Table, frozen=True, kw_only=True):
     """Of one case. counts: everything else of a run that is counted.
 
     digest: of the times of all events that chains are made of (see `event_digest`); "" in files of an earlier version.
+    bus_bytes: digests of the values of all bytes on the I2C bus (see `bus_bytes`); none in files of an earlier version.
     """
 
     schema_version: Literal[1] = SCHEMA
@@ -49,6 +50,7 @@ class Baseline(Table, frozen=True, kw_only=True):
     counts: dict[str, int]
     budgets: dict[str, Figures]
     digest: str = ""
+    bus_bytes: list[str] = []
 
     def with_chains(self, lines: Mapping[str, list[str]]) -> Baseline:
         """The same figures, with these chains by budget."""

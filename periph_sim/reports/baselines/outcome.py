@@ -23,6 +23,7 @@ from ...scene.scene import Scene
 from ...timing.budgets import BudgetJudge
 from ...timing.values import Values, values_of
 from ...timing.verdict import Verdict
+from .bus_bytes import BusBytes
 from .errors import BadCheck
 from .event_chain import EventLine, Wanted, chains
 from .event_digest import EventDigest
@@ -114,16 +115,18 @@ def run_explained(
 
 def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool) -> Outcome:
     digests: list[EventDigest] = []
+    sent: list[BusBytes] = []
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
         digests.append(EventDigest(recorder, timebase.ticks(case.start, "nearest")))
+        sent.append(BusBytes(recorder))
 
     scene = Scene(case, subscribe, keep_values=keep_values)
     result = scene.run()
     trouble = scene.deadlocks()
     if scene.stuck.hangs() and not trouble:
         trouble = scene.stuck.sentences[-1:]
-    figures = baseline_of(scene, result).model_copy(update={"digest": digests[0].text})
+    figures = baseline_of(scene, result).model_copy(update={"digest": digests[0].text, "bus_bytes": sent[0].digests})
     return Outcome(
         path=path,
         figures=figures,
@@ -144,7 +147,7 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
 
 
 def baseline_of(scene: Scene, result: Result) -> Baseline:
-    """The figures of a scene that has run, without chains and digest."""
+    """The figures of a scene that has run, without chains, digest and bytes."""
     case = scene.case
     clocks = [int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()]
     return Baseline(

@@ -49,8 +49,10 @@ def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings
     parts = []
     for part in (slice(0, began), slice(began, runs)):
         x, y, z, *pushed = (column[part] for column in scaled)
-        added = None if noise is None else Noise(_part(noise[0], part), _part(noise[1], part), _part(noise[2], part))
-        codes = codes_of(imu, (x, y, z), (pushed[0], pushed[1], pushed[2]), added, arithmetic=many)
+        noise_here = (
+            None if noise is None else Noise(_part(noise[0], part), _part(noise[1], part), _part(noise[2], part))
+        )
+        codes = codes_of(imu, (x, y, z), (pushed[0], pushed[1], pushed[2]), noise_here, arithmetic=many)
         parts.append(_stacked(codes))
     whole = {name: np.concatenate([one[name] for one in parts]) for name in Codes._fields}
     return Readings(_due(subject, runs), whole, _scales(subject))

@@ -36,6 +36,11 @@ count = 1
 name = "rounds"
 measure = "missed rounds"
 max = 0
+
+[[budget]]
+name = "round"
+measure = "round"
+max = "5 ms"
 """
 FIRMWARE = """\
 import sys

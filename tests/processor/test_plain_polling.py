@@ -76,7 +76,7 @@ def test_it_is_reported_while_the_loop_runs_and_not_at_its_end(tmp_path: Path):
     "loop",
     [
         "dsp.spin(lambda: i2c.I2CSTR.AAS == 1)",
-        "for _ in range(3000): dsp.spin(lambda: timer.TCR.TIF == 0) or i2c.I2CSTR.AAS",
+        "for _ in range(3000): dsp.spin(lambda: timer.TCR.TIF == 0) and i2c.I2CSTR.AAS",
         "for _ in range(3000): i2c.I2CSAR.all = i2c.I2CSTR.AAS",
         "for _ in range(3000): i2c.I2CSTR.AAS, dsp.compute(200)",
         "for _ in range(900): i2c.I2CSTR.AAS",

@@ -123,6 +123,8 @@ class Bus:
     def operand(self, place: ModuleRange, register: Register, words: int, field: Field | None = None) -> Operand:
         """These words of a register of the map, or the field of them that a program names."""
         operand = Operand(place, register, words, field, self._waits, self._wanted(register))
+        if operand.frame2:  # its reads depend on this option; they are too frequent to be marked one by one
+            self._core.touched.add("pf2_read_ws")
         if operand.recorded:
             kind, recorder = Kind.ACCESS, self._recorder  # a name of an enumeration costs what a call does
             reads = recorder.topic(kind, self._name, f"R {operand.name}")
@@ -248,10 +250,12 @@ class Bus:
 
     def posts_at(self, cycle: int, operand: Operand) -> int:
         """The cycle in which a write issued in `cycle` is posted."""
-        at = cycle + operand.write_waits
-        if operand.frame1 and self._last_pf1_write == cycle - 1:
-            at += self._pf1_after_pf1
-        return at
+        if operand.frame2:
+            self._core.touched.add("pf2_write_ws")
+        elif operand.frame1 and self._last_pf1_write == cycle - 1:
+            self._core.touched.add("pf1_back_to_back_write")
+            return cycle + operand.write_waits + self._pf1_after_pf1
+        return cycle + operand.write_waits
 
     def store(self, at: int, operand: Operand, value: int) -> None:
         """Post these words of a register, each in its place in `value`, in cycle `at`.
@@ -276,6 +280,7 @@ class Bus:
         return self._notes.placed or (operand.recorded and operand.reads.places + operand.writes.places > NOWHERE)
 
     def _post(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
+        self._core.touched.add("write_lands")
         lands = at + self._lands_after
         if operand.frame1:
             self._last_pf1_write = at

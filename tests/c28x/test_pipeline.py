@@ -104,6 +104,8 @@ def test_open_odd_32bit_target(more: int):
 @pytest.mark.parametrize("more", [0, 1])
 def test_open_saram_conflict(more: int):
     """Code and data in L1; data elsewhere do not conflict."""
+    rig = Rig(f"{HEAD}{BEGIN} MOV AL,@0\n ESTOP0\n", saram_conflict=more).run()
+    assert "system.saram_conflict" in rig.dsp.touched
     assert cycles(" MOV AL,@0", saram_conflict=more) - cycles(" MOV AL,@0") == more
     assert cycles(" MOVW DP,#0x8000 >> 6\n MOV AL,@0", saram_conflict=more) - cycles(" MOVW DP,#0\n MOV AL,@0") == 0
 

@@ -23,6 +23,13 @@ from tests.processor.bench import Bench
 
 def cost_of(frame: Frame, access: str, options: SystemOptions | None = None, times: int = 1, base: int = 0x3000):
     """Cycles of `times` accesses in a row to a module outside of the protected block."""
+    return cost_and_options_of(frame, access, options, times, base)[0]
+
+
+def cost_and_options_of(
+    frame: Frame, access: str, options: SystemOptions | None = None, times: int = 1, base: int = 0x3000
+) -> tuple[int, set[str]]:
+    """The same, and the options that the run depended on."""
     bench = Bench([], frame=frame, options=options, base=base)
 
     def main() -> None:
@@ -33,7 +40,7 @@ def cost_of(frame: Frame, access: str, options: SystemOptions | None = None, tim
                 bench.flags.STATUS.all = 0
         bench.note("end")
 
-    return bench.run(main, 1000)[0][1]
+    return bench.run(main, 1000)[0][1], bench.core.touched
 
 
 @pytest.mark.rule("SYS-034", "SYS-035", "SYS-037", "I2C-006")
@@ -46,19 +53,23 @@ def test_an_access_costs_one_cycle_and_its_frames_wait_states(frame, read, write
 @pytest.mark.rule("SYS-037")
 @pytest.mark.parametrize("wait_states", [0, 2, 5])
 def test_open_pf2_read_ws(wait_states):
-    assert cost_of(Frame.PF2, "read", SystemOptions(pf2_read_ws=wait_states)) == 1 + wait_states
+    cost, listed = cost_and_options_of(Frame.PF2, "read", SystemOptions(pf2_read_ws=wait_states))
+    assert (cost, listed) == (1 + wait_states, {"pf2_read_ws"})
 
 
 @pytest.mark.parametrize("wait_states", [0, 1])
 def test_open_pf2_write_ws(wait_states):
-    assert cost_of(Frame.PF2, "write", SystemOptions(pf2_write_ws=wait_states)) == 1 + wait_states
+    cost, listed = cost_and_options_of(Frame.PF2, "write", SystemOptions(pf2_write_ws=wait_states))
+    assert cost == 1 + wait_states and listed >= {"pf2_write_ws", "write_lands"}
 
 
 @pytest.mark.rule("SYS-036")
 @pytest.mark.parametrize("extra", [1, 0])
 def test_open_pf1_back_to_back_write(extra):
     options = SystemOptions(pf1_back_to_back_write=extra)
-    assert cost_of(Frame.PF1, "write", options, times=3) == 3 + 2 * extra
+    cost, listed = cost_and_options_of(Frame.PF1, "write", options, times=3)
+    assert (cost, listed) == (3 + 2 * extra, {"pf1_back_to_back_write", "write_lands"})
+    assert cost_and_options_of(Frame.PF1, "write", options) == (1, {"write_lands"})
     assert cost_of(Frame.PF2, "write", options, times=3) == 3
 
 

@@ -70,6 +70,7 @@ CONTEXT = (
 CONTEXT_WORDS = 2 * len(CONTEXT)
 CONTEXT_SP = 1 + CONTEXT_WORDS  # by how much SP rises
 ST1_WORD, IER_WORD = 8, 10  # their places among these words
+ENTRY_QUESTIONS = ("int_latency", "vector_fetch_waits")  # every entry of an interrupt depends on them
 
 
 def frame_of(sp: int) -> int:
@@ -216,7 +217,7 @@ class CpuInterrupts:
             raise ValueError(
                 f"interrupt {number} cannot be taken at cycle {now}; next_taken says {self.next_taken(now)}"
             )
-        self.touched.add("int_latency")
+        self.touched.update(ENTRY_QUESTIONS)
         if number > MASKABLE:
             self._nonmaskable &= ~(1 << number - EMUINT)
             return self._save(number, now + self.entry_cycles)

@@ -103,17 +103,22 @@ class I2cInterrupts:
 
     def _outranks(self) -> bool:
         self.touched.add("isrc_preempt")
-        return self.options.isrc_preempt == "highest" and self._rank(self._first()) < self._rank(self.code)
+        if self.options.isrc_preempt != "highest":
+            return False
+        first = self._first()
+        return first != self.code and self._rank(first) < self._rank(self.code)
 
     def _rank(self, code: int) -> int:
+        """The sort key of a code: of two codes, the one with the lower key goes first."""
+        self.touched.add("int_priority")
         return code if self.options.int_priority == "ascending" else -code
 
     def _first(self) -> int:
         """The code that goes first among the pending requests, or 0."""
         codes = [bit + 1 for bit in range(7) if self._pending >> bit & 1]
         if len(codes) > 1:
-            self.touched.add("int_priority")
-        return min(codes, key=self._rank, default=0)
+            return min(codes, key=self._rank)
+        return codes[0] if codes else 0
 
     def load_code(self, now: int) -> None:
         """The arbiter's delay is over: the pending request of highest rank becomes INTCODE."""
@@ -130,6 +135,7 @@ class I2cInterrupts:
 
     def _show(self, now: int, code: int) -> None:
         self.code = code
+        self.touched.add("int_line")
         if self.options.int_line == "level":
             self.held = self.held & ~INT1 | (INT1 if code else 0)
 
@@ -144,7 +150,6 @@ class I2cInterrupts:
                     cleared = STR_AAS
             if cleared:
                 self.clear(now, cleared)
-            self.touched.add("int_line")
             self.code_at = NEVER
             self.load_code(now)
         return code | self.isrc_high

@@ -314,6 +314,7 @@ class I2cMaster(I2cMasterTransmitter):
         if bit <= self._n:
             if bit == self._n and self._kind == TAKE:
                 self._choose_answer()
+                self.state.touched.add("rrdy_point")
                 if self.state.options.rrdy_point == "fall8":
                     self._take(now)
             if bit == self._n and self._kind == SEND and self.state.mdr & MDR_DLB:

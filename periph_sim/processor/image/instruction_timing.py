@@ -67,6 +67,8 @@ class InstructionTiming:
         f.loops = encoding.mnemonic in BRANCHES
         f.waited = has_waits(f.address)
         f.tested = 1 << f.b if encoding.id == "TBIT_loc16_bit" else f.c if encoding.id == "AND_AX_loc16_16" else 0
+        if f.accesses and block_at(f.address) is not None:  # code and data may be in the same block
+            self._core.touched.add("saram_conflict")
         if encoding.id == "B_off16_COND" and f.k == UNC:
             self._core.touched.add("b_unc_cycles")
             f.cycles = self._options.b_unc_cycles

@@ -199,7 +199,7 @@ def test_open_int_latency(latency):
     core.enter(104, 9)
     assert core.ready == 100 + latency
     assert 104 + core.vector_delay == 100 + latency - 9
-    assert core.touched == {"int_latency"}
+    assert core.touched == {"int_latency", "vector_fetch_waits"}
 
 
 @pytest.mark.rule("SYS-138", "SYS-139")
@@ -428,7 +428,7 @@ def test_open_irq_after_iret_at_once():
     core.raise_line(now, 9)
     core.back(now + 20)
     assert [core.next_taken(now + 20 + n) for n in range(9)] == [0] * 8 + [9]
-    assert core.touched == {"int_latency", "irq_after_iret"}
+    assert core.touched == {"int_latency", "irq_after_iret", "vector_fetch_waits"}
 
 
 @pytest.mark.rule("SYS-142", "SYS-143")
@@ -440,7 +440,7 @@ def test_open_irq_after_iret_after_one_instruction():
     assert core.owes_instruction
     core.instruction_done()
     assert core.next_taken(now + 29) == 9
-    assert core.touched == {"int_latency", "irq_after_iret"}
+    assert core.touched == {"int_latency", "irq_after_iret", "vector_fetch_waits"}
 
 
 def test_a_host_can_plan_with_the_instruction_owed():
@@ -627,7 +627,7 @@ def test_open_idle_wake(wake):
     assert next(now for now in range(24, 60) if core.next_taken(now)) == 24 + wake
     core.enter(24 + wake, 9)
     assert core.ready == 24 + wake + 10
-    assert core.touched == {"int_latency", "idle_wake"}
+    assert core.touched == {"idle_wake", "int_latency", "vector_fetch_waits"}
 
 
 # Reset, duties -----------------------------------------------------------------------------------------

@@ -143,7 +143,7 @@ def test_open_mr_nack_at_count0(how: str, answers: list[int]):
     b.run(SLOT)
     assert target.answers == answers
     assert b.held()
-    assert b.m.touched == {"cnt_copy_point", "mr_nack_at_count0", "noise_filter_cycles"}
+    assert b.m.touched == {"cnt_copy_point", "mr_nack_at_count0", "noise_filter_cycles", "rrdy_point"}
 
 
 @rule("I2C-143", "I2C-191")
@@ -176,7 +176,7 @@ def test_open_rm_receiver(how: str):
         b.run(SLOT)
         assert b.held(30 * SLOT)
         assert not b.flag("RRDY")
-    assert b.m.touched == {"cnt_copy_point", "noise_filter_cycles", "rm_receiver"} | (
+    assert b.m.touched == {"cnt_copy_point", "noise_filter_cycles", "rm_receiver", "rrdy_point"} | (
         {"irs_write1_releases_bus", "scd_foreign"} if how == "allowed" else {"mr_nack_at_count0"}
     )
 
@@ -207,6 +207,7 @@ def test_open_bc_less_than_8_upper_bits(how: str, got: list[int]):
         "cnt_copy_point",
         "mr_nack_at_count0",
         "noise_filter_cycles",
+        "rrdy_point",
         "scd_foreign",
     }
 
@@ -413,7 +414,9 @@ def test_open_ten_bit_read_from_idle(how: str, said: str):
     assert b.said().removesuffix(" P") == said.removesuffix(" P")
     assert b.flag("RRDY") == (how == "full_address_first")
     assert b.m.touched == {"cnt_copy_point", "noise_filter_cycles", "ten_bit_read"} | (
-        {"mr_nack_at_count0", "scd_foreign"} if how == "full_address_first" else {"ardy_on_nack", "hold_scl_after_nack"}
+        {"mr_nack_at_count0", "rrdy_point", "scd_foreign"}
+        if how == "full_address_first"
+        else {"ardy_on_nack", "hold_scl_after_nack"}
     )
 
 

@@ -76,7 +76,7 @@ def test_open_emdr_present(present):
         "emdr_present",
         "noise_filter_cycles",
         "xrdyint_when_idle",
-    } | (set() if present else {"event_to_isrc_delay"})
+    } | (set() if present else {"event_to_isrc_delay", "int_line"})
     rig.chip.reset(rig.now)
     rig.chip.gate(rig.now, True)
     rig.write("I2CEMDR", 1)
@@ -100,7 +100,7 @@ def test_open_bcm_reset(bcm):
         "emdr_present",
         "noise_filter_cycles",
         "xrdyint_when_idle",
-    } | ({"event_to_isrc_delay"} if bcm else set())
+    } | ({"event_to_isrc_delay", "int_line"} if bcm else set())
     written = Rig(bcm_reset=bcm)
     written.write("I2CEMDR", 1)
     written.begin()
@@ -241,7 +241,7 @@ def test_open_xrdyint_when_idle(when):
     rig.send_bits(OWN << 1 | 1)
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == 5
-    assert rig.touched == "aas_sdir_point bcm_reset event_to_isrc_delay noise_filter_cycles xrdyint_when_idle"
+    assert rig.touched == "aas_sdir_point bcm_reset event_to_isrc_delay int_line noise_filter_cycles xrdyint_when_idle"
 
 
 @pytest.mark.rule("I2C-108", "I2C-110")
@@ -440,7 +440,7 @@ def test_open_nackint_in_slave_tx(asks):
         "stretch_after_address_ack",
         "tx_underflow_policy",
         "xsmt_on_final_nack",
-    } | ({"event_to_isrc_delay"} if asks else set())
+    } | ({"event_to_isrc_delay", "int_line"} if asks else set())
 
 
 @pytest.mark.rule("I2C-108")
@@ -798,6 +798,7 @@ def test_open_int_line(line):
     rig.wait(SOON)
     assert rig.chip.held == (INT1 if line == "level" else 0)
     assert rig.asked() == INT1
+    assert "int_line" in rig.chip.touched, "the line is held or not before the code is read"
     rig.read("I2CISRC")
     rig.wait(SOON)
     assert rig.chip.held == 0
@@ -813,7 +814,7 @@ def test_open_event_to_isrc_delay(delay):
     assert rig.flag("SCD"), "the flag itself does not wait"
     assert rig.wait_for(lambda: rig.peek("I2CISRC")) == delay
     assert rig.interrupts == [(rig.now, INT1)]
-    assert rig.touched == "aas_sdir_point event_to_isrc_delay noise_filter_cycles"
+    assert rig.touched == "aas_sdir_point event_to_isrc_delay int_line noise_filter_cycles"
 
 
 @pytest.mark.rule("I2C-280")
@@ -862,7 +863,7 @@ def test_open_isrc_preempt(rule, shown):
         "stretch_after_address_ack",
         "tx_underflow_policy",
         "xsmt_on_final_nack",
-    }
+    } | ({"int_priority"} if rule == "highest" else set())
 
 
 @pytest.mark.rule("I2C-279")
@@ -879,10 +880,11 @@ def test_open_isrc_follows_flag(rule):
     assert rig.chip.touched == {
         "aas_sdir_point",
         "event_to_isrc_delay",
+        "int_line",
         "isrc_follows_flag",
         "noise_filter_cycles",
         "rrdy_point",
-    } | ({"int_line"} if rule == "stays" else set())
+    }
 
 
 @pytest.mark.rule("I2C-333")
@@ -899,9 +901,10 @@ def test_open_irs_clears_isrc(clears):
         "aas_sdir_point",
         "bb_on_irs_reset",
         "event_to_isrc_delay",
+        "int_line",
         "irs_clears_isrc",
         "noise_filter_cycles",
-    } | ({"int_line"} if not clears else set())
+    }
 
 
 # Clock, emulation, FIFO

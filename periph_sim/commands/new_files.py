@@ -21,9 +21,9 @@ NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")
 
 REFUSES = '''"""A slave that answers and refuses as the captured target did, by a shipped program; put your own here."""
 
-from .responder import Settings, main
+from .responder import REPLAY, Settings, main
 
-__all__ = ["Settings", "main"]
+__all__ = ["REPLAY", "Settings", "main"]
 '''
 
 Files = dict[Path, str]

@@ -19,7 +19,7 @@ GHZ = 1_000_000_000
 NO_TIME = -1
 LAST_TICK = NEVER - 1  # also of recordings, whose ticks are int64
 DAY = 86_400
-LONGEST = 365 * DAY  # seconds that a user can write: 2^57 ticks of a third of a nanosecond
+LONGEST = 365_250 * DAY  # seconds that a user can write: a thousand years, far beyond what ticks of 64 bits count
 MOST_TICKS = NEVER // 4  # of one length of time: the sum of a few of them is a tick still
 MOST = NEVER  # of a product of two numbers that the compiled form takes 64 bits for
 USUAL_PER_NS = 1000  # clocks of whole MHz need no more ticks in a nanosecond
@@ -55,7 +55,7 @@ def round_ratio(value: Fraction, rounding: Rounding) -> int:
 
 
 def seconds(text: str) -> Fraction:
-    """Return the length of "250 us" or "1.5 ms" in seconds, exactly. TimeError if it is none, or more than a year."""
+    """Return the length of "250 us" or "1.5 ms" in seconds, exactly. TimeError if it is none, or too long."""
     quoted = shorten(repr(text), SHOWN)
     number, _, unit = text.strip().replace("\u00b5", "u").replace("\u03bc", "u").partition(" ")  # micro sign, mu
     if not unit:

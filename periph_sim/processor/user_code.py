@@ -129,6 +129,10 @@ class _Aside(io.TextIOBase):
     def buffer(self) -> BinaryIO:
         return sys.stderr.buffer
 
+    def __getattr__(self, name: str) -> object:
+        """Return what else a text stream has, such as `line_buffering`, from standard error."""
+        return getattr(sys.stderr, name)
+
 
 @contextmanager
 def output_aside() -> Iterator[None]:

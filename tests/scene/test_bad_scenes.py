@@ -153,7 +153,7 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             'measure = "response"',
             'measure = "latency"',
             "small.toml, line 19: budget.answer.measure: there is no measure 'latency'; it has "
-            f"{', '.join(MEASURES)}, span:NAME, reply:NAME, watch:NAME, and {', '.join(FORMS.values())}",
+            f"{', '.join(MEASURES)}, overflows, span:NAME, reply:NAME, watch:NAME, and {', '.join(FORMS.values())}",
         ),
         (
             'max = "60 us"',

@@ -69,8 +69,10 @@ bench: $(DEV)
 	$(BIN)/python -m tests.bench $(LONG)
 
 # Compiles the core beside its sources; without a C compiler, or after a change of them, the sources run. JOBS=1: one at a time.
+# HARD=1: a build for tests that stops at the first fault, beside the usual one; `python -m tests.hard` runs tests with it.
+HARD ?=
 core: $(CORE)
-	$(BIN)/python -m periph_sim.form.build
+	$(BIN)/python -m periph_sim.form.build $(if $(HARD),--hard)
 
 # The same, where it can be: without a C compiler, or the network for Cython, all else goes on.
 try-core:

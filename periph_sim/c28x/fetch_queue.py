@@ -43,6 +43,7 @@ class FetchQueue:
         depth: how many units come ahead, a power of 2. cycle: in which the instruction there would be executed, had its
         memory no wait states.
         """
+        assert depth in (1, 2, 4)
         self._bits, self._cycles, self._place = bits, later + 1, depth - 1
         self._newest = address >> bits
         self._ready = cycle + first

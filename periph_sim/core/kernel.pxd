@@ -14,7 +14,6 @@ cdef class Call(Agent):
 
 @cython.final
 @cython.freelist(16)
-@cython.trashcan(True)  # a chain of many may be let go of at once
 cdef class Event:
     cdef public long long time, phase, rank, tag
     cdef public bint queued, plain

@@ -50,5 +50,4 @@ cdef class Recorder:
     cpdef Topic topic(self, object kind, str where, str what)
     cpdef object carried(self, object action)
     cpdef object _under(self, long long cause, object action)
-    @cython.locals(topic=Topic)
     cpdef long long emit(self, long long tick, object kind, object where, object what, object value=*, object text=*, object field=*)

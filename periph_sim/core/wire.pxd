@@ -62,14 +62,14 @@ cdef class PullWatch:
     cdef public Agent agent
     cdef Sampler sampler
     cdef long long line
-    cdef PullWatch following
+    cdef public PullWatch following
 
 
 @cython.final
 cdef class _Watch:
     cdef Sampler sampler
     cdef long long bit
-    cdef _Watch following
+    cdef public _Watch following
 
 
 @cython.final

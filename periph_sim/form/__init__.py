@@ -4,7 +4,8 @@
 
 A build names the digest of every source it was made of. One that differs by a byte is left alone, so what runs is
 always what the sources say. So is one whose library has another size than it was built with: to load a library that was
-cut off ends the process without a word. PERIPH_SIM_FORM=interpreted leaves any build alone.
+cut off ends the process without a word. PERIPH_SIM_FORM=interpreted leaves any build alone; PERIPH_SIM_FORM=hard runs
+the build for tests, `make core HARD=1`.
 """
 
 from __future__ import annotations
@@ -28,9 +29,10 @@ from types import ModuleType
 
 PACKAGE = Path(__file__).resolve().parents[1]
 BUILT = PACKAGE / "compiled"  # what `make core` makes
+HARD_BUILT = PACKAGE.parent / "build" / "hard"  # what `make core HARD=1` makes, for tests
 MANIFEST = "manifest.json"
 VARIABLE = "PERIPH_SIM_FORM"
-COMPILED, INTERPRETED = "compiled", "interpreted"
+COMPILED, INTERPRETED, HARD = "compiled", "interpreted", "hard"
 SUFFIX = EXTENSION_SUFFIXES[0]
 LIBRARY = f"core{SUFFIX}"  # holds all compiled modules: loaded once, and what runs together lies together
 
@@ -123,13 +125,14 @@ def way() -> str:
 def choose() -> None:
     """Have the compiled modules found, if there are any, and of these very sources."""
     global running, note
-    if os.environ.get(VARIABLE) == INTERPRETED or not BUILT.is_dir():
+    built = HARD_BUILT if os.environ.get(VARIABLE) == HARD else BUILT
+    if os.environ.get(VARIABLE) == INTERPRETED or not built.is_dir():
         return
-    modules, why = usable(PACKAGE, BUILT)
+    modules, why = usable(PACKAGE, built)
     if why:
         note = f"{why}, so it is left alone and this run is interpreted; `{way()}` builds it anew"
         return
-    sys.path_hooks.insert(0, finders(PACKAGE, BUILT, modules))
+    sys.path_hooks.insert(0, finders(PACKAGE, built, modules))
     for folder in [folder for folder in sys.path_importer_cache if Path(folder).resolve().is_relative_to(PACKAGE)]:
         del sys.path_importer_cache[folder]
     running = COMPILED

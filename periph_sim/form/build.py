@@ -1,12 +1,16 @@
 """Compiles the core: Python sources and the .pxd files beside them go in; one library and a manifest come out.
 
-python -m periph_sim.form.build
+python -m periph_sim.form.build [--hard] [PREFIX ...]
 
     core/kernel.py, core/kernel.pxd --Cython--> C --compiler--> objects/core.kernel.o --+--> compiled/core.SUFFIX
     core/wire.py, core/wire.pxd ------ ... -------------------> objects/core.wire.o ----+    compiled/manifest.json
 
 Needs Cython (the extra `core`) and a C compiler. What is compiled: each module that has a .pxd file beside it, if its
-object file is not in the last build already, made of the same.
+object file is not in the last build already, made of the same. With prefixes ("core", "f28335.i2c") only the modules
+whose names begin so, and those that they need.
+
+--hard makes another build, in a folder of its own, which stops at the first fault (`HARD`). It is for tests:
+`python -m tests.hard` runs them with it.
 
 One library instead of an extension module each: it is loaded once, and its functions lie sorted by name, so that those
 that calculate are apart from what only Python calls, and an event goes through a fraction of the pages of memory.
@@ -22,6 +26,7 @@ import shutil
 import sys
 import sysconfig
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from contextlib import redirect_stderr
 from importlib import import_module
@@ -30,8 +35,11 @@ from importlib.util import find_spec
 from io import StringIO
 from pathlib import Path
 from subprocess import run
+from typing import NamedTuple
 
-from . import BUILT, LIBRARY, MANIFEST, PACKAGE, digest, sources, symbol, usable
+from . import BUILT, HARD_BUILT, LIBRARY, MANIFEST, PACKAGE, digest, sources, symbol, usable
+from .arrays import CHECK, arrays_of, with_index_checks
+from .directives import disobeyed
 from .fold import declared, folded
 from .freelists import with_freelists
 from .functions import by_name, cimported, without_imports
@@ -45,11 +53,42 @@ DIRECTIVES = {
     "boundscheck": True,
     "binding": False,
     "auto_pickle": False,
+    "allow_none_for_extension_args": False,  # a call from Python with None for a typed argument is a TypeError
+    "nonecheck": True,  # an attribute or method of None is an AttributeError, as Python's
 }
+# Chains of objects are freed in a loop, however long. Cython knows this directive at classes, and takes it for all of
+# them only where its options are complete already.
+FOR_ALL_CLASSES = {"trashcan": True}
+# Modules that run several times in each event: a check of each attribute for None costs them 5 % of their instructions.
+# What Python can hand to them is checked on the way in: arguments by Cython, attributes by tests/form/test_none.py.
+WITHOUT_NONE_CHECKS = ("core.kernel", "core.socket", "core.wire", "f28335.i2c.module")
 CLASS = re.compile(r"^cdef class (\w+)", re.MULTILINE)
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
 FLAGS = ("-c", "-O2", "-DNDEBUG", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-ffunction-sections", "-w")
+SANITIZERS = "-fsanitize=address,undefined"  # indices of arrays at the end of a structure are checked by `arrays`
+
+
+class Kind(NamedTuple):
+    """How a build is made. directives: of Cython, besides those of every build. link: flags of the linker."""
+
+    directives: dict[str, bool]
+    flags: tuple[str, ...]
+    link: tuple[str, ...] = ()
+
+
+NORMAL = Kind({}, FLAGS)
+# Every fault ends the process or raises: None and overflows in Cython's code, bad addresses and what C leaves undefined
+# in the sanitizers. Without `-fwrapv`, `-DNDEBUG` and `-w`, which hide faults. `asan-stack=0`: greenlets copy their
+# stacks, so address sanitizer can watch the heap only.
+HARD = Kind(
+    {"nonecheck": True, "overflowcheck": True},
+    (
+        *("-c", "-O1", "-g1", "-fPIC", "-fno-strict-aliasing", "-ffunction-sections", "-fno-omit-frame-pointer"),
+        *(SANITIZERS, "-fno-sanitize-recover=all", "--param", "asan-stack=0", "-Werror"),
+    ),
+    (SANITIZERS,),
+)
 # Code that leads to a traceback is cold: the compiler keeps it apart from the code of each event.
 PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE), r"__attribute__((cold)) \g<0>"
 # Functions marked `# vectors` in a .pxd have a second body for wider vectors, which the CPU chooses as the library is
@@ -107,20 +146,31 @@ def shadow(package: Path, modules: list[str], folder: Path) -> None:
         (room / "__init__.py").touch()
 
 
-def compile_one(module: str, package: str, cc: str) -> None:
+def compile_one(module: str, package: str, cc: str, kind: Kind = NORMAL) -> None:
     """One module, from its source to an object file in the present folder. NoBuild with what the compiler said."""
-    c_file = generate(module, package)
-    marked = MARKED.findall(Path(package, *module.split(".")).with_suffix(".pxd").read_text("utf-8"))
+    c_file = generate(module, package, kind)
+    types = types_of(module, Path(package))
+    require_directives(types[module], c_file)
+    marked = MARKED.findall(types[module])
     text = PROTOTYPE.sub(COLD, c_file.read_text("utf-8"), count=1)
+    if not marked:
+        text = with_index_checks(text, arrays_of(types.values()))
     c_file.write_text(with_vectors(text, marked), "utf-8")
     begins = f"-DPyInit_{module.split('.')[-1]}=PyInit_{symbol(f'{package}.{module}')}"
-    command = [*cc.split(), *FLAGS, begins, f"-I{sysconfig.get_path('include')}", str(c_file), "-o", f"{module}.o"]
+    command = [*cc.split(), *kind.flags, begins, f"-I{sysconfig.get_path('include')}", str(c_file), "-o", f"{module}.o"]
     for more in ([WIDE], ["-DPERIPH_SIM_VECTORS="])[not marked :]:
         done = run([*command, *more], capture_output=True, text=True, check=False)
         if not done.returncode:
             c_file.unlink()
             return
     raise NoBuild(f"{module} does not compile; {command[0]} says:\n{done.stderr or done.stdout}")
+
+
+def require_directives(pxd: str, c_file: Path) -> None:
+    """NoBuild if a directive of the .pxd file did not reach the C code."""
+    found = disobeyed(pxd, c_file.read_text("utf-8"))
+    if found:
+        raise NoBuild(f"{c_file.stem}.pxd: {'; '.join(found)}; write it where Cython {version('cython')} obeys it")
 
 
 def with_vectors(c_text: str, functions: list[str]) -> str:
@@ -133,7 +183,7 @@ def with_vectors(c_text: str, functions: list[str]) -> str:
     return c_text
 
 
-def generate(module: str, package: str) -> Path:
+def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
     """The C file of a module, in the present folder. NoBuild with what Cython said.
 
     In this process: it takes Cython as long to start as to compile a module of usual length.
@@ -144,18 +194,24 @@ def generate(module: str, package: str) -> Path:
         output_file=str(c_file),
         module_name=f"{package}.{module}",
         language_level=3,
-        compiler_directives=dict(DIRECTIVES),
+        compiler_directives=directives(module, kind),
     )
+    options.compiler_directives.update(FOR_ALL_CLASSES)
     with redirect_stderr(StringIO()) as said:
-        result = cython.compile(str(Path(package, *module.split(".")).with_suffix(".py")), options)
+        result = cython.compile_single(str(Path(package, *module.split(".")).with_suffix(".py")), options, None)
     if result.num_errors:
         raise NoBuild(f"{module} does not compile; Cython says:\n{said.getvalue()}")
     return c_file
 
 
-def link(modules: list[str], folder: Path, cc: str) -> None:
+def directives(module: str, kind: Kind = NORMAL) -> dict[str, bool]:
+    """Cython's directives for a module."""
+    return {**DIRECTIVES, "nonecheck": module not in WITHOUT_NONE_CHECKS, **kind.directives}
+
+
+def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None:
     """All object files in `folder` to one library. NoBuild with what the linker said."""
-    command = [*cc.split(), "-shared", *(f"{module}.o" for module in modules), "-o", LIBRARY]
+    command = [*cc.split(), "-shared", *kind.link, *(f"{module}.o" for module in modules), "-o", LIBRARY]
     for more in ([SORTED], []):  # a linker that does not know the option can do without
         done = run([*command, *more], cwd=folder, capture_output=True, text=True, check=False)
         if not done.returncode:
@@ -176,11 +232,22 @@ def types_of(module: str, folder: Path) -> dict[str, str]:
     return found
 
 
-def fingerprint(module: str, folder: Path, cc: str) -> str:
+def fingerprint(module: str, folder: Path, cc: str, kind: Kind = NORMAL) -> str:
     """Equal for equal object files. folder: the package as it is compiled."""
     source = folder.joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8")
     types = sorted(types_of(module, folder).items())
-    made_of = [source, types, DIRECTIVES, FLAGS, COLD, version("cython"), cc, sys.version]
+    made_of = [
+        source,
+        types,
+        directives(module, kind),
+        FOR_ALL_CLASSES,
+        kind.flags,
+        COLD,
+        CHECK,
+        version("cython"),
+        cc,
+        sys.version,
+    ]
     if MARKED.search(dict(types)[module]):
         made_of.append(WIDE)
     return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
@@ -195,9 +262,18 @@ def last_build(built: Path) -> dict[str, str]:
         return {}
 
 
-def build(package: Path, built: Path, jobs: int) -> None:
+def needed(prefixes: Sequence[str], package: Path) -> list[str]:
+    """The modules with these prefixes and those that their .pxd files name; without prefixes, all modules."""
+    found = modules_of(package)
+    chosen = [one for one in found if any(f"{one}.".startswith(f"{prefix}.") for prefix in prefixes)]
+    if prefixes and not chosen:
+        raise NoBuild(f"no compiled module's name begins with {' or '.join(map(repr, prefixes))}")
+    return sorted({more for one in chosen for more in types_of(one, package)}) if prefixes else found
+
+
+def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: Sequence[str] = ()) -> None:
     """Compile what has a .pxd file; `built` is replaced only when all of it is done, and left alone if it may run."""
-    cc, modules, last = compiler(), modules_of(package), last_build(built)
+    cc, modules, last = compiler(), needed(prefixes, package), last_build(built)
     made_of = digest(package, modules)
     if usable(package, built)[0] == modules:
         print(NOTHING_TO_DO, flush=True)
@@ -205,11 +281,11 @@ def build(package: Path, built: Path, jobs: int) -> None:
     with tempfile.TemporaryDirectory() as name, ProcessPoolExecutor(jobs, None, os.chdir, (name,)) as pool:
         folder = Path(name)
         shadow(package, modules, folder)
-        prints = {module: fingerprint(module, folder / package.name, cc) for module in modules}
+        prints = {module: fingerprint(module, folder / package.name, cc, kind) for module in modules}
         anew = [module for module in modules if last.get(module) != prints[module]]
         for module in set(modules).difference(anew):
             shutil.copy(built / OBJECTS / f"{module}.o", folder)
-        done = [pool.submit(compile_one, module, package.name, cc) for module in anew]
+        done = [pool.submit(compile_one, module, package.name, cc, kind) for module in anew]
         for number, (module, one) in enumerate(zip(anew, done, strict=True), 1):
             try:
                 one.result()
@@ -219,7 +295,7 @@ def build(package: Path, built: Path, jobs: int) -> None:
             print(f"{number}/{len(anew)} {module}", flush=True)
         if not anew:
             print(NOTHING_TO_DO, flush=True)
-        link(modules, folder, cc)
+        link(modules, folder, cc, kind)
         size = (folder / LIBRARY).stat().st_size
         (folder / MANIFEST).write_text(json.dumps({"digest": made_of, "size": size, "modules": prints}), "utf-8")
         shutil.rmtree(built, ignore_errors=True)
@@ -230,10 +306,11 @@ def build(package: Path, built: Path, jobs: int) -> None:
             shutil.copy(folder / name, built)
 
 
-def main() -> int:
+def main(options: Sequence[str] = ()) -> int:
     """Exit status: 0, or 1 where the core cannot be compiled; then runs are interpreted, as before."""
+    prefixes, hard = [one for one in options if one != "--hard"], "--hard" in options
     try:
-        build(PACKAGE, BUILT, jobs())
+        build(PACKAGE, HARD_BUILT if hard else BUILT, jobs(), HARD if hard else NORMAL, prefixes)
     except (NoBuild, OSError, BrokenExecutor) as why:  # the last: a process was killed, as where memory is short
         print(f"the core stays interpreted: {why}", file=sys.stderr)
         return 1
@@ -241,4 +318,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

@@ -18,11 +18,9 @@ cdef class Reaction(Agent):
     cdef long long _version, _now, _due, _silent, _widest, _scl_moved, _scl_done
     cdef dict _clocks, _cpu_clocks, _chips, _levels, _seen
     cdef object _scl, _sda
-    @cython.locals(last=cython.longlong)
     cpdef void put(self, long long tick, object line, long long level)
     cpdef void advanced(self, long long now)
     cpdef long long due(self)
-    @cython.locals(chip=I2c)
     cdef void _look(self)
     @cython.locals(done=cython.longlong, tick=cython.longlong, level=cython.longlong)
     cdef void _pass(self, long long most)
@@ -33,7 +31,6 @@ cdef class Reaction(Agent):
     cdef void _lines(self)
     @cython.locals(event=Event, due=cython.longlong)
     cdef long long _first_event(self)
-    @cython.locals(first=Event)
     cdef Event _events(self)
     @cython.locals(event=Event)
     cdef bint _routes(self)

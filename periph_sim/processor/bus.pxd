@@ -15,7 +15,7 @@ cdef class Posted:
     cdef long long lands, value, cause
     cdef Operand operand
     cdef object where
-    cdef Posted following
+    cdef public Posted following
 
 
 @cython.final

@@ -43,7 +43,6 @@ cdef class I2cSlaveBytes(ByteParty):
     cdef long long _cycles(self, long long ticks)
     @cython.locals(chip=I2c, target=I2cSlave, levels=cython.longlong)
     cpdef void stand(self, long long shown, long long bit, long long fell)
-    @cython.locals(chip=I2c, socket=Socket, cycle=cython.longlong, looks=cython.longlong, due=cython.longlong)
     cpdef SdaFollows meanwhile(self)
     cpdef void edge(self, long long tick, long long levels)
     cpdef bint pulls_sda(self)

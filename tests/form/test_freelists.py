@@ -35,7 +35,6 @@ cdef class Other:
 
 @cython.final
 @cython.freelist(4)
-@cython.trashcan(True)
 cdef class Kept(Plain):
     cdef Kept following
 """

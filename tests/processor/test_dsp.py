@@ -15,6 +15,7 @@ from periph_sim.f28335.sci.register_map import SCI_MAP
 from periph_sim.f28335.system.memory_map import NoSuchAddress
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import MODULES, Dsp, DspPlan
+from periph_sim.processor.error_origin import Misuse
 
 # First and last address of each module (the register maps of the manuals).
 FRAMES = """
@@ -185,3 +186,18 @@ def test_a_reset_takes_all_modules_at_once_so_that_none_sees_the_slower_clock_at
     kernel.run_until(kernel.now + 2_000_000)
     assert dsp.resets == 1 and dsp.clock.hz < 10_000_000
     assert dsp.socket("I2C-A").notes == []
+
+
+@pytest.mark.parametrize("pin", [-1, 88, 1.0, None])
+def test_a_pin_that_the_chip_does_not_have_is_refused(pin: object):
+    dsp, *_ = unit("GPIO")
+    for call in (dsp.set_pin, dsp.clear_pin):
+        with pytest.raises(Misuse, match="does not name a pin; expected a number from 0 to 87"):
+            call(pin)
+
+
+@pytest.mark.parametrize("number", [0, 17, 100, -1, True, None])
+def test_an_interrupt_that_the_cpu_does_not_have_is_refused(number: object):
+    dsp, *_ = unit()
+    with pytest.raises(Misuse, match="does not name a CPU interrupt; expected a number from 1 to 16"):
+        dsp.enable_interrupt(number)

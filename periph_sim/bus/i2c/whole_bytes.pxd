@@ -43,7 +43,7 @@ cdef class WholeBytes(Shortcut):
     @cython.locals(now=cython.longlong, shown=cython.longlong, controller=ByteParty, times=BitTimes)
     cpdef bint passes(self, long long low, long long high, long long hold, long long tag)
     @cython.locals(low=cython.longlong, high=cython.longlong, shown=cython.longlong)
-    cpdef bint pass_of(self, ByteParty party, BitTimes times, long long fell, long long ends, EdgePlay play)
+    cdef bint pass_of(self, ByteParty party, BitTimes times, long long fell, long long ends, EdgePlay play)
     cdef void _begin(self, BitTimes times, long long shown, long long fell, long long tag)
     @cython.locals(sampler=Sampler, watch=PullWatch)
     cdef void _deafen(self)

@@ -9,7 +9,7 @@ from ...core.wire cimport Sampler, Wire
 cdef class FrameParty(Agent):
     cpdef bint hears_whole(self, long long first, long long second, long long last)
     cpdef void hears(self, long long tick, long long level)
-    cpdef void untold(self, WholeFrames frames)
+    cpdef void untold(self, object frames)
 
 
 cdef class FrameSender(Agent):

@@ -121,7 +121,7 @@ class Engine(Cpu):
 
     def written(self, address: int) -> None:
         """A word of memory has changed: what was decoded of it is forgotten."""
-        if address <= CODE and self._code[address >> PAGE]:
+        if 0 <= address <= CODE and self._code[address >> PAGE]:
             self._forget(address)
             if address:
                 self._forget(address - 1)

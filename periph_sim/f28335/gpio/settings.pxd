@@ -10,7 +10,7 @@ cdef class GpioSettings(Chip):
     cpdef object reset_registers(self)
     cpdef object restart_sampling(self, long long now)
     cpdef object take_over(self, long long now)
-    @cython.locals(i=cython.longlong, control=cython.longlong, port=cython.longlong)
+    @cython.locals(control=cython.longlong, port=cython.longlong)
     cdef void _take_periods(self, long long now)
     @cython.locals(pins=object, i=cython.longlong)
     cdef object _ports(self, tuple offsets)

@@ -8,14 +8,14 @@ from .slave cimport I2cSlave
 
 cdef class I2c(Chip):
     cdef public object options
-    cdef public I2cLimits limits
-    cdef public I2cRegisters state
-    cdef public I2cSlave target
-    cdef public I2cMaster master
+    cdef readonly I2cLimits limits
+    cdef readonly I2cRegisters state
+    cdef readonly I2cSlave target
+    cdef readonly I2cMaster master
     cdef public long long _timer
     cdef public bint _clocked
     cdef public long long _pins
-    cdef public I2cNoiseFilter _lines
+    cdef readonly I2cNoiseFilter _lines
     cdef public bint _bus_busy, _suspended
     cdef public long long _frozen_pull
     cdef long long _readable

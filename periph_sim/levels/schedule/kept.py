@@ -40,6 +40,7 @@ class Memory:
     """edges: ticks from a START. poll: cycles of a pass. whole, part: of each edge, with the clock that is set."""
 
     def __init__(self, edges: Sequence[int], poll: int) -> None:
+        assert len(edges) < EDGES  # the last interval ends behind the last edge
         self._count, self._nothing = len(edges), NOTHING
         self._edges = [*edges, *[0] * (EDGES - len(edges))]
         self.whole, self.part = [0] * EDGES, [0] * EDGES
@@ -71,6 +72,7 @@ class Memory:
         """rest: r. phase: cycles from the flag AAS to the fetch that finds it. NOTHING: such are not kept."""
         if phase >= self._phases:
             return self._nothing
+        assert 0 <= rest < self._ends[self._count] and phase >= 0
         interval = self._buckets[rest >> self._shift]
         while self._ends[interval] <= rest:
             interval += 1

@@ -43,7 +43,7 @@ NONE: Ints = np.zeros(0, np.int64)
 def fits(terms: Terms) -> bool:
     """Whether rooms of fixed length are long enough for these reads."""
     edges = sum(len(bus.needs) + 6 for bus in terms.bus)
-    return edges <= EDGES and all(len(bus.needs) < BYTES for bus in terms.bus)
+    return edges < EDGES and all(len(bus.needs) < BYTES for bus in terms.bus)
 
 
 class Scenarios(Tally):

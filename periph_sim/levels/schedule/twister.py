@@ -32,7 +32,9 @@ class Twister:
 
     def draw(self, words: array[int], length: int, below: int, count: int, found: Ints) -> None:
         """words: of each key so many, a key's in a row. found: int64[keys, count], below `below`."""
+        assert 0 < length <= MOST and 0 < below <= WORD + 1 and count >= 0  # loops over C arrays are not checked
         keys = len(words) // length
+        assert len(found) >= keys * count
         bits = 0
         while below >> bits:
             bits += 1

@@ -10,7 +10,7 @@ from .program cimport PythonProgram
 cdef class Waited:
     cdef list polls
     cdef Topic topic
-    cdef Waited following
+    cdef public Waited following
     @cython.locals(place=cython.Py_ssize_t, read=Poll)
     cdef bint polled_by(self, Spin spin)
 

@@ -16,6 +16,7 @@ from ...core.settings import Spread
 from ...core.socket import Socket
 from ...core.suggest import did_you_mean
 from ...f28335.cpu import pie_map
+from ...f28335.cpu.interrupts import MASKABLE
 from ...f28335.system.clocks import SystemControl
 from ...f28335.system.memory_map import AddressMap
 from ...f28335.unit_modules import MODULES
@@ -162,6 +163,9 @@ class FirmwareView:
 
     def _write_pin(self, what: str, pin: int) -> None:
         if self.has("GPIO"):
+            from ...f28335.gpio.register_map import PINS  # loaded where a scene names the GPIO module
+
+            _require(pin, range(PINS), "a pin")
             self.module("GPIO")[f"GP{'ABC'[pin // 32]}{what}"].all = 1 << pin % 32
 
     def eallow(self) -> None:
@@ -177,7 +181,8 @@ class FirmwareView:
         self.cpu.dint()
 
     def enable_interrupt(self, number: int) -> None:
-        """IER |= M_INTn."""
+        """IER |= M_INTn. number: 1 to 14 for INT1 to INT14, 15 for DLOGINT, 16 for RTOSINT."""
+        _require(number, range(1, MASKABLE + 1), "a CPU interrupt")
         self.cpu.or_ier(1 << (number - 1))
 
     def handle(self, name: str, handler: Callable[[], None]) -> tuple[int, int]:
@@ -187,6 +192,12 @@ class FirmwareView:
             raise KeyError(f"there is no vector {name!r}; {did_you_mean(name, [*pie_map.LINES, *pie_map.CPU_VECTORS])}")
         self.cpu.handle(name, handler)
         return pie_map.LINES[name] if name in pie_map.LINES else (pie_map.CPU_VECTORS[name], 0)
+
+
+def _require(number: int, numbers: range, what: str) -> None:
+    """Misuse if this is not one of these numbers."""
+    if type(number) is not int or number not in numbers:
+        raise Misuse(f"{number!r} does not name {what}; expected a number from {numbers[0]} to {numbers[-1]}")
 
 
 def _no_condition(what: str, given: object) -> Misuse:

@@ -11,6 +11,7 @@ cdef class _Seen:
 cdef class ValueTest:
     cdef public long long mask, want
     cdef public ValueTest others
+    @cython.locals(test=ValueTest)
     cpdef bint fits(self, long long value)
 
 

@@ -40,13 +40,27 @@ class ValueTest:
 
     __slots__ = ("mask", "others", "want")
 
-    def __init__(self, found: list[Matcher]) -> None:
-        self.mask = found[0].mask
-        self.want = found[0].want
-        self.others = ValueTest(found[1:]) if len(found) > 1 else None
+    def __init__(self, mask: int, want: int, others: ValueTest | None) -> None:
+        self.mask = mask
+        self.want = want
+        self.others = others
 
     def fits(self, value: int) -> bool:
-        return value & self.mask == self.want or (self.others is not None and self.others.fits(value))
+        test: ValueTest | None = self
+        while test is not None:
+            if value & test.mask == test.want:
+                return True
+            test = test.others
+        return False
+
+
+def value_test(found: Sequence[Matcher]) -> ValueTest:
+    """A test that values pass which one of these matchers, of which there is at least one, accepts."""
+    test: ValueTest | None = None
+    for one in reversed(found):
+        test = ValueTest(one.mask, one.want, test)
+    assert test is not None
+    return test
 
 
 class Hearing:
@@ -200,7 +214,7 @@ class EventMeasure(Measure):
 def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | None:
     """What a record of this kind, place and thing must hold to be the event; None if it never is."""
     found = [one for one in matcher.each if one.may_be(kind, where, what)]
-    return ValueTest(found) if found else None
+    return value_test(found) if found else None
 
 
 def subjects_of(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -10,9 +11,9 @@ from numpy.typing import NDArray
 
 from periph_sim.levels.schedule import BadSchedule, structure_of
 from periph_sim.levels.schedule.inputs import inputs_of
-from periph_sim.levels.schedule.kept import NOTHING, Memory
+from periph_sim.levels.schedule.kept import BYTES, EDGES, NOTHING, Memory
 from periph_sim.levels.schedule.rounds import Rounds
-from periph_sim.levels.schedule.scenarios import Scenarios
+from periph_sim.levels.schedule.scenarios import Scenarios, fits
 from periph_sim.levels.schedule.structure import Structure
 from periph_sim.levels.schedule.tally import Tally
 from periph_sim.scene.case.load import load
@@ -127,3 +128,21 @@ def test_what_is_kept_of_a_start_is_found_for_each_that_is_alike_and_for_no_othe
             assert seen.setdefault(id(memory.find(rest, phase)), (phase, *cycles)) == (phase, *cycles), start
     assert len(seen) == len(set(seen.values())) > 9
     assert memory.find(0, 3) is NOTHING
+
+
+def test_a_memory_has_one_interval_more_than_edges():
+    """The interval behind the last edge takes a place of the array, too."""
+    memory = Memory(range(EDGES - 1), 1)
+    memory.of_clock(20, 1)
+    assert memory.find(19, 0) is not NOTHING
+    with pytest.raises(AssertionError):
+        Memory(range(EDGES), 1)
+
+
+@pytest.mark.parametrize(
+    ("bytes_of_each", "fit"), [((26, 26, 26, 25), True), ((26, 26, 26, 26), False), ((BYTES,), False)]
+)
+def test_reads_fit_while_their_edges_leave_a_place_for_the_last_interval(bytes_of_each: tuple[int, ...], fit: bool):
+    terms = SimpleNamespace(bus=[SimpleNamespace(needs=[0] * count) for count in bytes_of_each])
+    assert sum(count + 6 for count in bytes_of_each) == EDGES - fit or max(bytes_of_each) == BYTES
+    assert fits(cast("Any", terms)) is fit

@@ -1,0 +1,120 @@
+"""Directives of a .pxd file in the C code that Cython made of it: both go in; those that are not obeyed come out.
+
+    @cython.final            the type is no base type
+    @cython.freelist(16)     the deallocator keeps objects while there are fewer than 16
+    @cython.locals(at=...)   the function declares this variable, of this C type
+    trashcan (every class)   a deallocator that releases objects does so in a loop
+
+Cython ignores a directive in a place where it does not expect one, without a word. A directive that is not listed here
+is reported, too: it needs a line that finds it in C.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+DIRECTIVE = re.compile(r"cython\.(\w+)(?:\((.*)\))?")
+CLASS = re.compile(r"cdef class (\w+)")
+FUNCTION = re.compile(r"cp?def .*?(\w+)\([^()]*\)")
+# C types of local variables. Python's own types share one; a name without a module is a compiled class.
+LOCALS = {
+    "cython.bint": "int ",
+    "cython.double": "double ",
+    "cython.int": "int ",
+    "cython.longlong": "PY_LONG_LONG ",
+    "cython.Py_ssize_t": "Py_ssize_t ",
+    "cython.uint": "unsigned int ",
+}
+PYTHONS_OWN = ("bytearray", "bytes", "dict", "list", "object", "set", "str", "tuple")
+
+
+def disobeyed(pxd: str, c_text: str) -> list[str]:
+    """What C does not show of the directives of a .pxd file, a sentence each."""
+    return list(_disobeyed(pxd, c_text))
+
+
+def _disobeyed(pxd: str, c_text: str) -> Iterator[str]:
+    inside = ""  # the class whose lines these are
+    for decorators, line in _decorated(pxd):
+        found = CLASS.match(line)
+        inside = found[1] if found else inside if line.startswith(" ") else ""
+        function = FUNCTION.match(line.strip())
+        for text in decorators:
+            directive = DIRECTIVE.fullmatch(text)
+            name, given = directive.groups() if directive else ("", None)
+            if found and name in ("final", "freelist"):
+                obeyed = _is_final(c_text, found[1]) if name == "final" else _keeps(c_text, found[1], given)
+                if not obeyed:
+                    yield f"@{text} of class {found[1]} has no effect in the C code"
+            elif function and name == "locals":
+                for one in (given or "").rstrip(", ").split(","):
+                    variable, _, kind = (part.strip() for part in one.partition("="))
+                    if not _declares(pxd, c_text, inside, function[1], variable, kind):
+                        what = f"@cython.locals({variable}={kind}) of {function[1]}"
+                        yield f"{what} declares no such variable in the C code"
+            else:
+                yield f"@{text} above {line.strip()!r} is a directive that the build does not know how to verify"
+        if found and not _is_released_in_a_loop(c_text, found[1]):
+            what = f"the deallocator of class {found[1]} releases other objects by recursion"
+            yield f"{what}: the directive trashcan is lost"
+
+
+def _decorated(pxd: str) -> Iterator[tuple[list[str], str]]:
+    """Each declaration of a class or function, with the decorators above it, each in one line."""
+    decorators: list[str] = []
+    open_one = ""
+    for raw in pxd.split("\n"):
+        line = raw.partition("  #")[0].rstrip()
+        if open_one or line.lstrip().startswith("@"):
+            open_one += line.strip()
+            if open_one.count("(") == open_one.count(")"):
+                decorators.append(open_one.removeprefix("@"))
+                open_one = ""
+        elif line.strip():
+            if decorators or CLASS.match(line):
+                yield decorators, line
+            elif not line.startswith(" "):
+                yield [], line
+            decorators = []
+
+
+def _slot(c_text: str, name: str, slot: str) -> str:
+    """The body of a slot function of a class; "" if there is none."""
+    found = re.search(rf"^static \w+ \*?__pyx_{slot}_\w*?\d{name}\(PyObject \*o\) {{\n(.*?)^}}", c_text, _WHOLE)
+    found = found or re.search(rf"^static [\w ]+\*?__pyx_{slot}_\w*_{name}\([^\n]*\) {{\n(.*?)^}}", c_text, _WHOLE)
+    return found[1] if found else ""
+
+
+_WHOLE = re.MULTILINE | re.DOTALL
+
+
+def _is_final(c_text: str, name: str) -> bool:
+    flags = re.findall(
+        rf"^static PyTypeObject __pyx_type_\w*_{name} = {{.*?^ *(Py_TPFLAGS_DEFAULT[^,]*),", c_text, _WHOLE
+    )
+    return bool(flags) and all("Py_TPFLAGS_BASETYPE" not in one for one in flags)
+
+
+def _keeps(c_text: str, name: str, count: str | None) -> bool:
+    return re.search(rf"__pyx_freecount_\w*_{name} < {count}\b", _slot(c_text, name, "tp_dealloc")) is not None
+
+
+def _is_released_in_a_loop(c_text: str, name: str) -> bool:
+    body = _slot(c_text, name, "tp_dealloc")
+    return "PyObject_GC_UnTrack(o)" not in body or "Py_CLEAR(p->" not in body or "__Pyx_TRASHCAN_BEGIN(o, " in body
+
+
+def _declares(pxd: str, c_text: str, inside: str, function: str, variable: str, kind: str) -> bool:
+    """Whether a C function declares a variable of this type, or takes it as an argument."""
+    prefix = rf"{len(inside)}{inside}_" if inside else ""
+    bodies = re.findall(rf"^static [^\n]*?__pyx_f_\w*?{prefix}{function}(\([^\n]*\) {{\n.*?^}})", c_text, _WHOLE)
+    if kind in LOCALS:
+        wanted = re.escape(LOCALS[kind])
+    elif kind in PYTHONS_OWN:
+        wanted = r"PyObject \*"
+    elif f"ctypedef fused {kind}:" in pxd:
+        wanted = r"(?:PY_LONG_LONG |PyObject \*)"
+    else:
+        wanted = rf"struct __pyx_obj_\w*_{kind} \*"
+    return any(re.search(rf"(?<!\w){wanted}__pyx_(?:\w*genexpr__pyx_)?v_{variable}\b", body) for body in bodies)

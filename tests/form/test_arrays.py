@@ -1,0 +1,107 @@
+"""Indices of C arrays: each that is no constant is checked; one outside of its array ends the process."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from shutil import which
+
+import pytest
+
+from periph_sim import form
+from periph_sim.form import build
+from periph_sim.form.arrays import CHECK, arrays_of, with_index_checks
+
+PXD = """
+cdef class Ring:
+    cdef public long long[8] low, high
+    cdef unsigned char seen[4]
+    cdef long long _at
+"""
+
+
+def test_arrays_are_read_from_a_pxd_file_in_both_spellings():
+    assert arrays_of([PXD]) == {"low": 8, "high": 8, "seen": 4}
+
+
+def test_arrays_of_one_name_and_two_lengths_are_refused():
+    with pytest.raises(ValueError, match="two arrays are called 'seen', of different lengths; rename one of them"):
+        arrays_of([PXD, "    cdef unsigned char seen[5]\n"])
+
+
+def test_every_array_declaration_of_the_package_is_read():
+    texts = [path.read_text("utf-8") for path in form.PACKAGE.rglob("*.pxd")]
+    declared = [line for text in texts for line in text.split("\n")]
+    declared = [
+        line
+        for line in declared
+        if line.startswith("    cdef ") and "]" in line and "(" not in line and "::" not in line
+    ]
+    assert len(declared) == sum(bool(arrays_of([line])) for line in declared) > 10
+
+
+def test_indices_are_checked_but_for_numbers():
+    text = "/* Module declarations from */\na->low[3] = p->seen[p->_at] + q->low[(r->seen[i] & 7)];\n"
+    made = with_index_checks(text, arrays_of([PXD])).replace(CHECK, "")
+    assert made.split("\n")[1] == (
+        'a->low[3] = p->seen[PERIPH_SIM_INDEX(p->_at, 4, "seen")]'
+        ' + q->low[PERIPH_SIM_INDEX((r->seen[PERIPH_SIM_INDEX(i, 4, "seen")] & 7), 8, "low")];'
+    )
+
+
+SOURCE = """
+class Ring:
+    def __init__(self):
+        self.low = [0] * 8
+    def put(self, at, value):
+        self.low[at] = value
+    def get(self, at):
+        return self.low[at]
+"""
+TYPES = """cdef class Ring:
+    cdef long long low[8]
+    cpdef void put(self, long long at, long long value)
+    cpdef long long get(self, long long at)
+"""
+CALL = """
+import sys
+from periph_sim import form
+from pathlib import Path
+built = Path("built")
+sys.path_hooks.insert(0, form.finders(Path("own").resolve(), built, ["ring"]))
+sys.path_importer_cache.clear()
+sys.path.insert(0, "")
+from own.ring import Ring
+ring = Ring()
+ring.put(7, 42)
+print(ring.get(7), flush=True)
+ring.put(int(sys.argv[1]), 1)
+"""
+
+
+@pytest.mark.skipif(find_spec("Cython") is None or which("cc") is None, reason="Cython or a C compiler is missing")
+def test_an_index_outside_of_its_array_ends_the_process_with_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    package = tmp_path / "own"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "ring.py").write_text(SOURCE)
+    (package / "ring.pxd").write_text(TYPES)
+    monkeypatch.syspath_prepend(tmp_path)
+    build.build(package, tmp_path / "built", 1)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(form.PACKAGE.parent), *sys.path])}
+    for index in ("8", "-1"):
+        done = subprocess.run(
+            [sys.executable, "-c", CALL, index],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode < 0 and done.stdout == "42\n"
+        assert f"index {index} is outside of the C array low[8] of the compiled core" in done.stderr

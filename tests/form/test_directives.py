@@ -1,0 +1,93 @@
+"""Directives of a .pxd file: each is found in the C code, or named; one that the build does not know is named, too."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from periph_sim.form import build
+from periph_sim.form.directives import disobeyed
+
+SOURCE = """
+class Plain:
+    def doubled(self, at):
+        twice = at * 2
+        return twice
+
+class Chained:
+    pass
+"""
+PXD = """cimport cython
+
+cdef class Plain:
+    @cython.locals(twice=cython.longlong)
+    cpdef long long doubled(self, long long at)
+
+@cython.final
+cdef class Chained:
+    cdef public Chained following
+"""
+
+pytestmark = pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
+
+
+def c_code(folder: Path, pxd: str, monkeypatch: pytest.MonkeyPatch) -> str:
+    (folder / "own").mkdir()
+    (folder / "own" / "__init__.py").touch()
+    (folder / "own" / "one.py").write_text(SOURCE)
+    (folder / "own" / "one.pxd").write_text(pxd)
+    monkeypatch.chdir(folder)
+    return build.generate("one", "own").read_text("utf-8")
+
+
+def test_directives_that_cython_obeys_are_found(tmp_path, monkeypatch):
+    assert disobeyed(PXD, c_code(tmp_path, PXD, monkeypatch)) == []
+
+
+def test_without_the_trashcan_a_class_that_releases_objects_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(build, "FOR_ALL_CLASSES", {})
+    assert disobeyed(PXD, c_code(tmp_path, PXD, monkeypatch)) == [
+        "the deallocator of class Chained releases other objects by recursion: the directive trashcan is lost"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "instead", "said"),
+    [
+        ("@cython.final", "@cython.freelist(16)", "@cython.freelist(16) of class Chained has no effect in the C code"),
+        (
+            "(twice=cython.longlong)",
+            "(thrice=cython.longlong)",
+            "@cython.locals(thrice=cython.longlong) of doubled declares no such variable in the C code",
+        ),
+        (
+            "@cython.final",
+            "@cython.no_gc_clear",
+            "@cython.no_gc_clear above 'cdef class Chained:' is a directive that the build does not know how to verify",
+        ),
+        (
+            "@cython.final",
+            "@cython.trashcan(True)",
+            "@cython.trashcan(True) above 'cdef class Chained:'"
+            " is a directive that the build does not know how to verify",
+        ),
+    ],
+    ids=["freelist in a .pxd file", "no such local variable", "an unknown one", "a trashcan in a .pxd file"],
+)
+def test_a_directive_without_effect_is_named(tmp_path, monkeypatch, line: str, instead: str, said: str):
+    pxd = PXD.replace(line, instead)
+    assert disobeyed(pxd, c_code(tmp_path, pxd, monkeypatch)) == [said]
+
+
+def test_a_class_that_is_not_final_in_c_is_named(tmp_path, monkeypatch):
+    text = c_code(tmp_path, PXD.replace("@cython.final\n", ""), monkeypatch)
+    assert disobeyed(PXD, text) == ["@cython.final of class Chained has no effect in the C code"]
+
+
+def test_the_build_ends_at_a_directive_without_effect(tmp_path, monkeypatch):
+    pxd = PXD.replace("@cython.final", "@cython.freelist(16)")
+    c_code(tmp_path, pxd, monkeypatch)
+    with pytest.raises(build.NoBuild, match=r"one\.pxd: @cython\.freelist\(16\) of class Chained has no effect"):
+        build.require_directives(pxd, tmp_path / "one.c")

@@ -1,0 +1,95 @@
+"""No public call of a compiled class takes None into C: it is an exception or has no effect, in either form.
+
+All classes of the .pxd files are called in one process. A crash ends it, and its last line is the call that did it.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from periph_sim import form
+from periph_sim.core.kernel import Agent, Kernel
+from periph_sim.form.build import modules_of
+
+MODULES = modules_of(form.PACKAGE)
+
+CALL = """
+import inspect, re, sys
+from importlib import import_module
+from pathlib import Path
+import periph_sim
+from periph_sim.form.build import WITHOUT_NONE_CHECKS
+
+MOST = 9  # arguments
+
+def attempt(text, call, *given):
+    print(text, flush=True)
+    try:
+        call(*given)
+    except Exception:
+        pass  # which one is told by the other tests of this file
+
+def objects_of(kind):
+    if kind.__module__.removeprefix("periph_sim.") not in WITHOUT_NONE_CHECKS:
+        yield kind.__new__(kind)
+    for count in range(MOST):
+        try:
+            yield kind(*[None] * count)
+        except Exception:
+            pass
+
+for name in sys.argv[1:]:
+    module = import_module(f"periph_sim.{name}")
+    pxd = Path(periph_sim.__file__).parent.joinpath(*name.split(".")).with_suffix(".pxd").read_text("utf-8")
+    for kind in [getattr(module, found) for found in re.findall(r"^cdef class (\\w+)", pxd, re.MULTILINE)]:
+        for one in objects_of(kind):
+            for attribute in dir(kind):
+                if attribute.startswith("__"):
+                    continue
+                if not callable(inspect.getattr_static(kind, attribute)):
+                    attempt(f"{name}.{kind.__name__}.{attribute} = None", setattr, one, attribute, None)
+                    continue
+                for first in ((), (1,)):
+                    for count in range(MOST):
+                        text = f"{name}.{kind.__name__}.{attribute}{(*first, *[None] * count)}"
+                        attempt(text, getattr(one, attribute), *first, *[None] * count)
+print("alive")
+"""
+
+
+def test_no_call_with_none_ends_the_process():
+    done = subprocess.run([sys.executable, "-c", CALL, *MODULES], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "alive"), done.stderr[-2000:]
+    assert done.stdout.count("\n") > 1000
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda kernel: kernel.ask(5, None),
+        lambda kernel: kernel.renew(kernel.event(None), 5, 0),
+        lambda kernel: kernel.renew(None, 5, 0),
+        lambda kernel: kernel.cancel(None),
+        lambda kernel: kernel.moved(None),
+        lambda kernel: kernel.tell(None),
+        lambda kernel: kernel.replay(0, None, 0),
+    ],
+    ids=["ask", "event", "renew", "cancel", "moved", "tell", "replay"],
+)
+def test_none_in_place_of_an_object_of_the_kernel_is_an_exception_at_the_latest_when_it_is_due(call):
+    kernel = Kernel()
+    with pytest.raises((TypeError, AttributeError)):
+        call(kernel)
+        kernel.run_until(10)
+
+
+def test_an_event_without_an_agent_is_an_exception():
+    kernel = Kernel()
+    event = kernel.event(Agent())
+    kernel.renew(event, 5, 0)
+    with pytest.raises((TypeError, AttributeError)):
+        event.agent = None
+        kernel.run_until(10)

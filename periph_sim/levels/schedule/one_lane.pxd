@@ -23,7 +23,6 @@ cdef class Lane:
     cpdef void take(self)
     cdef long long tick(self, long long cycle)
     cdef long long cycle_at(self, long long tick)
-    @cython.locals(after=cython.longlong, fall=cython.longlong, heard=cython.longlong)
     cdef long long margin(self, long long let_go, long long landed)
     @cython.locals(well_before=cython.longlong)
     cpdef long long wait_from_far(self, long long first, long long flag, long long poll)

@@ -20,7 +20,7 @@ NO_TIME = -1
 LAST_TICK = NEVER - 1  # also of recordings, whose ticks are int64
 DAY = 86_400
 LONGEST = 365_250 * DAY  # seconds that a user can write: a thousand years, far beyond what ticks of 64 bits count
-MOST_TICKS = NEVER // 4  # of one length of time: the sum of a few of them is a tick still
+MOST_TICKS = LAST_TICK  # of one length of time
 MOST = NEVER  # of a product of two numbers that the compiled form takes 64 bits for
 USUAL_PER_NS = 1000  # clocks of whole MHz need no more ticks in a nanosecond
 

@@ -75,9 +75,9 @@ from pathlib import Path
 from periph_sim import form
 folder = Path(sys.argv[1])
 sys.path.insert(0, sys.argv[1])
-sys.path_hooks.insert(0, form.finders(folder / "own", folder / "built", ["faults"]))
+sys.path_hooks.insert(0, form.finders(folder / "planted", folder / "built", ["faults"]))
 sys.path_importer_cache.clear()
-from own.faults import Faults, Holder, Node
+from planted.faults import Faults, Holder, Node
 faults, node = Faults(), Node()
 print(eval(sys.argv[2]), flush=True)
 print(eval(sys.argv[3]), flush=True)
@@ -96,20 +96,20 @@ PLANTED = {
         "faults.element(node, 4)",
         "index 4 is outside of the C array row|out of bounds",
     ),
-    "address": ("faults.freed(3)", "faults.freed(4)", "heap-buffer-overflow"),
+    "address": ("faults.freed(3)", "faults.freed(4)", "insufficient space for an object|heap-buffer-overflow"),
 }
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("hard")
-    (made / "own").mkdir()
-    (made / "own" / "__init__.py").touch()
-    (made / "own" / "faults.py").write_text(SOURCE)
-    (made / "own" / "faults.pxd").write_text(TYPES)
+    (made / "planted").mkdir()
+    (made / "planted" / "__init__.py").touch()
+    (made / "planted" / "faults.py").write_text(SOURCE)
+    (made / "planted" / "faults.pxd").write_text(TYPES)
     sys.path.insert(0, str(made))
     try:
-        build.build(made / "own", made / "built", 1, build.HARD)
+        build.build(made / "planted", made / "built", 1, build.HARD)
     finally:
         sys.path.remove(str(made))
     return made

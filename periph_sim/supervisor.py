@@ -135,7 +135,8 @@ def _completed(worker: int, status: int) -> bytes:
 
 def _wait(worker: int, reader: int, mask: Iterable[int], name: str, strict: bool) -> NoReturn:
     def forward(number: int, _: FrameType | None) -> None:
-        os.kill(worker, number)
+        with suppress(ProcessLookupError):  # a signal that comes as the worker ends is handled after the wait for it
+            os.kill(worker, number)
 
     for number in _numbers(FORWARDED):
         if signal.getsignal(number) is not signal.SIG_IGN:

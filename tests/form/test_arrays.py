@@ -71,10 +71,10 @@ import sys
 from periph_sim import form
 from pathlib import Path
 built = Path("built")
-sys.path_hooks.insert(0, form.finders(Path("own").resolve(), built, ["ring"]))
+sys.path_hooks.insert(0, form.finders(Path("arrayed").resolve(), built, ["ring"]))
 sys.path_importer_cache.clear()
 sys.path.insert(0, "")
-from own.ring import Ring
+from arrayed.ring import Ring
 ring = Ring()
 ring.put(7, 42)
 print(ring.get(7), flush=True)
@@ -86,7 +86,7 @@ ring.put(int(sys.argv[1]), 1)
 def test_an_index_outside_of_its_array_ends_the_process_with_a_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    package = tmp_path / "own"
+    package = tmp_path / "arrayed"
     package.mkdir()
     (package / "__init__.py").touch()
     (package / "ring.py").write_text(SOURCE)

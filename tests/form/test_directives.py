@@ -34,12 +34,12 @@ pytestmark = pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is m
 
 
 def c_code(folder: Path, pxd: str, monkeypatch: pytest.MonkeyPatch) -> str:
-    (folder / "own").mkdir()
-    (folder / "own" / "__init__.py").touch()
-    (folder / "own" / "one.py").write_text(SOURCE)
-    (folder / "own" / "one.pxd").write_text(pxd)
+    (folder / "directed").mkdir()
+    (folder / "directed" / "__init__.py").touch()
+    (folder / "directed" / "one.py").write_text(SOURCE)
+    (folder / "directed" / "one.pxd").write_text(pxd)
     monkeypatch.chdir(folder)
-    return build.generate("one", "own").read_text("utf-8")
+    return build.generate("one", "directed").read_text("utf-8")
 
 
 def test_directives_that_cython_obeys_are_found(tmp_path, monkeypatch):

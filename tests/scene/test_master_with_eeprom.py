@@ -39,8 +39,9 @@ def test_in_one_write_it_overruns_the_page():
 
 
 def test_polls_count_as_requests_where_the_case_does_not_say_that_they_are_none():
-    ran = run_file(LOG, "0.016", *QUICK, "rounds.ack_polling=false")
-    assert "both pages written" in ran.broken()
+    refused = "budget.both pages written.measure=nacked rounds"
+    assert "both pages written" not in run_file(LOG, "0.016", *QUICK, refused).broken()
+    assert "both pages written" in run_file(LOG, "0.016", *QUICK, refused, "rounds.ack_polling=false").broken()
 
 
 def test_a_device_without_power_is_missed_and_a_held_line_is_stuck():

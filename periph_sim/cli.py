@@ -169,7 +169,7 @@ def main() -> None:
 
 
 def _output_is_gone(error: Exception) -> bool:
-    """Whether the command began without a standard output that it can write to, or user code closed it."""
+    """True if the command began without a writable standard output, or if user code closed it."""
     closed = sys.stdout is None or sys.stdout.closed
     return closed or (isinstance(error, OSError) and error.errno == errno.EBADF and error.filename is None)
 

@@ -161,7 +161,7 @@ class _Row:
         return tuple(str(name) for name in listed)
 
     def ends(self, name: str) -> None:
-        """ValueError if a column was not read: a fact that stands in the table and has no effect."""
+        """Raise ValueError if a column was not read, because a fact in the table then has no effect."""
         if self._left:
             columns = " and ".join(sorted(self._left))
             raise ValueError(f"encodings.toml: {name}: no code reads {columns}; read the column, or make it a comment")
@@ -212,7 +212,7 @@ def _repeated(cycles: str, repeatable: bool) -> int:
 
 
 def _cycles_where(where: str) -> tuple[CyclesWhere, ...]:
-    """What "y & 0x30: 2" states, or "k = 15: 4"."""
+    """Return the condition and the cycles that "y & 0x30: 2" or "k = 15: 4" states."""
     if not where:
         return ()
     found = CYCLES_WHERE.fullmatch(where)

@@ -119,9 +119,9 @@ class Host(Agent):
         return self._due[number]
 
     def frame_at(self, tick: int) -> Fraction:
-        """Which frame is due at a past tick, as a fraction between two frames; negative before the first.
+        """Return the number of the frame that is due at a past tick, as a fraction between two frames.
 
-        The next one is a whole period away as long as nobody knows better.
+        It is negative before the first frame. The next frame is taken to be due a whole period after the last one.
         """
         period = self._period
         if self._by_schedule or tick < self._first:

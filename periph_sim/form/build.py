@@ -70,7 +70,7 @@ SANITIZERS = "-fsanitize=address,undefined"  # indices of arrays at the end of a
 
 
 class Kind(NamedTuple):
-    """How a build is made. directives: of Cython, besides those of every build. link: flags of the linker."""
+    """Settings of a build. directives: for Cython, besides those of every build. link: flags of the linker."""
 
     directives: dict[str, bool]
     flags: tuple[str, ...]

@@ -30,7 +30,7 @@ PYTHONS_OWN = ("bytearray", "bytes", "dict", "list", "object", "set", "str", "tu
 
 
 def disobeyed(pxd: str, c_text: str) -> list[str]:
-    """What C does not show of the directives of a .pxd file, a sentence each."""
+    """Return a sentence for each directive of a .pxd file that did not reach the C code."""
     return list(_disobeyed(pxd, c_text))
 
 
@@ -106,7 +106,7 @@ def _is_released_in_a_loop(c_text: str, name: str) -> bool:
 
 
 def _declares(pxd: str, c_text: str, inside: str, function: str, variable: str, kind: str) -> bool:
-    """Whether a C function declares a variable of this type, or takes it as an argument."""
+    """True if a C function declares a variable of this type, or takes it as an argument."""
     prefix = rf"{len(inside)}{inside}_" if inside else ""
     bodies = re.findall(rf"^static [^\n]*?__pyx_f_\w*?{prefix}{function}(\([^\n]*\) {{\n.*?^}})", c_text, _WHOLE)
     if kind in LOCALS:

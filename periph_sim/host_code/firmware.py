@@ -190,7 +190,7 @@ class _Run:
             self._load(place)
 
     def _announced(self, at: int, size: int) -> int:
-        """What is written next: the number of its place, or PROTECTED where only the access itself tells."""
+        """Return the number of the place that is written next, or PROTECTED if only the access itself shows it."""
         if not self._layout.may_write(at, size):
             raise self._no_member(at, size)
         place = self._layout.announced(at, size)

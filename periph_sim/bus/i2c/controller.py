@@ -26,7 +26,7 @@ from .whole_bytes import ByteParty
 # What an event is for.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
-OF_AGENT = ("arbitration lost", "clear", "stuck")  # which nobody else sees on the wires
+OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that cannot be read off the wires
 NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
 
 

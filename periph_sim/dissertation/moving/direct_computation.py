@@ -31,7 +31,7 @@ BITS_OF_BYTE = 10  # start, eight, stop
 
 
 def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings:
-    """Of each round; of each run of the models instead where frames says which frame each works on (-1: none yet).
+    """Return the readings of each round, or of each run of the models if `frames` names the frame of each (-1: none).
 
     Runs before the first frame leave nothing to it, and it has no rate, as in the firmware.
     """

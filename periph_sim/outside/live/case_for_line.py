@@ -37,6 +37,6 @@ def case_for_bus(path: str | Path, changes: tuple[str, ...] = ()) -> Case:
 
 
 def _driven(case: Case, *lines: str) -> Case:
-    """Where these lines are driven, beside those that its [outside] names."""
+    """Return the case with these lines driven from outside, besides those that its [outside] names."""
     named = () if case.outside is None else case.outside.wires
     return with_outside(case, tuple(dict.fromkeys((*named, *lines))))

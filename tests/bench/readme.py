@@ -46,7 +46,6 @@ ROWS: tuple[tuple[str, Read, str], ...] = (
     ("`responder`", per_second("responder", "edge"), "rate"),
     ('the same, `fidelity = "byte"`', per_second("responder", "byte"), "rate"),
     ("the same, its waits declared", per_second(DECLARED, "byte"), "rate"),
-    ("`two_dsps`", per_second("two_dsps", "edge"), "rate"),
     ("`imu_hil` with its flags recorded", recorded("flags, kept"), "factor"),
     ("`imu_hil` recorded as `.psr`", recorded(".psr"), "factor"),
     ("10 ms of `imu_hil` from Python, set-up included", times(SHORT), "time"),

@@ -1,31 +1,36 @@
-"""Two F28335 on one bus, one the master and one three slaves, each on its own crystal."""
+"""Two F28335 on one bus, one the master and one three slaves, each on its own crystal, and a host that feeds one."""
 
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import count
 
 import pytest
 
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.scene.case.load import load
+from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
+from periph_sim.timing.verdict import Verdict
 from periph_sim.traces.decode import i2c
+from tests.scene.late_code import SOURCES, WRITE, changed
 from tests.scene.runs import TIMING, Edges
 
 SECONDS = Fraction(95, 1000)
 ROUNDS = 4  # at 20, 40, 60 and 80 ms by the head's timer
-CHIPS = {0x68: (0x1D, "111213141516"), 0x53: (0x32, "212223242526"), 0x1E: (0x03, "313233343536")}
+CHIPS = {0x68: 0x1D, 0x53: 0x32, 0x1E: 0x03}  # address -> pointer
+READ = ROUNDS * len(CHIPS) * 6  # bytes
 
 
 class Both:
     """The case run with two ppm errors: what the head's CPU read, and what went over the wires."""
 
-    def __init__(self, *changes: str) -> None:
+    def __init__(self, *changes: str, programs: dict[str, Firmware] | None = None) -> None:
         self.drr: list[int] = []  # I2CDRR as the head's CPU read it
         self.edges = Edges()
-        self.scene = Scene(load(TIMING / "two_dsps.toml", list(changes)), self._subscribe)
+        self.scene = Scene(load(TIMING / "two_dsps.toml", list(changes)), self._subscribe, programs=programs)
         self.result: Result = self.scene.run(SECONDS)
 
     def _subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
@@ -35,6 +40,13 @@ class Both:
     def _keep(self, record: Record) -> None:
         if record.where == "head" and record.what == "R I2C-A.I2CDRR":
             self.drr.append(record.value)
+
+    def verdict(self, budget: str) -> Verdict:
+        (verdict,) = (verdict for verdict in self.result.budgets if verdict.name == budget)
+        return verdict
+
+    def broken(self) -> list[str]:
+        return [verdict.name for verdict in self.result.budgets if verdict.verdict == "fail"]
 
     def on_the_wires(self) -> list[tuple[int | None, bytes, int | None, bytes]]:
         """Complete transfers: address written to and bytes, address read from and bytes."""
@@ -47,17 +59,47 @@ class Both:
         return found
 
 
+def emulator(old: str, new: str, **names: object) -> dict[str, Firmware]:
+    """The emulator's program with one statement replaced. names: what the new one needs."""
+    source = (SOURCES / "imu_hil.py").read_text(encoding="utf-8")
+    assert source.count(old) == 1
+    return {"imu": changed(source.replace(old, new), **names)}
+
+
 def ppm(head: int, imu: int) -> tuple[str, str]:
     return f"unit.head.ppm={head}", f"unit.imu.ppm={imu}"
 
 
 @pytest.mark.parametrize(("head", "imu"), [(0, 0), (50, -50), (-300, 300), (300, -300), (7, 8), (0, 5000)])
 def test_every_byte_arrives_right_whatever_the_crystals(head: int, imu: int):
+    """The bytes on the wires are those of the host's frames, and the head's CPU reads the bytes on the wires."""
     both = Both(*ppm(head, imu))
-    one_round = [(chip, bytes([pointer]), chip, bytes.fromhex(data)) for chip, (pointer, data) in CHIPS.items()]
-    assert both.on_the_wires() == one_round * ROUNDS
-    assert bytes(both.drr) == b"".join(bytes.fromhex(data) for _, data in CHIPS.values()) * ROUNDS
+    transfers = both.on_the_wires()
+    one_round = [(chip, bytes([pointer]), chip) for chip, pointer in CHIPS.items()]
+    assert [transfer[:3] for transfer in transfers] == one_round * ROUNDS
+    assert bytes(both.drr) == b"".join(data for *_, data in transfers) and len(both.drr) == READ
     assert both.result.verdict == "pass" and both.result.stuck == []
+    assert both.verdict("wrong bytes").counted == str(READ)
+
+
+def test_one_wrong_byte_of_the_firmware_breaks_the_budget():
+    """The tenth byte that the emulator writes is the third of the second read, the accelerometer's."""
+    written = count(1)
+    both = Both(programs=emulator(WRITE, f"{WRITE} ^ flipped()", flipped=lambda: next(written) == 10))
+    assert both.verdict("wrong bytes").worst == 1 and both.broken() == ["wrong bytes"]
+    assert both.result.wrong == {"accelerometer byte 2": 1}
+
+
+def test_a_byte_that_the_firmware_loses_breaks_the_budget_of_overruns():
+    both = Both(programs=emulator("sci.SCIFFRX.RXFFINTCLR = 1", "pass"))
+    assert "SCI overruns" in both.broken()
+
+
+@pytest.mark.parametrize(
+    ("change", "budget"), [("host.frames=1", "data age"), ("host.motion.angles.2.frequency='7 Hz'", "overflows")]
+)
+def test_a_host_that_dies_or_turns_too_fast_breaks_its_budget_alone(change: str, budget: str):
+    assert Both(change).broken() == [budget]
 
 
 def test_the_bus_runs_at_the_master_s_rate_by_its_own_crystal():
@@ -80,10 +122,10 @@ def test_a_chip_that_is_not_there_is_told_by_the_wire_and_the_budget():
     """The head asks accelerometer first, the emulator expects the gyroscope: rounds are shorter than 2.4 ms."""
     both = Both("unit.head.settings.order=[0x53, 0x68, 0x1e]")
     assert [chip for chip, *_ in both.on_the_wires()] == [0x68, 0x53, 0x1E, 0x68, 0x53, 0x1E]
-    assert [v.name for v in both.result.budgets if v.verdict == "fail"] == ["three chips answered"]
+    assert both.broken() == ["three chips answered", "missed rounds", "nacked rounds", "data age"]
 
 
 def test_a_slave_that_never_answers_does_not_hang_the_master():
     both = Both("unit.imu.settings.model_cost=1 s")
-    assert both.on_the_wires() == [] and both.drr == []
+    assert both.on_the_wires() == [] and both.drr == [] and "nacked rounds" in both.broken()
     assert both.scene.wires["SCL"].level == 1 and both.scene.wires["SDA"].level == 1

@@ -341,17 +341,20 @@ def test_a_slave_that_holds_scl_is_measured_against_a_firmware_too():
     [
         (("imu_hil_published", ROUNDS), "rounds: [controller] says its rounds already; leave one of them out"),
         (("uart_logger", ROUNDS), "rounds: it needs a bus, and no unit has I2C-A"),
-        (("two_dsps", 'rounds={period="20 ms"}'), "rounds: it has no requests; give it order or [[rounds.request]]"),
         (
-            ("two_dsps", 'rounds={period="20 ms", order=["giroscope"]}'),
+            ("captured_master", 'rounds={period="20 ms"}'),
+            "rounds: it has no requests; give it order or [[rounds.request]]",
+        ),
+        (
+            ("captured_master", 'rounds={period="20 ms", order=["giroscope"]}'),
             "rounds.order: there is no chip 'giroscope'; did",
         ),
         (
-            ("two_dsps", 'budget=[{name="r", measure="round", max="1 s"}]'),
+            ("captured_master", 'budget=[{name="r", measure="round", max="1 s"}]'),
             "budget.r.measure: 'round' needs [controller], or [rounds] for a unit that is the master, in the scene",
         ),
         (
-            ("two_dsps", 'budget=[{name="r", measure="gap between rounds", max="1 s"}]'),
+            ("captured_master", 'budget=[{name="r", measure="gap between rounds", max="1 s"}]'),
             "budget.r.measure: 'gap between rounds' needs [controller] or [rounds] in the scene, which has none",
         ),
     ],

@@ -104,7 +104,8 @@ def test_a_bus_that_was_left_in_a_read_is_free_behind_a_reset() -> None:
 
 def test_a_capture_is_what_others_do_on_the_bus() -> None:
     """One F28335 reads another one's chips: 68W 1D, 68R 11 12 ..., in tokens of three bits and an ACK."""
-    case = load(TIMING / "two_dsps.toml").model_copy(update={"budget": ()})
+    changes = ["unit.imu.settings.table={0x68='11 12 13 14 15 16'}", "budget=[]"]
+    case = load(TIMING / "two_dsps.toml", changes)
     session = Session(case, BUS)
     driver = adapter(session)
     assert driver.take(b"c") == b"" and driver.capturing

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from periph_sim.core.records import Kind, Recorder
@@ -11,6 +9,7 @@ from periph_sim.reports.baselines.bus_bytes import PART, BusBytes
 from periph_sim.reports.baselines.compare import compare
 from periph_sim.reports.baselines.figures import Baseline
 from periph_sim.reports.baselines.files import path_for, read
+from periph_sim.reports.baselines.outcome import Outcome, run_case
 from tests.scene.runs import TIMING
 
 
@@ -65,6 +64,15 @@ def test_a_baseline_without_bytes_is_noted():
     assert compare(baseline([1]), baseline([1])) == compare(baseline(None), baseline(None)) == []
 
 
-def test_the_baseline_of_two_dsps_holds_its_bytes():
-    kept = read(path_for(Path(TIMING / "two_dsps.toml")))
+@pytest.mark.parametrize("change", [None, "unit.imu.settings.noise_seed=2", "host.motion.angles.0.amplitude='31 deg'"])
+def test_a_check_of_two_dsps_finds_data_that_are_other_ones_and_right(change: str | None):
+    """Other noise, or another motion: the bytes are right by the budget, at the same times, and not the baseline's."""
+    path = TIMING / "two_dsps.toml"
+    kept = read(path_for(path))
     assert kept is not None and len(kept.bus_bytes) == -(-kept.counts["I2C bytes"] // PART)
+    outcome = run_case(path, () if change is None else (change,), False)
+    assert isinstance(outcome, Outcome) and outcome.result.verdict == "pass"
+    changes = [str(found) for found in compare(kept, outcome.figures) if not found.note]
+    where = "first among bytes 1 to 64 of the run"
+    expected = [f"bytes on the bus are other ones than in the baseline, {where}"]
+    assert changes == ([] if change is None else expected)

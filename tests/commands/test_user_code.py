@@ -7,41 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.processor.user_case import write_case
+
 from .conftest import Run
 
-CASE = """\
-name = "{name}"
-duration = "2 ms"
-
-[unit.dsp]
-firmware = "{name}.py"
-modules = ["I2C-A", "TIMER0", "SCI-A"]
-
-[device.mine]
-model = "mine.py"
-address = 0x42
-
-[controller]
-order = []
-first = "1 ms"
-period = "5 ms"
-
-[[controller.request]]
-name = "both"
-address = 0x42
-write = "01"
-count = 1
-
-[[budget]]
-name = "rounds"
-measure = "missed rounds"
-max = 0
-
-[[budget]]
-name = "round"
-measure = "round"
-max = "5 ms"
-"""
 FIRMWARE = """\
 import sys
 from dataclasses import dataclass
@@ -94,14 +63,13 @@ SAYS = "user code cannot end the command; return, or raise an error, instead of 
 
 def case_of(folder: Path, name: str = "small", firmware: str = "", device: str = "", code: str = "sys.exit(0)") -> Path:
     """A case whose firmware, or device, executes `code` at this place."""
-    for file, text, place in ((f"{name}.py", FIRMWARE, firmware), ("mine.py", DEVICE, device)):
+    texts = []
+    for text, place in ((FIRMWARE, firmware), (DEVICE, device)):
         if place:
             assert f"pass  # {place}\n" in text
             text = text.replace(f"pass  # {place}\n", f"{code}\n")
-        (folder / file).write_text(text, encoding="utf-8")
-    path = folder / f"{name}.toml"
-    path.write_text(CASE.format(name=name), encoding="utf-8")
-    return path
+        texts.append(text)
+    return write_case(folder, name, *texts, keys='duration = "2 ms"')
 
 
 def line_of(text: str, place: str) -> int:

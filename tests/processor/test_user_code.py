@@ -12,38 +12,9 @@ from periph_sim.processor.user_code import UserCode
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from tests.commands.conftest import Run, periph_sim
+from tests.processor.user_case import write_case
 
 __all__ = ["periph_sim"]  # a fixture
-
-CASE = """\
-name = "busy"
-duration = "10 ms"
-stall_limit = "300 ms"
-
-[unit.dsp]
-firmware = "still.py"
-modules = ["I2C-A"]
-
-[device.mine]
-model = "mine.py"
-address = 0x42
-
-[controller]
-order = []
-first = "1 ms"
-period = "5 ms"
-
-[[controller.request]]
-name = "both"
-address = 0x42
-write = "01"
-count = 1
-
-[[budget]]
-name = "rounds"
-measure = "missed rounds"
-max = 0
-"""
 
 DEVICE = """\
 class Device:
@@ -65,11 +36,8 @@ CAUGHT = "while True:\n            try: sum(range(50))\n            except Excep
 
 def case_of(folder: Path, **hooks: str) -> Path:
     text = DEVICE.format(**{"again": "pass", "on_write": "pass", "on_read": "return 1"} | hooks)
-    (folder / "mine.py").write_text(text, encoding="utf-8")
-    (folder / "still.py").write_text("def main(dsp, settings):\n    pass\n", encoding="utf-8")
-    path = folder / "busy.toml"
-    path.write_text(CASE, encoding="utf-8")
-    return path
+    still = "def main(dsp, settings):\n    pass\n"
+    return write_case(folder, "busy", still, text, keys='duration = "10 ms"\nstall_limit = "300 ms"')
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ class Completion:
         self._copy = _duplicate(1)
 
     def flaw(self) -> str:
-        """Why the output may not have reached the standard output of the start; "" if it has."""
+        """Return the reason why output may not have reached the original standard output; "" if it has."""
         if self._stdout is None or self._copy is None:
             return "standard output is closed"
         if self._stdout.closed or sys.stdout is not self._stdout:
@@ -57,9 +57,9 @@ class Completion:
         return "" if same else "user code redirected standard output"
 
     def complete(self, status: int) -> None:
-        """Say that all output is written, and what the exit status is to be.
+        """Report to the waiting process that all output is written, with the exit status.
 
-        Where user code has closed the pipe nothing is said, and the waiting process takes it as incomplete.
+        If user code has closed the pipe, the waiting process takes the output as incomplete.
         """
         with suppress(OSError):
             os.write(self._pipe, _completed(os.getpid(), status))

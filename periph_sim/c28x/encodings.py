@@ -51,10 +51,11 @@ class Encoding:
 
     mask, value: of the fixed bits within the two words. at_least, at_most: bounds of fields that belong to the pattern.
     objmode: "1", "0" or "X" for both. kind: core, fpu, c2xlp, c27x, emu or trap. alias_of: the form whose operand field
-    has this one as a value. also: another syntax of it, or "". shift_bias: what field s lacks of the shift it stands
-    for. cycles: those it takes alone; see `cycles_of`. repeated: cycles of N + 1 executions behind RPT, less N; 0 if it
-    is not repeatable. latency: "2p" of a result that is there one instruction later; "2p/1", "2p/2p" of the halves of
-    a pair; else "". depends: status that decides what it does. flags, op: what it does, for the tests of `execution`.
+    has this one as a value. also: another syntax of it, or "". shift_bias: the shift minus the
+    value of field s. cycles: those it takes alone; see `cycles_of`. repeated: cycles of N + 1 executions after RPT,
+    less N; 0 if it is not repeatable. latency: "2p" of a result that is there one instruction later; "2p/1", "2p/2p"
+    of the halves of a pair; else "". depends: status that decides what it does. flags, op: what it does, for the
+    tests of `execution`.
     """
 
     id: str

@@ -44,7 +44,7 @@ def show(field: int, wide: bool) -> str:
 
 
 def is_operand(kind: str, field: int) -> bool:
-    """True if a field stands for an operand of this kind: loc16, loc32, mem16, mem32, or reg32, a register of 32 bits.
+    """Return True if a field encodes an operand of this kind: loc16, loc32, mem16, mem32 or reg32 (32 bits).
 
     mem16 and mem32 are modes of memory only [SPRUEO2A Table 4-1].
     """

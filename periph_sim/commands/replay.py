@@ -235,7 +235,7 @@ def _refuse_together(
     if loop == "open" and low is not None:
         raise click.ClickException("--longest-low is for --loop closed; in open loop every edge is the capture's")
     if loop == "open" and patience is not None:
-        raise click.ClickException("--patience is for --loop closed; in open loop nobody waits for the firmware")
+        raise click.ClickException("--patience is for --loop closed; an open loop does not wait for the firmware")
     if frame and not baud:
         raise click.ClickException("--format needs --baud; without both the line is read as the firmware sets the SCI")
 

@@ -3,8 +3,8 @@
     __pyx_v_cpu->xar[__pyx_v_f->n]  -->  __pyx_v_cpu->xar[PERIPH_SIM_INDEX(__pyx_v_f->n, 8, "xar")]
 
 Cython checks indices of lists and not those of arrays. An index outside of its array ends the process with a message
-instead of changing the memory behind it. The compiler leaves the check out where the index cannot be outside: behind a
-mask, or in a loop to a constant. A module with functions marked `# vectors` is built without, since a check keeps the
+instead of changing other memory. The compiler leaves the check out where the index cannot be outside: after a mask,
+or in a loop to a constant. A module with functions marked `# vectors` is built without, since a check keeps the
 compiler from vectorizing loops; such a module asserts the bounds of its loops before them.
 """
 

@@ -45,7 +45,7 @@ class Library:
         self._numbers = (ctypes.c_int * (BYTES * (LARGEST + 1))).in_dll(self._library, "c28x_numbers")
 
     def write_as_announced(self, at: int, size: int, place: int) -> None:
-        """From now on writes announced for these bytes are writes of this place, which need no question."""
+        """Take each write that is announced for these bytes as a write of this place, without a call of Python."""
         self._numbers[at * (LARGEST + 1) + size] = place
 
     def run(self, address: int) -> int:

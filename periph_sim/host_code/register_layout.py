@@ -113,7 +113,7 @@ class RegisterLayout:
         return number.size <= self._announced.get(number.at, 0)
 
     def add_run(self, at: int, size: int) -> None:
-        """Add adjacent bit fields of so many bytes."""
+        """Add adjacent bit fields. size: their bytes."""
         self._announced[at] = max(size, self._announced.get(at, 0))
 
     def add_number(self, place: Place) -> bool:
@@ -160,7 +160,7 @@ class _Structures:
         return bits // WORD
 
     def _add_compound(self, compound: DIE, at: int, word: int) -> int:
-        bit = host_bit = longest = begin = 0  # bit, host_bit: behind the member before. begin: of adjacent fields
+        bit = host_bit = longest = begin = 0  # bit, host_bit: after the last member. begin: of adjacent fields
         for member in _members(compound):
             self._path.append(member)
             if compound.tag == "DW_TAG_union_type":
@@ -183,17 +183,17 @@ class _Structures:
         return -(-longest // WORD // align) * align
 
     def _is_certain(self, member: DIE, word: int, host_bit: int) -> bool:
-        """True if no unnamed bits between bit fields and a member can move it. word, host_bit: behind the fields."""
+        """Return True if no unnamed bits before a member can move it. word, host_bit: after the bit fields."""
         offset, align = _value(member, "DW_AT_data_member_location"), self._alignment(member)
         host_align = _host_alignment(member)
         here, moved = (-(-bits // 8 // host_align) * host_align for bits in (host_bit, host_bit + 1))
         return offset == here and (offset != moved or -(-word // align) == -(-(word + 1) // align))
 
     def _add_bit_field(self, member: DIE, at: int, word: int, bit: int, host_bit: int) -> tuple[int, int]:
-        """Add a bit field. Return the bits behind it, on the chip and on the host.
+        """Add a bit field. Return the first free bit, on the chip and on the host.
 
-        at, word: of the structure. bit, host_bit: behind the member before. Unnamed bits are not in DWARF: what is not
-        explained by the alignment of the field is a gap.
+        at, word: of the structure. bit, host_bit: the first free bits before. Unnamed bits are not in DWARF: what
+        the alignment of the field does not explain is a gap.
         """
         width, bits = _value(member, "DW_AT_bit_size"), self._bits(member)
         if bits > 2 * WORD:

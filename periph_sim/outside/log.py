@@ -38,7 +38,7 @@ class LogWriter:
         self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines, until it begins
 
     def begin(self) -> None:
-        """Time passes from now on."""
+        """Write what waits: the session's time begins to pass."""
         if self._waiting is not None:
             if self._path.is_file():  # and no device or pipe
                 self._file.truncate(0)
@@ -47,7 +47,7 @@ class LogWriter:
                 self._write(value)
 
     def serial(self, wire: str) -> None:
-        """From here on a wire is driven by bytes."""
+        """Note that a wire is driven by bytes from this instant."""
         self._write({"serial": wire})
 
     def instant(self, tick: int, levels: Mapping[str, int], begun: Sequence[str] = ()) -> None:
@@ -80,7 +80,7 @@ def refuse_input(path: Path, case: Case, what: str) -> None:
 
 
 def is_same(path: Path, other: Path) -> bool:
-    """Whether both are one file that is there, by whatever name or link."""
+    """Return True if both are names of, or links to, one existing file."""
     try:
         return path.samefile(other)
     except OSError:

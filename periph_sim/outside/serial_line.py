@@ -100,9 +100,9 @@ class SerialLine:
         self._free = end * self._parts + self._parts_of_bit
 
     def next_client(self) -> int:
-        """Another client has the line: how many waiting bytes of the one before are discarded.
+        """Give the line to another client; return how many waiting bytes of the last one are discarded.
 
-        None of them if they are over within a tenth of a second: a program that writes and ends is heard.
+        Bytes that take less than a tenth of a second are kept: a program may write and end.
         """
         lasts = self.waiting * self._format.length * self._bit
         if lasts <= LAST * self._session.ticks_per_second:
@@ -144,7 +144,7 @@ class SerialLine:
                 self._place = 0
 
     def begins(self, tick: int) -> bool:
-        """Whether a frame begins in this tick. Ticks are asked for in order, and all in which RX moves."""
+        """Return True if a frame begins in this tick. Call it in order of time, for each tick in which RX moves."""
         if not self._begins or self._begins[0] != tick:
             return False
         self._begins.popleft()

@@ -68,7 +68,7 @@ class Spin:
 
     @property
     def polls(self) -> list[Operand]:
-        """What the present pass has read; the last one, where passes are executed that could be skipped."""
+        """The operands read by the present pass; by the last one, if passes are executed that could be skipped."""
         return [operand for operand, _ in self.last] or [read.operand for read in self.reads[: self.made]]
 
     def executes_next(self) -> None:

@@ -8,7 +8,7 @@ What user code may not do:
 
 - exit: `sys.exit` becomes an error, as does every exception that is no `Exception`. Only Ctrl-C passes.
 - run without end: a call that uses more CPU time than its limit is stopped with its line.
-- poll for long without being told: `warn` does so while it runs.
+- poll for long in silence: `warn` writes a sentence while it runs.
 - print twice: a case that is run again for an explanation prints nothing the second time.
 
 Exits that Python does not see, such as `os._exit`, are noticed by `periph_sim.entry` from outside of the process.
@@ -35,9 +35,9 @@ NO_EXIT = "user code cannot end the command; return, or raise an error, instead 
 
 
 def as_firmware_error(error: BaseException, who: str) -> FirmwareError | None:
-    """The FirmwareError, with its place, that stands for an error raised in user code.
+    """Return the FirmwareError, with its place, for an error raised in user code.
 
-    None if `error` passes as it is: Ctrl-C, an error that names its place already, and faults of our own.
+    Return None if `error` is passed on as it is: Ctrl-C, an error that names its place already, and faults of our own.
     """
     if isinstance(error, PASSES):
         return None
@@ -76,7 +76,7 @@ class UserCode:
         return self._calls, 0
 
     def __call__(self, function: Callable[..., Returned], *arguments: object) -> Returned:
-        """What the function returns. FirmwareError, with its place, for what it raises; FirmwareStalled for no end."""
+        """Return the result. FirmwareError, with its place, if the function raises; FirmwareStalled if it runs on."""
         try:
             return self.in_time(function, *arguments)
         except BaseException as error:
@@ -86,7 +86,7 @@ class UserCode:
             raise found from None
 
     def in_time(self, function: Callable[..., Returned], *arguments: object) -> Returned:
-        """What the function returns, or raises. FirmwareStalled with file and line if it does not return."""
+        """Return the result. The function's exceptions pass; FirmwareStalled, with the line, if it runs on."""
         try:
             return self._watched(function, *arguments)
         except NoProgress as stopped:
@@ -145,7 +145,7 @@ def output_aside() -> Iterator[None]:
 
 
 def warn(sentence: str) -> None:
-    """Tell something about user code on standard error while it runs, unless an earlier run has told it."""
+    """Write a sentence about user code to standard error at once; nothing in a run that repeats an earlier one."""
     if sys.stderr is not None and not isinstance(sys.stdout, _Nowhere):
         print(sentence, file=sys.stderr, flush=True)
 

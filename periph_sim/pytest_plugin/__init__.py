@@ -71,7 +71,7 @@ def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, in
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> Iterator[None]:
-    """The same of a session in which tests ask for runs, which shows once they are collected."""
+    """Begin the guard of the whole session, too, if a collected test asks for runs."""
     if not _in_tests and asks_for_runs(session.items):
         from .whole_session import begin
 
@@ -128,7 +128,7 @@ def case_run(request: pytest.FixtureRequest, scene: SceneFactory) -> Run:
 
 
 def asks_for_runs(items: Iterable[pytest.Item]) -> bool:
-    """Whether any of the tests uses a fixture of this plugin."""
+    """Return True if any of the tests uses a fixture of this plugin."""
     for item in items:
         known = getattr(getattr(item, "_fixtureinfo", None), "name2fixturedefs", {})
         for name in ("scene", "case_run"):

@@ -35,7 +35,7 @@ class LineErrors:
 
 
 def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequence[Event]) -> LineErrors:
-    """What the events of a channel, decoded as `line`, say of that format."""
+    """Return the errors of a channel that was decoded as `line`, with the doubt that they raise about that format."""
     frames = [event for event in events if isinstance(event, Frame)]
     breaks = {event.at for event in events if isinstance(event, Break)}
     breaks |= _break_at_end(capture, channel, line)
@@ -54,7 +54,7 @@ def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequen
 
 
 def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
-    """Where the line goes low for good: a break whose end the capture does not have."""
+    """Return the edge at which the line goes low for the rest of the capture: a break without its end."""
     wire = capture.channel(channel)
     if not len(wire.edges) or wire.levels[-1] != int(line.invert) or capture.rate is None:
         return set()
@@ -63,7 +63,7 @@ def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
 
 
 def _better(capture: Capture, channel: str | int, line: Line, found: LineErrors) -> Guess | None:
-    """What the edges say instead, where that is another format with fewer errors; None without one."""
+    """Return the format that the edges suggest, if it is another one with fewer errors; else None."""
     try:
         other = guess(capture, channel)
     except ValueError:

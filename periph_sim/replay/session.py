@@ -51,7 +51,7 @@ FrameTold = Callable[[int, tuple[int, ...], int], None]
 
 
 class SessionScene(Scene):
-    """A scene whose agents are a capture: measures hear of its transfers and frames."""
+    """A scene whose agents replay a capture; its transfers and frames are passed to the measures."""
 
     def __init__(self, case: Case, subscribe: Subscribe | None) -> None:
         self.frame_told: list[FrameTold] = []

@@ -45,7 +45,7 @@ def processes(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def end_workers() -> None:
-    """End the workers of all pools: whoever waits for one of them gets BrokenProcessPool."""
+    """End the workers of all pools. Callers that wait for one of them get BrokenProcessPool."""
     for pool in list(_pools):
         _end(pool)
 

@@ -66,7 +66,7 @@ def module_of_file(path: Path) -> ModuleType:
 
 
 def why_not_loaded(error: BaseException, folder: Path) -> str:
-    """Why a file of user code cannot be loaded, with the line and the fix. folder: of the file."""
+    """Return the reason why a file of user code cannot be loaded, with the line and the fix. folder: of the file."""
     if isinstance(error, SyntaxError):
         return f"line {error.lineno}: {error.msg}"
     if not isinstance(error, ModuleNotFoundError):

@@ -80,7 +80,7 @@ def logged_outside(
 
 @lru_cache(maxsize=16)
 def _checked(path: Path, written: int, size: int) -> str:
-    """What is missing at the end of a log. BadLog if it is damaged. written, size: another file is another log."""
+    """Return what is missing at the end of a log. BadLog if it is damaged. written, size: part of the cache's key."""
     reader = LogReader(path)
     for _ in reader.instants():
         pass

@@ -1,6 +1,6 @@
-"""Which parties of a case the outside replaces: a case with [outside] goes in; the case that is built comes out.
+"""Replaces parties of a case by the outside: a case with [outside] goes in; the case that is built comes out.
 
-    the outside drives    it replaces      judged from then on
+    the outside drives    it replaces      is then judged
     SDA and SCL           [controller]     rounds, requests and bytes, from the wires: its requests become [rounds]
     RX                    [host]           all but the budgets that need the host's frames
 
@@ -24,7 +24,7 @@ BUS = frozenset(("SDA", "SCL"))
 
 
 def drives_bus(case: Case) -> bool:
-    """Whether the outside drives both lines of the I2C bus."""
+    """Return True if the outside drives both lines of the I2C bus."""
     return case.outside is not None and BUS.issubset(case.outside.wires)
 
 
@@ -82,7 +82,7 @@ def _without(party: str, lines: str, case: Case, driven: Case) -> Case:
 
 
 def _judged(case: Case, driven: Case) -> Iterator[bool]:
-    """Of each budget, whether the driven case can judge it."""
+    """Yield for each budget whether the driven case can judge it."""
     timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
     start = timebase.ticks(case.start, "nearest")
     limits_of(case, scope_of_case(case), timebase, start)  # BadCase for what is wrong with or without the party

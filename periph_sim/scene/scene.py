@@ -143,7 +143,7 @@ class Scene:
             self.sensors = self.sensors or built.sensors
             self.computed = self.computed or built.computed
         self._build_targets(context, sources or {})
-        shared = case.outside is not None and parts.drives_bus(case)  # the bus, with whoever else is there
+        shared = case.outside is not None and parts.drives_bus(case)  # the bus has other parties
         if case.controller is not None:
             side = parts.build_head(context, case.controller, self.stuck.report)
             self.head = self.stuck.head = side.head
@@ -367,7 +367,7 @@ class Scene:
         return sent + self._uart.characters
 
     def sent_from_outside(self, wire: str, count: int) -> None:
-        """So many characters more begin on a wire that the outside drives by bytes; 0 to say that it does."""
+        """Add to the characters on a wire that the outside drives by bytes. count: 0 before the first."""
         self._uart.sent(wire, count)
 
     def sci_bytes_sent(self) -> int:
@@ -455,7 +455,7 @@ class Scene:
         return self.timebase.show(tick - self.start)
 
     def _may_move(self, stuck: set[str], wire: Wire, parties: list[str]) -> bool:
-        """Whether one of these parties may move the wire: none that is stuck, or only answers, or waits in a round."""
+        """Return True if a party may move the wire: one that is not stuck, and does more than answer or wait in a round."""
         coming = self.kernel.next_time()
         if coming <= self.kernel.now + self.timebase.ticks(SETTLED):
             return True

@@ -11,7 +11,7 @@ from .case.model import Case
 def check_sensor_period(case: Case, unit: str, settings: object, sensors: ImuParameters) -> None:
     """BadCase unless the models' period is that at which this firmware runs them.
 
-    That is the rounds', or the host's where the settings' `models_run` is "frame" or nobody asks in rounds.
+    That is the period of the rounds; or of the host, if `models_run` is "frame" or there are no rounds.
     """
     rounds = case.controller or case.rounds
     per_frame = getattr(settings, "models_run", "round") == "frame" or rounds is None

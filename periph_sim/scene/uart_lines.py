@@ -54,7 +54,7 @@ class UartLines:
             self._listen(name, told)
 
     def on_character_from(self, wires: Collection[str], told: Callable[[str, int], None]) -> None:
-        """`told(wire, tick)` of each character on those of these wires that lead to SCIs."""
+        """Call `told(wire, tick)` for each character on those of these wires that lead to SCIs."""
         for name in dict.fromkeys(self._heard):
             if name in wires:
                 self._listen(name, partial(told, name))
@@ -84,7 +84,7 @@ def _settings(dsp: Dsp, module: str) -> tuple[int, int, Fraction, int]:
     """SCICCR; SCIHBAUD and SCILBAUD as one number; SYSCLKOUT in Hz, and what LSPCLK divides it by.
 
     Only writes change these registers. They are read as of cycle 0, for which the chip does nothing: asked for now, it
-    would do what is due now before its turn in this tick, and what waits for its flags would not be told.
+    would do what is due now before its turn in this tick, and subscribers to its flags would not be notified.
     """
     chip = dsp.socket(module).chip
     ccr = chip.peek(0, SCICCR.offset)

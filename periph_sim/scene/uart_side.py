@@ -94,7 +94,7 @@ class UartSide:
 
     @property
     def characters(self) -> int:
-        """How many were sent by the tables of [serial], and came from outside."""
+        """The number of characters sent by [serial] and by the outside."""
         counted = sum(count for wire, count in self._counted.items() if wire not in self._sent)
         return counted + sum(self._sent.values()) + (0 if self._serial is None else self._serial.characters)
 
@@ -104,14 +104,14 @@ class UartSide:
             self._lines.on_character_from(wires, self._came)
 
     def sent(self, wire: str, count: int) -> None:
-        """So many characters more begin on a wire that the outside drives by bytes, which are not counted there."""
+        """Add to the characters on a wire that the outside drives by bytes; the wire's own are not counted."""
         self._sent[wire] = self._sent.get(wire, 0) + count
 
     def _came(self, wire: str, tick: int) -> None:
         self._counted[wire] = self._counted.get(wire, 0) + 1
 
     def sent_by_units(self) -> int:
-        """How many characters the SCIs of units have sent."""
+        """Return the number of characters that the SCIs of units have sent."""
         return sum(cast("Sci", self._units[sci.unit].socket(sci.module).chip).frames_sent for sci in self._scis)
 
     def notes(self) -> list[str]:

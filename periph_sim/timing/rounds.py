@@ -116,12 +116,12 @@ class ByRoundBefore(Schedule):
 
 
 class BusRounds:
-    """on_transfer, on_round: told when it is over. on_due: told when a round was due, as soon as it is known.
+    """on_transfer, on_round: called at its end. on_due: called with the due time of a round once it is known.
 
-    on_other: told of a transfer that is none of the requests.
-    on_missed: told when a round that did not begin was due; of one that lacks a request, the START that shows it.
+    on_other: called for a transfer that is none of the requests.
+    on_missed: called with the due time of a round that did not begin, or the START that shows a missing request.
 
-    begun_at: asked, at the end of the run, for the START of a transfer that is not over; NO_TIME if there is none.
+    begun_at: called at the end of the run for the START of a transfer that is not over; NO_TIME if there is none.
     completed, missed: rounds so far.
     """
 

@@ -40,9 +40,9 @@ class IllegalOperation(Exception):
 class Operation:
     """One decoded instruction, ready to be executed: the numbers in its fields by the table's letters, -1 if absent.
 
-    next: the address behind it. cycles, not_taken: of the table; repeated: of N + 1 passes, less N, 0 if it cannot be
+    next: the address after it. cycles, not_taken: of the table; repeated: of N + 1 passes, less N, 0 if it cannot be
     repeated. wide: its operand has 32 bits. byte: it takes a byte. place: the address, until its words are written
-    over. following, goal: what was executed behind it, and where it last jumped to. accesses: READS, WRITES, both or 0,
+    over. following, goal: what was executed after it, and where it last jumped to. accesses: READS, WRITES, both or 0,
     what it does at its operand's address. absolute: likewise at *(0:16). needs, makes: registers early and late,
     at_once: of memory, see `hazards`. jumps: it may go elsewhere; loops: by a branch. late: registers of the FPU that
     it writes one instruction later, as bits; plain: what it does, where `execute` heeds that. waited: it is in memory

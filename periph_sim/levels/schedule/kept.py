@@ -40,7 +40,7 @@ class Memory:
     """edges: ticks from a START. poll: cycles of a pass. whole, part: of each edge, with the clock that is set."""
 
     def __init__(self, edges: Sequence[int], poll: int) -> None:
-        assert len(edges) < EDGES  # the last interval ends behind the last edge
+        assert len(edges) < EDGES  # the last interval ends after the last edge
         self._count, self._nothing = len(edges), NOTHING
         self._edges = [*edges, *[0] * (EDGES - len(edges))]
         self.whole, self.part = [0] * EDGES, [0] * EDGES

@@ -3,8 +3,8 @@
 client --/dev/pts/N, or LINK--> I2cDriver --> SDA, SCL
 
 A transfer is done at once, and moves the session's time on by what it takes on the wires; the loop then waits for the
-clock. Whoever reads no answers is heard no more once a megabyte of them waits; they are discarded when another client
-comes.
+clock. Commands of a client that reads no answers are not executed once a megabyte of answers waits; the answers are
+discarded when another client connects.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Who opens and closes a file: Linux's inotify events go in; that the last one left, or another one came, comes out."""
+"""Clients that open and close a file, by Linux's inotify: whether the last one left or a first one came."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ AT_ONCE = 4096  # bytes of events
 
 
 class Openings:
-    """From now on. Where there is no inotify, as on macOS, nobody is seen to come or leave."""
+    """Count the clients of a file from here on. Without inotify, as on macOS, no client is noticed."""
 
     def __init__(self, path: str) -> None:
         self._open = 0
@@ -30,7 +30,7 @@ class Openings:
             self._file = -1
 
     def passed(self) -> tuple[bool, bool]:
-        """Since this was asked last: whether the last one left, and whether one came where nobody was."""
+        """Return whether, since the last call, the last client left, and whether one came while there was none."""
         left = came = False
         for mask in self._masks():
             before = self._open

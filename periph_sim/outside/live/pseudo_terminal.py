@@ -43,7 +43,7 @@ class PseudoTerminal:
                 raise OutsideError(f"{link}: {found}; give the link another name") from None
 
     def _is_left_behind(self, link: Path) -> bool:
-        """Whether this is a link to a pseudo-terminal of before; the number of that may be the new one's now."""
+        """Return True for a link to an earlier pseudo-terminal, whose number may be that of the new one."""
         if not link.is_symlink():
             return False
         target = link.readlink()

@@ -23,8 +23,8 @@ RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0
 class PtyDoor:
     """path: what clients open. link: a name for it, made as a symbolic link. OutsideError if that is taken.
 
-    A client that is a megabyte ahead of the line waits, as of a port with flow control. What one that left has not sent
-    yet is discarded when the next one comes, and told. back: what it has not read.
+    A client that is a megabyte ahead of the line waits, as of a port with flow control. Bytes of a client that left
+    are discarded when the next one comes, and reported. back: what it has not read.
     unheard: bytes of it that were not taken when this was closed.
     """
 

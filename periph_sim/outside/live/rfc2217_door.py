@@ -140,7 +140,7 @@ class Client:
         self._connection.close()
 
     def closed(self) -> bool:
-        """Whether the client has closed its end, or is gone; what it sent before may not be read yet."""
+        """Return True if the client has closed its end, or is gone; what it sent before may not be read yet."""
         poll = select.poll()
         poll.register(self.file, getattr(select, "POLLRDHUP", 0))
         return bool(poll.poll(0))

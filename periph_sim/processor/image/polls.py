@@ -221,7 +221,7 @@ class Polls:
         return passes
 
     def begins_at(self, passes: int) -> int:
-        """When the pass begins that is so many behind the one looked at."""
+        """Return the cycle at which a pass begins. passes: counted from the one looked at."""
         return self._started + passes * self._period
 
     def resume(self, cycle: int) -> None:

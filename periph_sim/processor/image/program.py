@@ -64,7 +64,7 @@ class ImageProgram(Program):
         self._waits: WaitRecords | None = None  # somebody records when it waits
         self._watch: InstructionWatch | None = None  # somebody looks at each instruction
         self._looks = False  # a loop has come to its begin again
-        self._back = -1  # the branch by which a wait has come to its begin again, where its passes are executed
+        self._back = -1  # the branch that closed the last executed pass of a wait
         self._counted = self._pass = 0  # instructions up to there, and of a pass
         self._counting: CountingLoop | None = None  # a pass of a loop is taken apart, or passes that count are skipped
         self._entry = entry

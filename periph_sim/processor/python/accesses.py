@@ -21,7 +21,7 @@ from .instructions import Instructions
 from .program import PythonProgram
 
 MANY_READS = 1000  # registers read in a row, without a write or a wait
-CYCLES_OF_A_PASS = 100  # a loop of so many cycles for each read polls, too; one that computes longer does not
+CYCLES_OF_A_PASS = 100  # most cycles for each read of a loop that polls; one that takes more computes
 POLLING = Note(
     "polling",
     "a loop polls registers pass by pass, which takes long to simulate; wait with dsp.spin(lambda: CONDITION), which "

@@ -221,7 +221,7 @@ class PythonProgram(Program):
                 self._waits()
 
     def let_go(self) -> None:
-        """Its `finally` blocks run, and no simulated time passes in them; what goes wrong there concerns nobody.
+        """Run its `finally` blocks, in no simulated time; errors in them are ignored.
 
         In a thread that cannot end it, it is left to the thread that can.
         """

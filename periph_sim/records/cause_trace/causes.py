@@ -56,7 +56,7 @@ def walk_back(run: Run, row: int, depth: int) -> Iterator[Step]:
 
 
 def end_of_walk(run: Run, steps: Sequence[Step], depth: int) -> str:
-    """Why a walk goes no further than its last step, as a clause; "" if there was no step."""
+    """Return the reason why a walk ends at its last step, as a clause; "" if there was no step."""
     main = [step for step in steps if not step.aside]
     if not main:
         return ""

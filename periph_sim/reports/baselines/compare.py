@@ -69,7 +69,7 @@ def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]
 
 
 def _bus_bytes(before: list[str], now: list[str]) -> list[Change]:
-    """Where the bytes on the bus first have other values or ACKs than in the baseline."""
+    """Return a change for the first bytes on the bus whose values or ACKs differ from the baseline."""
     if before == now:
         return []
     if not before:

@@ -57,7 +57,7 @@ def sweep(
 
     case: its file. changes: `{key: values}` for every combination, or a list of runs: `{key: value}` or "key=value"
     texts as `--set` has them. seconds: instead of the case's own duration. programs: firmware given as functions, by
-    unit; as workers import them by name, they stand in a module.
+    unit; workers import them by name, so they must be in a module.
 
     jobs: processes of our own, as many as there are cores if None; 1: all in this one. executor: any of
     `concurrent.futures` instead, which stays open; its workers see the case under the same path. Rows, their order and

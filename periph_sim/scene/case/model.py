@@ -177,7 +177,7 @@ class Controller(Table, frozen=True, kw_only=True):
     beside_outside: bool = False  # stays where the outside drives SDA and SCL; else the outside replaces it
 
     def as_rounds(self) -> RoundsTable:
-        """What it asks, for a bus on which another controller takes its place."""
+        """Return its requests as [rounds], for a bus on which another controller takes its place."""
         same = ("order", "request", "period", "rounds", "pointer_by", "check", "stuck_after")
         return RoundsTable(**{name: getattr(self, name) for name in same})
 
@@ -195,7 +195,7 @@ class Controller(Table, frozen=True, kw_only=True):
 
 
 class RoundsTable(Table, frozen=True, kw_only=True):
-    """What a master that is no [controller] asks, so that measures of rounds know its rounds on the bus."""
+    """The requests of a master that is no [controller]; measures of rounds recognize its rounds on the bus by them."""
 
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
@@ -354,12 +354,12 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def replaced(self) -> tuple[str, ...]:
-        """What drives wires from outside, and which parties of the file it replaces, a sentence each."""
+        """A sentence for each party of the file that an outside party replaces."""
         return tuple(self._replaced.values())
 
     @property
     def rx_sender(self) -> str:
-        """Who sends on the wire RX that is no unit: the host, or who replaces it; "" if nobody does."""
+        """The sender on the wire RX that is no unit: the host, or the party that replaces it; "" without one."""
         return "the host" if self.host is not None else "the outside" if "host" in self._replaced else ""
 
     @property
@@ -402,7 +402,7 @@ class Case(Table, frozen=True, kw_only=True):
     def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
         """A place as the file has it, with the budgets that were left out.
 
-        A budget that stands for an expected reply or a watch is written there.
+        The place of a budget made of an expected reply or a watch is that of the reply or the watch.
         """
         if len(place) < 2 or place[0] != "budget":
             return place

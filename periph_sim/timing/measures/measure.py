@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 class Delay(Protocol):
     def ticks(self, written: int) -> int:
-        """How long it is from a write at this tick, as things are set now."""
+        """Return the delay of a write at this tick, with the present settings."""
 
 
 class SceneEvents(Protocol):

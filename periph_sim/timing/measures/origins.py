@@ -30,9 +30,9 @@ BEFORE_ANY = -1  # instead of a frame's number: what firmware shows before a fra
 ZEROS = (0,) * 6
 RECENT = 8  # frames that the bytes of a read are compared with first
 KEPT = 64  # frames that a run of the models is tried with, at most
-COMPLETE = 256  # chains up to which all are followed; of more, only
-PASSED_OVER = 3  # those that pass over so many frames at most,
-MOST = 64  # and the youngest of these
+COMPLETE = 256  # the number of chains up to which all are followed
+PASSED_OVER = 3  # frames: of more chains, only those that pass over no more are followed,
+MOST = 64  # and of these only the youngest
 
 
 class Origin(NamedTuple):
@@ -151,7 +151,7 @@ class FrameOrigins(Origins):
 
 
 class Chain:
-    """One way in which the models may have come to where they are: the frame of their last run, and what that left.
+    """A possible history of the models: the frame of their last run, and the values that it left.
 
     before: the number of the frame of the run before, on which that depends as well.
     """

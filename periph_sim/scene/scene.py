@@ -455,7 +455,7 @@ class Scene:
         return self.timebase.show(tick - self.start)
 
     def _may_move(self, stuck: set[str], wire: Wire, parties: list[str]) -> bool:
-        """Return True if a party may move the wire: one that is not stuck, and does more than answer or wait in a round."""
+        """Return True if a party may move the wire: not stuck, and not only answering or waiting in a round."""
         coming = self.kernel.next_time()
         if coming <= self.kernel.now + self.timebase.ticks(SETTLED):
             return True

@@ -14,11 +14,9 @@ from types import TracebackType
 
 from ...scene.case.model import Case
 from ...scene.result import Result
-from ..errors import OutsideError
 from ..session import Session
 from .i2cdriver_adapter import I2cDriver
 
-AT_ONCE = 4096  # bytes
 STEP = "1 ms"  # of simulated time, while a capture waits for others
 TURN = 0.001  # seconds of real time from one such step to the next
 
@@ -29,7 +27,7 @@ class I2cDriverPort:
     case, outside, log: as a Session has them. link: a name for the path, made as a symbolic link. run_up: what passes
     before a program can open it. pause: what passes before each START, since a program's own pauses move no simulated
     time; in a capture time passes by itself. BadCase and OutsideError as of a Session, OutsideError for a link that is
-    taken; what goes wrong later is raised as the block is left.
+    taken (see `PseudoTerminal`); what goes wrong later is raised as the block is left.
     """
 
     path: str
@@ -50,38 +48,23 @@ class I2cDriverPort:
 
     def __enter__(self) -> I2cDriverPort:
         thread = self._thread
-        self.path = thread.open_port()
+        self.path = thread.open_port(self._link)
         try:
-            if self._link is not None:
-                self._make_link(self._link)
             thread.start()
             thread.ready.wait()
             if thread.failed is not None:
                 raise thread.failed
         except Exception:
-            self._leave()
+            thread.end()
             raise
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._leave()
+        self._thread.end()
         if self._thread.failed is not None:
             raise self._thread.failed
         assert self._thread.result is not None
         self.result = self._thread.result
-
-    def _make_link(self, link: Path) -> None:
-        try:
-            link.symlink_to(self.path)
-        except OSError as error:
-            self._link = None
-            raise OutsideError(f"{link}: {error.strerror}; give the link another name") from None
-        self.path = str(link)
-
-    def _leave(self) -> None:
-        self._thread.end()
-        if self._link is not None:
-            self._link.unlink(missing_ok=True)
 
 
 class _Thread(threading.Thread):
@@ -97,27 +80,25 @@ class _Thread(threading.Thread):
     ) -> None:
         super().__init__(name="i2cdriver", daemon=True)
         self._asked = (case, outside, log, run_up, pause)
-        self._files: list[int] = []
         self.ready = threading.Event()
         self.failed: Exception | None = None
         self.result: Result | None = None
 
-    def open_port(self) -> str:
-        import tty
+    def open_port(self, link: Path | None) -> str:
+        """Open the pseudo-terminal and return its path, or the link's."""
+        from ..live.pseudo_terminal import PseudoTerminal
 
-        self._port, kept = os.openpty()  # kept open, so that the last client's leaving is no end
+        self._terminal = PseudoTerminal(link)
         self._told, self._tell = os.pipe()
-        self._files = [self._port, kept, self._told, self._tell]
-        tty.setraw(kept)
-        os.set_blocking(self._port, False)
-        return os.ttyname(kept)
+        return self._terminal.path if link is None else str(link)
 
     def end(self) -> None:
         os.write(self._tell, b".")
         if self.ident is not None:
             self.join()
-        for file in self._files:
+        for file in (self._told, self._tell):
             os.close(file)
+        self._terminal.close()
 
     def run(self) -> None:
         case, outside, log, run_up, pause = self._asked
@@ -135,20 +116,21 @@ class _Thread(threading.Thread):
 
     def _turn(self, session: Session, adapter: I2cDriver) -> bool:
         """False where the block was left."""
-        ready, _, _ = select.select([self._port, self._told], [], [], TURN if adapter.capturing else None)
+        files = [self._terminal.file, self._told]
+        ready, _, _ = select.select(files, [], [], TURN if adapter.capturing else None)
         if self._told in ready:
             return False
         if ready:
-            return self._give(adapter.take(os.read(self._port, AT_ONCE)))
+            return self._give(adapter.take(self._terminal.read()))
         session.advance(session.now + session.ticks(STEP))
         return self._give(adapter.captured())
 
     def _give(self, data: bytes) -> bool:
         """A client that does not read is waited for; False where the block was left meanwhile."""
         while data:
-            ready, writable, _ = select.select([self._told], [self._port], [])
+            ready, writable, _ = select.select([self._told], [self._terminal.file], [])
             if ready:
                 return False
             if writable:
-                data = data[os.write(self._port, data) :]
+                data = data[self._terminal.write(data) :]
         return True

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .core.convert import BadTable
+from .core.input_files import inputs_of_one_command, note_input
 from .core.settings import duration
 from .levels.judged import judged, refuse_record
 from .records.if_recorded import if_recorded
@@ -53,18 +54,32 @@ def run(
     or a Fraction. programs: firmware given as functions (dsp, settings), by unit; the unit's own `firmware` is then
     only a name. record: a file for the records; its suffix says the format.
 
-    BadCase, FirmwareError and their like, one sentence each, where it cannot be run.
+    BadCase, FirmwareError and their like, one sentence each, where it cannot be run; BadRecording where `record` is a
+    file that this run has read.
     """
+    with inputs_of_one_command():
+        return _run(case, changes, seconds, programs or {}, record)
+
+
+def _run(
+    case: Case | str | Path,
+    changes: Sequence[str],
+    seconds: str | Fraction | None,
+    programs: Mapping[str, Program | Firmware],
+    record: str | Path | None,
+) -> Result:
     if isinstance(case, Case):
         if changes:
             raise BadCase("changes go with a file; give them to load or make_case")
     else:
         case = load(Path(case), list(changes))
+    if case.file is not None:
+        note_input(case.file)
     try:
         length = None if seconds is None else duration(seconds)
     except ValueError as error:
         raise BadCase(f"seconds={seconds!r}: {error}") from None
-    firmware = {unit: _firmware(unit, program) for unit, program in (programs or {}).items()}
+    firmware = {unit: _firmware(unit, program) for unit, program in programs.items()}
     for unit in firmware.keys() - case.unit.keys():
         raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
     refuse_record(case, record)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import periph_sim
-from periph_sim import BadCase, Run, make_case, run
+from periph_sim import BadCase, BadRecording, Run, load, make_case, run
 from tests.commands.conftest import Run as Command
 from tests.commands.conftest import periph_sim as command  # noqa: F401
 
@@ -48,6 +50,28 @@ def idle(dsp, settings):
         dsp.compute(1500)
 
 
+SENDS = """\
+name = "mine"
+duration = "1 ms"
+
+[unit.dsp]
+firmware = "idle"
+modules = ["SCI-A"]
+
+[serial]
+baud = 115200
+
+[[serial.send]]
+name = "hello"
+to = "dsp.SCI-A"
+file = "sent.jsonl"
+at = "0.1 ms"
+
+[[budget]]
+name = "work"
+measure = "span:work"
+max = "20 us"
+"""
 TABLES = {
     "name": "mine",
     "duration": "1 ms",
@@ -92,3 +116,16 @@ def test_why_and_lint_take_the_file_of_a_run(tmp_path: Path) -> None:
     assert periph_sim.lint(str(file)) == periph_sim.lint(recorded)
     with pytest.raises(periph_sim.NotInRun, match="there is no such file"):
         periph_sim.why("none.psr", asked)
+
+
+@pytest.mark.parametrize("given", [Path, load], ids=["a file", "a case that was loaded before"])
+@pytest.mark.parametrize("output", ["sent.jsonl", "link.jsonl"])
+def test_no_recording_replaces_a_file_that_the_run_reads(tmp_path: Path, given: Callable[[Path], Any], output: str):
+    """A file of characters to send, and by a link the case itself; `load` has read the latter before the run."""
+    case = tmp_path / "mine.toml"
+    case.write_text(SENDS)
+    (tmp_path / "sent.jsonl").write_text("hello")
+    (tmp_path / "link.jsonl").symlink_to("mine.toml")
+    with pytest.raises(BadRecording, match="found a file that this command reads"):
+        run(given(case), programs={"dsp": idle}, record=tmp_path / output)
+    assert (case.read_text(), (tmp_path / "sent.jsonl").read_text()) == (SENDS, "hello")

@@ -115,7 +115,7 @@ class _FirmwareFinder:
         if path is None or not fullname.startswith(PREFIX):
             return None
         files = (Path(folder) / f"{fullname.rpartition('.')[2]}.py" for folder in path)
-        return next((_spec(fullname, file) for file in files if file.is_file()), None)
+        return next((_spec(fullname, note_input(file)) for file in files if file.is_file()), None)
 
 
 sys.meta_path.insert(0, _FirmwareFinder())

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import msgspec
 
 from ..core.counted import counted
+from ..core.input_files import note_input
 
 FORMAT, VERSION = "periph-sim outside", 1
 
@@ -58,7 +59,7 @@ class LogReader:
         self._lines = 1  # read so far
         self._cut = 0  # characters of a last line that was not written to its end
         try:
-            self._file = path.open(encoding="utf-8")
+            self._file = note_input(path).open(encoding="utf-8")
             first = self._file.readline(1 << 20)
         except OSError as error:
             raise BadLog(f"{path}: {error.strerror}; give the log of a session") from None

@@ -13,6 +13,7 @@ CASES = {
     "page over case": ("run", "small.toml", "--html", "small.toml", *SHORT),
     "page over case by a link": ("run", "small.toml", "--html", "link.toml", *SHORT),
     "page over firmware": ("run", "small.toml", "--html", "still.py", *SHORT),
+    "page over a module that firmware imports": ("run", "small.toml", "--html", "helper.py", *SHORT),
     "JUnit over case": ("check", "small.toml", "--junit", "small.toml"),
     "JUnit over firmware of another process": ("check", "small.toml", "--junit", "still.py", "--jobs", "2"),
     "JUnit over baseline": ("check", "small.toml", "--junit", "baselines/small.json"),
@@ -26,6 +27,8 @@ CASES = {
 @pytest.mark.parametrize("arguments", CASES.values(), ids=CASES)
 def test_an_output_over_an_input(periph_sim: Run, desk: Path, arguments: tuple[str, ...]):
     (desk / "link.toml").symlink_to("small.toml")
+    (desk / "helper.py").touch()
+    (desk / "still.py").write_text("from . import helper\n" + (desk / "still.py").read_text())
     (desk / "baselines").mkdir()
     for name in ("baselines/small.json", "rest.csv"):
         (desk / name).write_text("as it was\n")

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.commands.live_case import files_of
+from periph_sim.core.input_files import inputs_of_one_command, is_input
 from periph_sim.outside import Session, replay
 from periph_sim.outside.live.case_for_line import case_for_line
 from periph_sim.scene.case.load import load
@@ -47,6 +48,12 @@ def test_a_log_cut_at_every_byte_is_read_to_its_last_whole_line_or_refused_in_a_
         assert reader.unfinished == f"{ended}of the log{said}"
     reader = LogReader(session)
     assert list(reader.instants()) == whole and not reader.unfinished
+
+
+def test_no_output_replaces_a_log_that_is_read(session: Path) -> None:
+    with inputs_of_one_command():
+        LogReader(session).close()
+        assert is_input(session)
 
 
 def test_a_killed_session_is_replayed_with_the_bytes_that_it_sent_and_a_note(session: Path, tmp_path: Path) -> None:

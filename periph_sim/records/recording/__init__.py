@@ -11,7 +11,7 @@ One file of this folder is one format. It defines
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import IO, Any, Literal, Protocol, cast, runtime_checkable
@@ -141,12 +141,11 @@ def _chosen(path: Path) -> RecordingFormat:
 @contextmanager
 def _opened(path: Path, chosen: RecordingFormat) -> Iterator[IO[Any]]:
     """The file, which takes its place when all went well."""
-    with ExitStack() as stack:
-        try:
-            unfinished = stack.enter_context(atomic_write(path))
-        except BadCapture as error:
-            raise BadRecording(str(error)) from None
-        yield stack.enter_context(unfinished.open(chosen.MODE, encoding=_encoding(chosen)))
+    try:
+        with atomic_write(path) as unfinished, unfinished.open(chosen.MODE, encoding=_encoding(chosen)) as file:
+            yield file
+    except BadCapture as error:
+        raise BadRecording(str(error)) from None
 
 
 def _encoding(chosen: RecordingFormat) -> str | None:

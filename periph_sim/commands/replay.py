@@ -292,6 +292,8 @@ def rows(report: Report) -> list[tuple[str, str]]:
     for divergence in report.divergences:
         found.append((FIRST[divergence.kind], f"expected {divergence.expected} {_at(divergence.capture_s)}"))
         found.append(("", f"found {divergence.found} {_at(divergence.replay_s)}"))
+        if divergence.cause:
+            found.append(("", divergence.cause))
     found.append(("bytes", str(report.bytes)))
     if report.kind == "uart":
         found.append(("errors", ", ".join(f"{name} {count}" for name, count in report.errors.items())))

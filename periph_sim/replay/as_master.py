@@ -15,7 +15,7 @@ from fractions import Fraction
 
 from ..bus.i2c.scripted_target import Answer
 from ..traces.decode.i2c import Byte, Phase, Transfer
-from .i2c_script import turns
+from .i2c_script import is_addressed, turns
 from .i2c_setup import Played
 
 CUT = "the capture, or what is known of it, ends before their STOP"
@@ -32,14 +32,13 @@ class AsMaster:
     script: list[str] = field(default_factory=list)
     pauses: list[Fraction] = field(default_factory=list)
     done: list[Transfer] = field(default_factory=list)
-    answers: dict[int, list[Answer]] = field(default_factory=lambda: defaultdict(list))
+    answers: dict[int, list[Answer]] = field(default_factory=dict)
     left_out: dict[str, int] = field(default_factory=dict)
 
 
 def as_master(part: Played, ticks_per_position: Fraction) -> AsMaster:
     """The script, and what the targets answer to it."""
     found = AsMaster()
-    long_low = part.long_low
     over: int | None = None
     for transfer in part.transfers:
         why = obstacle(transfer)
@@ -51,10 +50,20 @@ def as_master(part: Played, ticks_per_position: Fraction) -> AsMaster:
         over = None if transfer.stop is None else transfer.stop.at
         found.script.append(" Sr ".join(_text(phase) for phase in transfer.phases))
         found.done.append(transfer)
-        for phase, turn in zip(transfer.phases, turns([transfer]), strict=True):
-            stretches = _stretches(phase, long_low, ticks_per_position)
-            found.answers[turn.address].append(replace(turn.answer, stretches=stretches))
+    found.answers = stretched_answers(found.done, part.long_low, ticks_per_position)
     return found
+
+
+def stretched_answers(
+    transfers: list[Transfer], long_low: Fraction, ticks_per_position: Fraction
+) -> dict[int, list[Answer]]:
+    """Return the targets' answers by address, with their stretches. long_low: positions; a longer low phase is one."""
+    answers: dict[int, list[Answer]] = defaultdict(list)
+    phases = [phase for transfer in transfers for phase in transfer.phases if is_addressed(phase)]
+    for phase, turn in zip(phases, turns(transfers), strict=True):
+        stretches = _stretches(phase, long_low, ticks_per_position)
+        answers[turn.address].append(replace(turn.answer, stretches=stretches))
+    return answers
 
 
 def obstacle(transfer: Transfer) -> str:

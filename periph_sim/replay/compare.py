@@ -48,7 +48,8 @@ class Change:
 class Divergence:
     """index: events before it. Times in seconds since the capture began; None where nothing came.
 
-    kind: one of KINDS. history: what the chip's registers did around it, in order.
+    kind: one of KINDS. history: what the chip's registers did around it, in order. cause: the statement of the firmware
+    that made it, or what else did, as a phrase.
     """
 
     index: int
@@ -58,6 +59,7 @@ class Divergence:
     replay_s: float | None
     kind: str = EVENT
     history: tuple[Change, ...] = ()
+    cause: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,16 +1,22 @@
-"""Divergences and the chip's side of each: a comparison goes in; divergences with their flag history come out.
+"""Divergences and the chip's side of each: a comparison goes in; divergences with flag history and statement come out.
 
-The run is made once more, now recorded, and ends soon behind the last divergence.
+The run is made once more, now recorded, and ends soon after the last divergence. The statement is the one that wrote
+what the wires show, else the one that was executed then.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from pathlib import Path
+from typing import NamedTuple
 
+from ..core.records import Record
+from ..processor.instruction_location import InstructionLocation
+from ..processor.source_location import SourceLocation
 from ..scene.scene import Scene
-from .compare import Change, Divergence
+from .compare import TIMING, Change, Divergence
 from .history import FlagHistory
 
 
@@ -28,6 +34,12 @@ class CaptureOrigin:
         tick = self.scene.kernel.now if seconds is None else self.origin + self._ticks(seconds)
         return tick, tick + self.after
 
+    def instant(self, divergence: Divergence) -> int:
+        """Return the tick of the statement to name: that of the event, or, if only its time differs, the captured one."""
+        if divergence.kind == TIMING and divergence.capture_s is not None:
+            return self.origin + self._ticks(divergence.capture_s)
+        return self.moment(divergence)[0]
+
     def seconds(self, tick: int) -> float:
         return float(self.scene.timebase.seconds(tick - self.origin))
 
@@ -38,23 +50,60 @@ class CaptureOrigin:
 Run = Callable[[FlagHistory, int], None]  # the same run again, with this listening, up to that tick
 
 
+class Role(NamedTuple):
+    """The role of a unit. writes: by the first words of an event, the register from which its value comes."""
+
+    module: str
+    writes: Mapping[str, str]
+
+
+AS_SLAVE = Role("I2C-A", {"data read": "I2CDXR"})
+AS_MASTER = Role("I2C-A", {"data write": "I2CDXR", "address": "I2CSAR"})
+AS_RECEIVER = Role("SCI-A", {})
+
+
 def with_history(
-    divergences: tuple[Divergence, ...], place: CaptureOrigin, unit: str, module: str, again: Run
+    divergences: tuple[Divergence, ...], place: CaptureOrigin, unit: str, role: Role, again: Run
 ) -> list[Divergence]:
-    """The same divergences, each with what the chip did around it."""
+    """Return the divergences, each with what the chip did around it and with the statement that caused it."""
     if not divergences:
         return []
     moments = [place.moment(divergence) for divergence in divergences]
-    history = FlagHistory(moments, unit, module)
+    instants = [place.instant(divergence) for divergence in divergences]
+    history = FlagHistory(moments, unit, role.module, instants=instants)
     again(history, max(until for _, until in moments))
     found = []
-    for divergence, moment in zip(divergences, moments, strict=True):
+    for divergence, moment, instant in zip(divergences, moments, instants, strict=True):
+        records = history.of(moment)
         changes = tuple(
-            Change(place.seconds(record.tick), _what(record.where, record.what), record.value)
-            for record in history.of(moment)
+            Change(place.seconds(record.tick), _what(record.where, record.what), record.value) for record in records
         )
-        found.append(replace(divergence, history=changes))
+        before = [record for record in records if record.tick <= moment[0]]
+        cause = divergence.cause or _write_of(divergence.found, role, before) or _executed(history.place(instant))
+        found.append(replace(divergence, history=changes, cause=cause))
     return found
+
+
+def _write_of(event: str, role: Role, records: Sequence[Record]) -> str:
+    """The statement that wrote the value of an event; "" if it is not the firmware's, or no such write was recorded."""
+    for words, register in role.writes.items():
+        if event.startswith(words):
+            value = int(event.removeprefix(words).split()[0], 16)
+            writes = [r for r in records if r.what == f"W {role.module}.{register}" and r.value & 0xFF == value]
+            if writes and isinstance(writes[-1].text, SourceLocation):
+                return f"{register} = 0x{value:02X} was written at {_shown(writes[-1].text)}"
+    return ""
+
+
+def _executed(place: SourceLocation | None) -> str:
+    return "" if place is None else f"the firmware was at {_shown(place)}"
+
+
+def _shown(place: SourceLocation) -> str:
+    """File, line and function; of an image without debug data function and address."""
+    if isinstance(place, InstructionLocation):
+        return str(place)
+    return f"{Path(place.path).name}:{place.line}, in {place.rpartition(':')[0]}"
 
 
 def _what(where: str, what: str) -> str:

@@ -10,9 +10,13 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from collections.abc import Sequence
+from functools import partial
 
 from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
+from ..processor.dsp import Dsp
+from ..processor.source_location import SourceLocation
+from ..scene.scene import Scene
 
 KEEP = 24  # changes of each field, and accesses of each kind to each register
 
@@ -20,19 +24,42 @@ REGISTERS = {"I2C-A": ("I2CSTR.", "I2CMDR."), "SCI-A": ("SCIRXST.", "SCIFFRX.", 
 
 
 class FlagHistory:
-    """moments: (tick, last tick to be shown) of each, by time. module: whose registers."""
+    """moments: (tick, last tick to be shown) of each, by time. module: whose registers. instants: when the statement
+    that is executed is noted."""
 
-    def __init__(self, moments: Sequence[tuple[int, int]], unit: str, module: str, keep: int = KEEP) -> None:
+    def __init__(
+        self,
+        moments: Sequence[tuple[int, int]],
+        unit: str,
+        module: str,
+        keep: int = KEEP,
+        instants: Sequence[int] = (),
+    ) -> None:
         self._moments = deque(sorted(moments, key=lambda moment: moment[1]))
+        self._instants = instants
         self._unit = unit
         self._where = f"{unit}.{module}"
         self._registers = REGISTERS[module]
         self._accesses = (f"R {module}.", f"W {module}.")
         self._rings: dict[str, deque[Record]] = defaultdict(lambda: deque(maxlen=keep))
         self._frozen: dict[tuple[int, int], list[Record]] = {}
+        self._places: dict[int, SourceLocation | None] = {}
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
         recorder.subscribe([Kind.FLAG, Kind.ACCESS], self._record)
+
+    def watch(self, scene: Scene) -> None:
+        """Note which statement the unit's firmware executes at each instant of this scene's run."""
+        dsp = scene.units[self._unit]
+        for tick in self._instants:
+            scene.kernel.at(max(tick, scene.kernel.now), partial(self._note_place, tick, dsp))
+
+    def _note_place(self, tick: int, dsp: Dsp) -> None:
+        self._places[tick] = dsp.processor.stands_at()
+
+    def place(self, instant: int) -> SourceLocation | None:
+        """The statement that was executed at an instant; None where the program has not begun or is over."""
+        return self._places.get(instant)
 
     def _record(self, record: Record) -> None:
         while self._moments and record.tick > self._moments[0][1]:

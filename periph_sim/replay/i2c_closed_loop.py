@@ -1,11 +1,12 @@
 """Closed loop: the controller's half of an I2C capture is played, the firmware's slave reacts for itself.
 
-    capture --decode--> transfers --> controller's half ------> I2cPlayer --> SCL, SDA <--> unit with the firmware
-                            |    \\--> other targets' answers --> ScriptedTarget --^    |
-                            v                                                    v
+    capture --decode--> transfers --> agents: controller, other targets --> SCL, SDA <--> unit with the firmware
+                            |                                                  |
+                            v                                                  v
                      events expected  <-------- compare -------->  events decoded from the wires
 
 The comparison shares no code with the agents or the chip: it decodes the wires as it decoded the capture.
+A difference that the agents make without the firmware, too, is theirs, and nothing after it is judged.
 A firmware whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer as the captured target did.
 """
 
@@ -16,23 +17,21 @@ from fractions import Fraction
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from ..bus.i2c.player import I2cPlayer
-from ..bus.i2c.scripted_target import ScriptedTarget
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
-from .compare import Comparison, compare
-from .divergence_history import CaptureOrigin, with_history
+from .agents import CapturedController, Plan, agents_own, asked_once_more, first_judged, without_firmware
+from .compare import TIMING, Comparison, compare
+from .divergence_history import AS_SLAVE, CaptureOrigin, with_history
 from .event_names import i2c_words
 from .history import FlagHistory
-from .i2c_script import controllers_half, hurried, moves, usual_hold
-from .i2c_setup import HOLD, LEAD, PATIENCE, STEP, TAIL, Answering, answering, played
+from .i2c_setup import LEAD, PATIENCE, STEP, TAIL, Answering, answering, played
 from .picture import closed_loop_picture
 from .report import Report
 from .scene_setup import alone, taken
 from .tolerance import tolerance_of
-from .verdict import verdict_of
+from .verdict import FAIL, NOT_JUDGED, verdict_of
 from .wire_log import WireLog
 
 if TYPE_CHECKING:
@@ -75,24 +74,23 @@ class I2cReplay:
         self._tolerance = tolerance
         self._per_position = scene.timebase.per_second / part.rate
         self.log = WireLog(scene.wire("SCL"), scene.wire("SDA"))
-        self._player = I2cPlayer(scene.kernel, scene.wire("SCL"), scene.wire("SDA"))
-        self._hold = usual_hold(part.transfers, part.half_sample)
-        self._longest_low = None if longest_low is None else longest_low * part.rate
-        self._next = 0
+        low = None if longest_low is None else longest_low * part.rate
+        self._agents = Plan(part, found.own, scene.timebase, self.origin, low, self._least_gap())
+        self._controller = CapturedController(
+            self._agents, scene.kernel, scene.wire("SCL"), scene.wire("SDA"), self._plan_end
+        )
+        self._player = self._controller.player
         self._over = False
-        self._others()
+        others = ", ".join(f"{address:02X}" for address in sorted(part.answers_of_others(found.own)))
+        if others:
+            part.notes.append(f"an agent answers for {others}, as captured")
 
     def _build(self, case: Case, found: Answering, subscribe: Subscribe | None) -> Scene:
         return Scene(alone(case, found.unit, "controller", found.forced, found.offered), subscribe)
 
-    def _others(self) -> None:
-        answers = self._part.answers_of_others(self._answering.own)
-        if answers:
-            scene = self._scene
-            hold = scene.timebase.ticks(HOLD, "nearest")
-            ScriptedTarget(scene.kernel, scene.wire("SCL"), scene.wire("SDA"), answers, hold)
-            names = ", ".join(f"{address:02X}" for address in sorted(answers))
-            self._part.notes.append(f"an agent answers for {names}, as captured")
+    def _least_gap(self) -> int | None:
+        """See `Plan`."""
+        return None
 
     # Running ------------------------------------------------------------------------
 
@@ -108,7 +106,7 @@ class I2cReplay:
         kernel, timebase = self.kernel, self._scene.timebase
         patience = timebase.ticks(self._patience, "nearest")
         step = timebase.ticks(STEP, "nearest")
-        self._plan()
+        self._controller.go_on()
         stuck = ""
         while not self._over and not stuck and (until is None or kernel.now <= until):
             kernel.run_until(kernel.now + min(step, patience - self._player.held(kernel.now)))
@@ -120,38 +118,23 @@ class I2cReplay:
                     f"{timebase.show(patience)}; --patience sets how long it waits"
                 )
             if progress is not None:
-                progress(self._next / len(self._part.transfers))
+                progress(self._controller.begun / len(self._part.transfers))
         return stuck
 
-    def _plan(self) -> None:
-        """The next transfer, or the end."""
-        kernel = self.kernel
-        if self._next == len(self._part.transfers):
-            kernel.at(self._last_tick(), self._end)
-        else:
-            kernel.at(max(self._due(), kernel.now), self._play)
-
-    def _due(self) -> int:
-        """When the capture has the next transfer, and later by what stretching has cost so far."""
-        begin = self._part.transfers[self._next].phases[0].start.at
-        return self.origin + int(begin * self._per_position) + self._player.delay
+    def _plan_end(self) -> None:
+        self.kernel.at(self._last_tick(), self._end)
 
     def _last_tick(self) -> int:
         return self.kernel.now + self._scene.timebase.ticks(TAIL, "nearest")
-
-    def _play(self) -> None:
-        edges = controllers_half(self._part.transfers[self._next], self._hold, self._part.half_sample)
-        if self._longest_low is not None:
-            edges = hurried(edges, self._longest_low, self._part.step)
-        self._next += 1
-        self._player.play(moves(edges, self._per_position), self._plan)
 
     def _end(self) -> None:
         self._over = True
         self.kernel.stop()
 
     def _again(self, history: FlagHistory, until: int) -> None:
-        I2cReplay(*self._given, subscribe=history.subscribe, patience=self._patience)._drive(until=until)
+        again = I2cReplay(*self._given, subscribe=history.subscribe, patience=self._patience)
+        history.watch(again._scene)
+        again._drive(until=until)
 
     # Summing up ---------------------------------------------------------------------
 
@@ -165,7 +148,11 @@ class I2cReplay:
         expected = i2c_words(part.expected, part.rate)
         found = i2c_words(events, Fraction(scene.timebase.per_second), self.origin)
         self._compared = expected, found
-        outcome = compare(expected, found, tolerance)
+        outcome = self._with_agents(compare(expected, found, tolerance), tolerance)
+        verdict = verdict_of(bool(stuck) or self._fails(outcome), bool(own.asked))
+        unjudged = own.unjudged
+        if verdict == FAIL and not stuck and self._agents_parted:
+            verdict, unjudged = NOT_JUDGED, self._agents_parted
         byte = int(9 * (part.low + part.high) * self._per_position)
         place = CaptureOrigin(scene, self.origin, byte)
         us = Fraction(1_000_000, scene.timebase.per_second)
@@ -174,16 +161,16 @@ class I2cReplay:
             case=scene.case.name,
             capture=str(part.capture.path),
             kind="i2c",
-            verdict=verdict_of(bool(stuck) or self._fails(outcome), bool(own.asked)),
+            verdict=verdict,
             events=len(part.expected),
             agreed=outcome.agreed,
             captured_events=part.captured_events,
             transfers=len(part.transfers),
             captured_transfers=len(part.whole),
             filled=taken(self._given[0], own.unit, own.offered),
-            unjudged=own.unjudged,
+            unjudged=unjudged,
             first_divergence=outcome.divergence,
-            divergences=with_history(outcome.ranked, place, self._answering.unit, "I2C-A", self._again),
+            divergences=with_history(outcome.ranked, place, self._answering.unit, AS_SLAVE, self._again),
             tolerance_us=float(tolerance * 1_000_000),
             bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),
             addresses=[f"{address:02X}" for address in own.own],
@@ -205,6 +192,20 @@ class I2cReplay:
         return closed_loop_picture(
             report, self._part.capture, self._given[2:4], self._part, self._replayed, self.origin, self._compared
         )
+
+    def _with_agents(self, outcome: Comparison, tolerance: Fraction) -> Comparison:
+        """Mark the differences that are the agents' own, and set `_agents_parted` if nothing is judged."""
+        self._agents_parted = ""
+        self._other_events = False  # since the agents made them
+        if not outcome.ranked:
+            return outcome
+        alone = without_firmware(self._agents, self._scene.start, self.kernel.now, tolerance)
+        outcome = agents_own(outcome, alone, tolerance)
+        first = first_judged(outcome, times=self._tolerance is not None)
+        if first is not None:
+            self._other_events = first.kind != TIMING and bool(first.cause)
+            self._agents_parted = first.cause or asked_once_more(self._compared[0], first, self._answering.own)
+        return outcome
 
     def _fails(self, outcome: Comparison) -> bool:
         return outcome.divergence is not None or (self._tolerance is not None and bool(outcome.ranked))

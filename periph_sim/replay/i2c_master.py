@@ -25,7 +25,7 @@ from ..traces.decode import i2c as decode
 from . import BadReplay
 from .as_master import as_master
 from .compare import compare
-from .divergence_history import CaptureOrigin, with_history
+from .divergence_history import AS_MASTER, CaptureOrigin, with_history
 from .event_names import i2c_words
 from .history import FlagHistory
 from .i2c_setup import HOLD, LEAD, STEP, TAIL, events_of, played
@@ -114,7 +114,9 @@ class I2cMasterReplay:
         return f"{self._unit} {scene.doing(scene.units[self._unit])}: the replay ends there" if until is None else ""
 
     def _again(self, history: FlagHistory, until: int) -> None:
-        I2cMasterReplay(*self._given, subscribe=history.subscribe)._drive(until=until)
+        again = I2cMasterReplay(*self._given, subscribe=history.subscribe)
+        history.watch(again._scene)
+        again._drive(until=until)
 
     # Summing up ---------------------------------------------------------------------
 
@@ -146,7 +148,7 @@ class I2cMasterReplay:
             captured_transfers=len(part.whole),
             filled=self._filled,
             first_divergence=outcome.divergence,
-            divergences=with_history(outcome.ranked, place, self._unit, "I2C-A", self._again),
+            divergences=with_history(outcome.ranked, place, self._unit, AS_MASTER, self._again),
             tolerance_us=float((self._tolerance or Fraction(0)) * 1_000_000),
             bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),
             addresses=[f"{address:02X}" for address in sorted(self._half.answers)],

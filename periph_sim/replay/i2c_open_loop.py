@@ -34,7 +34,7 @@ from ..scene.wires import SceneWires
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c as decode
 from .compare import TIMING, Divergence, compare
-from .divergence_history import CaptureOrigin, with_history
+from .divergence_history import AS_SLAVE, CaptureOrigin, with_history
 from .event_names import i2c_words
 from .history import FlagHistory
 from .i2c_setup import LEAD, TAIL, Played, answering, played
@@ -130,6 +130,7 @@ class I2cOpenReplay:
 
     def _again(self, history: FlagHistory, until: int) -> None:
         replay = I2cOpenReplay(*self._given, subscribe=history.subscribe)
+        history.watch(replay._scene)
         replay.kernel.run_until(min(until + 1, replay._end_tick()))
 
     # What the chip would have done ----------------------------------------------------
@@ -239,7 +240,7 @@ class I2cOpenReplay:
             unjudged=own.unjudged,
             first_divergence=outcome.divergence,
             divergences=with_history(
-                ranked, CaptureOrigin(scene, self.origin, byte), self._answering.unit, "I2C-A", self._again
+                ranked, CaptureOrigin(scene, self.origin, byte), self._answering.unit, AS_SLAVE, self._again
             ),
             tolerance_us=float(tolerance * us),
             bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),

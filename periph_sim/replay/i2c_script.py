@@ -117,12 +117,17 @@ def turns(transfers: list[Transfer]) -> Iterator[Turn]:
     """Every addressed part of the transfers, in order; none for an address that was cut off."""
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases):
-            if phase.address is None or phase.read is None or len(phase.bytes[0].bits) < 9:
+            if phase.address is None or phase.read is None or not is_addressed(phase):
                 continue
             last = number + 1 == len(transfer.phases)
             stop = transfer.stop.at if last and transfer.stop is not None else None
             ninth = phase.bytes[0].bits[8].at
             yield Turn(phase.address, phase.read, _answer(phase), phase.start.at, ninth, stop)
+
+
+def is_addressed(phase: Phase) -> bool:
+    """True if a phase has a whole address byte with its ACK."""
+    return phase.address is not None and phase.read is not None and len(phase.bytes[0].bits) >= 9
 
 
 def most_frequent(of: list[Turn]) -> int | None:

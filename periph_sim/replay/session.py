@@ -119,8 +119,6 @@ class SessionReplay(I2cReplay):
         EdgePlayer(scene.kernel, scene.wire("RX"), edges)
         scene.bus.before.append(self._expect)
         self._whole = iter([transfer for transfer in self._part.transfers if transfer.stop is not None])
-        gaps = [transfer.gap for transfer in self._part.transfers if transfer.gap is not None]
-        self._least_gap = int(min(gaps, default=0) * self._per_position)
         scene.kernel.at(self._serial_origin, self._plan_frames)
         if longest_low is None:
             self._part.notes.append(
@@ -172,10 +170,10 @@ class SessionReplay(I2cReplay):
 
     # Running ------------------------------------------------------------------------
 
-    def _due(self) -> int:
-        """As captured; later only where the transfer before has just ended."""
-        begin = self._part.transfers[self._next].phases[0].start.at
-        return max(self.origin + int(begin * self._per_position), self.kernel.now + self._least_gap)
+    def _least_gap(self) -> int:
+        """Transfers begin as captured, and later only where the one before has just ended."""
+        gaps = [transfer.gap for transfer in self._part.transfers if transfer.gap is not None]
+        return int(min(gaps, default=0) * self._per_position)
 
     def _last_tick(self) -> int:
         soon = self.kernel.now + self._scene.timebase.ticks(TAIL, "nearest")
@@ -202,6 +200,7 @@ class SessionReplay(I2cReplay):
             history.subscribe,
             patience=self._patience,
         )
+        history.watch(again._scene)
         again._drive(until=until)
 
     def _report(self, wall: float, stuck: list[str]) -> Report:
@@ -222,7 +221,7 @@ class SessionReplay(I2cReplay):
                 for verdict in left_out
             ),
         ]
-        if not all(verdict.passed for verdict in judged):
+        if not all(verdict.passed for verdict in judged) and not self._other_events:
             report.verdict = FAIL
         if self._serial_doubt:
             if report.verdict == PASS:

@@ -32,7 +32,7 @@ from ..traces.decode import uart as decode
 from . import BadReplay
 from .ambiguous import Word, settled
 from .compare import NOTHING, Divergence, Happened, compare
-from .divergence_history import CaptureOrigin, with_history
+from .divergence_history import AS_RECEIVER, CaptureOrigin, with_history
 from .history import FlagHistory
 from .line_errors import line_errors
 from .picture import Side, divergence_picture, title_of
@@ -255,10 +255,12 @@ class UartReplay:
     def _with_history(self, ranked: tuple[Divergence, ...], line: decode.Line) -> list[Divergence]:
         scene = self._scene
         frame = scene.timebase.ticks(12 / Fraction(line.baud), "up")
-        return with_history(ranked, CaptureOrigin(scene, self._origin, frame), self._unit, "SCI-A", self._again)
+        return with_history(ranked, CaptureOrigin(scene, self._origin, frame), self._unit, AS_RECEIVER, self._again)
 
     def _again(self, history: FlagHistory, until: int) -> None:
-        UartReplay(*self._given, subscribe=history.subscribe, lead=self._lead).kernel.run_until(until + 1)
+        again = UartReplay(*self._given, subscribe=history.subscribe, lead=self._lead)
+        history.watch(again._scene)
+        again.kernel.run_until(until + 1)
 
     def received(self) -> list[Happened]:
         """What the firmware has read from SCIRXBUF so far."""

@@ -96,6 +96,8 @@ def test_a_divergence_is_exit_status_1_and_tells_where(call, tens):
     status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--format", "7n1")
     assert status == 1 and "FAIL" in out and "0 of " in out
     assert "first wrong byte" in out and "expected 00 FE at 0.000300 s" in out and "found 00 at" in out
+    line = TENS.splitlines().index("            sci.SCIRXBUF.all") + 1
+    assert f"the firmware was at tens.py:{line}, in main" in out
 
 
 def test_a_rate_that_is_off_is_noted(call, tens):

@@ -1,0 +1,168 @@
+"""The agents of a closed loop: the captured controller, and the captured targets that are not the firmware's.
+
+    transfers --> CapturedController --> SCL, SDA <-- ScriptedTarget <-- captured answers
+
+They can differ from the capture without the firmware, for instance where `longest_low` cuts a pause of the controller.
+`without_firmware` plays them alone, with the captured answers in the firmware's place: a difference that occurs there,
+too, is the agents' own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+
+from ..bus.i2c.player import I2cPlayer
+from ..bus.i2c.scripted_target import ScriptedTarget
+from ..core.kernel import Kernel
+from ..core.records import Recorder
+from ..core.time import Timebase
+from ..core.wire import Wire
+from ..traces.decode import i2c as decode
+from .as_master import stretched_answers
+from .compare import CONDITIONS, TIMING, Comparison, Divergence, Happened, compare
+from .event_names import i2c_words
+from .i2c_script import controllers_half, hurried, moves, usual_hold
+from .i2c_setup import HOLD, Played
+from .wire_log import WireLog
+
+AGENTS = "the replay's own controller and targets"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The settings with which the agents play a capture.
+
+    own: addresses of the firmware. origin: tick of the capture's begin. longest_low: positions for which the controller
+    holds SCL low at most, None: as captured. least_gap: ticks between two transfers, in which the controller makes up
+    for what was late; None: it keeps the captured pauses, so that all that follows is as late.
+    """
+
+    part: Played
+    own: Sequence[int]
+    timebase: Timebase
+    origin: int
+    longest_low: Fraction | None = None
+    least_gap: int | None = None
+
+    @property
+    def per_position(self) -> Fraction:
+        """Ticks."""
+        return self.timebase.per_second / self.part.rate
+
+
+class CapturedController:
+    """Plays the controller's half of each transfer; the answers of targets that are not the firmware's come with it.
+
+    player: makes the edges. begun: transfers so far. on_end: called after the last.
+    """
+
+    def __init__(self, plan: Plan, kernel: Kernel, scl: Wire, sda: Wire, on_end: Callable[[], None]) -> None:
+        self.begun = 0
+        self.player = I2cPlayer(kernel, scl, sda)
+        self._plan = plan
+        self._kernel = kernel
+        self._on_end = on_end
+        self._hold = usual_hold(plan.part.transfers, plan.part.half_sample)
+        self._late = 0  # ticks by which the last transfer ended later than captured
+        self._cut = 0  # ticks by which `longest_low` has shortened it
+        self._delay = 0  # of the player, when it began
+        answers = plan.part.answers_of_others(plan.own)
+        if answers:
+            ScriptedTarget(kernel, scl, sda, answers, plan.timebase.ticks(HOLD, "nearest"))
+
+    def go_on(self) -> None:
+        """Play the next transfer when it is due, and all that follow."""
+        self._late = max(0, self._late + self.player.delay - self._delay - self._cut)
+        self._delay = self.player.delay
+        if self.begun == len(self._plan.part.transfers):
+            self._on_end()
+        else:
+            self._kernel.at(max(self._due(), self._kernel.now), self._play)
+
+    def _due(self) -> int:
+        plan = self._plan
+        captured = plan.origin + int(plan.part.transfers[self.begun].phases[0].start.at * plan.per_position)
+        if plan.least_gap is None:
+            return captured + self._late
+        return max(captured, self._kernel.now + plan.least_gap)
+
+    def _play(self) -> None:
+        plan = self._plan
+        captured = edges = controllers_half(plan.part.transfers[self.begun], self._hold, plan.part.half_sample)
+        if plan.longest_low is not None:
+            edges = hurried(captured, plan.longest_low, plan.part.step)
+        self._cut = int((captured[-1].at - edges[-1].at) * plan.per_position) if edges else 0
+        self.begun += 1
+        self.player.play(moves(edges, plan.per_position), self.go_on)
+
+
+def without_firmware(plan: Plan, start: int, end: int, tolerance: Fraction) -> Comparison:
+    """Return the comparison for a run of the agents alone, with captured answers in the firmware's place.
+
+    start, end: ticks of the run. tolerance: seconds.
+    """
+    part, kernel, recorder = plan.part, Kernel(start), Recorder()
+    scl, sda = (Wire(kernel, name, recorder) for name in ("SCL", "SDA"))
+    log = WireLog(scl, sda)
+    answers = stretched_answers(part.transfers, part.long_low, plan.per_position)
+    own = {address: answers[address] for address in plan.own if address in answers}
+    ScriptedTarget(kernel, scl, sda, own, 1, "firmware")
+    CapturedController(plan, kernel, scl, sda, _no_more).go_on()
+    kernel.run_until(end)
+    events = decode.events(log.capture(plan.timebase, kernel.now), "SCL", "SDA")
+    found = i2c_words(events, Fraction(plan.timebase.per_second), plan.origin)
+    return compare(i2c_words(part.expected, part.rate), found, tolerance)
+
+
+def agents_own(outcome: Comparison, alone: Comparison, tolerance: Fraction) -> Comparison:
+    """The outcome with its cause at each difference that `alone`, without the firmware, shows at the same event."""
+    return replace(outcome, ranked=tuple(_marked(one, alone.ranked, tolerance) for one in outcome.ranked))
+
+
+def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction) -> Divergence:
+    for other in alone:
+        if (one.kind, one.index) == (other.kind, other.index) and _is_same(one, other, float(tolerance)):
+            what = "their time" if one.kind == TIMING else "this event"
+            return replace(one, cause=f"{AGENTS} differ in {what} without the firmware, too")
+    return one
+
+
+def _is_same(one: Divergence, other: Divergence, tolerance: float) -> bool:
+    """True if both differ in the same way from the capture."""
+    if one.kind != TIMING:
+        return one.found == other.found
+    return one.replay_s is not None and other.replay_s is not None and abs(one.replay_s - other.replay_s) <= tolerance
+
+
+def first_judged(outcome: Comparison, times: bool) -> Divergence | None:
+    """The earliest difference that fails a replay; times: differences in time do."""
+    judged = [one for one in outcome.ranked if times or one.kind != TIMING]
+    return min(judged, key=lambda one: one.index, default=None)
+
+
+def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequence[int]) -> str:
+    """Return a sentence that says why a refusal of the firmware's address is no fault; "" if it may be one.
+
+    expected: events of the capture. Firmware that has answered before, and refuses after captured refusals, is busy for
+    longer than the captured target. A controller that polls would ask again, but only the captured polls are played.
+    """
+    if (first.expected, first.found) != ("ACK", "NACK"):
+        return ""
+    *before, asked = [event.words for event in expected[: first.index] if event.words not in CONDITIONS]
+    address = asked.split()[1] if asked.startswith("address ") else ""
+    answers = [answer for words, answer in pairwise(before) if words.startswith(f"address {address} ")]
+    if not address or int(address, 16) not in own or "ACK" not in answers:
+        return ""
+    if before[-1] != "NACK" or not before[-2].startswith(f"address {address} "):
+        return ""
+    return (
+        f"the firmware refuses {address} once more where the captured target answers behind refusals: a controller "
+        "that polls would ask again, and the replayed one asks as often as in the capture"
+    )
+
+
+def _no_more() -> None:
+    """Do nothing after the last transfer."""

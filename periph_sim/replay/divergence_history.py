@@ -35,7 +35,7 @@ class CaptureOrigin:
         return tick, tick + self.after
 
     def instant(self, divergence: Divergence) -> int:
-        """Return the tick of the statement to name: that of the event, or, if only its time differs, the captured one."""
+        """Return the tick of the statement to name: the event's, or, if only the time differs, the captured one."""
         if divergence.kind == TIMING and divergence.capture_s is not None:
             return self.origin + self._ticks(divergence.capture_s)
         return self.moment(divergence)[0]

@@ -7,7 +7,6 @@ Lines are drawn, not changes: a line full of constants is one chance like any ot
 
 from __future__ import annotations
 
-import ast
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -19,12 +18,14 @@ from .operators import Change, changes
 class Room:
     """sources: folders of the package. tests: folders of tests that are about them. also: others that run them.
 
-    What passes the tests that run a line is tried with whole files of `tests`, the long ones too; of `also` no more.
+    A mutant that passes the tests that run its line is tried with each folder of `tests` whole, the long tests too; of
+    `also` only tests that run the line are tried. without: files of the sources that are not sampled.
     """
 
     sources: tuple[str, ...]
     tests: tuple[str, ...]
     also: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
 
 
 ROOMS = {
@@ -39,24 +40,28 @@ ROOMS = {
     ),
     "numeric": Room(("periph_sim/sensors/numeric",), ("tests/sensors/numeric",)),
     "models": Room(("periph_sim/sensors/models",), ("tests/sensors/models",)),
-    "c28x": Room(("periph_sim/c28x",), ("tests/c28x",), ("tests/image", "tests/processor/image")),
+    "c28x": Room(("periph_sim/c28x",), ("tests/c28x", "tests/processor/image", "tests/image")),
     "image": Room(("periph_sim/image",), ("tests/image",)),
     "extremes": Room(("periph_sim/sensors/extremes",), ("tests/sensors/extremes",)),
     "outside": Room(("periph_sim/outside",), ("tests/outside", "tests/scene/test_outside_parties.py")),
+    "scene": Room(("periph_sim/scene",), ("tests/scene",), without=("periph_sim/scene/whole_bytes.py",)),
+    "replay": Room(("periph_sim/replay",), ("tests/replay",)),
+    "records": Room(("periph_sim/records",), ("tests/records",)),
+    "devices": Room(("periph_sim/devices",), ("tests/devices",)),
+    "baselines": Room(("periph_sim/reports/baselines",), ("tests/reports/baselines",)),
 }
 USUAL = ("chips", "processor", "measures", "decoders", "insight")
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """path: from the root. before, after: the line, without blanks around it. in_function: no import runs the line."""
+    """path: from the root. before, after: the line, without blanks around it."""
 
     room: str
     path: str
     change: Change
     before: str
     after: str
-    in_function: bool
 
     def __str__(self) -> str:
         return f"{self.path}:{self.change.line}: {self.before}  -->  {self.after}"
@@ -64,32 +69,23 @@ class Mutant:
 
 def files_of(room: str, root: Path) -> list[str]:
     """The sources of a room, from the root. SystemExit for a room that has none: its folder has moved."""
-    found = sorted(
-        str(path.relative_to(root)) for folder in ROOMS[room].sources for path in (root / folder).rglob("*.py")
-    )
-    if not found:
-        raise SystemExit(f"room {room!r}: no sources in {', '.join(ROOMS[room].sources)}; see tests/mutants/sample.py")
-    return found
+    sources, without = ROOMS[room].sources, ROOMS[room].without
+    found = {str(path.relative_to(root)) for folder in sources for path in (root / folder).rglob("*.py")}
+    if not found or not found >= {*without}:
+        raise SystemExit(f"room {room!r}: {', '.join((*sources, *without))}: not there; see tests/mutants/sample.py")
+    return sorted(found - {*without})
 
 
 def mutants_of(room: str, path: str, root: Path) -> list[list[Mutant]]:
     """Every mutant of a file, line by line."""
     source = (root / path).read_text(encoding="utf-8")
     lines = source.encode().splitlines(keepends=True)
-    inside = _lines_of_functions(source)
     found: dict[int, list[Mutant]] = {}
     for change in changes(source):
         line = lines[change.line - 1]
         before, after = line.decode().strip(), change.applied(line).decode().strip()
-        mutant = Mutant(room, path, change, before, after, change.line in inside)
-        found.setdefault(change.line, []).append(mutant)
+        found.setdefault(change.line, []).append(Mutant(room, path, change, before, after))
     return list(found.values())
-
-
-def _lines_of_functions(source: str) -> set[int]:
-    """Those of their bodies: not of their heads, whose defaults are computed on import."""
-    functions = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.FunctionDef)]
-    return {line for f in functions for line in range(f.body[0].lineno, (f.end_lineno or 0) + 1)}
 
 
 def every(path: str, root: Path) -> list[Mutant]:

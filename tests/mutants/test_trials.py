@@ -97,8 +97,17 @@ def test_the_same_seed_draws_the_same_lines_each_once(tree: Tree) -> None:
 
 def test_a_room_without_sources_is_no_pass(tree: Tree, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sample.ROOMS, "empty", Room(("gone",), ()))
-    with pytest.raises(SystemExit, match="room 'empty': no sources in gone"):
+    with pytest.raises(SystemExit, match="room 'empty': gone: not there"):
         drawn(("empty",), 4, 1, tree.folder)
+    monkeypatch.setitem(sample.ROOMS, "moved", Room(("room",), (), without=("room/gone.py",)))
+    with pytest.raises(SystemExit, match=r"room 'moved': room, room/gone.py: not there"):
+        drawn(("moved",), 4, 1, tree.folder)
+
+
+def test_files_left_out_are_not_sampled(tree: Tree, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert sample.files_of("room", tree.folder) == ["room/__init__.py", "room/code.py"]
+    monkeypatch.setitem(sample.ROOMS, "part", Room(("room",), (), without=("room/code.py",)))
+    assert sample.files_of("part", tree.folder) == ["room/__init__.py"]
 
 
 def test_a_commit_that_is_not_there(root: Path) -> None:
@@ -153,6 +162,15 @@ def test_only_a_long_test_kills_this_one(tree: Tree, runner: Runner) -> None:
     assert (trial.outcome, trial.reached) == ("killed", 0)
     (tree.folder / "tests/room/test_code.py").write_text(TESTS.partition("@pytest.mark.long")[0], encoding="utf-8")
     assert tried(mutant(tree, "return high if x >= high else x"), runner, Reach({})).outcome == "survived"
+
+
+@pytest.mark.long
+def test_a_file_that_the_map_does_not_name_kills_too(tree: Tree, runner: Runner) -> None:
+    """The map holds the first row of each table only; here a later row of another file runs the line."""
+    (tree.folder / "tests/room/test_other.py").write_text("def test_runs_it(): pass", encoding="utf-8")
+    reach = Reach({"room/code.py": {7: ["tests/room/test_other.py::test_runs_it"]}})
+    trial = tried(mutant(tree, "return high if not (x > high) else x"), runner, reach)
+    assert (trial.outcome, trial.by) == ("killed", "tests/room/test_code.py::test_below[5]")
 
 
 @pytest.mark.long

@@ -5,9 +5,10 @@ a few tests that run the line --> its namesake --> the others that run it --> fi
          +----> killed <-------------+-----------------+----------------------+---------------------+    survived
                                                                           a limit of time: timeout, counted apart
 
-The namesake is the test file named after the mutated one. Files run whole, the long tests too. All files are those of
-the room that run the line; where no short test does, or it runs on import, every file of it. What killed has to pass
-without the mutant, in the same process: a test that fails as it is judges none, and is told.
+The namesake is the test file named after the mutated one. Files run whole, the long tests too. All files are first
+those with a short test that runs the line, then the folders of the room in the order of its entry, the quickest first:
+coverage counts no long tests, and of a table of parameters only the first row, so that its map misses tests. A test
+that killed a mutant has to pass without it, in the same process: one that fails as it is judges none, and is reported.
 """
 
 from __future__ import annotations
@@ -45,17 +46,13 @@ def tried(mutant: Mutant, runner: Runner, reach: Reach, patience: float = 3600) 
     near = reach.tests_of(mutant.path, mutant.change.line)
     ran, cpu = Ran("survived"), 0.0
     named, importing = _own_files(mutant, runner.tree.folder)
-    for tests in (near[:NEAREST], named, near[NEAREST:], importing, _files(mutant, near)):
+    own = ROOMS[mutant.room].tests
+    files = sorted({test.partition("::")[0] for test in near if test.startswith(own)})
+    for tests in (near[:NEAREST], named, near[NEAREST:], importing, files, *([folder] for folder in own)):
         if tests and ran.outcome == "survived" and cpu < patience:
             ran = _ran(mutant, runner, reach, tests, patience - cpu)
             cpu += ran.cpu
     return Trial(mutant, ran.outcome, ran.by, len(near), cpu, perf_counter() - begin)
-
-
-def _files(mutant: Mutant, near: list[str]) -> list[str]:
-    own = ROOMS[mutant.room].tests
-    files = sorted({test.partition("::")[0] for test in near if test.startswith(own)})
-    return files if files and mutant.in_function else list(own)
 
 
 def _own_files(mutant: Mutant, root: Path) -> tuple[list[str], list[str]]:

@@ -166,11 +166,16 @@ def test_only_a_long_test_kills_this_one(tree: Tree, runner: Runner) -> None:
 
 @pytest.mark.long
 def test_a_file_that_the_map_does_not_name_kills_too(tree: Tree, runner: Runner) -> None:
-    """The map holds the first row of each table only; here a later row of another file runs the line."""
-    (tree.folder / "tests/room/test_other.py").write_text("def test_runs_it(): pass", encoding="utf-8")
-    reach = Reach({"room/code.py": {7: ["tests/room/test_other.py::test_runs_it"]}})
+    """The map holds the first row of each table only; here a later row of another file, its helper's, runs the line."""
+    helped = "from helper import below\n@pytest.mark.parametrize('x', [0, 5])\ndef test_row(x): below(x)\n"
+    helper = "from room import code\ndef below(x): assert code.clamp(x, 3, 9) == max(3, x)\n"
+    folder = tree.folder / "tests/room"
+    (folder / "helper.py").write_text(helper, encoding="utf-8")
+    (folder / "test_table.py").write_text(f"import pytest\n{helped}", encoding="utf-8")
+    (folder / "test_code.py").write_text("def test_runs_it(): pass", encoding="utf-8")
+    reach = Reach({"room/code.py": {7: ["tests/room/test_code.py::test_runs_it"]}})
     trial = tried(mutant(tree, "return high if not (x > high) else x"), runner, reach)
-    assert (trial.outcome, trial.by) == ("killed", "tests/room/test_code.py::test_below[5]")
+    assert (trial.outcome, trial.by) == ("killed", "tests/room/test_table.py::test_row[5]")
 
 
 @pytest.mark.long

@@ -79,6 +79,15 @@ def test_an_unsure_start_in_a_burst_may_shift_all_of_it_but_nothing_behind_the_p
     assert judged([*burst, behind], 0x41, 0x42, 0x43, 0x54)[:2] == (["42", "43", "55"], ["42", "43", "54"])
 
 
+def test_words_agree_up_to_the_next_unsure_start_whatever_was_read_there():
+    events = [frame(0, 0x41, unsure=1), frame(100, 0x42), frame(200, 0x43, unsure=1), frame(1000, 0x55)]
+    assert judged(events, 0x41, 0x42, 0x90, 0x55) == (["42", "55"], ["42", "55"], 2)
+
+
+def test_of_words_that_repeat_those_are_taken_that_end_with_the_line():
+    assert judged([frame(0, 0x55, unsure=1), frame(1000, 0x55)], 0x55, 0x55) == (["55"], ["55"], 1)
+
+
 def test_a_rejected_start_of_a_quarter_bit_may_be_a_frame_and_a_shorter_one_is_none():
     likely, short = RejectedStart(0, 4), RejectedStart(0, 2)
     events = [frame(1000, 0x55)]

@@ -88,6 +88,7 @@ def test_words_still_in_the_fifo_are_told_and_are_no_divergence(call, tens):
     status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--json")
     report = json.loads(out)
     assert status == 0 and (report["events"], report["bytes"]) == (24, 20)
+    assert not any(report[of_i2c] for of_i2c in ("transfers", "captured_transfers", "nacks", "captured_stretch_us"))
     assert "words still in the FIFO, which the firmware has not asked for yet: 4" in report["notes"]
 
 
@@ -103,6 +104,27 @@ def test_a_divergence_is_exit_status_1_and_tells_where(call, tens):
 def test_a_rate_that_is_off_is_noted(call, tens):
     _, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--set", "unit.dsp.settings.brr=42")
     assert "note: the SCI runs at 109012 baud, -5.4 % off the line's 115200" in out
+
+
+@pytest.mark.parametrize(("oscclk", "noted"), [("30.6 MHz", False), ("30.7 MHz", True)])
+def test_a_rate_that_is_off_by_two_percent_is_not_noted(call, tens, oscclk: str, noted: bool):
+    """BRR = 99 makes 46875 baud of a crystal of 30 MHz."""
+    changes = ["--set", "unit.dsp.settings.brr=99", "--set", f"unit.dsp.oscclk={oscclk}"]
+    _, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "46875", *changes)
+    assert ("% off the line's" in out) == noted
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [[NACK, RESPONDER], [NACK, RESPONDER, "--loop", "open"], [NACK, MASTER], [HOST_FRAMES, LOGGER]],
+    ids=["closed", "open", "master", "uart"],
+)
+def test_simulated_time_is_counted_from_the_start_of_the_case(call, arguments):
+    capture, case, *loop = arguments
+    line = ["replay", capture, "--case", case, *loop, "--json"]
+    reports = [json.loads(call(*line, "--set", f"start={at}")[1]) for at in ("0 s", "10 s")]
+    assert reports[0]["simulated_s"] == reports[1]["simulated_s"] < 1
+    assert reports[0]["agreed"] == reports[1]["agreed"] > 0
 
 
 def test_a_recording_of_the_replay(call, tmp_path):

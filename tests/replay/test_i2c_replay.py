@@ -332,7 +332,13 @@ def test_patience_sets_how_long_a_stretch_may_be(slow):
 
 
 @pytest.mark.parametrize(
-    ("bits", "note"), [(3, "in the middle of a byte, after 3 bits"), (9, "before a STOP"), (0, "")]
+    ("bits", "note"),
+    [
+        (1, "in the middle of a byte, after 1 bit"),
+        (3, "in the middle of a byte, after 3 bits"),
+        (9, "before a STOP"),
+        (0, ""),
+    ],
 )
 def test_a_capture_that_is_cut_in_its_last_transfer_says_so(slow, bits: int, note: str):
     """A write that ends with the capture, or with its STOP."""

@@ -79,6 +79,8 @@ def test_single_frames_with_errors_are_counted_and_more_than_a_tenth_is_not_judg
     assert (report.verdict, report.captured_errors, report.errors["FE"]) == (verdict, wrong, wrong)
     if verdict == "pass":
         assert headline(report) == f"PASS ({wrong} of 44 frames have errors in the capture itself)"
+    else:  # words of 9 bits would fit without an error, but the SCI has none
+        assert report.unjudged.endswith("errors; expected few; check rate, format and polarity of the line")
 
 
 @pytest.mark.parametrize("behind", [[], [1] * 20])
@@ -87,6 +89,7 @@ def test_breaks_are_no_errors_of_the_line(behind: list[int]):
     header = [0] * 13 + [1, 1] + frame_bits(0x55) + frame_bits(0x3C)
     report = replay(sent(header, header, [0] * 13 + behind, pause=40)[: int((40 + 2 * 40 + 14 + len(behind)) * BIT)])
     assert (report.verdict, report.captured_errors, report.errors["FE"]) == ("pass", 0, 3)
+    assert any(note.startswith("low for a frame or longer, 13.0 bits at most: ") for note in report.notes)
 
 
 def test_a_capture_that_is_cut_within_a_frame_says_so():
@@ -96,6 +99,14 @@ def test_a_capture_that_is_cut_within_a_frame_says_so():
     assert (report.verdict, report.events) == ("pass", 43)
     (note,) = report.notes
     assert note.endswith("to their end, so that they are not compared: 1, the last with 4 data bits")
+
+
+def test_a_capture_that_ends_in_the_middle_of_its_last_stop_bit_has_that_frame():
+    """At 1200 baud the SCI receives it up to a quarter of a bit later, and the firmware takes it then."""
+    bit = Fraction(RATE, 1200)
+    line = uart_wave([(Fraction(40), frame_bits(0x41))], bit, 40 + int(Fraction(96, 10) * bit))
+    report = replay(line, 1200)
+    assert (report.verdict, report.events, report.agreed) == ("pass", 1, 1)
 
 
 @pytest.mark.parametrize(("baud", "doubted"), [(115_200, False), (230_400, True)])

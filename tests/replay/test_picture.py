@@ -35,9 +35,10 @@ def test_a_wrong_byte_is_drawn_with_both_values_and_the_write_that_made_it(repla
         "SDA",
     )
     shown = texts(player.picture(player.run()))
-    for text in ("capture", side, "SCL", "SDA", "E5", "E4", "53 read", "AAS", "SDIR", "XRDY", "W I2CDXR"):
+    for text in ("capture", side, "SCL", "SDA", "E5", "E4", "53 read", "A", "N", "AAS", "SDIR", "XRDY", "W I2CDXR"):
         assert text in shown, text
     assert "expected data read E5, found data read E4" in shown and "last agreed" in shown
+    assert "1" not in shown, "flags of one bit are lines, and not boxes with their values"
 
 
 def test_a_stretch_is_drawn_with_the_event_at_both_its_times(tmp_path):

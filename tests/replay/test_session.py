@@ -119,6 +119,7 @@ def test_a_slower_model_breaks_its_budget_on_the_captured_session():
 def test_a_firmware_that_does_not_wait_for_sdir_sends_wrong_bytes():
     report = replay(run()[1], "unit.dsp.settings.sdir_wait=false")
     assert report.verdict == "fail" and report.divergences[0].kind == "byte"
+    assert any(change.what == "W I2C-A.I2CDXR" for change in report.divergences[0].history)
     assert by_name(report.budgets)["wrong bytes"].verdict == "fail"
 
 
@@ -190,6 +191,29 @@ def test_without_a_check_against_the_host_the_captured_bytes_are_the_right_ones(
     report = replay(edges.capture(scene.kernel.now + 1), "unit.dsp.settings.byte=0x11", case=case)
     wrong = by_name(report.budgets)["wrong bytes"]
     assert (wrong.verdict, wrong.worst, wrong.count) == ("fail", 10, 10)
+
+
+STUCK = """
+[[budget]]
+name = "stuck"
+measure = "stuck"
+max = 0
+"""
+
+
+def test_a_firmware_that_holds_scl_until_patience_is_over_is_stuck(tmp_path):
+    case = slow_case(tmp_path, '"I2C-A", "SCI-A"', BUDGETS + STUCK)
+    edges = Edges()
+    scene = Scene(load(case), edges.subscribe)
+    scene.run(Fraction(20, 1000))
+    for wait, times in ((1_000, 0), (100_000, 1)):
+        report = replay(
+            edges.capture(scene.kernel.now + 1),
+            f"unit.dsp.settings.wait={wait}",
+            case=case,
+            patience=Fraction(10, 1000),
+        )
+        assert by_name(report.budgets)["stuck"].worst == times
 
 
 def test_a_session_needs_both_modules_in_one_unit():

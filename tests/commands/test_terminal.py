@@ -40,6 +40,23 @@ def test_one_types_and_the_sci_answers(tmp_path: Path) -> None:
     os.close(mine)
 
 
+def test_a_session_that_ends_by_itself_says_so_and_why(tmp_path: Path) -> None:
+    mine, its = os.openpty()
+    case = written(tmp_path)
+    (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
+    command = [sys.executable, "-m", "periph_sim", "terminal", str(case)]
+    typed = subprocess.Popen(command, stdin=its, stdout=its, stderr=its)
+    os.close(its)
+    shown = ""
+    while "the session has ended; press a key" not in shown:
+        shown += os.read(mine, 1000).decode()
+    os.write(mine, b"a")
+    while "ZeroDivisionError" not in shown:
+        shown += os.read(mine, 1000).decode()
+    assert typed.wait(60) == 2
+    os.close(mine)
+
+
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [

@@ -43,7 +43,14 @@ ROOMS = {
     "c28x": Room(("periph_sim/c28x",), ("tests/c28x", "tests/processor/image", "tests/image")),
     "image": Room(("periph_sim/image",), ("tests/image",)),
     "extremes": Room(("periph_sim/sensors/extremes",), ("tests/sensors/extremes",)),
-    "outside": Room(("periph_sim/outside",), ("tests/outside", "tests/scene/test_outside_parties.py")),
+    "outside": Room(
+        ("periph_sim/outside",),
+        (
+            "tests/outside",
+            "tests/scene/test_outside_parties.py",
+            *(f"tests/commands/test_{name}.py" for name in ("terminal", "serve", "host_unit")),
+        ),
+    ),
     "scene": Room(("periph_sim/scene",), ("tests/scene",), without=("periph_sim/scene/whole_bytes.py",)),
     "replay": Room(("periph_sim/replay",), ("tests/replay",)),
     "records": Room(("periph_sim/records",), ("tests/records",)),

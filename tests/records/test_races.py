@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -13,7 +15,7 @@ from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp
 from periph_sim.records.races import NearMiss, races
 from periph_sim.records.races_text_report import as_json, text
-from periph_sim.records.run import NotInRun
+from periph_sim.records.run import NotInRun, Run
 from periph_sim.scene import unit as unit_module
 from periph_sim.scene.firmware_loader import Firmware
 from tests.records.scenes import ADDRESS, CYCLE, asks, by_hand, line_of, ran, recorded
@@ -42,6 +44,14 @@ def test_closest_before_and_after_and_the_decades():
     assert (g.place, g.reads, g.before, g.after and g.after.cycles) == ("g:2", 2, None, 43)
     assert (f.histogram, g.histogram) == ((0, 1, 0, 0, 0, 0), (0, 0, 1, 0, 1, 0))
     assert found.closest == 7 and f.before.field == g.after.field == "RRDY"
+
+
+def test_a_distance_is_counted_in_the_clock_between_read_and_change():
+    """SYSCLKOUT doubles as the register is read: ten of its cycles from there are the time of five before."""
+    run = by_hand(flag(90, "RRDY", 1), read(100), flag(110, "RRDY", 0))
+    clocks = {"dsp": [(0, Fraction(75_000_000)), (100 * CYCLE, Fraction(150_000_000))]}
+    (place,) = races(Run(replace(run.table, clocks=clocks))).places
+    assert (place.after and place.after.cycles, place.before and place.before.cycles) == (5, 10)
 
 
 def test_a_read_in_the_cycle_of_a_change_is_on_the_side_that_its_record_is():

@@ -30,6 +30,11 @@ def test_what_drivers_call() -> None:
     assert got == b"\x00\xe5\x77\x88"
 
 
+def test_a_scan_leaves_out_the_reserved_addresses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(I2C, "_asks", lambda _, address: True)
+    assert bus().scan() == list(range(0x08, 0x78))
+
+
 def test_who_does_not_answer_is_an_oserror() -> None:
     with bus() as i2c:
         for call in (lambda: i2c.writeto(0x20, b"\x00"), lambda: i2c.readfrom_into(0x20, bytearray(1))):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import select
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -91,3 +92,16 @@ def test_what_cannot_be_is_said_before_a_program_opens_it(tmp_path: Path) -> Non
         pass
     assert taken.read_text() == "mine"
     assert len(os.listdir("/proc/self/fd")) == before
+
+
+def test_a_port_is_raw_and_a_program_that_reads_no_answers_keeps_no_block_from_ending(tmp_path: Path) -> None:
+    """A status of 80 bytes for each question: more than a pseudo-terminal holds."""
+    link = tmp_path / "i2c"
+    with I2cDriverPort(case("register_slave"), BUS, link=link) as port:
+        client = os.open(port.path, os.O_RDWR | os.O_NOCTTY)
+        os.write(client, b"e\n")
+        assert os.read(client, 10) == b"\n"
+        os.write(client, b"?" * 1000)
+        assert select.select([client], [], [], 60)[0]
+        link.unlink()
+    os.close(client)

@@ -3,8 +3,10 @@ simulated."""
 
 from __future__ import annotations
 
+import os
 import socket
 import struct
+import sys
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -97,6 +99,16 @@ def test_a_bad_datagram_changes_nothing(data: bytes, sentence: str) -> None:
 def test_a_udp_port_that_is_taken_is_refused() -> None:
     with Datagrams() as udp, pytest.raises(OutsideError, match=r"port \d+ of 127.0.0.1: Address already in use"):
         UdpFrames("127.0.0.1", udp.source.port, Encoding(), "little", print)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="open files are listed in /proc")
+def test_a_port_that_is_refused_leaves_no_file_open() -> None:
+    with Datagrams() as udp:
+        before = len(os.listdir("/proc/self/fd"))
+        with pytest.raises(OutsideError) as refused:
+            UdpFrames("127.0.0.1", udp.source.port, Encoding(), "little", print)
+        assert len(os.listdir("/proc/self/fd")) == before
+        assert refused.value is not None  # it holds the frames in which the socket was made
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,14 @@ def test_a_plain_script_at_full_speed(tmp_path: Path) -> None:
     assert line.result.sci_bytes == 6
 
 
+def test_bytes_that_wait_are_counted_before_they_are_read(tmp_path: Path) -> None:
+    with port(tmp_path) as line:
+        line.write(b"ab")
+        line.flush()
+        line._session.advance(line._session.now + line._session.ticks("1 ms"))
+        assert line.in_waiting == 2
+
+
 def test_at_the_pace_of_a_clock(tmp_path: Path) -> None:
     line = port(tmp_path, "&pace=1", timeout=30)
     line.write(b"hello")
@@ -46,6 +55,12 @@ def test_at_the_pace_of_a_clock(tmp_path: Path) -> None:
     line.close()
     line.close()
     assert line.result.sci_bytes == 5
+
+
+def test_its_clock_is_as_fast_as_its_pace(tmp_path: Path) -> None:
+    with port(tmp_path, "&pace=2") as line:
+        before = time.monotonic()
+        assert 2 * before <= line.clock() <= 2 * time.monotonic()
 
 
 def test_it_is_opened_again_and_what_was_live_replays(tmp_path: Path) -> None:

@@ -140,6 +140,21 @@ def test_garbage_ends_its_client_and_nothing_else(served: Served, garbage: bytes
         assert client.recv(10).endswith(b"d")
 
 
+@pytest.mark.parametrize(("length", "stays"), [(256, True), (257, False)])
+def test_a_telnet_option_has_at_most_256_bytes(served: Served, length: int, stays: bool) -> None:
+    with served.client() as client:
+        client.send(b"\xff\xfa" + b"x" * length)
+        served.passes("2 ms")
+        assert ("was let go" in served.said[-1]) != stays
+
+
+def test_a_door_that_closes_ends_its_client(served: Served) -> None:
+    with served.client() as client:
+        served.door.close()
+        client.settimeout(10)
+        assert client.recv(10) == b""
+
+
 def test_a_client_that_vanishes_in_mid_frame_leaves_what_it_sent(served: Served) -> None:
     client = served.client()
     client.send(b"abcdefghijkl" + b"\xff\xfa\x2c\x05\x05\xff\xf0")  # and a break that it never ends

@@ -1,0 +1,49 @@
+"""Clients of a file as inotify reports them: the first that comes and the last that leaves count, others do not."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from pathlib import Path
+
+import pytest
+
+from periph_sim.outside.live.openings import Openings
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="inotify is a service of Linux")
+def test_the_first_that_comes_and_the_last_that_leaves(tmp_path: Path) -> None:
+    """
+    first   ____/~~~~~~~~~\\___________/~\\__
+    second  ________/~~~~~~~~~\\_/~\\_______
+            0   1   2     3   4       5
+    """
+    path = tmp_path / "port"
+    path.touch()
+    openings = Openings(str(path))
+    assert openings.passed() == (False, False)
+    first = path.open("rb")
+    assert openings.passed() == (False, True)
+    second = path.open("rb")
+    assert openings.passed() == (False, False)
+    first.close()
+    assert openings.passed() == (False, False)
+    second.close()
+    assert openings.passed() == (True, False)
+    for _ in range(2):
+        path.open("rb").close()
+    assert openings.passed() == (True, True)
+    openings.close()
+    path.open("rb").close()
+    assert openings.passed() == (False, False)
+    openings.close()
+
+
+def test_without_inotify_nobody_is_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ctypes, "CDLL", lambda *_, **__: object())
+    path = tmp_path / "port"
+    path.touch()
+    openings = Openings(str(path))
+    path.open("rb").close()
+    assert openings.passed() == (False, False)
+    openings.close()

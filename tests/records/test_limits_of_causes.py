@@ -54,6 +54,8 @@ def test_a_walk_says_why_it_goes_no_further(monkeypatch: pytest.MonkeyPatch):
     many = [*looked[:2], *(count(100 * n) for n in range(1, 4)), count(2000)]
     assert ends(*many, counted(2000, 6)).endswith("in the 3 accesses before it; no more were searched")
     assert ends(*looked[:2], count(100), count(200), count(2000), counted(2000, 5)) == "no record of a cause of it"
+    three_before = count(100), count(200), count(300), count(2000)
+    assert ends(*three_before, counted(2000, 4)) == "its routine had read nothing before it"
 
 
 @pytest.mark.parametrize(("others", "found"), [(7, True), (8, False)])

@@ -54,6 +54,11 @@ def test_a_distance_is_counted_in_the_clock_between_read_and_change():
     assert (place.after and place.after.cycles, place.before and place.before.cycles) == (5, 10)
 
 
+def test_a_run_of_one_read_has_nothing_to_compare_it_with():
+    (place,) = races(by_hand(read(100))).places
+    assert (place.reads, place.closest, place.alone) == (1, None, 1)
+
+
 def test_a_read_in_the_cycle_of_a_change_is_on_the_side_that_its_record_is():
     found = races(by_hand(read(100), flag(100, "RRDY", 1), read(300, place="g:2")))
     (f, _) = found.places

@@ -12,7 +12,7 @@ from periph_sim.records.cause_trace import text_report as show_why
 from periph_sim.records.cause_trace.why import why
 from periph_sim.records.lint_finding import Finding
 from periph_sim.records.lint_runner import all_lints
-from periph_sim.records.races import races
+from periph_sim.records.races import distances, races
 from tests.records.scenes import by_hand
 from tests.records.test_races import RRDY, SCD, flag, read, write
 from tests.unwrapped import unwrapped
@@ -97,7 +97,9 @@ closest: no change to be near to; flags lost to read-modify-writes: 0 (cleared a
 
 
 def test_races_with_waits_that_cannot_be_filled_and_without_read_modify_writes():
-    told = show_races.text(races(by_hand(read(100), read(110), flag(507, "RRDY", 1), read(513, RRDY))))
+    run = by_hand(read(100), read(110), flag(507, "RRDY", 1), read(513, RRDY))
+    assert distances(run)[2] == 1
+    told = show_races.text(races(run))
     assert [line.split() for line in told.splitlines()[5:7]] == [
         [STR, "f:1", "before", "397", "RRDY", "0.000733", "ms"],
         ["after", "6", "RRDY", "0.003420", "ms"],

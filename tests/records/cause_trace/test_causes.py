@@ -70,6 +70,12 @@ def test_a_read_comes_of_the_last_change_of_the_field_that_it_looked_at():
         assert numbers(steps) == ["6", "5", "4", str(cause)], field
 
 
+def test_a_flag_that_the_first_read_modify_write_gave_back_came_of_what_its_read_saw():
+    """Meant for NACK; SCD, which the read saw set, is written back as 1 and cleared."""
+    steps = walk(flag(5, "SCD", 1), read(10, SCD, "NACK"), write(12, SCD | NACK, "NACK"), flag(12, "SCD", 0, 3))
+    assert numbers(steps) == ["4", "3", "(2)", "1"]
+
+
 def test_a_change_after_the_read_or_before_the_reset_value_is_no_cause():
     steps = walk(read(100, 0, "SCD"), flag(101, "SCD", 1), count(110), counted(110, 3))
     assert numbers(steps) == ["4", "3", "1"]

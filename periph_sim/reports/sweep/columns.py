@@ -39,6 +39,7 @@ class Sweep:
 
     changes: by key, what each run set; "" where it left the case's own. verdict: "pass", "fail", "not judged", or
     "error" where a run could not be made, and `error` says why.
+    wire_bytes: on the I2C bus. sci_bytes: sent to SCIs of units; sci_bytes_sent: sent by them.
     budgets: by name. counts: by name, -1 in runs that have none.
     """
 
@@ -49,6 +50,7 @@ class Sweep:
     simulated_s: Floats
     wire_bytes: NDArray[np.int64]
     sci_bytes: NDArray[np.int64]
+    sci_bytes_sent: NDArray[np.int64]
     events: NDArray[np.int64]
     budgets: Mapping[str, BudgetColumns]
     counts: Mapping[str, NDArray[np.int64]]
@@ -67,6 +69,8 @@ class Sweep:
         for name, budget in self.budgets.items():
             figures = {one.name: getattr(budget, one.name) for one in fields(budget)[2:]}
             table |= {f"{name}: {figure}": column for figure, column in figures.items()}
+        table |= {"I2C bytes": self.wire_bytes, "SCI bytes": self.sci_bytes}
+        table["SCI bytes from units"] = self.sci_bytes_sent
         return table | dict(self.counts)
 
 
@@ -84,6 +88,7 @@ def sweep_of(case: str, runs: Sequence[Mapping[str, object]], rows: Sequence[Row
         simulated_s=np.array([row.simulated_s for row in rows], dtype=np.float64),
         wire_bytes=_whole(row.wire_bytes for row in rows),
         sci_bytes=_whole(row.sci_bytes for row in rows),
+        sci_bytes_sent=_whole(row.sci_bytes_sent for row in rows),
         events=_whole(row.events for row in rows),
         budgets={name: _budget([verdicts.get(name) for verdicts in by_name]) for name in names},
         counts={name: _whole(row.counts.get(name, -1) for row in rows) for name in counts},

@@ -39,13 +39,14 @@ class Job:
 
 @dataclass
 class Row:
-    """What a run came to. verdict: "error" where `error` says why there was none."""
+    """The figures of a run, named as in a `Result`. verdict: "error" if `error` says why there was none."""
 
     verdict: str
     error: str = ""
     simulated_s: float = 0.0
     wire_bytes: int = 0
     sci_bytes: int = 0
+    sci_bytes_sent: int = 0
     events: int = 0
     budgets: list[Verdict] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
@@ -67,6 +68,7 @@ def _row(job: Job, changes: Sequence[str]) -> Row:
         simulated_s=result.simulated_s,
         wire_bytes=result.wire_bytes,
         sci_bytes=result.sci_bytes,
+        sci_bytes_sent=result.sci_bytes_sent,
         events=result.events,
         budgets=result.budgets,
         counts=result.counts,

@@ -59,6 +59,18 @@ def main(dsp, settings):
             dsp.compute(settings.work)
     dsp.spin(lambda: dsp.module("SCI-A").SCIRXST.RXRDY == 1)
 """
+LINE = """\
+name = "line"
+duration = "6 ms"
+
+[unit.dsp]
+firmware = "sci_echo"
+modules = ["SCI-A", "GPIO"]
+
+[host]
+frames = 1
+"""
+BYTES = ("I2C bytes", "SCI bytes", "SCI bytes from units")
 WORK = "unit.dsp.settings.work"
 LENGTHS = [f"{length} us" for length in (20, 10, 40, 25)]
 WORST = [20.0, 10.0, 40.0, 25.0]
@@ -147,6 +159,16 @@ def test_each_run_is_what_run_says_of_it(case: Path) -> None:
         assert came.worst["work"][row] == alone.budgets[0].worst
         assert came.verdict[row] == alone.verdict
         assert (came.events[row], came.wire_bytes[row]) == (alone.events, alone.wire_bytes)
+
+
+def test_bytes_of_the_bus_and_of_both_directions_of_the_sci_have_columns(tmp_path: Path) -> None:
+    """A host sends a frame of 12 bytes; one program sends them back, the other one nothing."""
+    case = tmp_path / "line.toml"
+    case.write_text(LINE, encoding="utf-8")
+    came = sweep(case, {"unit.dsp.firmware": ["sci_echo", "uart_logger"]}, jobs=1)
+    assert (came.sci_bytes.tolist(), came.sci_bytes_sent.tolist()) == ([12, 12], [12, 0])
+    table = came.columns()
+    assert [table[name].tolist() for name in BYTES] == [[0, 0], [12, 12], [12, 0]]
 
 
 @pytest.mark.parametrize("which", EXECUTORS)

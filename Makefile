@@ -21,13 +21,15 @@ demo: $(USER)
 	$(BIN)/periph-sim run timing/imu_hil.toml
 	@$(MAKE) --no-print-directory try-core
 
-# Compiled where there is a C compiler; what that can change is tested interpreted, too.
+# Compiled where there is a C compiler; what that can change is tested interpreted, too. INTERPRETED: options of pytest for
+# the latter; the gate leaves out what `make coverage` runs interpreted anyway.
+INTERPRETED ?=
 test: check
 	@$(MAKE) --no-print-directory try-core
 	rm -f $(RULES)
 	$(BIN)/pytest -n auto --dist worksteal --rules=$(RULES)
 	$(BIN)/python -m tests.rules.coverage
-	$(BIN)/python -m tests.interpreted -n auto --dist worksteal
+	$(BIN)/python -m tests.interpreted -n auto --dist worksteal $(INTERPRETED)
 
 # The tests that import what differs from a commit, the nearest first: make touched SINCE=HEAD
 SINCE ?= main

@@ -111,8 +111,8 @@ def replay(
     Of a UART capture one line goes into SCI-A, edge by edge. An I2C and a UART capture of one time, from one file or
     two, are a session: the case's budgets are measured on it.
 
-    Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not, or nothing was
-    asked of the firmware; 2: it cannot be replayed.
+    Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not, or nothing
+    can be judged; 2: it cannot be replayed.
     """
     with running_user_code():
         case = load(case_file, list(changes))

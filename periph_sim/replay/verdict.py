@@ -2,7 +2,8 @@
 
 pass         everything judged is as in the capture
 ambiguous    so it is, but for places that receivers may read one way or another
-not judged   nothing was asked of the firmware, or a serial line does not fit its format: nothing is proved
+not judged   nothing was asked of the firmware, a serial line does not fit its format, or what differs first is not the
+             firmware's: nothing is proved
 fail         something differs
 """
 

@@ -54,7 +54,7 @@ ROOMS = {
     "scene": Room(("periph_sim/scene",), ("tests/scene",), without=("periph_sim/scene/whole_bytes.py",)),
     "replay": Room(("periph_sim/replay",), ("tests/replay",)),
     "records": Room(("periph_sim/records",), ("tests/records",)),
-    "devices": Room(("periph_sim/devices",), ("tests/devices",)),
+    "devices": Room(("periph_sim/devices",), ("tests/devices", "tests/scene/test_devices.py")),
     "baselines": Room(("periph_sim/reports/baselines",), ("tests/reports/baselines",)),
 }
 USUAL = ("chips", "processor", "measures", "decoders", "insight")

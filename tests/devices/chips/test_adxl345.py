@@ -251,6 +251,14 @@ def test_what_leaves_a_note(number: int, value: int, code: str, what: str):
     assert note.code == code and what in note.text and note.source.startswith("ADXL345 Rev 0")
 
 
+def test_what_this_model_does_leaves_no_note():
+    """Measure, sleep and each wake-up rate; data ready."""
+    bench = Bench(Adxl345(TIMEBASE, steady(0, 0, 0)))
+    for number, value in ((POWER_CTL, 0x0F), (POWER_CTL, 0x08), (BW_RATE, 0x0F), (INT_ENABLE, 0x83)):
+        bench.write(number, value)
+    assert not bench.chips[0].notes
+
+
 def test_a_source_that_gives_no_number_is_a_mistake():
     with pytest.raises(ValueError, match="source gave nan"):
         Adxl345(TIMEBASE, lambda tick: (float("nan"), 0, 0)).formatted((float("nan"), 0, 0))

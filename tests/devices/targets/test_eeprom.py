@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.devices.targets.eeprom import part_of
 from tests.devices.targets.bus_of import Bus
 
 MS = 10**6  # ticks
@@ -33,6 +34,7 @@ def eeprom(model: str = "24lc64", **more: object) -> Bus:
 def test_sizes_pages_and_addresses_are_those_of_the_data_sheets(
     model: str, size: int, page: int, word: int, addresses: str
 ):
+    assert part_of(model)[:3] == (size, page, word)
     bus = eeprom(model, contents=list(range(16)))
     start = "00 " * word
     assert " ".join(f"{a:02x}" for a in range(0x48, 0x60) if bus.do(f"{a:02x} W") == f"{a:02x}") == addresses

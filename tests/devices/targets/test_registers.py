@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from periph_sim.core.wire import Wire
-from periph_sim.scene.case.model import Case
+from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.scene import Scene
 from tests.devices.targets.bus_of import Bus
 
@@ -49,6 +49,14 @@ def test_the_pointer_outlives_a_stop_and_may_have_two_bytes():
     assert bus.do("48 W 12 34") == "48 12 34"
     assert bus.do("48 R 1") == "48 77"
     assert bus.do("48 R 1") == "48 78"
+
+
+@pytest.mark.parametrize(("size", "last"), [(1, 0xFF), (2, 0xFFFF)])
+def test_a_register_beyond_what_the_pointer_names_is_refused(size: int, last: int):
+    word = {"name": "WORD", "width": 16}
+    device({**word, "at": last - 1}, pointer_bytes=size)
+    with pytest.raises(BadCase, match=rf"WORD reaches {last + 1:#x}, beyond {last:#x}, the last that a pointer of"):
+        device({**word, "at": last}, pointer_bytes=size)
 
 
 def test_the_pointer_goes_from_its_last_value_to_0():

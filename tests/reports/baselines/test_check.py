@@ -22,7 +22,7 @@ from periph_sim.reports.baselines import (
     read,
     text_of,
 )
-from periph_sim.reports.baselines.outcome import Chains, run_chains
+from periph_sim.reports.baselines.outcome import Chains, run_case, run_chains
 from tests.reports.baselines.desk import change, put
 
 
@@ -308,6 +308,13 @@ def test_a_case_that_cannot_run_is_reported_and_the_others_go_on(cases: Path):
     assert {case.path for case in refused} == {bad, stale}
 
 
+def test_a_case_that_others_drive_is_named_and_is_nothing_wrong(cases: Path):
+    path = put(cases, "driven")
+    path.write_text(path.read_text() + '[outside]\nwires = ["SDA", "SCL"]\n', encoding="utf-8")
+    refused = run_case(path)
+    assert isinstance(refused, RejectedCase) and refused.outside and refused.path == path
+
+
 def test_two_budgets_of_one_name_are_refused(cases: Path):
     path = put(cases)
     path.write_text(path.read_text().replace('name = "model"', 'name = "response"'), encoding="utf-8")
@@ -316,7 +323,9 @@ def test_two_budgets_of_one_name_are_refused(cases: Path):
 
 
 def test_a_file_given_twice_is_run_once(cases: Path):
-    assert len(check([cases, cases / "small.toml"], jobs=1)) == 1
+    parts: list[float] = []
+    assert len(check([cases, cases / "small.toml"], jobs=1, told=parts.append)) == 1
+    assert parts == [1.0]
 
 
 @pytest.mark.parametrize(

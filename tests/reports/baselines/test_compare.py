@@ -8,8 +8,9 @@ import pytest
 
 from periph_sim.reports.baselines.bus_bytes import PART
 from periph_sim.reports.baselines.compare import compare, explain, moved_accesses
-from periph_sim.reports.baselines.event_chain import EventLine
+from periph_sim.reports.baselines.event_chain import EventLine, Wanted
 from periph_sim.reports.baselines.figures import Baseline, Figures
+from periph_sim.reports.baselines.outcome import occurrence
 
 
 def baseline(unit: str, worst: int) -> Baseline:
@@ -255,3 +256,18 @@ def test_each_moved_access_is_told_once_and_three_of_a_case():
     ]
     unknown = case({"b1": {}})
     assert moved_accesses(budgets, unknown, chains(1)) == moved_accesses(unknown, budgets, chains(1)) == []
+
+
+@pytest.mark.parametrize(
+    ("figures", "wanted"),
+    [
+        ({}, Wanted("it", 60, 200)),
+        ({"chain_of": "least"}, Wanted("it", 90, 100)),
+        ({"unit": "words"}, Wanted("it", 60, 0)),
+        ({"worst": None}, None),
+        ({"worst_at": None}, None),
+        ({"chain_of": "least", "worst": None, "worst_at": None}, Wanted("it", 90, 100)),
+    ],
+)
+def test_a_chain_is_wanted_of_the_occurrence_that_its_limit_is_about(figures: dict[str, Any], wanted: Wanted | None):
+    assert occurrence(case({"b": figures}).budgets["b"]) == wanted

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 from xml.etree import ElementTree as xml
 
 import pytest
@@ -87,6 +89,15 @@ def test_firmware_that_is_not_below_this_folder_gets_no_annotation(cases: Path, 
     (cases / "below").mkdir()
     monkeypatch.chdir(cases / "below")
     assert {line.partition(" ")[0] for line in github(checks)} == {"::error"}
+
+
+@pytest.mark.parametrize(
+    "blamed", [None, SimpleNamespace(place=None), SimpleNamespace(place=SimpleNamespace(file=None))]
+)
+def test_a_cause_without_a_line_of_firmware_gets_no_annotation(blamed: Any):
+    outcome = SimpleNamespace(path=Path("small.toml"), figures=SimpleNamespace(case="small"))
+    one: Any = SimpleNamespace(outcome=outcome, findings=[], causes={"response": SimpleNamespace(blamed=blamed)})
+    assert github([one]) == []
 
 
 def test_causes_are_of_budgets_that_break_and_must_not(cases: Path):

@@ -59,6 +59,15 @@ def test_text_that_xml_has_to_escape_does_not_break_it(cases: Path):
     assert '<mo&"del>' in [test.get("name") for test in suite.iter("testcase")]
 
 
+def test_what_is_about_a_case_without_a_name_is_at_its_first_line(cases: Path):
+    path = put(cases, "nameless")
+    path.write_text(path.read_text().replace('name = "nameless"\n', "", 1), encoding="utf-8")
+    checks = check([path], jobs=1)
+    (suite,) = xml.fromstring(junit(checks))
+    assert [test.get("line") for test in suite.iter("testcase")][-1] == "1"
+    assert github(checks)[0].startswith("::error file=cases/nameless.toml,line=1,")
+
+
 def test_annotations_point_at_the_budget_in_the_case_file(cases: Path):
     path = put(cases, sdir_wait=False, breaks='breaks = ["model"]\n')
     lines = path.read_text(encoding="utf-8").splitlines()

@@ -115,3 +115,10 @@ def test_a_file_where_the_folder_should_be_is_told(tmp_path: Path):
     (tmp_path / "baselines").write_text("", encoding="utf-8")
     with pytest.raises(BadCheck, match="no folder can be made there"):
         write_all({tmp_path / "baselines" / "x.json": ""})
+
+
+def test_folders_are_made_for_baselines(tmp_path: Path):
+    path = tmp_path / "kept" / "baselines" / "one.json"
+    for text in ("{}", "[]"):
+        write_all({path: text})
+        assert path.read_text(encoding="utf-8") == text

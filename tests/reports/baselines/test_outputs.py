@@ -12,6 +12,7 @@ import pytest
 from periph_sim.reports.baselines import check
 from periph_sim.reports.baselines.annotations import github
 from periph_sim.reports.baselines.junit import junit
+from periph_sim.reports.baselines.outcome import RejectedCase
 from tests.reports.baselines.desk import put
 from tests.unwrapped import unwrapped
 
@@ -52,6 +53,15 @@ def test_junit_tells_everything_wrong_with_a_budget_in_one_failure(cases: Path):
     assert failure.text.splitlines()[1].startswith("wrong bytes worst 0 -> 12 bytes: gyroscope read")
 
 
+def test_a_case_that_cannot_run_is_a_suite_of_one_error():
+    root = xml.fromstring(junit([], [RejectedCase(Path("bad.toml"), "there is no firmware")]))
+    (suite,) = root
+    for one in (root, suite):
+        assert [one.get(key) for key in ("tests", "failures", "errors")] == ["1", "0", "1"]
+    error = suite.find("testcase/error")
+    assert error is not None and error.text == "there is no firmware"
+
+
 def test_text_that_xml_has_to_escape_does_not_break_it(cases: Path):
     path = put(cases)
     path.write_text(path.read_text().replace('name = "model"', 'name = "<mo&\\"del>"'), encoding="utf-8")
@@ -59,10 +69,10 @@ def test_text_that_xml_has_to_escape_does_not_break_it(cases: Path):
     assert '<mo&"del>' in [test.get("name") for test in suite.iter("testcase")]
 
 
-def test_what_is_about_a_case_without_a_name_is_at_its_first_line(cases: Path):
+def test_what_is_about_a_case_whose_name_is_not_in_its_file_is_at_its_first_line(cases: Path):
     path = put(cases, "nameless")
     path.write_text(path.read_text().replace('name = "nameless"\n', "", 1), encoding="utf-8")
-    checks = check([path], jobs=1)
+    checks = check([path], jobs=1, changes=["name=given"])
     (suite,) = xml.fromstring(junit(checks))
     assert [test.get("line") for test in suite.iter("testcase")][-1] == "1"
     assert github(checks)[0].startswith("::error file=cases/nameless.toml,line=1,")

@@ -158,4 +158,4 @@ def _words(kind: DIE) -> int:
         for size in _sizes(plain):
             words *= size
         return words
-    return 2 if plain.tag == "DW_TAG_pointer_type" else 1
+    return 2  # a pointer: every other type that an array can be of tells its size

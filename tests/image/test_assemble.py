@@ -101,6 +101,7 @@ def test_files_that_include_each_other_are_refused(tmp_path: Path):
         (BEGUN + ".word 0x10000", "line 3: '0x10000' is 65536, which 16 bits"),
         (BEGUN + ".space -1", "no number of words"),
         (BEGUN + ".space 1 << 40", "no number of words"),
+        (BEGUN + ".align 0x400001", "no number of words"),
         (BEGUN + ".string x", "no text in double quotes"),
         (BEGUN + ".pragma x", "line 3: there is no directive '.pragma'"),
         (BEGUN + ".global _g", "line 3: '_g' is .global, but not defined"),
@@ -143,3 +144,8 @@ def test_bad_source_is_one_sentence_and_status_2(periph_sim: Run, tmp_path: Path
         assert came.status == 2
         assert came.err.startswith(f"Error: {tmp_path / source}: ") and came.err.count("\n") == 1
         assert not (tmp_path / "x.out").exists()
+
+
+def test_an_alignment_may_be_all_of_program_space():
+    sections = assemble(BEGUN + 'NOP\n.sect ".d", 0\n.align 0x400000\n.word 1').sections
+    assert [[*section.words] for section in sections if section.name == ".d"] == [[1]]

@@ -1,7 +1,7 @@
 """An image whose debug data declare variables with types, written byte by byte after DWARF 2, sections 7.5 and 7.6.
 
 struct { far long count; unsigned parts[3][2]; struct { int sign; float gain; } inner; unsigned low : 3; } state;
-unsigned words[5];    long long wide;
+unsigned words[5];    long long wide;    int *pointers[3];
 """
 
 from __future__ import annotations
@@ -10,8 +10,18 @@ import struct
 
 from periph_sim.image.model import Image, Section, Symbol
 
-UNIT, BASE, STRUCT, MEMBER, ARRAY, RANGE, VARIABLE, BITS, TYPEDEF, FAR = range(1, 11)
-NAME, LOCATION, SIZE, ENCODING, TYPE, UPPER, OFFSET, BIT_SIZE = 0x03, 0x02, 0x0B, 0x3E, 0x49, 0x2F, 0x38, 0x0D
+UNIT, BASE, STRUCT, MEMBER, ARRAY, RANGE, VARIABLE, BITS, TYPEDEF, FAR, POINTER, COUNTED = range(1, 13)
+NAME, LOCATION, SIZE, ENCODING, TYPE, UPPER, OFFSET, BIT_SIZE, COUNT = (
+    0x03,
+    0x02,
+    0x0B,
+    0x3E,
+    0x49,
+    0x2F,
+    0x38,
+    0x0D,
+    0x37,
+)
 STRING, DATA1, REF4, BLOCK1 = 0x08, 0x0B, 0x13, 0x0A
 ABBREVIATIONS = {  # number: tag, has children, attributes with their forms
     UNIT: (0x11, 1, ()),
@@ -24,6 +34,8 @@ ABBREVIATIONS = {  # number: tag, has children, attributes with their forms
     BITS: (0x0D, 0, ((NAME, STRING), (OFFSET, BLOCK1), (TYPE, REF4), (BIT_SIZE, DATA1))),
     TYPEDEF: (0x16, 0, ((NAME, STRING), (TYPE, REF4))),
     FAR: (0x4080, 0, ((TYPE, REF4),)),
+    POINTER: (0x0F, 0, ((TYPE, REF4),)),
+    COUNTED: (0x21, 0, ((COUNT, DATA1),)),
 }
 HEAD = 11  # bytes of a unit before its first entry
 SIGNED, UNSIGNED, FLOAT = 5, 7, 4
@@ -67,7 +79,7 @@ def address(of: int) -> bytes:
 
 
 def typed_image() -> Image:
-    """state at 0x9040, words at 0x9060, wide at 0x9070, each with its symbol; plain, at 0x9080, has a symbol alone."""
+    """state at 0x9040, words at 0x9060, wide at 0x9070, pointers at 0x90A0; plain, at 0x9080, has a symbol alone."""
     entries = Entries()
     add = entries.add
     long_ = add(BASE, text("long"), b"\2", bytes((SIGNED,)))
@@ -94,7 +106,12 @@ def typed_image() -> Image:
     words = add(ARRAY, to(word))
     add(RANGE, b"\4")
     entries.end()
-    for name, place, kind in (("state", 0x9040, state), ("words", 0x9060, words), ("wide", 0x9070, wide)):
+    pointer = add(POINTER, to(int_))
+    pointers = add(ARRAY, to(pointer))
+    add(COUNTED, b"\3")
+    entries.end()
+    of_state = (("state", 0x9040, state), ("words", 0x9060, words), ("wide", 0x9070, wide))
+    for name, place, kind in (*of_state, ("pointers", 0x90A0, pointers)):
         add(VARIABLE, text(name), address(place), to(kind))
     entries.end()
     body = struct.pack("<HIB", 2, 0, 4) + entries.data
@@ -102,7 +119,14 @@ def typed_image() -> Image:
         bytes((number, *uleb(tag), children, *(byte for pair in told for byte in pair), 0, 0))
         for number, (tag, children, told) in ABBREVIATIONS.items()
     )
-    known = {"_state": 0x9040, "_words": 0x9060, "_wide": 0x9070, "_plain": 0x9080, "_regs": 0x7900}
+    known = {
+        "_state": 0x9040,
+        "_words": 0x9060,
+        "_wide": 0x9070,
+        "_pointers": 0x90A0,
+        "_plain": 0x9080,
+        "_regs": 0x7900,
+    }
     return Image(
         "TI COFF2",
         0x9000,

@@ -196,3 +196,21 @@ def test_a_damaged_file_up_to_the_damage(periph_sim: Run, desk: Path):
     assert came.status == 0 and "note: " in came.out
     kept, whole = formats.read("y.psr").channels[0].edges, formats.read("x.vcd").channels[0].edges
     assert 10 < len(kept) < len(whole) and kept.tolist() == whole[: len(kept)].tolist()
+
+
+def test_a_damaged_time_stamp_becomes_no_gigabytes_of_samples(periph_sim: Run, desk: Path):
+    """The last of three edges in a file of nanoseconds is 16.5 s late."""
+    Path("x.vcd").write_text(
+        "$timescale 1 ns $end $var wire 1 ! SCL $end $enddefinitions $end\n"
+        "#0 1!\n#100 0!\n#300 1!\n#16500000400 0!\n#16500000500\n"
+    )
+    came = periph_sim("convert", "x.vcd", "x.sr")
+    assert (came.status, came.out) == (2, "") and not list(desk.glob("*.sr"))
+    assert " ".join(came.err.split()) == (
+        "Error: x.vcd, from 3e-07 s to 16.5000004 s: found 165000001 samples of 10 MHz without an edge, more than in "
+        "all the rest, expected at most 67108864 as times become samples; cut a damaged time stamp off with "
+        "--window 0..301, or state the rate of the samples with --sample"
+    )
+    assert periph_sim("convert", "x.vcd", "x.sr", "--window", "0..301").status == 0
+    assert edges(formats.read("x.sr")) == {"SCL": [1, 1, 2]}
+    assert periph_sim("convert", "x.vcd", "slow.sr", "--sample", "10 kHz").status == 0

@@ -8,14 +8,16 @@ exact, as are those of our own runs.
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from math import gcd
 
 import numpy as np
 
-from .capture import Capture, Channel
+from .capture import BadCapture, Capture, Channel
 from .resample import rate_text, resampled
 
 FASTEST_ANALYSER = 10**10  # samples a second; nothing samples logic faster
+LONGEST_PAUSE = 1 << 26  # samples without an edge that time stamps may stand for: 0.7 s at 100 MHz
 
 
 def grid_of(channels: tuple[Channel, ...]) -> int:
@@ -54,12 +56,35 @@ def stamp_notes(capture: Capture) -> list[str]:
 def on_samples(capture: Capture) -> Capture:
     """The capture in samples of the slowest rate that loses no edge, with a note that says so.
 
-    A capture of samples, or without a rate, as it is.
+    A capture of samples, or without a rate, as it is. BadCapture where most samples would be one long pause, which a
+    single damaged time stamp makes.
     """
     if capture.sampled or capture.rate is None:
         return capture
     rate = capture.rate / grid_of(capture.channels)
+    _refuse_pause(capture, rate)
     if rate == capture.rate:
         return replace(capture, sampled=True, exact=False)
     said = f"times are written as samples of {rate_text(rate)}, the slowest rate that has one at every edge"
     return resampled(capture, rate).noted(said)
+
+
+def _refuse_pause(capture: Capture, rate: Fraction) -> None:
+    """BadCapture if one pause has more samples than LONGEST_PAUSE, and more than all the rest. Exact times may."""
+    assert capture.rate is not None
+    edges = np.sort(np.concatenate([channel.edges for channel in capture.channels] or [np.empty(0, np.int64)]))
+    ends = [0, *edges.tolist(), capture.length]
+    lengths = np.diff(ends)
+    before = int(lengths.argmax())  # edges before the pause
+    begin, end, length = ends[before], ends[before + 1], int(lengths[before])
+    samples = int(length * rate / capture.rate)
+    if capture.exact or samples <= LONGEST_PAUSE or 2 * length <= capture.length:
+        return
+    kept = f"0..{begin + 1}" if 2 * before > len(edges) else f"{end - 1}..{capture.length}"
+    raise BadCapture(
+        capture.path,
+        f"from {float(begin / capture.rate):.9g} s to {float(end / capture.rate):.9g} s",
+        f"{samples} samples of {rate_text(rate)} without an edge, more than in all the rest",
+        f"at most {LONGEST_PAUSE} as times become samples",
+        f"cut a damaged time stamp off with --window {kept}, or state the rate of the samples with --sample",
+    )

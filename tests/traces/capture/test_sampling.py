@@ -6,13 +6,14 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.traces import formats
-from periph_sim.traces.capture.capture import Capture, channel_of
-from periph_sim.traces.capture.sampling import grid_of, is_exact, on_samples, sample_step, stamp_notes
+from periph_sim.traces.capture.capture import BadCapture, Capture, channel_of, channel_of_edges
+from periph_sim.traces.capture.sampling import LONGEST_PAUSE, grid_of, is_exact, on_samples, sample_step, stamp_notes
 from tests.traces.formats.looks import edges
 
 PICOSECONDS = 10**12
@@ -76,3 +77,14 @@ def test_a_capture_keeps_that_it_is_exact(tmp_path: Path):
     assert formats.read(tmp_path / "a.psr").exact
     formats.write(replace(capture, exact=False), tmp_path / "b.psr")
     assert not formats.read(tmp_path / "b.psr").exact
+
+
+def test_a_pause_may_be_long_beside_as_much_of_the_rest():
+    at = np.arange(1, 10**4) * 10**4
+    line = channel_of_edges("SCL", 0, 1, np.append(at, at[-1] + LONGEST_PAUSE + 3))
+    capture = Capture(Path("x.vcd"), Fraction(10**9), int(line.edges[-1]) + 1, (line,), sampled=False)
+    assert on_samples(capture).sampled
+    longer = replace(capture, length=3 * capture.length)
+    with pytest.raises(BadCapture, match=f"--window 0..{capture.length}, or"):
+        on_samples(longer)
+    assert on_samples(replace(longer, exact=True)).sampled

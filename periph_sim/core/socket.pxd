@@ -27,7 +27,7 @@ cdef class Socket(Agent):
     cdef public Sampler inputs
     cdef public Release release
     cdef public Untold untold
-    cdef public object marks, before, after, on_held, on_watch, on_note
+    cdef public object marks, before, after, on_held, on_watch, on_note, on_peek
     cdef public long long out_delay
     cdef public bint traces
     cdef bint _some_data, _some_steady

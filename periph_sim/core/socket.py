@@ -90,6 +90,7 @@ class Socket(Agent):
         "notes",
         "on_held",
         "on_note",
+        "on_peek",
         "on_watch",
         "out_delay",
         "pins",
@@ -116,6 +117,7 @@ class Socket(Agent):
         self.marks: Marks | None = None  # of a chip whose outputs show later what was written to it
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
+        self.on_peek: Callable[[int, int], int] | None = None  # peeks in place of the chip, which is not told of all
         self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
         self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
         self._held = 0
@@ -194,10 +196,15 @@ class Socket(Agent):
         return value
 
     def peek(self, cycle: int, offset: int) -> int:
-        """What a debugger reads; nothing moves."""
-        if self.before is not None:
-            self.before(cycle)
-        return self.chip.peek(cycle, offset)
+        """Return what a debugger reads. A wake-up that is due by `cycle` is not made: it is the kernel's to make.
+
+        Were the chip to advance here, the outputs, requests and flags of that wake-up would be published late or never.
+        """
+        if self._kernel.shortcut is not None:
+            self._kernel.catch_up()
+        wake = self.chip.next_wake
+        seen = cycle if cycle < wake else wake - 1
+        return self.chip.peek(seen, offset) if self.on_peek is None else self.on_peek(seen, offset)
 
     def see(self, cycle: int, offset: int) -> int:
         """What the CPU reads of a register whose read has no side effect; nothing moves."""

@@ -83,6 +83,7 @@ class Router(Agent):
         gpio.wire(sum(BIT[n] for n in pads.wires))
         gpio_socket.after = self.look
         gpio_socket.before = self._tell_all_pads
+        gpio_socket.on_peek = self._peek
         gpio_socket.on_watch = self._listen
         self.look(clock.cycle_at(kernel.now))
 
@@ -167,6 +168,14 @@ class Router(Agent):
         """Before an access: also the pads that the machine is not told of edge by edge."""
         self._kernel.catch_up()
         self._gpio.edges(cycle, self._levels_on_wires())
+
+    def _peek(self, cycle: int, offset: int) -> int:
+        """What a debugger reads of GPIO: with the pads that the machine is not told of, of which it is told nothing."""
+        gpio, unheard = self._gpio, (self._levels_on_wires() ^ self._gpio.pads) & self._unheard
+        gpio.moved_before(unheard)
+        value = gpio.peek(cycle, offset)
+        gpio.moved_before(unheard)
+        return value
 
     def _levels_on_wires(self) -> int:
         levels = 0

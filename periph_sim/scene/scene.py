@@ -319,14 +319,15 @@ class Scene:
         unit, _, module = place.partition(".")
         if module not in self.units[unit].sockets:
             return parts.variable_value(self.units[unit], name)
-        chip = self.units[unit].socket(module).chip
+        socket = self.units[unit].socket(module)
+        chip = socket.chip
         register_name, _, field_name = name.partition(".")
         register = chip.MAP[register_name]
         cycle = self.units[unit].clock.cycle_at(self.kernel.now)
         touched = frozenset(chip.touched)
-        value = chip.peek(cycle, register.offset)
+        value = socket.peek(cycle, register.offset)
         if register.width == 32:
-            value |= chip.peek(cycle, register.offset + 1) << 16
+            value |= socket.peek(cycle, register.offset + 1) << 16
         chip.touched.intersection_update(touched)  # looking is not depending on them
         return register[field_name].of(value)
 

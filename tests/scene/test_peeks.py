@@ -1,0 +1,57 @@
+"""A debugger that reads registers changes nothing: records with its peeks are those without them."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import partial
+from random import Random
+
+import pytest
+
+from periph_sim.core.kernel import CHIP, PROBE, TIMER
+from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.cosim.registers import peek
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.scene import Scene
+from tests.scene.runs import TIMING
+
+Records = list[tuple[object, ...]]
+
+
+def records(case: Case, seconds: str, phase: int, peeks: list[int]) -> Records:
+    """All records of a run in which every register of every module is read at these ticks."""
+    found: Records = []
+
+    def keep(recorder: Recorder, timebase: Timebase) -> None:
+        recorder.subscribe(
+            frozenset(Kind), lambda r: found.append((r.number, r.tick, r.kind, r.where, r.what, r.value, r.cause))
+        )
+
+    scene = Scene(case, keep)
+    places = [
+        f"dsp.{module}.{register.name}"
+        for module in case.unit["dsp"].modules
+        for register in scene.units["dsp"].socket(module).chip.MAP
+    ]
+    for tick in peeks:
+        for place in places:
+            scene.kernel.at(tick, partial(peek, scene, place), phase)
+    scene.run(Fraction(seconds))
+    return found
+
+
+@pytest.mark.parametrize("phase", [TIMER, CHIP, PROBE])
+@pytest.mark.parametrize(
+    ("name", "seconds"), [("imu_hil", "0.0025"), ("responder", "0.0015"), ("uart_logger", "0.003")]
+)
+def test_peeks_at_and_beside_each_record_change_none(name: str, seconds: str, phase: int):
+    """Where a chip wakes at that instant, or in the cycle that begins next, too: a cycle is 20 ticks."""
+    case = load(TIMING / f"{name}.toml")
+    plain = records(case, seconds, phase, [])
+    random = Random(phase)
+    instants = sorted({int(record[1]) for record in plain if int(record[1]) > 20})
+    assert len(instants) > 50
+    peeks = [tick - random.choice((0, 0, 1, 19)) for tick in random.sample(instants, min(len(instants), 60))]
+    assert records(case, seconds, phase, peeks) == plain

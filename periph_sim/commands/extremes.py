@@ -43,6 +43,7 @@ def extremes(
     Says how far each is off in the working range, what it costs in cycles, and from which input on it saturates,
     wraps, or is no number any more. NAME may be given several times, and EXTREME too.
     """
+    from ..reports.extreme_clocks import SCENES
     from ..scene.case.sensor_sets import named
     from ..sensors.extremes import USUAL, report
     from ..sensors.extremes.plot import picture
@@ -54,7 +55,7 @@ def extremes(
         if plot is not None and plot.suffix != ".svg":
             raise click.ClickException(f"{plot}: the picture is SVG; give a name that ends with .svg")
         imu = None if parameters is None else named(parameters)
-        found = report(names or USUAL, seed, samples, only, imu, tables)
+        found = report(names or USUAL, seed, samples, only, imu, tables, SCENES)
         if plot is not None:
             with atomic_write(plot) as unfinished:
                 unfinished.write_text(picture(found), encoding="utf-8")

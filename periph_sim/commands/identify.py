@@ -99,7 +99,7 @@ def _axes(
     file: Path, rate: str | None, expect: tuple[str, ...], undisturbed: Path | None, slow: bool
 ) -> tuple[list[Axis], float]:
     """Every column but time, identified, and the sampling period."""
-    from ..sensors.identification import identify as identified
+    from ..sensors.identification.identify import identify as identified
     from ..sensors.identification.text_report import Axis
 
     columns, period = _recording(file, rate)

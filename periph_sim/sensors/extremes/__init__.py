@@ -3,14 +3,15 @@
 working range --search--> how far each is off float64
 motions, fields --sweep--> from which input on it leaves the reference, and how
 events ------------------> lost frames, weeks, divisions by 0, refused parameters
-beside the models -------> length of a run, clocks of some ppm, lines at the last tick, sums of noise, inputs
+beside the models -------> length of a run, clocks of some ppm, baud rates, sums of noise, Allan variances, inputs
 costs -------------------> cycles of a sample
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from ...core.suggest import did_you_mean
 from ..models.counts import counts_of
@@ -21,6 +22,8 @@ from ..numeric.costs.fpu import RTS
 from ..numeric.estimate import Estimate, estimate
 from . import events
 from . import time_and_bus as beside_models
+from .allan_variance import allan_variances
+from .baud_rate import baud_rates
 from .fields import FIELDS
 from .finding import Finding
 from .frames import REFERENCE
@@ -36,12 +39,15 @@ EVENTS = {
     "smallest LSB": events.smallest_steps,
     "parameters": events.refused,
 }
-BESIDE: dict[str, Callable[[], Iterator[Finding]]] = {
+Rows = Callable[[], Iterator[Finding]]
+BESIDE: dict[str, Rows] = {
     "length of a run": beside_models.longest_run,
     "clocks": beside_models.clocks,
     "last tick": beside_models.lines_at_the_last_tick,
     "10^9 samples of noise": beside_models.noise_sums,
     "inputs": beside_models.inputs,
+    "baud rate": baud_rates,
+    "Allan variance": allan_variances,
 }
 USUAL = ("float64", "float32", "q16", "q16 saturating", "q12")
 
@@ -69,9 +75,9 @@ class NoSuchExtreme(ValueError):
     """A name that no extreme has; one sentence."""
 
 
-def known() -> tuple[str, ...]:
+def known(further: Mapping[str, Rows] = MappingProxyType({})) -> tuple[str, ...]:
     """Names of all extremes."""
-    return (*(sweep.name for sweep in SWEEPS), *EVENTS, *BESIDE)
+    return (*(sweep.name for sweep in SWEEPS), *EVENTS, *BESIDE, *further)
 
 
 def report(
@@ -81,16 +87,18 @@ def report(
     only: tuple[str, ...] = (),
     imu: ImuParameters | None = None,
     tables: Tables = "RAM",
+    further: Mapping[str, Rows] = MappingProxyType({}),
 ) -> Report:
     """Every extreme, or only those named, in every named arithmetic. samples: of the search in the working range.
 
     imu: what the search and the costs are of; extremes bring their own parameters. tables: where a library has them.
+    further: rows of whole scenes, which this package cannot build.
     NoSuchArithmetic, DoesNotFit or NoSuchExtreme for a name that is none.
     """
     for name in only:
-        if name not in known():
-            raise NoSuchExtreme(f"there is no extreme {name!r}; {did_you_mean(name, known())}")
-    wanted = set(only or known())
+        if name not in known(further):
+            raise NoSuchExtreme(f"there is no extreme {name!r}; {did_you_mean(name, known(further))}")
+    wanted = set(only or known(further))
     names = tuple(dict.fromkeys(names))
     imu = imu or ImuParameters()
     counts = counts_of(imu)
@@ -100,7 +108,7 @@ def report(
     for event, findings in EVENTS.items():
         if event in wanted:
             found += findings(names, errors)
-    for name, beside in BESIDE.items():
+    for name, beside in (*BESIDE.items(), *further.items()):
         if name in wanted:
             found += beside()
     return Report(imu, names, seed, errors, costs, estimate(counts, RTS, tables), tuple(found))

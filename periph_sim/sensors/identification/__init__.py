@@ -6,8 +6,3 @@
 
 Method of the dissertation's section 4.3.4, after IEEE Std 952 annex C; error bars after NIST SP 1065.
 """
-
-from .identify import Identified, identify
-from .series import BadSeries
-
-__all__ = ["BadSeries", "Identified", "identify"]

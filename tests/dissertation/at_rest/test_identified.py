@@ -8,7 +8,7 @@ import scipy
 
 from periph_sim.dissertation.at_rest.identified import parameters_of_axes
 from periph_sim.dissertation.at_rest.rest import SENSORS, UNITS, at_rest, expected_at_rest
-from periph_sim.sensors.identification import identify
+from periph_sim.sensors.identification.identify import identify
 from periph_sim.sensors.identification.text_report import Axis
 from periph_sim.sensors.models.parameters import ImuParameters
 from periph_sim.sensors.models.quantity import BadParameter

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.sensors.identification import BadSeries
 from periph_sim.sensors.identification import allan as module
 from periph_sim.sensors.identification.allan import allan, everyone, octaves
+from periph_sim.sensors.identification.series import BadSeries
 
 PERIOD = 0.02
 

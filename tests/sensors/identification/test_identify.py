@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import scipy
 
-from periph_sim.sensors.identification import BadSeries, identify
 from periph_sim.sensors.identification.confidence import LEVELS
+from periph_sim.sensors.identification.identify import identify
+from periph_sim.sensors.identification.series import BadSeries
 from periph_sim.sensors.noise import AxisNoise, NoiseTerms
 
 PERIOD, COUNT, SEEDS = 0.02, 10_000, 200

@@ -117,7 +117,7 @@ class Socket(Agent):
         self.marks: Marks | None = None  # of a chip whose outputs show later what was written to it
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
-        self.on_peek: Callable[[int, int], int] | None = None  # peeks in place of the chip, which is not told of all
+        self.on_peek: Callable[[int, int], int] | None = None  # answers peeks in place of the chip
         self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
         self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
         self._held = 0

@@ -170,7 +170,7 @@ class Router(Agent):
         self._gpio.edges(cycle, self._levels_on_wires())
 
     def _peek(self, cycle: int, offset: int) -> int:
-        """What a debugger reads of GPIO: with the pads that the machine is not told of, of which it is told nothing."""
+        """Return a word of GPIO with the present levels of all pads, and leave the machine as it was."""
         gpio, unheard = self._gpio, (self._levels_on_wires() ^ self._gpio.pads) & self._unheard
         gpio.moved_before(unheard)
         value = gpio.peek(cycle, offset)

@@ -2,7 +2,7 @@
 
 The receiver samples at eight times its own rate and counts from the first low sample of each start bit, which is up to
 one sample late. Two of the three votes of the stop bit, samples 4 to 6 of 8, have to see it: of a fast sender the first
-two, before the next start bit, of a slow one the last two, behind the last data bit. With a bit of b samples,
+two, before the next start bit, of a slow one the last two, after the last data bit. With a bit of b samples,
 
     fast   10 b >= 72 + 5        slow   9 b <= 72 + 4
 

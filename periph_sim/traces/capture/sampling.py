@@ -17,7 +17,7 @@ from .capture import BadCapture, Capture, Channel
 from .resample import rate_text, resampled
 
 FASTEST_ANALYSER = 10**10  # samples a second; nothing samples logic faster
-LONGEST_PAUSE = 1 << 26  # samples without an edge that time stamps may stand for: 0.7 s at 100 MHz
+LONGEST_PAUSE = 1 << 26  # samples without an edge that are made of time stamps: 0.7 s at 100 MHz
 
 
 def grid_of(channels: tuple[Channel, ...]) -> int:

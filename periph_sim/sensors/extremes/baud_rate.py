@@ -6,7 +6,7 @@ two, before the next start bit, of a slow one the last two, after the last data 
 
     fast   10 b >= 72 + 5        slow   9 b <= 72 + 4
 
-Source: TI SPRUFZ5A section 1.2.5 for the start bit and the votes.
+Source: TI SPRUFZ5A section 1.2.7, figure 1-7.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from periph_sim.outside.drivers import I2C, I2cDriverPort
 from periph_sim.outside.live.case_for_line import case_for_bus, case_for_line
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
+from periph_sim.scene.outside_parties import with_outside
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
 from tests.outside.sessions import BUS, case
@@ -65,6 +66,16 @@ def test_a_session_and_the_replay_of_its_log(tmp_path: Path) -> None:
     given = {"wires": list(BUS), "log": str(log)}
     logged = case(controller=CONTROLLER, budget=BUDGETS, outside=given)
     check(Scene(logged).run(Fraction("0.0042")))
+
+
+def test_budgets_that_must_break_do_so_only_where_they_are_judged() -> None:
+    """Without the host nobody knows the age of its data."""
+    host = {"period": "20 ms", "first": "1 ms", "motion": {"kind": "sines"}}
+    age = {"name": "age", "measure": "age", "max": "1 us"}
+    both = case(modules=("I2C-A", "SCI-A"), host=host, budget=[*BUDGETS, age], controller=CONTROLLER)
+    driven = with_outside(both.model_copy(update={"breaks": ("age", "round")}), ("RX",))
+    assert [budget.name for budget in driven.budget] == [budget["name"] for budget in BUDGETS]
+    assert driven.breaks == ("round",)
 
 
 def test_a_driver_of_the_bus() -> None:

@@ -45,6 +45,12 @@ def test_chips_that_nobody_asks_cost_no_events():
     assert Scene(case(chip=THREE)).run(Fraction(3600)).events == 0
 
 
+def test_a_register_that_the_case_sets_leaves_its_note_though_nobody_asks_the_chip():
+    asleep = ACCEL | {"registers": {"POWER_CTL": 0x18}}
+    (note,) = Scene(case(chip={"accelerometer": asleep})).run(Fraction(1, 1000)).notes
+    assert "AUTO_SLEEP is set; this model never falls asleep by itself" in note
+
+
 def test_what_a_round_of_three_chips_costs():
     """The guard on speed: 27 bytes on the wire, two events a bit and one for each change of SDA."""
     rounds = [Scene(case("1 s", chip=THREE, controller={"order": ORDER, "rounds": n})).run().events for n in (10, 20)]

@@ -7,7 +7,7 @@ Nothing is built before somebody listens.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -25,13 +25,14 @@ SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is 
 
 
 class BusSide:
-    """asked: what the master asks, None where nobody knows. spike: ticks.
+    """asked: what the master asks, None where nobody knows. spike: ticks. before: given each transfer first.
 
     wire_bytes, nacked: of the transfers that were counted. whole_bytes: through which bytes pass at once.
     """
 
     def __init__(self, wires: Mapping[str, Wire], spike: int) -> None:
         self.asked: Asked | None = None
+        self.before: list[Callable[[Transfer], None]] = []
         self.wire_bytes = self.nacked = 0
         self.whole_bytes: WholeBytes | None = None
         self._passed: int | None = None
@@ -49,8 +50,7 @@ class BusSide:
                 from ..bus.i2c.monitor import I2cMonitor
 
                 names = {chip.address: name for name, chip in CHIPS.items()}
-                told = self._rounds.transfer
-                self._watch = I2cMonitor(self._wires["SCL"], self._wires["SDA"], told, names, self._spike)
+                self._watch = I2cMonitor(self._wires["SCL"], self._wires["SDA"], self._heard, names, self._spike)
         return self._rounds
 
     @property
@@ -95,3 +95,8 @@ class BusSide:
 
     def _begun_at(self) -> int:
         return NO_TIME if self._watch is None else self._watch.begun_at
+
+    def _heard(self, transfer: Transfer) -> None:
+        for told in self.before:
+            told(transfer)
+        self.rounds.transfer(transfer)

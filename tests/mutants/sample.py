@@ -51,7 +51,16 @@ ROOMS = {
             *(f"tests/commands/test_{name}.py" for name in ("terminal", "serve", "host_unit")),
         ),
     ),
-    "scene": Room(("periph_sim/scene",), ("tests/scene",), without=("periph_sim/scene/whole_bytes.py",)),
+    "scene": Room(
+        ("periph_sim/scene",),
+        (
+            "tests/devices/targets/test_python_target.py",
+            "tests/timing/test_rounds.py",
+            "tests/replay/test_session.py",
+            "tests/scene",
+        ),
+        without=("periph_sim/scene/whole_bytes.py",),
+    ),
     "replay": Room(("periph_sim/replay",), ("tests/replay",)),
     "records": Room(("periph_sim/records",), ("tests/records",)),
     "devices": Room(("periph_sim/devices",), ("tests/devices", "tests/scene/test_devices.py")),

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, repeat
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, NoReturn
 
 from periph_sim.core.settings import Duration, HexBytes
 from periph_sim.firmware import start_i2c, start_pie
@@ -83,7 +83,7 @@ class Responder(SlaveInterrupt):
 
     # Polled ------------------------------------------------------------------
 
-    def poll(self) -> None:
+    def poll(self) -> NoReturn:
         i2c, dsp = self.i2c, self.dsp
         while True:
             dsp.spin(self.waits.addressed)
@@ -182,7 +182,6 @@ class Responder(SlaveInterrupt):
         self.configure()
         if settings.style == "polled":
             self.poll()
-            return
         i2c = self.i2c
         i2c.I2CIER.all = 0x62 if settings.fifo else 0x6A  # AAS, SCD, NACK; RRDY without FIFO
         handlers = {"I2CINT1A": self.interrupt}

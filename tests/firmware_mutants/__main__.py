@@ -14,10 +14,9 @@ import sys
 from random import Random
 
 from .page import page
+from .real import PAGE, section_of, with_section
 from .tally import Tally
-from .trials import FUNCTIONS, ROOT, all_mutants, tried
-
-PAGE = ROOT / "docs" / "firmware_mutants.md"
+from .trials import FUNCTIONS, all_mutants, tried
 
 
 def main(arguments: list[str]) -> int:
@@ -43,7 +42,8 @@ def main(arguments: list[str]) -> int:
             print(f"argued, but caught by {trial.by}: {trial.mutant}")
         holds = tally.holds and holds
     if set(trials) == set(FUNCTIONS) and not options.only and not options.sample:
-        PAGE.write_text(page(trials), encoding="utf-8")
+        kept = section_of(PAGE.read_text(encoding="utf-8"))
+        PAGE.write_text(with_section(page(trials), kept) if kept else page(trials), encoding="utf-8")
     return 0 if holds else 1
 
 

@@ -98,6 +98,22 @@ OF_THE_PUBLISHED = (
         "a pin of the models and the I2C module do not depend on each other",
         ("run: moved past start_i2c(dsp): start_pin(dsp, settings.pin)",),
     ),
+    Argument(
+        "the values depend on the frame and on the number of the sample, not on the instant at which they are computed",
+        (
+            "model: moved past codes = shown(frame) if self.models is None else self.models.chips(frame): "
+            "dsp.compute(self.cost, 'model')",
+        ),
+    ),
+    Argument(
+        "an assignment to a variable takes no time",
+        (
+            "serve_frame_by_frame: moved past first, *others = self.settings.order: dsp, i2c = (self.dsp, self.i2c)",
+            "serve_frame_by_frame: moved past self.model(): first, *others = self.settings.order",
+            "serve_frame_by_frame: moved past self.slave_config(first): ran = False",
+            "serve_frame_by_frame: moved past ran = True: self.model()",
+        ),
+    ),
 )
 
 OF_THE_START = (
@@ -276,6 +292,8 @@ OF_THE_ROBUST = (
             "wait_for_round: moved past def something_to_do() -> bool:: frames = self.settings.models_run == 'frame'",
             "wait_for_round: moved past self.overdue = 0: near.TCR.all = RELOAD",
             "wait_for_round: moved past ran = True: self.model()",
+            "model: moved past dsp.clear_pin(self.settings.pin): "
+            "self.data = dict(zip((GYROSCOPE, ACCELEROMETER, MAGNETOMETER), codes, strict=True))",
             "look_at_round: moved past self.overdue = 0: self.round_timer.TCR.all = RELOAD",
         ),
     ),

@@ -35,15 +35,16 @@ SOURCES = ROOT / "firmware" / "python"
 STARTUP = "startup"
 PACKAGE = "periph_sim.firmware"  # where firmware imports the start-up from
 FUNCTIONS = {
-    "imu_hil": ("sci_received", "slave_config", "batch_read", "run"),
+    "imu_hil": ("sci_received", "model", "slave_config", "batch_read", "run", "serve_frame_by_frame"),
     "imu_hil_robust": (
-        *("sci_received", "look_at_line", "own_address", "wait_for", "serve", "send", "wait_for_round"),
+        *("sci_received", "look_at_line", "model", "own_address", "wait_for", "serve", "send", "wait_for_round"),
         *("look_at_round", "serve_round", "run", "start_timer"),
     ),
     "startup": ("start_pin", "start_i2c", "sci_fifo_receiver", "start_pie"),
 }
 FIRMWARES = {
-    "imu_hil": "The firmware as published, in `imu_hil`, `imu_hil_400k`, and `imu_hil` with every setting on.",
+    "imu_hil": "The firmware as published, in `imu_hil`, `imu_hil_400k`, `imu_hil_by_frame`, and `imu_hil` with every "
+    "setting on.",
     "imu_hil_robust": "The firmware that a careful engineer would ship, in these two and the fault cases; with noise "
     "before a frame, with SCL held within a request, and with a head that leaves rounds out.",
     "startup": "What both do first, in `imu_hil` and `imu_hil_400k`; `imu_hil_reset` with the robust firmware.",
@@ -70,6 +71,8 @@ SETTINGS = (  # what the shipped cases leave off
     *("unit.dsp.settings.frame_cost=0.5 us", "unit.dsp.settings.models_run=frame"),
     *("unit.dsp.settings.mask_during_i2c=true", "budget.service latency.max=4 ms"),
 )
+BY_FRAME = ("model", "serve_frame_by_frame")
+RUNS_SO_FAR = "budget.runs of the models.exactly=6"  # in 90 ms: at the start, behind the first round, of four frames
 ON_BUS = ("own_address", "wait_for", "serve", "send", "wait_for_round", "look_at_round", "serve_round", "start_timer")
 ON_LINE = ("sci_received", "look_at_line", "wait_for_round", "look_at_round", "start_timer")
 BREAK = (*COLLIDING, "host.jitter=0 s", "fault.0.at=24.034 ms", "fault.0.spread=0 s", "fault.0.times=1")
@@ -82,7 +85,8 @@ RUNS = {
     "imu_hil": (
         Run("imu_hil", "imu_hil", "0.09", COLLIDING),
         Run("imu_hil", "imu_hil_400k", "0.06", COLLIDING),
-        Run("imu_hil", "imu_hil", "0.08", (*COLLIDING, *SETTINGS), ("sci_received", "batch_read", "run")),
+        Run("imu_hil", "imu_hil", "0.08", (*COLLIDING, *SETTINGS), ("sci_received", "batch_read", "run", *BY_FRAME)),
+        Run("imu_hil", "imu_hil_by_frame", "0.09", (RUNS_SO_FAR,), ("sci_received", "batch_read", "run", *BY_FRAME)),
         Run(
             *("imu_hil", "imu_hil_stuck_sda", "0.1"),
             (*COLLIDING, "fault.0.at=38 ms", "fault.0.times=1", "budget.data age.max=80 ms"),
@@ -162,7 +166,7 @@ def tried(mutant: Mutant) -> Trial:
         if run.functions and mutant.function not in run.functions:
             continue
         try:
-            by, figures = _ran(run, _mutated(run.firmware, mutant))
+            by, figures = _ran(run, mutated(run.firmware, mutant))
         except Exception as error:  # firmware that cannot go on: a run says so, with its line
             return Trial(mutant, str(run), f"{type(error).__name__}: {error}".splitlines()[0], ENDED)
         if by or figures is None:
@@ -186,7 +190,7 @@ def _moved(mutant: Mutant, case: str, usual: Baseline, figures: Baseline) -> Tri
 @cache
 def usual_figures(run: Run) -> Baseline:
     """Those of the unchanged firmware, which no budget may catch."""
-    by, figures = _ran(run, compiled(_source(run.firmware), run.firmware))
+    by, figures = _ran(run, unchanged(run.firmware))
     assert figures is not None and not by, f"{run} fails with the unchanged firmware: {by}"
     return figures
 
@@ -199,9 +203,9 @@ def _ran(run: Run, module: Any) -> tuple[str, Baseline | None]:
     step = scene.timebase.ticks(STEP)
     while scene.kernel.now + step < end:
         scene.kernel.run_until(scene.kernel.now + step)
-        broken = next((limit.budget.name for limit in scene.limits if _broken(limit)), "")
-        if broken:
-            return broken, None
+        found = next((limit.budget.name for limit in scene.limits if broken(limit)), "")
+        if found:
+            return found, None
     result = scene.run(scene.timebase.seconds(end - scene.kernel.now))
     failed = next((verdict.name for verdict in result.budgets if not verdict.passed), "")
     if not failed and result.verdict == "fail":
@@ -209,7 +213,12 @@ def _ran(run: Run, module: Any) -> tuple[str, Baseline | None]:
     return failed, baseline_of(scene, result)
 
 
-def _broken(limit: BudgetJudge) -> bool:
+def unchanged(firmware: str) -> Any:
+    """The module of the firmware as it is."""
+    return compiled(_source(firmware), firmware)
+
+
+def broken(limit: BudgetJudge) -> bool:
     """True if what was measured so far is beyond a limit that no later value can make good."""
     measure = limit.measure
     most, least = limit.limits.get("max"), limit.limits.get("min")
@@ -218,7 +227,7 @@ def _broken(limit: BudgetJudge) -> bool:
     return (most is not None and measure.worst > most) or (least is not None and measure.least < least)
 
 
-def _mutated(firmware: str, mutant: Mutant) -> Any:
+def mutated(firmware: str, mutant: Mutant) -> Any:
     if mutant.file == firmware:
         return compiled(mutant.tree(), firmware)
     package = ModuleType(PACKAGE)

@@ -154,6 +154,32 @@ def test_one_line_breaks_each_budget_as_the_page_says(budget: str):
     assert verdict.verdict == ("not judged" if budget == "own address" else "fail")
 
 
+NOT_RAN = "            if not ran:\n                self.model()\n"
+SOONER = "budget.runs of the models.exactly=17"  # the start, 15 frames in 0.3 s, and the first round
+BY_FRAME_BREAKS = {
+    "reaction": BREAKS["reaction"],
+    "service routine": BREAKS["service routine"],
+    "module off": BREAKS["module off"],
+    "service latency": setting("host.first='5 ms'"),
+    "data age": setting("host.frames=4"),
+    "latest own address": Break("", "                ran = True", "                ran = False"),
+    "frame to models": before("self.frame_waits = True", "self.dsp.compute(300)"),
+    "runs of the models": Break("", NOT_RAN, ""),
+}
+
+
+@pytest.mark.parametrize("budget", ["", *BY_FRAME_BREAKS])
+def test_one_line_breaks_each_budget_of_the_models_by_frame(budget: str):
+    change = BY_FRAME_BREAKS.get(budget, Break(""))
+    source = (SOURCES / "imu_hil.py").read_text(encoding="utf-8")
+    assert source.count(change.old) == 1 or not change.old
+    program = changed(source.replace(change.old, change.new) if change.old else source)
+    case = load(TIMING / "imu_hil_by_frame.toml", [SOONER, *([change.setting] if change.setting else [])])
+    result = Scene(case, programs={"dsp": program}).run(Fraction("0.3"))
+    broken = {verdict.name for verdict in result.budgets if not verdict.passed}
+    assert budget in broken if budget else not broken
+
+
 def test_every_budget_of_the_bench_has_such_a_line_but_for_those_that_are_inputs():
     inputs = {"model execution", "response", "round complete", "schedule slack"}
     assert {budget.name for budget in load(TIMING / "imu_hil.toml", []).budget} == BREAKS.keys() | inputs

@@ -15,7 +15,9 @@ from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
 
+from periph_sim.reports.profile.lcov import covered_files
 from periph_sim.scene.case.load import load
+from periph_sim.scene.profiled import profiled
 from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING
 
@@ -29,6 +31,7 @@ LONGER = {  # the first fault that runs a line comes later, and the EEPROM is wi
     "imu_hil_glitches": "0.47",
     "eeprom_faults": "0.1",
 }
+IMAGES = [path for path in CASES if path.stem.startswith("image_") or path.stem == "imu_hil_image"]
 BY_OBJECT_ONLY = {"imu_models.py: return value"}  # parameters as an object: only a program can give them, and no case
 
 
@@ -86,3 +89,16 @@ def test_every_line_of_shipped_firmware_runs_in_a_case():
         for line in lines[name] - ran[name]
     }
     assert left == BY_OBJECT_ONLY
+
+
+def test_every_line_of_shipped_machine_code_runs_in_a_case():
+    ran: dict[Path, dict[int, int]] = defaultdict(dict)
+    for path in IMAGES:
+        run = profiled(load(path, []), Fraction("0.03") if path.stem == "imu_hil_image" else None, coverage=True)
+        found = covered_files((p.image, p.functions, run.coverage[unit]) for unit, p in run.programs.items())
+        for file, of_file in found.items():
+            lines = ran[Path(file).resolve()]
+            for line, count in of_file.lines.items():
+                lines[line] = lines.get(line, 0) + count
+    assert {file.name for file in ran} >= {path.name for path in (FIRMWARE.parent / "c28x").glob("*.asm")}
+    assert {f"{file.name}:{line}" for file, lines in ran.items() for line, count in lines.items() if not count} == set()

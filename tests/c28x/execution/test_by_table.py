@@ -117,7 +117,8 @@ NEG ACC                   | acc=0x80000000 ovm=1              | acc=0x7FFFFFFF v
 NEG AL                    | acc=0x8000                        | acc=0x8000 v=1 n=1
 NEG AH                    | acc=0                             | acc=0 c=1 z=1
 NEG64 ACC:P               | acc=0 p=1                         | acc=0xFFFFFFFF p=0xFFFFFFFF n=1 c=0
-NEG64 ACC:P               | acc=0x80000000 p=0 ovm=1          | acc=0x7FFFFFFF p=0xFFFFFFFF v=1
+NEG64 ACC:P               | acc=0x80000000 p=0 ovm=1 n=1 z=1  | acc=0x7FFFFFFF p=0xFFFFFFFF v=1 n=0 z=0
+NEG64 ACC:P               | acc=0x80000000 p=0 z=1            | acc=0x80000000 p=0 v=1 n=1 z=0
 NEGTC ACC                 | acc=1 tc=0                        | acc=1
 NEGTC ACC                 | acc=1 tc=1                        | acc=0xFFFFFFFF
 NORM ACC,*                | acc=1 arp=2 x2=5                  | acc=2 x2=5 tc=0

@@ -29,6 +29,8 @@ BAR 0x8020,AR1,AR2,EQ     | x1=0x10005 x2=0x20005             | pc=0x8020
 BAR 0x8020,AR1,AR2,EQ     | x1=5 x2=6                         | pc=0x8002
 BAR 0x8020,AR1,AR2,NEQ    | x1=5 x2=6                         | pc=0x8020
 BAR 0x8020,AR1,AR2,NEQ    | x1=5 x2=0x30005                   | pc=0x8002
+POP ST1                   | sp=0x401 s0=0x1F5F st1=0xA0       | st1=0x1FFF sp=0x400
+POP ST1                   | sp=0x401 s0=0x1FFF st1=0          | st1=0x1F5F sp=0x400
 SETC XF                   | st1=0x0A0B                        | st1=0x1A0B
 CLRC XF                   | st1=0x1A0B                        | st1=0x0A0B
 SETC OBJMODE              | st1=0x080B                        | st1=0x0A0B

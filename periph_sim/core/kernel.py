@@ -309,8 +309,6 @@ class Kernel:
                 next_party = party.following
                 party.due = NOT_DUE
                 if party.plain:
-                    if party.agent is None:
-                        self._refuse_none("sampling party")
                     party.agent.sampled(self.now, party.levels)
                 else:
                     party.tell(self.now)
@@ -327,9 +325,6 @@ class Kernel:
             self._handing_on = wire.then
             wire.hand_on(self.now)
             wire = self._handing_on
-
-    def _refuse_none(self, what: str) -> None:
-        raise TypeError(f"{what} without an agent, at t={self.now}")
 
     def _stuck(self, why: str) -> None:
         raise SimulationStuck(why)
@@ -397,8 +392,6 @@ class Kernel:
                 last = describe(event.agent)
                 self._stuck(f"{STORM} events at t={self.now} without time passing; the last: {last}")
         self.now = self._at = time
-        if event.agent is None:
-            self._refuse_none("event")
         event.agent.act(event.tag)
         return True
 

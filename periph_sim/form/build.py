@@ -29,6 +29,7 @@ import tempfile
 from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from contextlib import redirect_stderr
+from functools import cache
 from importlib import import_module
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -45,6 +46,7 @@ from .freelists import with_freelists
 from .functions import by_name, cimported, without_imports
 from .members import with_members_bound
 from .outcome import resultless, returning, telling
+from .setters import REFUSAL, never_none, with_none_refused
 
 DIRECTIVES = {
     "annotation_typing": False,  # types are the .pxd's business: annotations are mypy's
@@ -59,9 +61,10 @@ DIRECTIVES = {
 # Chains of objects are freed in a loop, however long. Cython knows this directive at classes, and takes it for all of
 # them only where its options are complete already.
 FOR_ALL_CLASSES = {"trashcan": True}
-# Modules that run several times in each event: a check of each attribute for None costs them 5 % of their instructions.
-# What Python can hand to them is checked on the way in: arguments by Cython, attributes by tests/form/test_none.py.
-WITHOUT_NONE_CHECKS = ("core.kernel", "core.socket", "core.wire", "f28335.i2c.module")
+# Modules that run several times in each event: checks of attributes for None would take a tenth of their instructions.
+# What Python can hand to them is checked on the way in: arguments by Cython, attributes in their setters.
+WITHOUT_NONE_CHECKS = ("bus.i2c.controller", "core.kernel", "core.socket", "core.wire", "f28335.i2c.module")
+NEVER_NONE = "self"  # no method runs with None as `self`: its caller has checked the object whose method it calls
 CLASS = re.compile(r"^cdef class (\w+)", re.MULTILINE)
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
@@ -153,6 +156,8 @@ def compile_one(module: str, package: str, cc: str, kind: Kind = NORMAL) -> None
     require_directives(types[module], c_file)
     marked = MARKED.findall(types[module])
     text = PROTOTYPE.sub(COLD, c_file.read_text("utf-8"), count=1)
+    source = Path(package, *module.split(".")).with_suffix(".py").read_text("utf-8")
+    text = with_none_refused(text, never_none(types[module], source))
     if not marked:
         text = with_index_checks(text, arrays_of(types.values()))
     c_file.write_text(with_vectors(text, marked), "utf-8")
@@ -188,6 +193,7 @@ def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
 
     In this process: it takes Cython as long to start as to compile a module of usual length.
     """
+    leave_out_checks_of_self()
     cython = import_module("Cython.Compiler.Main")
     c_file = Path(f"{module}.c")
     options = cython.CompilationOptions(
@@ -205,8 +211,16 @@ def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
 
 
 def directives(module: str, kind: Kind = NORMAL) -> dict[str, bool]:
-    """Cython's directives for a module."""
+    """Return Cython's directives for a module."""
     return {**DIRECTIVES, "nonecheck": module not in WITHOUT_NONE_CHECKS, **kind.directives}
+
+
+@cache
+def leave_out_checks_of_self() -> None:
+    """Make Cython leave out a check for None at each attribute of `self`."""
+    nodes = import_module("Cython.Compiler.ExprNodes")
+    usual = nodes.NameNode.may_be_none
+    nodes.NameNode.may_be_none = lambda node: not (node.name == NEVER_NONE and node.entry.is_arg) and usual(node)
 
 
 def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None:
@@ -240,6 +254,8 @@ def fingerprint(module: str, folder: Path, cc: str, kind: Kind = NORMAL) -> str:
         source,
         types,
         directives(module, kind),
+        NEVER_NONE,
+        REFUSAL,
         FOR_ALL_CLASSES,
         kind.flags,
         COLD,

@@ -1,0 +1,77 @@
+"""Setters that refuse None: C code as Cython made it goes in; public attributes of compiled classes refuse None in it.
+
+    cdef public Kernel kernel    -->  `wire.kernel = None` and `del wire.kernel` are TypeErrors
+    cdef public Event following  -->  as before, since the source assigns None to it, or says `Event | None`
+
+Cython lets None into an attribute of any compiled class. Modules without checks for None (`build.WITHOUT_NONE_CHECKS`)
+rely on these setters, and mypy holds the package's own code to the same.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterable, Iterator
+
+CLASS = re.compile(r"^cdef class (\w+)")
+TYPED = re.compile(r"^    cdef public (_?[A-Z]\w*) ([\w, ]+)$")
+REFUSAL = """\
+  if (unlikely(!v || v == Py_None)) {{
+    PyErr_SetString(PyExc_TypeError, "{name} cannot be None, nor be deleted");
+    return -1;
+  }}
+"""
+
+
+def never_none(pxd: str, source: str) -> list[tuple[str, str]]:
+    """Return class and name of each public attribute of a compiled class that the source never sets to None."""
+    optional = set(_optional(ast.parse(source)))
+    return [one for one in _typed(pxd.splitlines()) if one[1] not in optional]
+
+
+def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str:
+    """Return the C code whose setters of these attributes refuse None. ValueError if one has no setter."""
+    for kind, name in attributes:
+        setter = rf"static int __pyx_setprop_\w*?\d{kind}_{name}\(PyObject \*o, PyObject \*v, [\w ]+\*x\) {{\n"
+        c_text, found = re.subn(setter, rf"\g<0>{REFUSAL.format(name=f'{kind}.{name}')}", c_text)
+        if found != 1:
+            raise ValueError(f"{kind}.{name} has {found} setters in C; expected one")
+    return c_text
+
+
+def _typed(lines: Iterable[str]) -> Iterator[tuple[str, str]]:
+    kind = ""
+    for line in lines:
+        if found := CLASS.match(line):
+            kind = found[1]
+        elif found := TYPED.match(line):
+            yield from ((kind, name.strip()) for name in found[2].split(","))
+
+
+def _optional(tree: ast.Module) -> Iterator[str]:
+    """Yield the names of attributes that may be None, whatever their class."""
+    for function in ast.walk(tree):
+        if isinstance(function, ast.FunctionDef):
+            arguments = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
+            given = {one.arg for one in arguments if one.annotation is not None and _says_none(one.annotation)}
+            for node in ast.walk(function):
+                if isinstance(node, ast.Assign):
+                    yield from _assigned(node, given)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.AnnAssign) and _says_none(node.annotation):
+            yield node.target.attr if isinstance(node.target, ast.Attribute) else ast.unparse(node.target)
+
+
+def _assigned(node: ast.Assign, given: set[str]) -> Iterator[str]:
+    for target in node.targets:
+        pairs = [(target, node.value)]
+        if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+            pairs = list(zip(target.elts, node.value.elts, strict=True))
+        for to, value in pairs:
+            may_be = (isinstance(value, ast.Name) and value.id in given) or _says_none(value)
+            if isinstance(to, ast.Attribute) and may_be:
+                yield to.attr
+
+
+def _says_none(node: ast.expr) -> bool:
+    return any(isinstance(one, ast.Constant) and one.value is None for one in ast.walk(node))

@@ -8,6 +8,7 @@
  * in memory, then with ones, and the bits that do not follow are the field's. Then it is executed as it should be. */
 
 #define _GNU_SOURCE /* REG_RIP */
+#include <pthread.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stddef.h>
@@ -44,6 +45,7 @@ static uint64_t pending_pc;
 static uint32_t protected_at, protected_size; /* announced bytes; size 0 if nothing is protected */
 static enum { BEGINS, ZEROS, ONES } phase;    /* of finding what is stored there */
 static sigjmp_buf *way_out; /* of the firmware that runs now; none while Python runs */
+static pthread_t runner;    /* the thread that runs it: way_out is on its stack */
 static const int SIGNALS[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL};
 #define SIGNAL_COUNT (sizeof SIGNALS / sizeof *SIGNALS)
 static struct sigaction before[SIGNAL_COUNT];
@@ -58,8 +60,11 @@ int c28x_numbers[BYTES][LARGEST + 1]; /* places that are written as they are ann
 static void ticked(int number) {
     static uint64_t seen_blocks, seen_asked;
     static int quiet;
-    (void)number;
     if (!way_out) return;
+    if (!pthread_equal(pthread_self(), runner)) { /* the timer of a process signals any of its threads */
+        pthread_kill(runner, number);
+        return;
+    }
     quiet = blocks == seen_blocks && times_asked == seen_asked ? quiet + 1 : 0;
     seen_blocks = blocks;
     seen_asked = times_asked;
@@ -188,7 +193,7 @@ static void touched(uint32_t at, ucontext_t *context) {
 
 static void caught(int number, siginfo_t *info, void *context) {
     uint32_t at;
-    if (!way_out) { /* not the firmware's: as if nobody were here */
+    if (!way_out || !pthread_equal(pthread_self(), runner)) { /* not the firmware's: as without this handler */
         signal(number, SIG_DFL);
         return;
     }
@@ -337,6 +342,7 @@ int c28x_run(void (*entry)(void)) {
     int place = pending; /* of what it interrupts */
     uint64_t pc = pending_pc;
     pending = NO_PLACE;
+    runner = pthread_self();
     catch_signals();
     int how = sigsetjmp(here, 1);
     if (!outer) stack = __builtin_frame_address(0);

@@ -98,6 +98,29 @@ def test_a_host_that_is_slow_to_begin_runs_it(folder: Path):
     assert (done.returncode, done.stdout, done.stderr) == (0, "pass\n", "")
 
 
+BESIDE_A_BUSY_THREAD = """
+import sys
+from pathlib import Path
+from threading import Thread
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+
+def busy():
+    while True:
+        pass
+
+Thread(target=busy, daemon=True).start()
+print(*(Scene(load(Path(sys.argv[1]))).run().verdict for _ in range(3)))
+"""
+
+
+def test_a_busy_thread_does_not_take_its_timer(folder: Path):
+    """The timer that finds empty loops counts CPU time of all threads, and its signal may be handled in any of them."""
+    command = [sys.executable, "-c", BESIDE_A_BUSY_THREAD, str(folder / "echo.toml")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=100)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "pass pass pass\n", "")
+
+
 def fails_with(folder: Path, body: str, *changes: str) -> str:
     """What a run says of a main of these statements, which fails in it; in a process of its own."""
     (folder / "echo.c").write_text(MAIN.format(body))

@@ -31,6 +31,10 @@ BAR 0x8020,AR1,AR2,NEQ    | x1=5 x2=6                         | pc=0x8020
 BAR 0x8020,AR1,AR2,NEQ    | x1=5 x2=0x30005                   | pc=0x8002
 POP ST1                   | sp=0x401 s0=0x1F5F st1=0xA0       | st1=0x1FFF sp=0x400
 POP ST1                   | sp=0x401 s0=0x1FFF st1=0          | st1=0x1F5F sp=0x400
+ASP                       | sp=0x401 st1=0x0A0B               | sp=0x402 st1=0x0A1B
+ASP                       | sp=0x402 st1=0x0A1B               | sp=0x402 st1=0x0A0B
+NASP                      | sp=0x402 st1=0x0A1B               | sp=0x401 st1=0x0A0B
+NASP                      | sp=0x402 st1=0x0A0B               | sp=0x402 st1=0x0A0B
 SETC XF                   | st1=0x0A0B                        | st1=0x1A0B
 CLRC XF                   | st1=0x1A0B                        | st1=0x0A0B
 SETC OBJMODE              | st1=0x080B                        | st1=0x0A0B
@@ -132,6 +136,8 @@ NORM ACC,XAR2--           | acc=1 x2=5                        | acc=2 x2=4
 PWRITE *XAR7,*XAR4        | w=0x1234                          | prog=0x1234
 ROL ACC                   | acc=0x80000001 c=0                | acc=2 c=1
 ROR ACC                   | acc=0x80000001 c=0                | acc=0x40000000 c=1
+SUBCU ACC,*XAR4           | acc=0x8000 w=1 c=0                | acc=1 c=1 z=0 n=0
+SUBCU ACC,*XAR4           | acc=0x7FFF w=1 c=1                | acc=0xFFFE c=0
 SAT64 ACC:P               | acc=1 p=2 ovc=-3 c=1              | acc=0x80000000 p=0 v=1 ovc=0 c=0
 SPM -4                    |                                   | pm=5
 TBIT *XAR4,#3             | w=8                               | tc=1

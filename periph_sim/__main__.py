@@ -8,9 +8,9 @@ from .supervisor import supervise
 
 
 def command_line() -> None:
-    from .cli import main
+    from .cli import run_command
 
-    main()
+    run_command()
 
 
 def main() -> NoReturn:

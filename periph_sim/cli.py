@@ -18,6 +18,7 @@ import sys
 from inspect import cleandoc
 from pathlib import Path
 from types import ModuleType
+from typing import NoReturn
 
 import click
 
@@ -126,7 +127,14 @@ def cli() -> None:
     """Run F28335 firmware against SCI and I2C models and check its timing."""
 
 
-def main() -> None:
+def main() -> NoReturn:
+    """Run the command as `periph-sim` does: launchers of installations before `supervisor` name this function."""
+    from .supervisor import supervise
+
+    supervise(run_command, "periph-sim")
+
+
+def run_command() -> None:
     """Run the command that sys.argv names, in this process, and exit with its status."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # no matrices here: numpy need not start threads for them
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # cases need none: it need not look through packages

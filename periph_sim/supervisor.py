@@ -25,6 +25,8 @@ from contextlib import suppress
 from types import FrameType
 from typing import NoReturn
 
+from .standard_error import StandardError
+
 NO_VERDICT = 3
 REPEATED = 1.0  # seconds: a signal of a process group and its forwarded copy arrive within that
 FORWARDED = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2")
@@ -71,6 +73,7 @@ def supervise(work: Callable[[], object], name: str) -> NoReturn:
         work()
         sys.exit(0)
     done = split(name)
+    sys.stderr = StandardError(sys.stderr)
     status = _status_of(work)
     flaw = done.flaw()
     if flaw and status in (0, 1):

@@ -97,6 +97,25 @@ def test_a_command_that_is_started_without_standard_output_is_no_pass(tmp_path: 
     assert came.returncode == 2 and came.stderr.startswith(b"Error: standard output is closed")
 
 
+@pytest.mark.parametrize("errors", [None, "/dev/full"], ids=["closed", "full"])
+def test_a_verdict_does_not_depend_on_standard_error(tmp_path: Path, errors: str | None):
+    def close() -> None:
+        os.close(2)
+        if errors is not None:
+            os.open(errors, os.O_WRONLY)
+
+    command = [*COMMAND, "run", case_of(tmp_path, "print('hello', file=sys.stderr)")]
+    came = subprocess.run(command, stdout=PIPE, preexec_fn=close)
+    assert came.returncode == 0 and came.stdout.startswith(b"short: PASS")
+
+
+def test_the_launcher_of_an_older_installation_waits_too(tmp_path: Path):
+    """It calls `periph_sim.cli.main`, as entry points once said."""
+    code = "import sys; from periph_sim.cli import main; sys.exit(main())"
+    came = subprocess.run([sys.executable, "-c", code, "run", case_of(tmp_path, "os._exit(0)")], capture_output=True)
+    assert came.returncode == 3 and came.stderr.endswith(LOST)
+
+
 def test_a_thread_that_still_runs_ends_with_the_command(tmp_path: Path):
     status, out, err = run(case_of(tmp_path, "threading.Thread(target=time.sleep, args=(600,), name='idle').start()"))
     assert status == 0 and out.startswith(b"short: PASS") and b"ended thread 'idle'" in err

@@ -78,9 +78,9 @@ def sweep(
         if unfinished is not None:
             _write_csv(came, unfinished)
     if as_json:
-        print_json("sweep", _object(came))
+        print_json("sweep", _object(came, stopped))
     else:
-        _show(came, list(varied))
+        _show(came, list(varied), stopped)
     if stopped:
         click.echo(f"Error: {stopped}", err=True)
         return 2
@@ -127,8 +127,8 @@ def _write_csv(came: Sweep, file: Path) -> None:
             writer.writerow([row, *("" if value != value else value for value in values)])
 
 
-def _object(came: Sweep) -> dict[str, object]:
-    """An object a run; figures as `run --json` has them."""
+def _object(came: Sweep, stopped: str) -> dict[str, object]:
+    """Return an object for each run, with figures as `run --json` has them. stopped: why runs are missing, or ""."""
     return {
         "case": came.case,
         "runs": [
@@ -144,6 +144,7 @@ def _object(came: Sweep) -> dict[str, object]:
             }
             for row in range(len(came))
         ],
+        "stopped": stopped,
         "units": {name: budget.unit for name, budget in came.budgets.items()},
     }
 
@@ -158,13 +159,13 @@ def _plain(value: Any) -> object:
     return None if plain != plain else plain
 
 
-def _show(came: Sweep, varied: list[str]) -> None:
+def _show(came: Sweep, varied: list[str], stopped: str) -> None:
     from .tables import say, terminal
 
     console = terminal()
     verdicts = came.verdict.tolist()
     counts = ", ".join(f"{verdicts.count(word)} {word}" for word in dict.fromkeys(sorted(verdicts, reverse=True)))
-    say(console, f"{came.case}: {len(came)} runs; {counts}", "bold")
+    say(console, "; ".join(filter(None, (f"{came.case}: {len(came)} runs", counts, stopped))), "bold")
     table, shown = _table(came)
     if shown:
         console.print(table)

@@ -380,8 +380,10 @@ class Scene:
         return self._uart.notes()
 
     def bytes_on_bus(self) -> int:
-        """By the controller agent, or as they were counted on the wires where there is none."""
-        return self.bus.wire_bytes if self._counter is None else self._counter.bytes
+        """Return the whole bytes on the I2C bus, addresses included: of the controller agent, else of the wires."""
+        if self._counter is not None:
+            return self._counter.bytes
+        return self.bus.wire_bytes + (0 if self.head is None else self.head.controller.bytes_under_way())
 
     # Running --------------------------------------------------------------------
 

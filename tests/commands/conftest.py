@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import pytest
 
-from periph_sim.cli import main
+from periph_sim.cli import run_command as main
 
 CASE = """\
 name = "small"

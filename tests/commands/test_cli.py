@@ -171,7 +171,7 @@ def test_every_mistake_is_an_error_there_is(name: str):
 
 
 def started(*arguments: str, stdout: object) -> subprocess.CompletedProcess[str]:
-    code = "import periph_sim.cli; periph_sim.cli.main()"
+    code = "import periph_sim.cli; periph_sim.cli.run_command()"
     return subprocess.run(
         [sys.executable, "-c", code, *arguments], stdout=stdout, stderr=subprocess.PIPE, text=True, check=False
     )

@@ -64,6 +64,18 @@ def test_the_table_has_of_each_budget_the_run_that_was_nearest_to_its_limit(peri
     assert (came.status, came.err) == (1, "")
 
 
+def test_a_stopped_sweep_says_so_in_its_table_and_in_json(periph_sim: Run) -> None:
+    interrupted = FIRMWARE.replace("    with", "    if settings.work > 2e-5: raise KeyboardInterrupt\n    with")
+    Path("mine.py").write_text(interrupted, encoding="utf-8")
+    vary = ("sweep", *HERE, "--vary", f"{WORK}=10 us to 40 us step 10 us")
+    sentence = "the sweep was stopped after 2 of 4 runs"
+    came = periph_sim(*vary)
+    assert (came.status, came.err) == (2, f"Error: {sentence}\n")
+    assert came.out.splitlines()[0] == f"small: 2 runs; 2 pass; {sentence}"
+    told = json.loads(periph_sim(*vary, "--json").out)
+    assert (len(told["runs"]), told["stopped"]) == (2, sentence)
+
+
 def test_where_every_run_passes_the_exit_status_is_0(periph_sim: Run) -> None:
     came = periph_sim("sweep", *HERE, "--vary", f"{WORK}=10 us, 20 us", "--set", "seed=3", "--json")
     assert came.status == 0

@@ -78,7 +78,7 @@ def main() -> None:
             with line:
                 if not os.fork() and _is_command(line):
                     server.close()
-                    cli.main()
+                    cli.run_command()
     shutil.rmtree(folder)
 
 

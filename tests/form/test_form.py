@@ -95,7 +95,7 @@ def test_the_command_line_tells_it_in_one_line(monkeypatch, capsys):
 
     monkeypatch.setattr(cli.cli, "main", refuse)
     with pytest.raises(SystemExit) as ended:
-        cli.main()
+        cli.run_command()
     assert ended.value.code == cli.MISTAKE
     assert capsys.readouterr().err == "Error: the compiled core does not load here: no such symbol\n"
 

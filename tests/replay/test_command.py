@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.cli import main
+from periph_sim.cli import run_command as main
 from tests.replay.make_session import samples
 from tests.replay.slow import one_read, slow_case
 from tests.traces.formats.writers import frame_bits, sr_bytes, uart_wave

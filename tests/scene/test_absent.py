@@ -111,7 +111,7 @@ measure = "lost flags"
 max = 0
 """
 NAMED = ("recording", "budgets on lost flags")  # by this case, but for the bare scene "slave"
-COMMAND = "import sys; sys.argv[1:] = {}; from periph_sim.cli import main; main()"
+COMMAND = "import sys; sys.argv[1:] = {}; from periph_sim.cli import run_command; run_command()"
 OPENED: dict[str, tuple[str, tuple[str, ...], set[str]]] = {
     "from Python": ("import periph_sim; periph_sim.run('small.toml')", ("api",), set()),
     "run": (COMMAND.format(["run", "small.toml"]), ("cli", "commands."), {"click"}),

@@ -28,6 +28,7 @@ cdef class I2cController(ByteParty):
     cdef long long _refused_since, _lines, _scl_seen, _sda_moved, _sda_event, _sda_seen, _stretch, _wanted
     cdef bint _rising, _receiving, _bus_busy, _gives_up
     cpdef object begin(self, object transfer, object done)
+    cpdef long long bytes_under_way(self)
     cdef void _start(self)
     cdef bint _may_start(self, long long now)
     cdef bint _may_clear(self, long long now)

@@ -27,6 +27,7 @@ from .whole_bytes import ByteParty
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
 OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that cannot be read off the wires
+ADDRESS = -1  # instead of the number of a data byte
 NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
 
 
@@ -136,7 +137,7 @@ class I2cController(ByteParty):
         self._byte = 0  # being sent, or 0xFF while receiving
         self._bit = 0  # 0..8; 8 is the ACK
         self._in = 0  # bits read so far
-        self._index = -1  # -1: address byte, else the number of the data byte
+        self._index = NO_BYTE  # the number of the data byte, or ADDRESS
         self._receiving = False
         self._scl_moved = kernel.now
         self._bus_busy = False  # between a START and its STOP, whoever made them
@@ -188,6 +189,10 @@ class I2cController(ByteParty):
         self._settle(self._kernel.now)
         self._then(max(self._kernel.now, self._last_stop + self.timing.free), BEGIN)
 
+    def bytes_under_way(self) -> int:
+        """Return the number of whole bytes, addresses included, of the transfer whose STOP has not come."""
+        return self._transfer.wire_bytes - (self._index == ADDRESS) if self.busy else 0
+
     def _start(self) -> None:
         now = self._kernel.now
         if not self._may_start(now):
@@ -209,7 +214,7 @@ class I2cController(ByteParty):
         self._set_sda(0)
         self._mark("START" if self._phase_index == 0 else "repeated START", 0)
         byte = phase.address << 1 | phase.read if phase.address_byte is None else phase.address_byte
-        self._load(byte, -1, False)
+        self._load(byte, ADDRESS, False)
         self._then(now + self.timing.start_hold, FIRST_LOW)
 
     def _may_start(self, now: int) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.cli import main
+from periph_sim.cli import run_command as main
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene

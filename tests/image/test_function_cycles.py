@@ -62,8 +62,15 @@ def test_32_bits_on_the_stack_are_an_even_word_and_the_one_behind_it():
     assert Rig(source, odd_32bit_target=0).run().program.returned_at == 10 + 4 + found.least
 
 
-def test_code_in_waited_memory_says_so():
-    source = ' .sect "code", 0xC000\n .global _c_int00\n_c_int00: NOP\n ESTOP0\n'
+@pytest.mark.parametrize(("place", "stalls"), [("@0x10", 1), ("@0x11", 1), ("@0x12", 0), ("@0x0F", 0)])
+def test_both_words_of_a_write_of_32_bits_are_waited_for(place: str, stalls: int):
+    source = HEAD + f" ESTOP0\n .global _f\n_f: MOVL @0x10,ACC\n MOV AL,{place}\n LRETR\n"
+    assert sum(row.stall > 0 for row in function_cycles(assemble(source), "_f").rows) == stalls
+
+
+@pytest.mark.parametrize("begin", [0xC000, 0xFFFE])
+def test_code_in_waited_memory_says_so(begin: int):
+    source = f' .sect "code", {begin:#x}\n .global _c_int00\n_c_int00: NOP\n ESTOP0\n'
     assert [row.why for row in function_cycles(assemble(source), "_c_int00").rows] == ["fetched with 1 wait state"] * 2
 
 

@@ -36,6 +36,12 @@ def test_each_address_has_the_line_that_it_was_assembled_from():
     assert debug.damaged == ""
 
 
+def test_an_address_is_set_by_an_operation_that_tells_its_length():
+    """DWARF 2, section 6.2.5.3: a zero, the bytes that follow, DW_LNE_set_address and the address."""
+    lines = assemble(SOURCE, Path("own.asm")).debug[".debug_line"]
+    assert bytes((0, 5, 2)) + (0x9000).to_bytes(4, "little") in lines
+
+
 def test_no_file_no_debug_data():
     assert assemble(SOURCE).debug == {}
 

@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from .core.convert import BadTable
-from .core.input_files import inputs_of_one_command, note_input
+from .core.input_files import inputs_of_one_command, note_inputs_of
 from .core.settings import duration
 from .levels.judged import judged, refuse_record
 from .records.if_recorded import if_recorded
 from .scene.case.load import apply, built, load, refusal
 from .scene.case.model import BadCase, Case
+from .scene.case.named_files import texts_in
 from .scene.case.origin import Source
 from .scene.clocks import clocks_of
 from .scene.firmware_loader import Firmware
@@ -33,7 +34,7 @@ def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
     """
     tree = dict(tables)
     places = tuple((change, apply(tree, change)) for change in changes)
-    source = Source(Path(f"make_case({tables.get('name', '')})"), "", places)
+    source = Source(Path(f"make_case({tables.get('name', '')})"), "", places, tuple(texts_in(tree)))
     try:
         return built(Case.model_validate(tree), source)
     except BadTable as error:
@@ -73,8 +74,7 @@ def _run(
             raise BadCase("changes go with a file; give them to load or make_case")
     else:
         case = load(Path(case), list(changes))
-    if case.file is not None:
-        note_input(case.file)
+    note_inputs_of(case.files())
     try:
         length = None if seconds is None else duration(seconds)
     except ValueError as error:

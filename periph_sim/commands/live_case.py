@@ -16,11 +16,11 @@ import click
 from ..processor.user_code import output_muted
 from ..scene.case.load import apply, case_of, read
 from ..scene.case.model import BadCase
+from ..scene.case.named_files import texts_in
 from ..scene.outside_log import BadLog, LogReader
 from ..scene.scene import Scene
 from ..timing.verdict import NOT_JUDGED
 from .new_files import NAME, Files
-from .watched_files import texts_in
 
 Tree = dict[str, Any]
 

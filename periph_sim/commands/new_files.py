@@ -12,9 +12,9 @@ import click
 from ..core.examples import EXAMPLES
 from ..core.suggest import did_you_mean
 from ..image.assemble import sources_of
+from ..scene.case.named_files import texts_in
 from ..scene.firmware_files import SHIPPED
 from ..traces.capture.capture import Capture
-from .watched_files import texts_in
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")

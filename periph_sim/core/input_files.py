@@ -1,11 +1,20 @@
-"""Files that a command has read: each reader names its file here, so that no output of the same command replaces it."""
+"""Files that users name: each one is opened here, so that none blocks or never ends, and no output replaces one.
+
+A command remembers the files that it reads. Its outputs ask `is_input` before they replace a file.
+"""
 
 from __future__ import annotations
 
+import errno
 import os
-from collections.abc import Iterator
+import stat
+import sys
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
+
+MOST = 1 << 24  # bytes of a file that is read at once
 
 _read: set[tuple[int, int]] | None = None  # device and inode of each file; None while no command runs
 
@@ -24,21 +33,72 @@ def inputs_of_one_command() -> Iterator[None]:
             _read = None
 
 
+def open_regular(path: Path, most: int | None = None) -> BinaryIO:
+    """Open a file for reading. OSError if it is a device or a pipe, which might never end, or has more bytes."""
+    try:
+        status = os.stat(path)
+    except ValueError:
+        raise _refused(path, "Not a file name") from None
+    if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
+        raise _refused(path, "Not a regular file")
+    if most is not None and status.st_size > most:
+        raise _refused(path, f"Longer than {most} bytes")
+    return path.open("rb")
+
+
+def open_input(path: Path, most: int | None = None) -> BinaryIO:
+    """Open a file as `open_regular` does, and note it as input of the command that runs."""
+    return open_regular(note_input(path), most)
+
+
+def read_regular(path: Path, most: int = MOST) -> bytes:
+    """Return the bytes of a file. OSError if it is not a regular file or has more bytes."""
+    with open_regular(path, most) as file:
+        data = file.read(most + 1)
+    if len(data) > most:  # it grew, or its size is unknown, as in /proc
+        raise _refused(path, f"Longer than {most} bytes")
+    return data
+
+
+def read_input(path: Path, most: int = MOST) -> bytes:
+    """Return the bytes of a file as `read_regular` does, and note it as input of the command that runs."""
+    return read_regular(note_input(path), most)
+
+
 def note_input(path: Path) -> Path:
     """Remember a file as input of the command that runs, and return its path. Without a command nothing is done."""
-    if _read is not None and (identity := _identity(path)) is not None:
-        _read.add(identity)
+    note_inputs_of((path,))
     return path
 
 
+def note_inputs_of(paths: Iterable[Path]) -> None:
+    """Remember those of these files that exist as inputs of the command that runs."""
+    if _read is not None:
+        _read.update(identity for path in paths if (identity := _identity(path)) is not None)
+
+
 def is_input(path: Path) -> bool:
-    """True if the command that runs has read this file, by whatever name or link."""
-    return bool(_read) and _identity(path) in (_read or ())
+    """Return True if the command that runs, or Python's import, has read this file, by whatever name or link."""
+    identity = _identity(path)
+    if identity is None:
+        return False
+    return identity in (_read or ()) or any(_identity(file) == identity for file in _imported())
 
 
-def _identity(path: Path) -> tuple[int, int] | None:
+def _imported() -> Iterator[str]:
+    for module in tuple(sys.modules.values()):
+        file = getattr(module, "__dict__", {}).get("__file__")
+        if isinstance(file, str):
+            yield file
+
+
+def _identity(path: Path | str) -> tuple[int, int] | None:
     try:
         status = os.stat(path)
     except (OSError, ValueError):
         return None
     return status.st_dev, status.st_ino
+
+
+def _refused(path: Path, why: str) -> OSError:
+    return OSError(errno.EINVAL, why, str(path))

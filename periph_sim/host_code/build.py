@@ -9,12 +9,12 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from msgspec import Struct
 
-from ..core.input_files import note_input
+from ..core.input_files import note_input, note_inputs_of
 from .register_symbols import BYTES_A_WORD, COPIED, SYMBOLS
 
 RUNTIME = Path(__file__).with_name("runtime.c")
@@ -69,7 +69,8 @@ def compiled(sources: Sources, folder: Path) -> Objects:
         raise BadSources("gcc is not found, which compiles C sources for the host; install it, or run an image")
     for file in sources.files:
         if not note_input(file).is_file():
-            raise BadSources(f"there is no source file {str(file)!r}; its path counts from the folder of the case")
+            what = f"{str(file)!r} is not a regular file" if file.exists() else f"there is no source file {str(file)!r}"
+            raise BadSources(f"{what}; its path counts from the folder of the case")
     own = folder / "c28x_assembly.h"
     own.write_text(OWN_DECLARATIONS + "\n", encoding="utf-8")
     flags = [*HOOKS, *KEYWORDS, "-include", str(own), *(UNDEFINED if sources.undefined else ())]
@@ -93,8 +94,10 @@ def compiled(sources: Sources, folder: Path) -> Objects:
             str(file),
             "-o",
             objects[-1],
+            "-MMD",
         ]
         _compile(command, (file.parent, *sources.folders), aliases)
+        note_inputs_of(_included(Path(objects[-1]).with_suffix(".d")))
     runtime = str(folder / "runtime.o")
     _run([compiler, "-std=gnu11", "-c", "-O1", "-fPIC", "-w", str(RUNTIME), "-o", runtime])
     return Objects(compiler, (*objects, runtime), sources.undefined)
@@ -125,6 +128,13 @@ def _compile(command: Sequence[str], folders: Sequence[Path], aliases: Path) -> 
             if not found or alias.exists():
                 raise
             alias.symlink_to(found[0].resolve())
+
+
+def _included(rule: Path) -> Iterator[Path]:
+    """Yield the files of an object, by the rule for make that gcc writes with -MMD."""
+    _, _, files = rule.read_text(encoding="utf-8", errors="surrogateescape").partition(":")
+    for name in re.split(r"(?<!\\)\s+", files.replace("\\\n", " ")):
+        yield Path(name.replace("\\ ", " "))
 
 
 def _places(symbols: Mapping[str, int], base: int) -> dict[str, int]:

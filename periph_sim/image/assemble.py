@@ -26,7 +26,7 @@ from typing import NamedTuple
 from ..c28x.assembler import BadInstruction, Parsed, parse
 from ..c28x.expressions import BadExpression, Undefined, evaluate
 from ..core.examples import EXAMPLES
-from ..core.input_files import note_input
+from ..core.input_files import read_input
 from .load import parse as parse_image
 from .model import BadImage, Image, Section, Symbol
 from .write_coff2 import write
@@ -289,9 +289,9 @@ def included(name: str, folder: Path) -> Path:
 
 def text_of(path: Path) -> str:
     try:
-        return note_input(path).read_text(encoding="utf-8-sig")
+        return read_input(path).decode("utf-8-sig")
     except OSError as error:
-        raise BadImage(f"{path}: {error.strerror}") from None
+        raise BadImage(f"{path}: {error.strerror}; give a source in assembly") from None
     except UnicodeDecodeError:
         raise BadImage(f"{path}: it is no text in UTF-8") from None
 

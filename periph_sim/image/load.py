@@ -8,21 +8,23 @@ from __future__ import annotations
 from itertools import pairwise
 from pathlib import Path
 
-from ..core.input_files import note_input
+from ..core.input_files import read_input
 from ..f28335.system.address_space import not_loadable
 from . import coff2
 from .model import BadImage, Image, quoted
 
 OTHER_PARTS = {"Cla1": "a part with a CLA (F2803x, F2806x or F2837x)"}  # by how names of sections begin
 ELF_MAGIC = b"\x7fELF"
+WAY_OUT = "give the linker's .out file, or assembly (.asm)"
+LARGEST = 1 << 28  # bytes of a file, most of which are symbols for debuggers
 
 
 def load(path: Path) -> Image:
     """The image in a file. BadImage, which names the file, where it is none of the F28335."""
     try:
-        data = note_input(path).read_bytes()
+        data = read_input(path, LARGEST)
     except OSError as error:
-        raise BadImage(f"{path}: {error.strerror}") from None
+        raise BadImage(f"{path}: {error.strerror}; {WAY_OUT}") from None
     try:
         return parse(data)
     except BadImage as error:
@@ -38,7 +40,7 @@ def parse(data: bytes) -> Image:
 
         image = elf.read(data)
     else:
-        raise BadImage("it is neither TI COFF nor ELF; give the linker's .out file, or assembly (.asm)")
+        raise BadImage(f"it is neither TI COFF nor ELF; {WAY_OUT}")
     _check(image)
     return image
 

@@ -75,7 +75,7 @@ class LogWriter:
 
 def refuse_input(path: Path, case: Case, what: str) -> None:
     """OutsideError if a session of this case reads the file to which it would write. what: it would write there."""
-    if is_input(path) or (case.file is not None and is_same(path, case.file)):
+    if is_input(path) or any(is_same(path, file) for file in case.files()):
         raise OutsideError(f"{path}: the session reads this file; give the {what} another place")
 
 

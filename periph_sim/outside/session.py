@@ -15,6 +15,7 @@ from pathlib import Path
 from types import TracebackType
 
 from ..core.chip import NEVER
+from ..core.input_files import inputs_of_one_command
 from ..core.settings import duration
 from ..core.suggest import did_you_mean
 from ..records.recording import Subscribe
@@ -59,13 +60,14 @@ class Session:
             raise BadCase(f"case {case.name}: nobody is outside; name the wires: Session(case, outside=('SDA', 'SCL'))")
         case = with_outside(case, tuple(outside))
         self.case = case
-        self.scene = Scene(case, subscribe, programs)
         self.lines = tuple(outside)
-        self.ticks_per_second = self.scene.timebase.per_second
-        self._kernel = self.scene.kernel
-        self._start = self.scene.start
-        self._door = Door(self._kernel, {name: self.scene.wire(name) for name in self.lines}, self._acted)
-        self._log = None if log is None else LogWriter(Path(log), case, self.ticks_per_second, self.lines)
+        with inputs_of_one_command():
+            self.scene = Scene(case, subscribe, programs)
+            self.ticks_per_second = self.scene.timebase.per_second
+            self._kernel = self.scene.kernel
+            self._start = self.scene.start
+            self._door = Door(self._kernel, {name: self.scene.wire(name) for name in self.lines}, self._acted)
+            self._log = None if log is None else LogWriter(Path(log), case, self.ticks_per_second, self.lines)
         self._reaction = Reaction(self.scene, self.lines)
         self._now = 0
         self._master: Master | None = None

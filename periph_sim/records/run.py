@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.input_files import note_input
+from ..core.input_files import open_input
 from ..core.records import Kind, Record
 from ..core.registers import Field, Register
 from ..traces.formats.psr import holds_run, read_table, recognises
@@ -86,13 +86,17 @@ class Run:
 
     @classmethod
     def read(cls, path: Path | str, sysclk: Fraction | None = None) -> Run:
-        path = note_input(Path(path))
-        if not path.is_file():
-            raise NotInRun(f"{path}: there is no such file; {WAY_OUT}")
-        with path.open("rb") as file:
-            if not recognises(path, file.read(HEAD)):
-                what = "a run for other programs to read" if path.suffix == ".jsonl" else "not a recorded run"
-                raise NotInRun(f"{path}: {what}; {WAY_OUT}")
+        path = Path(path)
+        try:
+            with open_input(path) as file:
+                head = file.read(HEAD)
+        except FileNotFoundError:
+            raise NotInRun(f"{path}: there is no such file; {WAY_OUT}") from None
+        except OSError as error:
+            raise NotInRun(f"{path}: cannot be read ({error.strerror}); {WAY_OUT}") from None
+        if not recognises(path, head):
+            what = "a run for other programs to read" if path.suffix == ".jsonl" else "not a recorded run"
+            raise NotInRun(f"{path}: {what}; {WAY_OUT}")
         table = read_table(path)
         if not holds_run(path):
             raise NotInRun(f"{path}: a capture of wires, with no accesses or flags; {WAY_OUT}")

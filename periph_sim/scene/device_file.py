@@ -58,7 +58,8 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
 
 def _module(path: Path, guard: UserCode, mistake: Callable[..., Exception]) -> ModuleType:
     if not path.is_file():
-        raise mistake(f"there is no file {str(path)!r}; its path counts from the folder of the case")
+        what = f"{str(path)!r} is not a regular file" if path.exists() else f"there is no file {str(path)!r}"
+        raise mistake(f"{what}; its path counts from the folder of the case")
     try:
         return guard.in_time(module_of_file, path)
     except (*PASSES, FirmwareStalled):

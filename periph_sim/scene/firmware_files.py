@@ -19,7 +19,7 @@ from threading import get_ident
 from types import CodeType, ModuleType
 
 from ..core.examples import EXAMPLES
-from ..core.input_files import note_input
+from ..core.input_files import note_input, read_input
 from ..processor.error_origin import raised_at
 from ..processor.user_code import message_of
 
@@ -90,7 +90,7 @@ class _Source(SourceFileLoader):
     """Compiles the text at every load: bytecode kept by the second would miss an edit, and litter the user's folder."""
 
     def get_code(self, fullname: str) -> CodeType:
-        return _code_of(self.get_data(self.path), self.path)
+        return _code_of(read_input(Path(self.path)), self.path)
 
 
 @lru_cache(maxsize=64)

@@ -94,7 +94,8 @@ def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
 
 def _file_module(path: Path) -> ModuleType:
     if not path.is_file():
-        raise BadFirmware(f"there is no firmware file {str(path)!r}; its path counts from the folder of the case")
+        what = f"{str(path)!r} is not a regular file" if path.exists() else f"there is no firmware file {str(path)!r}"
+        raise BadFirmware(f"{what}; its path counts from the folder of the case")
     return module_of_file(path)
 
 

@@ -12,15 +12,17 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from io import TextIOWrapper
 from pathlib import Path
 from typing import NamedTuple
 
 import msgspec
 
 from ..core.counted import counted
-from ..core.input_files import note_input
+from ..core.input_files import open_input
 
 FORMAT, VERSION = "periph-sim outside", 1
+LONGEST_LINE = 1 << 20  # characters
 
 
 class BadLog(ValueError):
@@ -59,8 +61,8 @@ class LogReader:
         self._lines = 1  # read so far
         self._cut = 0  # characters of a last line that was not written to its end
         try:
-            self._file = note_input(path).open(encoding="utf-8")
-            first = self._file.readline(1 << 20)
+            self._file = TextIOWrapper(open_input(path), encoding="utf-8")
+            first = self._file.readline(LONGEST_LINE)
         except OSError as error:
             raise BadLog(f"{path}: {error.strerror}; give the log of a session") from None
         except UnicodeDecodeError:
@@ -126,7 +128,9 @@ class LogReader:
     def _line(self) -> object:
         """The next value; None at the end. Half a line there is what a process that died had begun to write."""
         try:
-            text = self._file.readline()
+            text = self._file.readline(LONGEST_LINE)
+            if len(text) == LONGEST_LINE:
+                raise ValueError
             if not text.endswith("\n"):
                 self._cut = len(text)
                 return None
@@ -135,7 +139,7 @@ class LogReader:
         except (
             ValueError,
             RecursionError,
-        ):  # ValueError: no JSON, no UTF-8, or a number of more digits than Python reads
+        ):  # ValueError: no JSON, no UTF-8, too long, or a number of more digits than Python reads
             raise self._bad(self._lines, "a damaged line", "JSON") from None
 
     def _head(self, text: str) -> Head:

@@ -20,6 +20,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from ..core.convert import BadTable
+from ..core.input_files import read_input
 from ..core.suggest import did_you_mean
 from ..core.table import Table
 from .case.discover import is_searched
@@ -96,7 +97,7 @@ def project_of(folder: Path) -> Project:
 def _settings(file: Path) -> Settings | None:
     """None if there is no such file, or if it says nothing of periph-sim."""
     try:
-        data = file.read_bytes()
+        data = read_input(file)
     except OSError:
         return None
     if b"periph-sim" not in data:

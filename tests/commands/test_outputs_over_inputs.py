@@ -14,6 +14,8 @@ CASES = {
     "page over case by a link": ("run", "small.toml", "--html", "link.toml", *SHORT),
     "page over firmware": ("run", "small.toml", "--html", "still.py", *SHORT),
     "page over a module that firmware imports": ("run", "small.toml", "--html", "helper.py", *SHORT),
+    "page over a log of another session": ("run", "again.toml", "--html", "live.jsonl", *SHORT),
+    "page over a module that is imported later": ("run", "small.toml", "--html", "later.py", *SHORT),
     "JUnit over case": ("check", "small.toml", "--junit", "small.toml"),
     "JUnit over firmware of another process": ("check", "small.toml", "--junit", "still.py", "--jobs", "2"),
     "JUnit over baseline": ("check", "small.toml", "--junit", "baselines/small.json"),
@@ -29,8 +31,12 @@ def test_an_output_over_an_input(periph_sim: Run, desk: Path, arguments: tuple[s
     (desk / "link.toml").symlink_to("small.toml")
     (desk / "helper.py").touch()
     (desk / "still.py").write_text("from . import helper\n" + (desk / "still.py").read_text())
+    (desk / "later.py").touch()
+    (desk / "again.toml").write_text(
+        (desk / "small.toml").read_text() + '[outside]\nwires = ["RX"]\nlog = "live.jsonl"\n'
+    )
     (desk / "baselines").mkdir()
-    for name in ("baselines/small.json", "rest.csv"):
+    for name in ("live.jsonl", "baselines/small.json", "rest.csv"):
         (desk / name).write_text("as it was\n")
     before = {file: file.read_bytes() for file in desk.rglob("*") if file.is_file()}
     came = periph_sim(*arguments)

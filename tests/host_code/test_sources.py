@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.core.input_files import inputs_of_one_command, is_input
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.result import Result
@@ -119,6 +120,18 @@ def test_a_busy_thread_does_not_take_its_timer(folder: Path):
     command = [sys.executable, "-c", BESIDE_A_BUSY_THREAD, str(folder / "echo.toml")]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=100)
     assert (done.returncode, done.stdout, done.stderr) == (0, "pass pass pass\n", "")
+
+
+def test_no_output_replaces_a_header_wherever_it_is(folder: Path):
+    below = folder / "my headers"
+    below.mkdir()
+    (below / "deeper.h").write_text("\n")
+    (folder / "echo.c").write_text('#include "my headers/deeper.h"\n' + (folder / "echo.c").read_text())
+    with inputs_of_one_command():
+        load(folder / "echo.toml")
+        assert is_input(folder / "device.h") and not is_input(below / "deeper.h")
+        run(folder)
+        assert is_input(below / "deeper.h")
 
 
 def fails_with(folder: Path, body: str, *changes: str) -> str:

@@ -23,6 +23,20 @@ def test_a_log_never_replaces_the_case(tmp_path: Path) -> None:
     assert case.read_text() == before
 
 
+def test_a_log_never_replaces_what_the_case_names_or_its_firmware_may_import(tmp_path: Path) -> None:
+    case = written(tmp_path)
+    drivers, earlier = tmp_path / "drivers.py", tmp_path / "earlier.jsonl"
+    text = case.read_text().replace("[unit.dsp]", '[outside]\nwires = ["RX"]\nlog = "earlier.jsonl"\n[unit.dsp]')
+    case.write_text(text)
+    for file in (drivers, earlier):
+        file.write_text("as it was\n")
+    for log in (drivers, earlier, tmp_path / "echo_firmware.py"):
+        before = log.read_text()
+        with pytest.raises(OutsideError, match="the session reads this file; give the log another place"):
+            Session(case_for_line(case, "scia"), log=log)
+        assert log.read_text() == before
+
+
 def test_a_session_that_is_refused_before_time_passes_leaves_the_log_of_the_last_one(tmp_path: Path) -> None:
     log, taken = tmp_path / "live.jsonl", tmp_path / "taken"
     log.write_text("the last session\n")

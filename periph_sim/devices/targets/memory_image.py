@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...core.input_files import note_input
+from ...core.input_files import read_input
 
 IMAGES = (".bin", ".hex")
 ERASED = 0xFF
@@ -15,7 +15,7 @@ DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of records; those of start addr
 def image(path: Path) -> bytes:
     """Gaps are 0xFF. ValueError, one sentence with the file and its line."""
     try:
-        data = note_input(path).read_bytes()
+        data = read_input(path)
     except OSError as error:
         raise ValueError(
             f"{path} cannot be read ({error.strerror}); its path counts from the folder of the case"

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from ...core.input_files import note_input
+from ...core.input_files import read_input
 from ...core.settings import duration
 from . import BadDevice, TargetContext
 from .register_settings import RegisterTable
@@ -65,7 +65,7 @@ def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | No
 def _rows(path: Path, table: RegisterTable) -> tuple[tuple[Fraction, int], ...]:
     """Times and values of a file: "5 ms,0x12" in each line; a heading is passed over."""
     try:
-        lines = list(csv.reader(note_input(path).read_text(encoding="utf-8").splitlines()))
+        lines = list(csv.reader(read_input(path).decode("utf-8").splitlines()))
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise ValueError(f"{path} cannot be read ({why}); its path counts from the folder of the case") from None

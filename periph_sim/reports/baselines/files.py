@@ -13,6 +13,7 @@ from pathlib import Path
 import msgspec
 
 from ...core.convert import BadTable
+from ...core.input_files import read_regular
 from ...scene.case.error_text import complaint
 from ...scene.project import project_of
 from ...traces.capture.capture import BadCapture
@@ -36,7 +37,7 @@ def text_of(baseline: Baseline) -> str:
 def read(path: Path) -> Baseline | None:
     """The baseline in a file, None if there is no such file. BadCheck if it is not one of this schema version."""
     try:
-        data = path.read_bytes()
+        data = read_regular(path)
     except FileNotFoundError:
         return None
     except OSError as error:

@@ -12,6 +12,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from ...core.input_files import read_regular
+
 MARKER = re.compile(rb"^[ \t]*\[{1,2}[ \t]*(unit|budget|controller)\b", re.MULTILINE)
 NOT_SEARCHED = frozenset({"node_modules", "__pycache__", "site-packages"})
 
@@ -19,7 +21,7 @@ NOT_SEARCHED = frozenset({"node_modules", "__pycache__", "site-packages"})
 def is_case(path: Path) -> bool:
     """True if a `.toml` file has a table that only cases have: unit, budget or controller."""
     try:
-        return path.suffix == ".toml" and MARKER.search(path.read_bytes()) is not None
+        return path.suffix == ".toml" and MARKER.search(read_regular(path)) is not None
     except OSError:
         return False
 

@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any, cast
 
 from ...core.convert import BadTable
-from ...core.input_files import note_input
+from ...core.input_files import note_inputs_of, read_input
 from ...core.shorten import shorten
 from ...core.suggest import did_you_mean
 from ...core.table import separate
 from .error_text import explain
 from .model import BadCase, Case
+from .named_files import texts_in
 from .origin import SHOWN, Place, Source
 
 WIDEST = 2**63 - 1  # of an integer: what TOML promises, and what compiled code counts with
@@ -35,6 +36,7 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
     """
     path = Path(path)
     case, changeable = _loaded(path, text_of(path, "case"), tuple(changes or ()))
+    note_inputs_of(case.files())
     return case.model_copy(update={name: separate(getattr(case, name)) for name in changeable})
 
 
@@ -51,7 +53,8 @@ def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> tuple[Case, list
 
 def _checked(path: Path, text: str, changes: tuple[str, ...]) -> Case:
     tree = tree_of(path, text)
-    source = Source(path, text, tuple((change, apply(tree, change)) for change in changes))
+    places = tuple((change, apply(tree, change)) for change in changes)
+    source = Source(path, text, places, tuple(texts_in(tree)))
     refuse_unusable(source, tree)
     try:
         return built(_located(Case.model_validate(tree), path.parent), source)
@@ -71,7 +74,7 @@ def built(case: Case, source: Source) -> Case:
 
 def case_of(tree: dict[str, Any], path: Path) -> Case:
     """The case that a tree says, as if it stood in a file there. BadCase with one sentence if it says none."""
-    source = Source(path, "")
+    source = Source(path, "", values=tuple(texts_in(tree)))
     try:
         return built(_located(Case.model_validate(_copy(tree)), path.parent), source)
     except BadTable as error:
@@ -109,7 +112,7 @@ def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
 def text_of(path: Path, what: str) -> str:
     """The text of a TOML file. what: is in it, for messages. BadCase if it cannot be had."""
     try:
-        data = note_input(path).read_bytes()
+        data = read_input(path)
     except IsADirectoryError:
         raise BadCase(
             f"{path}: is a folder; give a {what} file, or run all its cases: periph-sim check {path}"

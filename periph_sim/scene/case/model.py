@@ -5,7 +5,7 @@ The tables of a case file are the classes below; a key that none of them has is 
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Iterator, Set
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -21,6 +21,7 @@ from ...f28335.cpu.compiled_code_costs import CodeCosts
 from ...timing.budget_schema import Budget
 from .device_tables import BusParty, DeviceTable
 from .fidelity import Fidelity
+from .named_files import named_files
 from .origin import Source, key_of, line_of
 from .scalars import (
     Address,
@@ -346,6 +347,12 @@ class Case(Table, frozen=True, kw_only=True):
     def file(self) -> Path | None:
         """Its file; None if it came from none."""
         return None if self._source is None else self._source.path
+
+    def files(self) -> Iterator[Path]:
+        """Yield its file, and the files that its texts name with those that these may import or include."""
+        if self._source is not None:
+            yield self._source.path
+            yield from named_files(self.folder, self._source.values)
 
     @property
     def changes(self) -> tuple[str, ...]:

@@ -13,11 +13,17 @@ Place = tuple[str | int, ...]  # keys and entry numbers from the top of a case d
 
 
 class Source(Struct, frozen=True):
-    """text: the file as it was read. changes: the `key=value` texts applied to it since, and what each changed."""
+    """A case's file and what was made of it.
+
+    text: the file as it was read.
+    changes: the `key=value` texts applied to it since, and what each changed.
+    values: the texts in its tables after the changes.
+    """
 
     path: Path
     text: str
     changes: tuple[tuple[str, Place], ...] = ()
+    values: tuple[str, ...] = ()
 
     def where(self, place: Place) -> str:
         """Where a person finds this place."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...core.input_files import note_input
+from ...core.input_files import read_input
 from ..case.model import Case
 from ..case.serial import ExpectTable, SendTable
 
@@ -34,17 +34,12 @@ def encoded(case: Case, text: str, entry: SendTable | ExpectTable, *place: str |
 def _read(case: Case, name: str, *place: str | int) -> bytes:
     path = case.folder / name
     try:
-        if path.exists() and not path.is_file():
-            raise case.mistake(f"{name} is not a regular file; give a file of at most {LARGEST} bytes", *place)
-        with note_input(path).open("rb") as file:
-            data = file.read(LARGEST + 1)
+        data = read_input(path, LARGEST)
     except OSError as error:
         what = f"{name} cannot be read ({error.strerror}); a path counts from the folder of the case"
         raise case.mistake(what, *place) from None
     if not data:
         raise case.mistake(f"{name} is empty; it needs at least one character", *place)
-    if len(data) > LARGEST:
-        raise case.mistake(f"{name} is longer than {LARGEST} bytes, the most that one entry can send", *place)
     return data
 
 

@@ -29,7 +29,7 @@ from pathlib import Path
 from typing import Protocol, cast
 
 from ...core.discover import modules_with
-from ...core.input_files import note_input
+from ...core.input_files import note_input, open_regular
 from ...core.suggest import did_you_mean
 from ..capture.capture import BadCapture, Capture, Channel, Span, rate_of
 from ..capture.resample import resampled
@@ -164,7 +164,7 @@ def _head(path: Path) -> bytes:
     if isdir(path):
         return b""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return file.read(HEAD)
     except OSError as error:
         raise BadCapture(

@@ -35,6 +35,7 @@ from typing import IO, Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.input_files import open_regular
 from ...core.records import Kind
 from ..capture.capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
 from ..capture.grid import OffGrid
@@ -76,7 +77,7 @@ def read_table(path: Path) -> RecordTable:
 def holds_run(path: Path) -> bool:
     """Whether the file is a recorded run, with more in it than edges. False for any other file, or none."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             known = recognises(path, file.read(38))
         if not known:
             return False

@@ -23,6 +23,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.input_files import open_regular
 from ..capture import size_limits as limits
 from ..capture.buffer import PositionBuffer
 from ..capture.capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
@@ -190,7 +191,13 @@ def _number(path: Path) -> int | None:
 
 def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
     """The chunks of a file, without their times. With `notes` those before any damage."""
-    with path.open("rb") as file:
+    try:
+        opened = open_regular(path)
+    except OSError as error:
+        raise BadCapture(
+            path, "the file", (error.strerror or "an error").lower(), "a file that can be read", "export it again"
+        ) from None
+    with opened as file:
         cursor = _Cursor(path, file)
         if cursor.take("8s")[0] != MARK:
             raise BadCapture(path, "byte 0", "no <SALEAE> mark", "a Saleae binary export", "export it again")

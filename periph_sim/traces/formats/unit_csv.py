@@ -19,12 +19,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.input_files import note_input
+from ...core.input_files import open_input
 from ...core.shorten import shorten
 from ..capture.capture import BadCapture
 
 Floats = NDArray[np.float64]
 
+LARGEST = 1 << 30  # bytes: weeks of a sensor's values
 TITLE = re.compile(r"\s*(\S[^\[\]]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*")
 WRITTEN = "a title such as 'time [s]' or 'phi [deg]' for every column"
 
@@ -41,7 +42,7 @@ class Column:
 def read(path: Path) -> list[Column]:
     """The columns in the order of the file, of equal length, one row at least. BadCapture in one sentence."""
     try:
-        with note_input(path).open("rb") as file:
+        with open_input(path, LARGEST) as file:
             head = file.readline().decode("utf-8-sig")
     except OSError as error:
         raise BadCapture(

@@ -215,8 +215,8 @@ def test_a_file_counts_from_the_folder_of_the_case(small: Path):
 @pytest.mark.parametrize(
     ("file", "told"),
     [
-        ("/dev/zero", "/dev/zero is not a regular file; give a file of at most 16777216 bytes"),
-        ("long.bin", "long.bin is longer than 16777216 bytes, the most that one entry can send"),
+        ("/dev/zero", "/dev/zero cannot be read (Not a regular file); a path counts from the folder of the case"),
+        ("long.bin", "long.bin cannot be read (Longer than 16777216 bytes); a path counts from the folder of the case"),
     ],
 )
 def test_a_file_without_end_is_not_read_into_memory(small: Path, file: str, told: str):

@@ -14,6 +14,7 @@ from pathlib import Path
 from periph_sim.form import PACKAGE
 
 CLASS = re.compile(r"^cdef class (\w+)(?:\((\w+)\))?:")
+ANY = re.compile(r"^    cdef public object (.+)$", re.MULTILINE)
 ATTRIBUTE = re.compile(r"^    cdef (?:public |readonly )?(\w+) ([\w, ]+)$")
 
 CHAINS = {
@@ -62,6 +63,17 @@ def links() -> set[tuple[str, str, str]]:
     return {
         (*owner, name) for owner, kind, name in attributes if kind in lineage(owner) or owner in lineage(kind)
     }  # fmt: skip
+
+
+def untyped() -> dict[tuple[str, str], str]:
+    """An attribute that holds any object, of each class that has one, by module and class."""
+    found: dict[tuple[str, str], str] = {}
+    for path in PACKAGE.rglob("*.pxd"):
+        settable = ", ".join(ANY.findall(path.read_text("utf-8")))
+        for owner, _, kind, name in _declared(path):
+            if kind is not None and kind[1] == "object" and name in settable.split(", "):
+                found.setdefault(owner, name)
+    return found
 
 
 Place = tuple[str, str]

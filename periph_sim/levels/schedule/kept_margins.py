@@ -30,7 +30,7 @@ class KeptMargins:
 
     def add(self, part: int, let_go: int, landed: int) -> None:
         """Add a byte; the largest part so far may lose its place, but stays close to the new one or far from it."""
-        near = abs(part - self.most) < self._den or abs(part - self.least) < self._den
+        near = -self._den < part - self.most < self._den or -self._den < part - self.least < self._den
         if part > self.most:
             self.most = part
             self._most_let_go, self._most_landed = let_go, landed

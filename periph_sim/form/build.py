@@ -98,6 +98,7 @@ PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE)
 # loaded. A compiler that cannot make one, or is for another CPU, compiles them as any other.
 MARKED = re.compile(r"^ *cp?def .*?(\w+)\([^()]*\).*# vectors$", re.MULTILINE)
 WIDE = '-DPERIPH_SIM_VECTORS=__attribute__((target_clones("avx2","default")))'
+PASSED_ON = re.compile(r"__Pyx_CFunc_\w+_to_py_\w*\([^;\n]*->(\w+)\);")  # a method, where C expects a function
 SORTED = "-Wl,--sort-section=name"  # C functions of all modules first, then what wraps them for Python
 OBJECTS = "objects"
 
@@ -172,8 +173,12 @@ def compile_one(module: str, package: str, cc: str, kind: Kind = NORMAL) -> None
 
 
 def require_directives(pxd: str, c_file: Path) -> None:
-    """NoBuild if a directive of the .pxd file did not reach the C code."""
-    found = disobeyed(pxd, c_file.read_text("utf-8"))
+    """NoBuild if a directive of the .pxd file did not reach the C code, or if Cython calls a method wrongly there."""
+    text = c_file.read_text("utf-8")
+    if passed_on := PASSED_ON.search(text):
+        method = f"{c_file.stem}.py passes on the typed method {passed_on[1]}"
+        raise NoBuild(f"{method}, which Cython calls with one argument less; pass on a function that calls it")
+    found = disobeyed(pxd, text)
     if found:
         raise NoBuild(f"{c_file.stem}.pxd: {'; '.join(found)}; write it where Cython {version('cython')} obeys it")
 

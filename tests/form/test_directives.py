@@ -91,3 +91,15 @@ def test_the_build_ends_at_a_directive_without_effect(tmp_path, monkeypatch):
     c_code(tmp_path, pxd, monkeypatch)
     with pytest.raises(build.NoBuild, match=r"one\.pxd: @cython\.freelist\(16\) of class Chained has no effect"):
         build.require_directives(pxd, tmp_path / "one.c")
+
+
+def test_the_build_ends_where_a_typed_method_of_another_module_is_passed_on(tmp_path, monkeypatch):
+    c_code(tmp_path, PXD, monkeypatch)
+    pxd = "from .one cimport Plain\n\ncdef class Again:\n    cdef Plain plain\n"
+    (tmp_path / "directed" / "two.pxd").write_text(pxd)
+    (tmp_path / "directed" / "two.py").write_text(
+        "class Again:\n    def again(self):\n        return map(self.plain.doubled, [1])\n"
+    )
+    c_file = build.generate("two", "directed")
+    with pytest.raises(build.NoBuild, match=r"two\.py passes on the typed method doubled, "):
+        build.require_directives(pxd, c_file)

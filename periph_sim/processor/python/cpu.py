@@ -58,7 +58,7 @@ class Cpu:
 
     def start(self, firmware: Callable[[], None], delay: int = 0) -> None:
         """Run `firmware`, beginning `delay` cycles after now."""
-        self.program.begin(firmware, self._instructions.after_main)
+        self.program.begin(firmware, lambda: self._instructions.after_main())
         self.processor.start(self.program, delay)
 
     def handle(self, vector: str, routine: Handler) -> None:

@@ -225,10 +225,10 @@ class SciRxBits:
             t -= start
             if t > last:
                 break
-            third ^= -1 << (t + 4 >> 3)
-            fourth ^= -1 << (t + 3 >> 3)
-            fifth ^= -1 << (t + 2 >> 3)
-            stop ^= -1 << (t - stop_at) if t > stop_at else -1
+            third ^= -(1 << (t + 4 >> 3))
+            fourth ^= -(1 << (t + 3 >> 3))
+            fifth ^= -(1 << (t + 2 >> 3))
+            stop ^= -(1 << (t - stop_at)) if t > stop_at else -1
         self.framed = False
         self._read_word(third & fourth | third & fifth | fourth & fifth, stop, frame)
         self.address = self.address if frame.address else int(self._idle)

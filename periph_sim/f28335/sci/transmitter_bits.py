@@ -38,7 +38,7 @@ class SciTxBits:
 
     def resend(self, tick: int, levels: int, bits: int, done: int) -> None:
         """The frame begun at `tick` has these levels from its bit `done` on."""
-        self.send(tick, levels & -1 << done | (-self.level & (1 << done) - 1), bits)
+        self.send(tick, levels & -(1 << done) | (-self.level & (1 << done) - 1), bits)
         while self._edges and self._edges[-1] < tick + 8 * done:
             self._edges.pop()
         self.next_tick = self._edges[-1] if self._edges else FAR

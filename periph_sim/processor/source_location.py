@@ -11,7 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 from types import CodeType, FrameType
 
-PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"  # what a place in the firmware is never in,
+from .. import __file__ as package_file
+
+PACKAGE = f"{Path(package_file).parent}{os.sep}"  # what a place in the firmware is never in,
 COMPILED = "periph_sim/"  # nor in this: so the frames of a traceback name the files of compiled modules
 FIRMWARE_ROOMS = (  # but for
     f"{PACKAGE}firmware{os.sep}",  # the start-up code that firmware imports,

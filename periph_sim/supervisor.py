@@ -8,6 +8,9 @@ User code can end its process behind Python's back: by `os._exit` and `execv`, b
 is then gone without a word in the pipe, and the command exits with status 3 and a sentence. It also does so if the
 worker's standard output is not what it was at the start, so that the output may have gone elsewhere.
 
+Temporary files of outputs, which the worker names by `remove_unless_complete`, are removed if it ends before it is
+complete.
+
 SIGTERM and SIGHUP raise KeyboardInterrupt in the worker, as Ctrl-C does. If the waiting process is killed, the worker
 receives SIGTERM. Without `fork`, on Windows, the work is done in the process that was started.
 """
@@ -34,6 +37,7 @@ STOPPING = ("SIGINT", "SIGTERM", "SIGHUP")
 PR_SET_PDEATHSIG = 1
 
 can_fork = hasattr(os, "fork")
+_temporary_files = -1  # the worker's end of the pipe for their names; -1 if no process waits
 
 
 class Completion:
@@ -65,6 +69,13 @@ class Completion:
         """
         with suppress(OSError):
             os.write(self._pipe, _completed(os.getpid(), status))
+
+
+def remove_unless_complete(file: str) -> None:
+    """Have the waiting process remove this file if the worker ends before its output is complete."""
+    if _temporary_files >= 0:
+        with suppress(OSError):  # user code has closed the pipe
+            os.write(_temporary_files, os.fsencode(os.path.abspath(file)) + b"\0")
 
 
 def supervise(work: Callable[[], object], name: str) -> NoReturn:
@@ -100,13 +111,17 @@ def split(name: str, *, strict: bool = True) -> Completion:
             stream.flush()
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, _numbers(FORWARDED))
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # ignored, as some callers leave it, it takes the status away
+    global _temporary_files
     reader, writer = os.pipe()
+    names, _temporary_files = os.pipe()
+    os.set_blocking(_temporary_files, False)
     caller = os.getpid()
     worker = os.fork()
     if worker:
         os.close(writer)
-        _wait(worker, reader, mask, name, strict)
+        _wait(worker, reader, names, mask, name, strict)
     os.close(reader)
+    os.close(names)
     _end_with(caller)
     for number in _numbers(STOPPING):
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
@@ -136,7 +151,7 @@ def _completed(worker: int, status: int) -> bytes:
 # The waiting process ---------------------------------------------------------------------
 
 
-def _wait(worker: int, reader: int, mask: Iterable[int], name: str, strict: bool) -> NoReturn:
+def _wait(worker: int, reader: int, names: int, mask: Iterable[int], name: str, strict: bool) -> NoReturn:
     def forward(number: int, _: FrameType | None) -> None:
         with suppress(ProcessLookupError):  # a signal that comes as the worker ends is handled after the wait for it
             os.kill(worker, number)
@@ -146,12 +161,12 @@ def _wait(worker: int, reader: int, mask: Iterable[int], name: str, strict: bool
             signal.signal(number, forward)
     signal.pthread_sigmask(signal.SIG_SETMASK, mask)
     _, how = os.waitpid(worker, 0)
-    os.set_blocking(reader, False)  # a process that the worker left behind may have the other end
-    try:
-        said = os.read(reader, 100)
-    except BlockingIOError:
-        said = b""
+    said = _waiting_in(reader)
     complete = bool(said)
+    if not complete:
+        for file in _waiting_in(names).split(b"\0")[:-1]:
+            with suppress(OSError):
+                os.unlink(file)
     if os.WIFSIGNALED(how):
         by = os.WTERMSIG(how)
         if said.startswith(f"{worker} ".encode()) and by in _numbers(STOPPING):  # it was about to exit
@@ -163,6 +178,14 @@ def _wait(worker: int, reader: int, mask: Iterable[int], name: str, strict: bool
     why = "after its output" if complete else "before its output was complete"
     _say(f"{name}: user code ended the process with status {status} {why}; exit status {NO_VERDICT} is no verdict")
     os._exit(NO_VERDICT)
+
+
+def _waiting_in(pipe: int) -> bytes:
+    os.set_blocking(pipe, False)  # a process that the worker left behind may have the other end
+    try:
+        return os.read(pipe, 1 << 16)
+    except BlockingIOError:
+        return b""
 
 
 def _die_by(number: int, name: str, complete: bool) -> NoReturn:

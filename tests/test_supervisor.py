@@ -68,6 +68,15 @@ def test_a_process_that_ends_before_its_verdict_has_status_3(tmp_path: Path, cod
     assert status == 3 and err.endswith(LOST) and BEFORE in err
 
 
+@pytest.mark.parametrize("code", ["os._exit(0)", "os.kill(os.getpid(), signal.SIGKILL)"])
+def test_a_process_that_ends_before_its_verdict_leaves_no_temporary_files(tmp_path: Path, code: str):
+    case = case_of(tmp_path, f"os.chdir('/'); {code}")
+    outputs = ("--record", "run.psr", "--html", "page.html")
+    came = subprocess.run([*COMMAND, "run", case.name, *outputs], capture_output=True, timeout=60, cwd=tmp_path)
+    assert came.returncode in (3, -signal.SIGKILL) and BEFORE in came.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"short.py", "short.toml"}
+
+
 @pytest.mark.parametrize(
     ("code", "number"),
     [("os.kill(os.getpid(), signal.SIGKILL)", signal.SIGKILL), ("ctypes.CDLL(None).abort()", signal.SIGABRT)],

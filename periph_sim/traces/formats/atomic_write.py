@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ...core.input_files import is_input
+from ...supervisor import remove_unless_complete
 from ..capture.capture import BadCapture
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -40,6 +41,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise _refused(path, error) from None
     os.close(handle)
+    remove_unless_complete(name)
     try:
         try:
             yield Path(name)

@@ -15,3 +15,8 @@ def shorten(text: str, most: int = MOST) -> str:
     kept = max(0, most - 28)  # the rest says how long it was
     head = kept - kept // 4
     return f"{text[:head]} ... {text[len(text) - kept // 4 :]} ({len(text)} characters)"
+
+
+def one_line(text: str) -> str:
+    """Return the text with each character that is not printable, such as a newline, as its escape."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)

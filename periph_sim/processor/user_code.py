@@ -25,6 +25,7 @@ from typing import BinaryIO, TypeVar
 
 from greenlet import GreenletExit
 
+from ..core.shorten import one_line
 from .error_origin import FirmwareError, FirmwareStalled, Misuse, raised_at
 from .stall_watch import NoProgress, watch
 
@@ -43,17 +44,17 @@ def as_firmware_error(error: BaseException, who: str) -> FirmwareError | None:
         return None
     at = raised_at(error)
     if isinstance(error, Misuse):
-        return FirmwareError(f"{who}{f', {at}' if at else ''}: {error}")
+        return FirmwareError(f"{who}{f', {at}' if at else ''}: {message_of(error)}")
     if isinstance(error, FirmwareError) or (isinstance(error, Exception) and not at):
         return None
     return FirmwareError(f"{who}: {type(error).__name__}{f' at {at}' if at else ''}: {message_of(error)}")
 
 
 def message_of(error: BaseException) -> str:
-    """The message of an exception, without the quotes that a KeyError puts around it."""
+    """Return the message of an exception in one printable line, without the quotes that a KeyError puts around it."""
     if isinstance(error, SystemExit):
         return NO_EXIT
-    return str(error.args[0]) if len(error.args) == 1 else str(error) or "no message"
+    return one_line(str(error.args[0]) if len(error.args) == 1 else str(error)) or "no message"
 
 
 class UserCode:

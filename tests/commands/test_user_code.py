@@ -133,6 +133,19 @@ def test_a_sweep_keeps_the_rows_beside_one_whose_firmware_exits(periph_sim: Run,
     assert runs[1]["error"].endswith(SAYS)
 
 
+@pytest.mark.parametrize("place", ["main", "an import"])
+def test_the_text_of_an_exception_is_one_printable_line(periph_sim: Run, tmp_path: Path, place: str):
+    code = r"raise ValueError('line 1\nfake: PASS, as seen in this run\x1b[2J')"
+    case = case_of(tmp_path, firmware="main", code=code)
+    if place == "an import":
+        for file in tmp_path.glob("*.py"):
+            file.write_text(f"{code}\n")
+    came = periph_sim("run", str(case))
+    assert (came.status, came.out) == (2, "")
+    (told,) = came.err.splitlines()
+    assert told.startswith("Error: ") and r"line 1\nfake: PASS, as seen in this run\x1b[2J" in told
+
+
 @pytest.mark.parametrize("error", ["KeyboardInterrupt", "SystemExit", "GeneratorExit", "BaseException"])
 def test_no_exception_of_firmware_is_a_pass(periph_sim: Run, tmp_path: Path, error: str):
     came = periph_sim("run", str(case_of(tmp_path, firmware="main", code=f"raise {error}")))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.core.shorten import shorten
+from periph_sim.core.shorten import one_line, shorten
 
 
 @given(st.text(), st.integers(40, 300))
@@ -19,3 +19,8 @@ def test_both_ends_are_kept():
     assert shorten("9" * 300) == "9" * 300
     short = shorten("begin" + "9" * 5000 + "end")
     assert short.startswith("begin999") and short.endswith("999end (5008 characters)") and " ... " in short
+
+
+def test_one_line_shows_what_is_not_printable_as_its_escape():
+    assert one_line("25 °C, 'so'") == "25 °C, 'so'"
+    assert one_line("a\nb\x1b[2J\u2028c") == "a\\nb\\x1b[2J\\u2028c"

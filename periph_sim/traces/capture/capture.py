@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.shorten import shorten
+from ...core.shorten import one_line, shorten
 from ...core.suggest import did_you_mean
 
 Positions = NDArray[np.int64]
@@ -47,11 +47,6 @@ class BadCapture(ValueError):
     def of(self, path: Path) -> BadCapture:
         """The same said of another path."""
         return BadCapture(path, self.place, self.found, self.expected, self.way_out)
-
-
-def one_line(text: str) -> str:
-    """The text with every character that cannot be shown as its escape: what damaged files hold can be anything."""
-    return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 class Span(NamedTuple):

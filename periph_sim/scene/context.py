@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 
 from msgspec import Struct
 
 from ..core.kernel import Kernel
 from ..core.records import Recorder
-from ..core.time import Timebase
+from ..core.time import Timebase, TimeError
 from ..core.wire import Wire
 from .case.fidelity import BusLevels
 from .case.model import Case
@@ -34,18 +34,43 @@ class SceneContext(Struct, frozen=True):
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
         """Return a length in seconds, counted by a clock that is off by `ppm`, in ticks to the nearest.
 
-        TimeError if it is too long for the ticks of this scene.
+        BadCase, with its line, if it is too long for the ticks of this scene.
         """
         count, parts = self._ticks(length, ppm)
-        return self.timebase.fitting((2 * count + parts) // (2 * parts))
+        return self._fitting((2 * count + parts) // (2 * parts), length)
 
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
         """Return the same without rounding."""
         exact = Fraction(*self._ticks(length, ppm))
-        self.timebase.fitting(int(exact))
+        self._fitting(int(exact), length)
         return exact
+
+    def _fitting(self, ticks: int, length: Fraction) -> int:
+        try:
+            return self.timebase.fitting(ticks)
+        except TimeError as error:
+            place = next(_places(self.case, length), None)
+            if place is None:  # the sum of several
+                raise
+            raise self.case.mistake(str(error), *place) from None
 
     def _ticks(self, length: Fraction, ppm: Fraction) -> tuple[int, int]:
         """The same as a count of parts of a tick, and how many of these a tick has."""
         clock = 1_000_000 * ppm.denominator
         return length.numerator * self.timebase.per_second * clock, length.denominator * (clock + ppm.numerator)
+
+
+def _places(table: object, length: Fraction) -> Iterator[tuple[str | int, ...]]:
+    """Yield the place of each time of this length in the tables of a case."""
+    children: list[tuple[str | int, object]] = []
+    if isinstance(table, Struct):
+        children = [(name, getattr(table, name)) for name in table.__struct_fields__ if not name.startswith("_")]
+    elif isinstance(table, dict):
+        children = [*table.items()]
+    elif isinstance(table, tuple):
+        children = [*enumerate(table)]
+    for key, child in children:
+        if isinstance(child, Fraction) and child == length:
+            yield (key,)
+        else:
+            yield from ((key, *place) for place in _places(child, length))

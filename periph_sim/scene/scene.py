@@ -102,7 +102,10 @@ class Scene:
         self.recorder = Recorder()
         wiring = wiring_of(case)
         scope = scope_of_case(case, wiring)
-        self.start = self.timebase.ticks(case.start, "nearest")
+        try:
+            self.start = self.timebase.ticks(case.start, "nearest")
+        except TimeError as error:
+            raise case.mistake(str(error), "start") from None
         self.limits = parts.limits_of(case, scope, self.timebase, self.start) if case.budget else []
         for limit in self.limits:
             if keep_values and limit.measure.series:

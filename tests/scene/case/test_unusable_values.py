@@ -125,6 +125,19 @@ def test_a_time_that_fine_ticks_cannot_count_is_refused():
         Scene(load(TIMING / "responder.toml", changes))
 
 
+@pytest.mark.parametrize("key", ["controller.period", "start", "controller.first", "host.period"])
+def test_a_time_that_is_too_long_is_named_with_its_key_and_change(key: str):
+    change = f"{key}=18263 d"
+    with pytest.raises(BadCase, match=f", --set '{change}': {key}: a time of 1826[13].* d is too long: with ticks of"):
+        Scene(load(TIMING / ("imu_hil.toml" if key.startswith("host") else "responder.toml"), [change]))
+
+
+def test_a_time_that_is_too_long_is_named_with_its_line(small: Path):
+    small.write_text(f'{SMALL}period = "55000 d"\n')
+    with pytest.raises(BadCase, match=r"small.toml, line 6: controller.period: a time of 55000 d is too long"):
+        Scene(load(small))
+
+
 def test_a_name_that_hides_sda_leaves_a_bus_without_a_wire(tmp_path: Path):
     """Pin 32 is SDA; the name L2 is the wire's own, so the scene has SCL alone."""
     (tmp_path / "still.py").write_text("def main(dsp, settings):\n    pass\n")

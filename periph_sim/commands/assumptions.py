@@ -37,7 +37,7 @@ def _answer(name: str, case: Case) -> str:
         given = getattr(case.unit[owner].options, group)
     else:
         group, option, given = case.chip[owner].model, rest, case.chip[owner].options
-    default: Value = getattr(OPTIONS[group](), option)
+    default = OPTIONS[group]().unrecorded()[option]
     value = given.get(option, default)
     return f"= {_text(value)}{', the default' if value == default else f'; the default is {_text(default)}'}"
 

@@ -93,7 +93,7 @@ def show_options(console: Screen, name: str | None) -> None:
         raise click.ClickException(f"there are no options for {name!r}; {did_you_mean(name, OPTIONS)}")
     for group, kind in OPTIONS.items():
         if name in (None, group):
-            for f in dataclasses.fields(kind):
+            for f in dataclasses.fields(kind):  # type: ignore[arg-type]
                 values = allowed(f)
                 if "values" not in f.metadata:
                     values = f"{f.default} ({values})"

@@ -1,8 +1,15 @@
-"""Named answers to open questions: a frozen dataclass of choices goes in, a checked table comes out.
+"""Named answers to open questions: a class of fields goes in, checked answers come out.
 
-What TI does not document is a field of such a class. The default is the first value
-named in its metadata; each field carries the question, so that docs, scene files and
-messages never repeat it.
+    class I2cOptions(Answers):
+        int_line: TextOption = choice("pulse", "level", question="...")
+
+    options.int_line.assume(self.touched) == "level"      lists int_line as assumed
+    options.int_line == "level"                           is refused by the type checker
+
+What TI does not document is a field of a subclass of `Answers`. The default is the first value named in its metadata;
+each field carries the question, so that docs, scene files and messages never repeat it. A model has an answer only
+through `assume`, which it calls where the answer decides its behaviour. `unrecorded` is for calculations beside the run
+and for values that are kept until they decide something; tests/options/test_unrecorded.py lists its callers.
 """
 
 from __future__ import annotations
@@ -29,35 +36,97 @@ def number(default: int, least: int, most: int, *, unit: str, question: str) -> 
     return dataclasses.field(default=default, metadata=about)
 
 
+class Option:
+    """The answer to one open question. `assume` returns it and adds the question to those on which the run depends.
+
+    `unrecorded` returns it without.
+    """
+
+    __slots__ = ("_answer", "name")
+
+    def __init__(self, name: str, answer: Value) -> None:
+        self.name = name
+        self._answer: Any = answer
+
+
+class TextOption(Option):
+    __slots__ = ()
+
+    def assume(self, touched: set[str]) -> str:
+        touched.add(self.name)
+        answer: str = self._answer
+        return answer
+
+    def unrecorded(self) -> str:
+        answer: str = self._answer
+        return answer
+
+    def matches(self, answer: str) -> BoolOption:
+        """Return the same question with yes or no for its answer: whether it is this one."""
+        return BoolOption(self.name, self._answer == answer)
+
+
+class IntOption(Option):
+    __slots__ = ()
+
+    def assume(self, touched: set[str]) -> int:
+        touched.add(self.name)
+        answer: int = self._answer
+        return answer
+
+    def unrecorded(self) -> int:
+        answer: int = self._answer
+        return answer
+
+
+class BoolOption(Option):
+    __slots__ = ()
+
+    def assume(self, touched: set[str]) -> bool:
+        touched.add(self.name)
+        answer: bool = self._answer
+        return answer
+
+    def unrecorded(self) -> bool:
+        answer: bool = self._answer
+        return answer
+
+
+KINDS: dict[type, type[TextOption | IntOption | BoolOption]] = {str: TextOption, int: IntOption, bool: BoolOption}
+
+
 class Answers:
-    """One answer to each question, those of a dataclass's fields; nothing changes them.
+    """One answer to each question of a subclass, which is a dataclass; nothing changes them.
 
     What a frozen dataclass would have is written here once: generating it for each class takes milliseconds at import.
     """
 
+    def __init_subclass__(cls) -> None:
+        dataclasses.dataclass(init=False, repr=False, eq=False)(cls)
+
     def __init__(self, **given: Value) -> None:
+        answers: dict[str, Value] = {of.name: of.default for of in dataclasses.fields(self)}  # type: ignore
         for name in given:
-            if name not in self._names():
+            if name not in answers:
                 raise TypeError(f"{type(self).__name__} has no option {name!r}")
-        vars(self).update(given)
+        answers.update(given)
+        vars(self).update({name: KINDS[type(answer)](name, answer) for name, answer in answers.items()})
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__}.{name} cannot be changed")
 
-    def _names(self) -> tuple[str, ...]:
-        return tuple(of.name for of in dataclasses.fields(self))  # type: ignore[arg-type]
-
-    def _answers(self) -> tuple[Value, ...]:
-        return tuple(getattr(self, name) for name in self._names())
+    def unrecorded(self) -> dict[str, Value]:
+        """Return all answers by name without listing a question as assumed."""
+        return {name: option.unrecorded() for name, option in vars(self).items()}
 
     def __eq__(self, other: object) -> bool:
-        return type(other) is type(self) and self._answers() == other._answers()
+        return type(other) is type(self) and self.unrecorded() == other.unrecorded()
 
     def __hash__(self) -> int:
-        return hash(self._answers())
+        return hash(tuple(self.unrecorded().items()))
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in vars(self).items())})"
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.unrecorded().items())})"
 
 
 def allowed(of: dataclasses.Field[Any]) -> str:

@@ -1,5 +1,6 @@
 cimport cython
 
+from ..core.options cimport IntOption
 from ..core.records cimport Recorder
 from ..core.time cimport Clock
 from ..f28335.cpu.interrupts cimport CpuInterrupts
@@ -30,10 +31,11 @@ cdef class Bus:
     cdef Recorder _recorder
     cdef CpuTime _time
     cdef object _name, _place, _subjects, _waits
-    cdef bint _records_access
+    cdef bint _read_listed, _records_access, _write_listed
     cdef dict _operands, _named
     cdef Posted _posted, _posted_last
-    cdef long long _lands_after, _last_pf1_write, _pf1_after_pf1
+    cdef IntOption _write_lands, _pf1_back_to_back_write, _pf2_read_ws, _pf2_write_ws
+    cdef long long _last_pf1_write
     cpdef Operand operand(self, object place, object register, long long words, object field=*)
     cpdef Operand at(self, long long address, long long width)
     cpdef Operand naming(self, Operand operand, long long mask)
@@ -43,6 +45,7 @@ cdef class Bus:
     cpdef long long read(self, long long at, long long address, long long width=*)
     cpdef void write(self, long long at, long long address, long long value, long long width=*)
     cpdef void note_width(self, long long cycle, Operand operand)
+    cpdef long long read_waits(self, Operand operand)
     cpdef long long free(self, Operand operand)
     cpdef long long fetch(self, long long at, Operand operand)
     cpdef void tell_look(self, long long at, Operand operand, long long value, object where)

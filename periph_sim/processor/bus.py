@@ -59,21 +59,25 @@ class Bus:
     __slots__ = (
         "_clock",
         "_core",
-        "_lands_after",
         "_last_pf1_write",
         "_name",
         "_named",
         "_notes",
         "_operands",
-        "_pf1_after_pf1",
+        "_pf1_back_to_back_write",
+        "_pf2_read_ws",
+        "_pf2_write_ws",
         "_place",
         "_posted",
         "_posted_last",
+        "_read_listed",
         "_recorder",
         "_records_access",
         "_subjects",
         "_time",
         "_waits",
+        "_write_lands",
+        "_write_listed",
         "free_from",
         "free_of",
         "issued_at",
@@ -110,8 +114,10 @@ class Bus:
         wanted = recorder.subjects(Kind.ACCESS)
         self._subjects = None if wanted is None else frozenset(subject.rpartition(".")[2] for subject in wanted)
         self._waits = WaitStates(options)
-        self._pf1_after_pf1 = self._waits.pf1_after_pf1
-        self._lands_after = options.write_lands
+        self._pf1_back_to_back_write = options.pf1_back_to_back_write
+        self._pf2_read_ws, self._pf2_write_ws = options.pf2_read_ws, options.pf2_write_ws
+        self._write_lands = options.write_lands
+        self._read_listed = self._write_listed = False  # an access in frame 2
         self._operands: dict[tuple[int, int], Operand] = {}  # by address and width
         self._named: dict[tuple[Operand, int], Operand] = {}  # by what is read, and the bits of it that count
         self._posted: Posted | None = None  # the first of a chain,
@@ -123,8 +129,6 @@ class Bus:
     def operand(self, place: ModuleRange, register: Register, words: int, field: Field | None = None) -> Operand:
         """These words of a register of the map, or the field of them that a program names."""
         operand = Operand(place, register, words, field, self._waits, self._wanted(register))
-        if operand.frame2:  # its reads depend on this option; they are too frequent to be marked one by one
-            self._core.touched.add("pf2_read_ws")
         if operand.recorded:
             kind, recorder = Kind.ACCESS, self._recorder  # a name of an enumeration costs what a call does
             reads = recorder.topic(kind, self._name, f"R {operand.name}")
@@ -165,7 +169,7 @@ class Bus:
     @property
     def lands_after(self) -> int:
         """Cycles from a write to its effect."""
-        return self._lands_after
+        return self._write_lands.unrecorded()
 
     # By address ----------------------------------------------------------------
 
@@ -175,7 +179,7 @@ class Bus:
         if block is not None:
             return cycle + block.read_waits
         operand = self.at(address, width)
-        return max(cycle, self.free(operand)) + operand.read_waits
+        return max(cycle, self.free(operand)) + self.read_waits(operand)
 
     def writes_at(self, cycle: int, address: int, width: int = 16) -> int:
         """The cycle in which a write issued in `cycle` is posted. NoSuchAddress where nothing answers."""
@@ -216,6 +220,13 @@ class Bus:
 
     # Reads -----------------------------------------------------------------------
 
+    def read_waits(self, operand: Operand) -> int:
+        """The wait states of a read that is made now."""
+        if operand.frame2 and not self._read_listed:
+            self._read_listed = True  # the list of the CPU keeps what it has
+            self._pf2_read_ws.assume(self._core.touched)
+        return operand.read_waits
+
     def free(self, operand: Operand) -> int:
         """Write-to-read protection: from this cycle on a read need not wait for writes to the block or the register."""
         return self.free_from if operand.block else self.free_of.get(operand.address, 0)
@@ -250,11 +261,11 @@ class Bus:
 
     def posts_at(self, cycle: int, operand: Operand) -> int:
         """The cycle in which a write issued in `cycle` is posted."""
-        if operand.frame2:
-            self._core.touched.add("pf2_write_ws")
-        elif operand.frame1 and self._last_pf1_write == cycle - 1:
-            self._core.touched.add("pf1_back_to_back_write")
-            return cycle + operand.write_waits + self._pf1_after_pf1
+        if operand.frame2 and not self._write_listed:
+            self._write_listed = True
+            self._pf2_write_ws.assume(self._core.touched)
+        if operand.frame1 and self._last_pf1_write == cycle - 1:
+            return cycle + operand.write_waits + self._pf1_back_to_back_write.assume(self._core.touched)
         return cycle + operand.write_waits
 
     def store(self, at: int, operand: Operand, value: int) -> None:
@@ -280,8 +291,7 @@ class Bus:
         return self._notes.placed or (operand.recorded and operand.reads.places + operand.writes.places > NOWHERE)
 
     def _post(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
-        self._core.touched.add("write_lands")
-        lands = at + self._lands_after
+        lands = at + self._write_lands.assume(self._core.touched)
         if operand.frame1:
             self._last_pf1_write = at
         if operand.protected and not self._core.eallow:

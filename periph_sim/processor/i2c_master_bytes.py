@@ -142,7 +142,7 @@ class I2cMasterBytes(Release):
 
     def _passes(self, whole_bytes: WholeBytes) -> bool:
         master, chip, delay = self._master, self._chip, self._socket.out_delay
-        late = chip.options.scl_sync_cycles * chip.state.tm if delay else 0
+        late = chip.options.scl_sync_cycles.assume(chip.touched) * chip.state.tm if delay else 0
         release = self._release = master._let_go_at
         self._low, self._high = master.low(), delay + late + master.high()
         self._in, self._sampled = master._in, master._sampled

@@ -72,7 +72,7 @@ class Router(Agent):
         self._routes = -1
         self._outs = -1
         for socket, _ in outputs.values():
-            socket.out_delay = gpio.out_delay
+            socket.out_delay = gpio.gpio_out_delay.unrecorded()
         self._xint_chip: Xint | None = None
         self._lines = 0  # XINT lines that the GPIO machine reports
         if xint is not None:
@@ -262,7 +262,8 @@ class Router(Agent):
         self._listen()
         if self._feeds:
             self._plan_between(self._clock.tick(cycle + 1))
-        after = self._clock.tick(cycle + gpio.out_delay)
+        delay = gpio.gpio_out_delay.assume(gpio.touched) if theirs else gpio.gpio_out_delay.unrecorded()
+        after = self._clock.tick(cycle + delay)
         self._kernel.ask(max(after, self._kernel.now), self, RECONNECT)
 
     def _reconnect(self) -> None:

@@ -23,8 +23,8 @@ class ReleaseDelay:
         self._kernel = kernel
         self._clock = clock
         self._socket = socket
-        self._setup = i2c.sda_setup_before_scl_release
-        self._pin = system.gpio_out_delay
+        self._setup = i2c.sda_setup_before_scl_release.unrecorded()
+        self._pin = system.gpio_out_delay.unrecorded()
         self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
         self._writes = -1  # of the chip, when it was looked at last,
         self._cycles = 0  # and what came of that

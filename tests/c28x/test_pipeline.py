@@ -107,6 +107,8 @@ def test_open_saram_conflict(more: int):
     rig = Rig(f"{HEAD}{BEGIN} MOV AL,@0\n ESTOP0\n", saram_conflict=more).run()
     assert "system.saram_conflict" in rig.dsp.touched
     assert cycles(" MOV AL,@0", saram_conflict=more) - cycles(" MOV AL,@0") == more
+    twice = " MOV AL,@0\n MOV AL,@1"
+    assert cycles(twice, saram_conflict=more) - cycles(twice) == 2 * more
     assert cycles(" MOVW DP,#0x8000 >> 6\n MOV AL,@0", saram_conflict=more) - cycles(" MOVW DP,#0\n MOV AL,@0") == 0
 
 

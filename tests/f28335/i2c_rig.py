@@ -74,11 +74,6 @@ class Rig(Bus):
     def flag(self, name: str) -> int:
         return int(self.status(FLAGS[name]) != 0)
 
-    @property
-    def touched(self) -> str:
-        """All open questions on which the run depended so far, in alphabetical order."""
-        return " ".join(sorted(self.chip.touched))
-
     def duties(self) -> list[str]:
         """The "duty" notes since last asked."""
         texts = [note.text for note in self.chip.notes if note.code == "duty"]

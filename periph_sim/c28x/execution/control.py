@@ -139,7 +139,8 @@ def TRAP_0_31(cpu: Cpu, f: Operation) -> None:
 
 
 def INTR_INTx(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ifr(cpu.whole_ifr() & ~(1 << f.c))
+    if cpu.intr_clears_flag(f.c):
+        cpu.put_ifr(cpu.whole_ifr() & ~(1 << f.c))
     saved = cpu.whole_ier()
     cpu.enter(f.c + 1)
     cpu.put_ier(saved & ~(1 << f.c))

@@ -4,7 +4,7 @@ ctypedef bint (*Execute)(Cpu, Operation) except -1
 cdef class Operation:
     cdef public long long b, c, g, h, i, k, l, m, n, p, q, r, s, t, u, v, w, x, y, z
     cdef public long long place, absolute, accesses, address, cycles, late, makes, needs, next, not_taken, repeated
-    cdef public long long tested
+    cdef public long long tested, block, block_end
     cdef public bint at_once, byte, jumps, loops, waited, wide
     cdef public object encoding
     cdef public Operation following, goal
@@ -60,6 +60,7 @@ cdef class Cpu:
     cdef void move16(self, long long value)
     cdef void move32(self, long long value)
     cpdef void enter(self, long long vector)
+    cpdef bint intr_clears_flag(self, long long bit)
     cpdef void leave(self)
     cpdef void idle(self)
     cpdef void stop(self)

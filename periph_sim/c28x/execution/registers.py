@@ -46,13 +46,15 @@ class Operation:
     what it does at its operand's address. absolute: likewise at *(0:16). needs, makes: registers early and late,
     at_once: of memory, see `hazards`. jumps: it may go elsewhere; loops: by a branch. late: registers of the FPU that
     it writes one instruction later, as bits; plain: what it does, where `execute` heeds that. waited: it is in memory
-    with wait states. tested: the bits of its operand that count, where it names them.
+    with wait states. tested: the bits of its operand that count, where it names them. block, block_end: addresses of
+    the block of memory that it is in, where it accesses data.
     """
 
     __slots__ = (
-        "absolute", "accesses", "address", "at_once", "b", "byte", "c", "cycles", "encoding", "execute", "following",
-        "g", "goal", "h", "i", "jumps", "k", "l", "late", "loops", "m", "makes", "n", "needs", "next", "not_taken", "p",
-        "place", "plain", "q", "r", "repeated", "s", "t", "tested", "u", "v", "w", "waited", "wide", "x", "y", "z",
+        "absolute", "accesses", "address", "at_once", "b", "block", "block_end", "byte", "c", "cycles", "encoding",
+        "execute", "following", "g", "goal", "h", "i", "jumps", "k", "l", "late", "loops", "m", "makes", "n", "needs",
+        "next", "not_taken", "p", "place", "plain", "q", "r", "repeated", "s", "t", "tested", "u", "v", "w", "waited",
+        "wide", "x", "y", "z",
     )  # fmt: skip
 
     b: int
@@ -79,6 +81,8 @@ class Operation:
     accesses: int
     address: int
     at_once: bool
+    block: int
+    block_end: int
     byte: bool
     cycles: int
     encoding: Encoding
@@ -418,6 +422,10 @@ class Cpu:
     def enter(self, vector: int) -> None:
         """Enter the service routine of a vector number, to come back to `pc`."""
         raise IllegalOperation(f"vector {vector} is entered, and nobody is there who serves it")
+
+    def intr_clears_flag(self, bit: int) -> bool:
+        """Whether INTR clears this bit of IFR."""
+        return True
 
     def leave(self) -> None:
         """Return from a service routine."""

@@ -12,10 +12,9 @@ Source: ADXL345 data sheet Rev 0, sections named at the methods.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
-from ...core.options import choice
+from ...core.options import Answers, IntOption, TextOption, choice
 from ...core.registers import Register
 from ...core.time import Clock, Timebase
 from .adxl345_fifo import DEPTH, Fifo, Mode
@@ -30,18 +29,17 @@ LAST = 0x39
 UNMODELLED = 0x7C  # events of INT_ENABLE: taps, activity, inactivity, free fall
 
 
-@dataclass(frozen=True, slots=True)
-class Adxl345Options:
-    pointer_past_end: str = choice(
+class Adxl345Options(Answers):
+    pointer_past_end: TextOption = choice(
         "goes_on", "wraps_to_0", "stays", question="Where the pointer goes after the last register, 0x39."
     )
-    rate_change: str = choice(
+    rate_change: TextOption = choice(
         "restarts", "after_next_sample", question="When a new rate begins to count while the chip measures."
     )
-    overrun_in_fifo: str = choice(
+    overrun_in_fifo: TextOption = choice(
         "when_filled", "when_lost", question="What sets Overrun in FIFO, stream and trigger mode."
     )
-    entries_most: int = choice(32, 33, question="What FIFO_STATUS shows while 33 samples can be read.")
+    entries_most: IntOption = choice(32, 33, question="What FIFO_STATUS shows while 33 samples can be read.")
 
 
 class Adxl345(RegisterChip):
@@ -62,7 +60,7 @@ class Adxl345(RegisterChip):
     ) -> None:
         super().__init__(timebase, source, address, powered, ready=Fraction(0))
         self.options = options or Adxl345Options()
-        self.fifo = Fifo(self.options.overrun_in_fifo == "when_filled")
+        self.fifo = Fifo(self.options.overrun_in_fifo.unrecorded() == "when_filled")
         self._clock: Clock | None = None  # of samples; None in standby and sleep
         self._taken = 0  # samples of that clock
         self._latched: bytes | None = None  # what this burst reads
@@ -84,10 +82,10 @@ class Adxl345(RegisterChip):
     def following(self, number: int) -> int:
         if number != LAST:
             return super().following(number)
-        self.touched.add("pointer_past_end")
-        if self.options.pointer_past_end == "goes_on":
+        goes = self.options.pointer_past_end.assume(self.touched)
+        if goes == "goes_on":
             return super().following(number)
-        return 0 if self.options.pointer_past_end == "wraps_to_0" else number
+        return 0 if goes == "wraps_to_0" else number
 
     def trigger(self, now: int) -> None:
         """The pin that FIFO_CTL's trigger bit names has become active."""
@@ -135,12 +133,13 @@ class Adxl345(RegisterChip):
             self.put("INT_SOURCE", "Watermark", self.fifo.watermark)
             self.put("INT_SOURCE", "Overrun", self.fifo.overrun)
             if self.fifo.entries >= DEPTH:
-                self.touched.add("overrun_in_fifo")
+                self.options.overrun_in_fifo.assume(self.touched)
         elif register.name == "FIFO_STATUS":
             self.put("FIFO_STATUS", "FIFO_TRIG", self.fifo.triggered)
-            if self.fifo.entries > DEPTH:
-                self.touched.add("entries_most")
-            self.put("FIFO_STATUS", "Entries", min(self.fifo.entries, self.options.entries_most))
+            entries = self.fifo.entries
+            if entries > DEPTH:
+                entries = min(entries, self.options.entries_most.assume(self.touched))
+            self.put("FIFO_STATUS", "Entries", entries)
         return super().on_register_read(now, register)
 
     def on_register_write(self, now: int, register: Register, old: int) -> None:
@@ -172,8 +171,7 @@ class Adxl345(RegisterChip):
             self.note("duty", f"LOW_POWER is set with rate code {code:#x}; 0x7 to 0xC allow it", f"{SHEET} BW_RATE")
         if self._clock is None or not (old ^ code) & 0x0F:
             return
-        self.touched.add("rate_change")
-        if self.options.rate_change == "restarts":
+        if self.options.rate_change.assume(self.touched) == "restarts":
             first = self.after(now, 1 / self.rate)
         else:
             first = self._clock.tick(self._taken)

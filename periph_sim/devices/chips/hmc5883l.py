@@ -11,10 +11,9 @@ Source: Honeywell HMC5883L data sheet, sections named at the methods.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 
-from ...core.options import choice
+from ...core.options import Answers, BoolOption, IntOption, TextOption, choice
 from ...core.registers import Register
 from ...core.time import Clock, Timebase
 from .hmc5883l_map import DATA, MAP, SHEET
@@ -32,13 +31,12 @@ WRITING = Fraction(250, 10**6)  # RDY is low for so long when data are placed
 CONTINUOUS, ONE = 0, 1  # of Mode.MD
 
 
-@dataclass(frozen=True, slots=True)
-class Hmc5883lOptions:
-    idle_code: int = choice(2, 3, question="What Mode.MD reads after a single measurement.")
-    power_on_measures: bool = choice(
+class Hmc5883lOptions(Answers):
+    idle_code: IntOption = choice(2, 3, question="What Mode.MD reads after a single measurement.")
+    power_on_measures: BoolOption = choice(
         False, True, question="Does the chip make the single measurement of its power-on mode by itself?"
     )
-    rdy_clears: str = choice("all_six", "any", question="How many data registers must be read to clear RDY.")
+    rdy_clears: TextOption = choice("all_six", "any", question="How many data registers must be read to clear RDY.")
 
 
 class Hmc5883l(RegisterChip):
@@ -68,7 +66,7 @@ class Hmc5883l(RegisterChip):
         self._gains = [self.get("CRB", "GN")]  # of the next measurement, and of those behind it
         self._mode_is_power_ons = True
         self._idle_by_itself = False
-        if self.options.power_on_measures:
+        if self.options.power_on_measures.unrecorded():
             self._start(powered)
 
     @property
@@ -104,7 +102,7 @@ class Hmc5883l(RegisterChip):
             if due:
                 end, self._clock = self._clock.tick(0), None
                 self._idle_by_itself = True
-                self.put("Mode", "MD", self.options.idle_code)
+                self.put("Mode", "MD", self.options.idle_code.unrecorded())
                 self._measured(end, 1, SINGLE)
             return
         if due > self._taken:
@@ -144,21 +142,21 @@ class Hmc5883l(RegisterChip):
     def on_register_read(self, now: int, register: Register) -> int:
         name, value = register.name, super().on_register_read(now, register)
         if self._mode_is_power_ons and name in (*DATA, "Mode", "Status"):
-            self.touched.add("power_on_measures")
+            self.options.power_on_measures.assume(self.touched)
         if name in DATA:
             self._to_read.discard(name)
             self.put("Status", "LOCK", bool(self._to_read))
             if not self._to_read:
                 self._to_read = set(DATA)
-            if self.options.rdy_clears == "any" or not self.get("Status", "LOCK"):
+            if self.options.rdy_clears.unrecorded() == "any" or not self.get("Status", "LOCK"):
                 self._unread = False
         elif name == "Mode":
             self.put("Status", "LOCK", 1)
             if self._idle_by_itself:
-                self.touched.add("idle_code")
+                self.options.idle_code.assume(self.touched)
         elif name == "Status":
             if 0 < len(self._to_read) < len(DATA):
-                self.touched.add("rdy_clears")
+                self.options.rdy_clears.assume(self.touched)
             written = now >= self.after(self._placed, WRITING)
             return register["RDY"].put(value, self._unread and written)
         return value

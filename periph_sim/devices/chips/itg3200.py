@@ -11,10 +11,9 @@ Source: InvenSense ITG-3200 Product Specification rev 1.4, sections named at the
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 
-from ...core.options import choice
+from ...core.options import Answers, BoolOption, TextOption, choice
 from ...core.registers import Register
 from ...core.time import Clock, Timebase
 from .itg3200_map import DATA, MAP, SHEET
@@ -31,23 +30,22 @@ SHOWN = ("TEMP_OUT_H", "TEMP_OUT_L", *DATA)
 ROOM = 25.0  # degrees Celsius
 
 
-@dataclass(frozen=True, slots=True)
-class Itg3200Options:
-    who_am_i_bit_0: str = choice("ad0", "zero", question="Bit 0 of WHO_AM_I, which is not part of the ID field.")
-    who_am_i_write: str = choice(
+class Itg3200Options(Answers):
+    who_am_i_bit_0: TextOption = choice("ad0", "zero", question="Bit 0 of WHO_AM_I, which is not part of the ID field.")
+    who_am_i_write: TextOption = choice(
         "stored", "changes_address", question="Does writing WHO_AM_I change the address it answers?"
     )
-    pointer_stops: str = choice(
+    pointer_stops: TextOption = choice(
         "first_reserved",
         "last_before",
         question="Where the pointer stays after GYRO_ZOUT_L: on 0x23, which reads 0, or on 0x22.",
     )
-    fs_sel_other: str = choice(
+    fs_sel_other: TextOption = choice(
         "as_3", "halves_each_step", question="Full scale with FS_SEL 0, 1, 2: as with 3, or 250, 500, 1000 deg/s."
     )
-    burst: str = choice("coherent", "live", question="Do the bytes of one burst belong to one sample?")
-    standby_axis: str = choice("holds", "zero", question="What the registers of an axis in standby show.")
-    reset_blocks_bus: bool = choice(False, True, question="Is there no register access for 20 ms after H_RESET?")
+    burst: TextOption = choice("coherent", "live", question="Do the bytes of one burst belong to one sample?")
+    standby_axis: TextOption = choice("holds", "zero", question="What the registers of an axis in standby show.")
+    reset_blocks_bus: BoolOption = choice(False, True, question="Is there no register access for 20 ms after H_RESET?")
 
 
 class Itg3200(RegisterChip):
@@ -94,7 +92,7 @@ class Itg3200(RegisterChip):
     @property
     def lsb_per_unit(self) -> Fraction:
         """LSB of a deg/s, as FS_SEL stands."""
-        if self.options.fs_sel_other == "halves_each_step":
+        if self.options.fs_sel_other.unrecorded() == "halves_each_step":
             return LSB_PER_DEG_S * (8 >> self.get("DLPF_FS", "FS_SEL"))
         return LSB_PER_DEG_S
 
@@ -107,10 +105,9 @@ class Itg3200(RegisterChip):
         """The pointer stops at the reserved registers. The sheet says decimal 33 to 60, but 33, 34 are GYRO_ZOUT."""
         if FIRST_RESERVED <= number <= LAST_RESERVED:
             return number
-        if number + 1 == FIRST_RESERVED:
-            self.touched.add("pointer_stops")
-            if self.options.pointer_stops == "last_before":
-                return number
+        stops = number + 1 == FIRST_RESERVED and self.options.pointer_stops.assume(self.touched) == "last_before"
+        if stops:
+            return number
         return super().following(number)
 
     def int_pin(self, now: int) -> int:
@@ -147,8 +144,7 @@ class Itg3200(RegisterChip):
             if not self.get("PWR_MGM", f"STBY_{axis}G"):
                 self._show(f"GYRO_{axis}OUT", nearest(value * scale))
                 continue
-            self.touched.add("standby_axis")
-            if self.options.standby_axis == "zero":
+            if self.options.standby_axis.assume(self.touched) == "zero":
                 self._show(f"GYRO_{axis}OUT", 0)
 
     def _show(self, name: str, value: int) -> None:
@@ -163,17 +159,17 @@ class Itg3200(RegisterChip):
         else:
             value = super().on_register_read(now, register)
         if register.name == "WHO_AM_I" and self._ad0:
-            self.touched.add("who_am_i_bit_0")
+            self.options.who_am_i_bit_0.assume(self.touched)
         if register.name == "INT_STATUS" or self.get("INT_CFG", "INT_ANYRD_2CLEAR"):
             self.stored[self.MAP["INT_STATUS"].offset] = 0
         return value
 
     def _data(self, name: str) -> int:
-        if self._burst != self._shown:
-            self.touched.add("burst")
         if name in DATA and not self._scale_known:
-            self.touched.add("fs_sel_other")
-        return (self._burst if self.options.burst == "coherent" else self._shown)[name]
+            self.options.fs_sel_other.assume(self.touched)
+        if self._burst != self._shown and self.options.burst.assume(self.touched) == "coherent":
+            return self._burst[name]
+        return self._shown[name]
 
     def on_register_write(self, now: int, register: Register, old: int) -> None:
         name, value = register.name, self.stored[register.offset]
@@ -187,10 +183,8 @@ class Itg3200(RegisterChip):
             self._sample_from(max(now, self._awake))
         elif name == "PWR_MGM":
             self._power(now, old)
-        elif name == "WHO_AM_I":
-            self.touched.add("who_am_i_write")
-            if self.options.who_am_i_write == "changes_address":
-                self.address = self.get("WHO_AM_I", "ID") << 1 | self._ad0
+        elif name == "WHO_AM_I" and self.options.who_am_i_write.assume(self.touched) == "changes_address":
+            self.address = self.get("WHO_AM_I", "ID") << 1 | self._ad0
 
     def _power(self, now: int, old: int) -> None:
         if self.get("PWR_MGM", "H_RESET"):
@@ -209,8 +203,7 @@ class Itg3200(RegisterChip):
         self.stored = {register.offset: register.reset for register in self.MAP}
         self._shown = dict.fromkeys(SHOWN, 0)
         self._identify()
-        self.touched.add("reset_blocks_bus")
-        if self.options.reset_blocks_bus:
+        if self.options.reset_blocks_bus.assume(self.touched):
             self.ready = self.after(now, REGISTER_ACCESS)
         self._start(now)
 
@@ -228,7 +221,7 @@ class Itg3200(RegisterChip):
     def _identify(self) -> None:
         """WHO_AM_I and the address are those of pin AD0 again."""
         self.address = ADDRESSES[self._ad0]
-        self.put("WHO_AM_I", "BIT0", self._ad0 if self.options.who_am_i_bit_0 == "ad0" else 0)
+        self.put("WHO_AM_I", "BIT0", self._ad0 if self.options.who_am_i_bit_0.unrecorded() == "ad0" else 0)
 
 
 CHIP = Itg3200

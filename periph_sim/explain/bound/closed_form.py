@@ -24,6 +24,7 @@ from ...devices.sensor_rounds import CHIPS, Round
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.i2c.options import I2cOptions
 from ...f28335.system.memory_map import WRITE_TO_READ
+from ...f28335.system.options import SystemOptions
 from ...scene.case.model import Case
 from .fifo_bound import fifo_bounds
 from .latest_chain import LatestChain, chains, waits_between
@@ -78,11 +79,12 @@ class ClosedForm:
     def release(self) -> tuple[Term, ...]:
         """From the write of I2CDXR to the rise of SCL, where the module waits for data."""
         calm, options = self.calm, self._options
-        copy = 0 if options.bcm_reset else calm.module
-        setup = max(1, options.sda_setup_before_scl_release * calm.module)
-        out = calm.options.gpio_out_delay
+        bcm = options.bcm_reset.unrecorded()
+        copy = 0 if bcm else calm.module
+        setup = max(1, options.sda_setup_before_scl_release.unrecorded() * calm.module)
+        out = calm.options.gpio_out_delay.unrecorded()
         return (
-            Term("copy I2CDXR to I2CXSR", calm.ticks(copy), f"at the write with BCM = {options.bcm_reset} (bcm_reset)"),
+            Term("copy I2CDXR to I2CXSR", calm.ticks(copy), f"at the write with BCM = {bcm} (bcm_reset)"),
             Term("SDA set up before SCL", calm.ticks(setup), "sda_setup_before_scl_release x (IPSC + 1)"),
             Term("pin output", calm.ticks(out), "gpio_out_delay"),
         )
@@ -249,12 +251,12 @@ class ClosedForm:
         calm, handlers, options = self.calm, self.handlers, self.calm.options
         if not handlers.per_frame or self.case.host is None:
             return []
-        protected = options.pf2_read_ws + options.write_lands + WRITE_TO_READ + 3
-        longest = max(protected, cpu_costs.IRET, *map(calm.pass_cycles, calm.waits)) + options.idle_wake
+        protected = options.pf2_read_ws.unrecorded() + options.write_lands.unrecorded() + WRITE_TO_READ + 3
+        longest = max(protected, cpu_costs.IRET, *map(calm.pass_cycles, calm.waits)) + options.idle_wake.unrecorded()
         busy = handlers.cost if handlers.apart <= handlers.cost else 0
         masked = f"{calm.masked} runs with interrupts masked" if calm.masked else self._too_early
         terms = (
-            Term("request to first instruction", calm.ticks(options.entry_latency), "int_latency", masked),
+            Term("request to first instruction", calm.ticks(entry_latency(options)), "int_latency", masked),
             Term("instruction under way", calm.ticks(longest), "a pass of a wait, or a read behind a write, at most"),
             Term(
                 "service routine before", busy, "none where they are asked for further apart", reasons(handlers.terms)
@@ -413,9 +415,8 @@ class ClosedForm:
         bus = min(self._bus_time(over) for over in calm.rounds)
         late = total(self.round.terms[1:]) + ceil(self.jitter)
         routines = handlers.per_frame * handlers.cost
-        latency = calm.ticks(
-            calm.options.entry_latency + calm.options.idle_wake + max(map(calm.pass_cycles, calm.waits))
-        )
+        beside = calm.options.idle_wake.unrecorded() + max(map(calm.pass_cycles, calm.waits))
+        latency = calm.ticks(entry_latency(calm.options) + beside)
         shared = (
             Term("read in its round", into, "controller.rate, order"),
             Term("late and stretched round", late, "controller.jitter, and as for round", self.round.unproven),
@@ -433,3 +434,8 @@ class ClosedForm:
             Term("first model's begin", calm.start - first_model, MEASURED),
         )
         return (*max(steady, early, key=total), *shared)
+
+
+def entry_latency(options: SystemOptions) -> int:
+    """Cycles from a request to the first instruction of its service routine, if nothing is under way."""
+    return options.int_latency.unrecorded() + options.vector_fetch_waits.unrecorded()

@@ -73,9 +73,9 @@ def receiver_of(dsp: Dsp, now: int, reads: Sequence[Sequence[int]], ticks_per_se
     count = min(map(len, reads))
     latest = tuple(max(times[k] for times in reads) for k in range(count))
     character = floor(bit * (1 + line.bits + (line.parity != "none")))
-    delay = ceil(bit + options.rx_int_extra * Fraction(ticks_per_second) / dsp.clock.hz)
+    delay = ceil(bit + options.rx_int_extra.unrecorded() * Fraction(ticks_per_second) / dsp.clock.hz)
     left = SCI_MAP["SCIFFRX"]["RXFFST"].of(settings)
-    return Receiver(level, latest, character, delay, options.oe_in_fifo_mode != "overflow_only", left)
+    return Receiver(level, latest, character, delay, options.oe_in_fifo_mode.unrecorded() != "overflow_only", left)
 
 
 def fifo_bounds(receiver: Receiver, latency: Sequence[Term], routine: int) -> list[Bound]:

@@ -110,9 +110,10 @@ def observe_handlers(case: Case, unit: str) -> ServiceRoutines:
         return NONE
     options = scene.units[unit].plan.system
     cycle = scene.timebase.per_second / scene.units[unit].clock.hz
-    beside = options.vector_fetch_waits + options.idle_wake
-    entry = -int(-(options.int_latency + beside - IFR_DELAY) * cycle // 1)
-    latency = f"int_latency {options.int_latency}, less {IFR_DELAY} to the IFR (SPRUFB0D 8)"
+    beside = options.vector_fetch_waits.unrecorded() + options.idle_wake.unrecorded()
+    to_entry = options.int_latency.unrecorded()
+    entry = -int(-(to_entry + beside - IFR_DELAY) * cycle // 1)
+    latency = f"int_latency {to_entry}, less {IFR_DELAY} to the IFR (SPRUFB0D 8)"
     if beside:
         latency += f", and {beside} of vector_fetch_waits and idle_wake"
     source = "its code, measured without requests; isr_prologue, isr_epilogue in it"

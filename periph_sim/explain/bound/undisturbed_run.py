@@ -139,7 +139,10 @@ class UndisturbedRun(Struct):
 
         A flag that rises in the cycle of a read is read; so one waits a cycle less than that to be read, at most.
         """
-        one, more = cpu_costs.SIMPLE + self.options.pf2_read_ws, (wait.reads - 1) * read_after_read(self.options)
+        one, more = (
+            cpu_costs.SIMPLE + self.options.pf2_read_ws.unrecorded(),
+            (wait.reads - 1) * read_after_read(self.options),
+        )
         if wait.pass_cycles is not None:
             return max(wait.pass_cycles, one + more)
         return max(self.code.poll_pass, one) + more
@@ -147,7 +150,7 @@ class UndisturbedRun(Struct):
 
 def read_after_read(options: SystemOptions) -> int:
     """Cycles from one read of a pass to the next: a branch not taken, the wait states, the read."""
-    return cpu_costs.SB_NOT_TAKEN + options.pf2_read_ws + cpu_costs.SIMPLE
+    return cpu_costs.SB_NOT_TAKEN + options.pf2_read_ws.unrecorded() + cpu_costs.SIMPLE
 
 
 def serving_unit(case: Case) -> str:
@@ -218,7 +221,7 @@ def observe(case: Case) -> UndisturbedRun:
         seconds=seconds,
         events=scene.kernel.events,
     )
-    return listener.fill(calm, (plan.i2c or I2cOptions()).noise_filter_cycles)
+    return listener.fill(calm, (plan.i2c or I2cOptions()).noise_filter_cycles.unrecorded())
 
 
 class _Reading(Struct):

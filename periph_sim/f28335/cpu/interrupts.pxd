@@ -4,7 +4,7 @@ cdef class CpuInterrupts:
     cdef public list notes
     cdef public set touched
     cdef object _options, _coming
-    cdef long long _latched_at, _latched, _nonmaskable, _pieack_end
+    cdef long long _latched_at, _latched, _nonmaskable, _pieack_end, _returned_at
     cpdef void raise_line(self, long long now, long long number)
     cpdef void wrote_pieack(self, long long now)
     cpdef void wake(self, long long now)

@@ -70,7 +70,6 @@ CONTEXT = (
 CONTEXT_WORDS = 2 * len(CONTEXT)
 CONTEXT_SP = 1 + CONTEXT_WORDS  # by how much SP rises
 ST1_WORD, IER_WORD = 8, 10  # their places among these words
-ENTRY_QUESTIONS = ("int_latency", "vector_fetch_waits")  # every entry of an interrupt depends on them
 
 
 def frame_of(sp: int) -> int:
@@ -104,9 +103,10 @@ class CpuInterrupts:
     """Times are SYSCLKOUT cycles, never falling from call to call."""
 
     def __init__(self, options: SystemOptions) -> None:
-        self.entry_cycles = options.entry_latency - IFR_DELAY  # boundary to first ISR instruction
-        self.vector_delay = options.int_latency - IFR_DELAY - VECTOR_AND_SAVE  # boundary to vector fetch
-        self.vector_waits = options.vector_fetch_waits  # of TRAP and INTR, beside their cycles
+        latency = options.int_latency.unrecorded() - IFR_DELAY
+        self.vector_waits = options.vector_fetch_waits.unrecorded()  # of TRAP and INTR, beside their cycles
+        self.entry_cycles = latency + self.vector_waits  # boundary to first ISR instruction
+        self.vector_delay = latency - VECTOR_AND_SAVE  # boundary to vector fetch
         self.next_wake = NEVER  # when a request on its way reaches the IFR
         self.ifr = 0
         self.ier = 0
@@ -124,6 +124,7 @@ class CpuInterrupts:
         self._latched = 0  # IFR bits that hardware set in that cycle
         self._nonmaskable = 0  # bit 0 EMUINT, bit 1 NMI: in order of priority
         self._pieack_end = -1  # end of the latest instruction that wrote PIEACK
+        self._returned_at = -1  # end of the latest IRET
 
     # Status -------------------------------------------------------------------
 
@@ -152,6 +153,8 @@ class CpuInterrupts:
             self._nonmaskable |= 1 << number - EMUINT
         else:
             self._coming.append((now + IFR_DELAY, self._bit(number)))
+            if now + IFR_DELAY <= self._returned_at:
+                self._options.irq_after_iret.assume(self.touched)
             self.next_wake = self._coming[0][0]
 
     def wrote_pieack(self, now: int) -> None:
@@ -217,7 +220,8 @@ class CpuInterrupts:
             raise ValueError(
                 f"interrupt {number} cannot be taken at cycle {now}; next_taken says {self.next_taken(now)}"
             )
-        self.touched.update(ENTRY_QUESTIONS)
+        self._options.int_latency.assume(self.touched)
+        self._options.vector_fetch_waits.assume(self.touched)
         if number > MASKABLE:
             self._nonmaskable &= ~(1 << number - EMUINT)
             return self._save(number, now + self.entry_cycles)
@@ -232,21 +236,18 @@ class CpuInterrupts:
         self._sync(now)
         if not 0 <= number < 32:
             raise ValueError(f"there is no TRAP #{number}; expected 0 to 31")
-        self.touched.add("vector_fetch_waits")
-        return self._save(number, now + cpu_costs.TRAP + self.vector_waits)
+        return self._save(number, now + cpu_costs.TRAP + self._options.vector_fetch_waits.assume(self.touched))
 
     def intr(self, now: int, number: int) -> Context:
         """INTR: as the interrupt itself, but whatever the masks say. EMUINT and NMI act as TRAP."""
         self._sync(now)
-        self.touched.add("vector_fetch_waits")
+        first = now + cpu_costs.INTR + self._options.vector_fetch_waits.assume(self.touched)
         if number in (EMUINT, NMI):
-            return self._save(number, now + cpu_costs.INTR + self.vector_waits)
+            return self._save(number, first)
         bit = self._bit(number)
-        if self.ifr & bit:
-            self.touched.add("intr_clears_ifr")
-            if self._options.intr_clears_ifr:
-                self.ifr &= ~bit
-        context = self._save(number, now + cpu_costs.INTR + self.vector_waits)
+        if self.ifr & bit and self._options.intr_clears_ifr.assume(self.touched):
+            self.ifr &= ~bit
+        context = self._save(number, first)
         self.ier &= ~bit
         return context
 
@@ -266,9 +267,10 @@ class CpuInterrupts:
         self.ier = ier
         self.sp = self.returning_sp
         self._next_boundary(now + cpu_costs.IRET)
+        self.owes_instruction = self._options.irq_after_iret.unrecorded() == "after_one_instruction"
+        self._returned_at = self.ready
         if self.ifr & self.ier or self._coming:
-            self.touched.add("irq_after_iret")
-        self.owes_instruction = self._options.irq_after_iret == "after_one_instruction"
+            self._options.irq_after_iret.assume(self.touched)
 
     def instruction_done(self) -> None:
         """An instruction of the interrupted code has completed; to be called where `owes_instruction` is True."""
@@ -339,8 +341,7 @@ class CpuInterrupts:
         if now < self.ready or not (self.ifr & self.ier or self._nonmaskable):
             return False
         self.st1 &= ~IDLESTAT
-        self.touched.add("idle_wake")
-        self.ready = now + self._options.idle_wake
+        self.ready = now + self._options.idle_wake.assume(self.touched)
         return True
 
     # Inside -----------------------------------------------------------------------

@@ -132,10 +132,13 @@ class Pie(Chip):
         """The PIE's clock cannot be switched off."""
 
     def read(self, now: int, offset: int) -> int:
-        if offset == PIEACK.offset and self._as_reset:
-            self.touched.add("pieack_reset")
         if offset & 1 and 1 <= offset // 2 <= GROUPS:
             self._seen[offset // 2 - 1] = self._pieifr[offset // 2 - 1]
+        return self.see(now, offset)
+
+    def see(self, now: int, offset: int) -> int:
+        if offset == PIEACK.offset and self._as_reset:
+            self._options.pieack_reset.assume(self.touched)
         return self.peek(now, offset)
 
     def peek(self, now: int, offset: int) -> int:
@@ -163,7 +166,7 @@ class Pie(Chip):
 
     def reset(self, now: int) -> None:
         self._piectrl = PIECTRL.reset
-        self._pieack = self._options.pieack_reset
+        self._pieack = self._options.pieack_reset.unrecorded()
         self._as_reset = PIEACK["PIEACK"].mask  # the groups whose PIEACK bit is still what the reset made it
         self._told_held = 0  # of these, the groups whose held request was noted
         self._pieier = [register.reset for register in PIEIER]
@@ -188,7 +191,7 @@ class Pie(Chip):
         if not self._pieifr[g] & self._pieier[g]:
             return
         if self._as_reset >> g & 1:
-            self.touched.add("pieack_reset")
+            self._options.pieack_reset.assume(self.touched)
             self._note_held(g)
         if not self._pieack >> g & 1:
             self._pieack |= 1 << g
@@ -220,9 +223,9 @@ class Pie(Chip):
 
     def _level_sensitive(self, g: int) -> bool:
         """Whether a PIEIFR bit of this group cannot stay 0 while its line is held."""
-        if self._lines_held[g]:
-            self.touched.add("pie_held_line")
-        return self._options.pie_held_line == "at_vector_fetch"
+        if not self._lines_held[g]:
+            return False
+        return self._options.pie_held_line.assume(self.touched) == "at_vector_fetch"
 
     def _write_pieifr(self, now: int, g: int, value: int) -> None:
         before = self._pieifr[g]

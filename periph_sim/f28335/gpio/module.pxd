@@ -1,5 +1,6 @@
 cimport cython
 
+from ...core.options cimport IntOption
 from .qualifier cimport Qualifier
 from .settings cimport GpioSettings
 
@@ -7,7 +8,8 @@ from .settings cimport GpioSettings
 @cython.final
 cdef class Gpio(GpioSettings):
     cdef public object pads, watched, driven, driven_high
-    cdef public long long out_version, out_delay, routes_version
+    cdef public long long out_version, routes_version
+    cdef public IntOption gpio_out_delay
     cdef public list changed
     cdef object _wired, _before, _qualified, _latch, _asynchronous, _sampled, _dead, _pull_ups, _outputs, _settles
     cdef long long _edge_at, _watching, _xints, _settle_at

@@ -82,7 +82,7 @@ class Gpio(GpioSettings):
         self.driven_high = 0  # mask: levels of the pins in `driven`; 0 elsewhere
         self.driven = 0  # mask: pads that this chip drives as general-purpose outputs
         self.out_version = 0  # counts changes of `driven_high` and `driven`
-        self.out_delay = int(options.gpio_out_delay)  # cycles from a latch or a peripheral's output to the pad
+        self.gpio_out_delay = options.gpio_out_delay  # cycles from a latch or a peripheral's output to the pad
         self.routes_version = 0  # counts the moments at which MUX, QSEL or CTRL settings took effect
         self.changed: list[tuple[str, int]] = []  # (signal or "XINTn", level), since the owner last cleared it
         self.requests = 0
@@ -427,12 +427,12 @@ class Gpio(GpioSettings):
         last = self._outs[-1] if self._outs else (now, self.driven, self.driven_high)
         if (driven, out) == (last[1], last[2]):
             return
-        self.touched.add("gpio_out_delay")
-        when = now + self.out_delay
+        delay = self.gpio_out_delay.assume(self.touched)
+        when = now + delay
         if self._outs and last[0] == when:  # the other half of the same access
             self._outs.pop()
         self._outs.append((when, driven, out))
-        if not self.out_delay:
+        if not delay:
             self._outs.clear()
             self.driven, self.driven_high = driven, out
             self.out_version += 1

@@ -28,20 +28,28 @@ class I2cAddress:
         """I2COAR as it is now counts where it is not live (`oar_latch`)."""
         self._latched = self._state.oar
 
+    def start(self) -> None:
+        """A START has come."""
+        state = self._state
+        if state.oar != self._latched and state.options.oar_latch.assume(state.touched) == "at_start":
+            self.latch()
+
     def is_ours(self, byte: int, second: bool) -> bool:
         """second: the byte with the lower eight of ten bits. Sets `read`."""
         state, options = self._state, self._state.options
-        own = state.oar if options.oar_latch == "live" else self._latched
+        own = state.oar
+        if own != self._latched and options.oar_latch.assume(state.touched) != "live":
+            own = self._latched
         self.read = False
         if second:
             return byte == own & 0xFF
         if byte == GENERAL_CALL:
-            state.touched.add("general_call")
-            return options.general_call == "acknowledged"
+            return options.general_call.assume(state.touched) == "acknowledged"
         if byte == START_BYTE:
-            state.touched |= {"start_byte_ad0", "oar_zero"}
             self.read = True
-            return own == 0 and not state.mdr & MDR_XA and options.oar_zero == "own_address_too"
+            if own or state.mdr & MDR_XA:
+                return False
+            return options.oar_zero.assume(state.touched) == "own_address_too"
         self.read = bool(byte & 1)
         if state.mdr & MDR_XA:
             if byte >> 3 != TEN_BIT or byte >> 1 & 3 != own >> 8 & 3:
@@ -54,8 +62,7 @@ class I2cAddress:
         if byte != GENERAL_CALL or second:
             return False
         self.read = False
-        self._state.touched.add("own_general_call")
-        return self._state.options.own_general_call == "answered"
+        return self._state.options.own_general_call.assume(self._state.touched) == "answered"
 
     def is_whole(self, byte: int, second: bool) -> bool:
         """False for the first byte of a 10-bit address, which sets no flag yet."""

@@ -73,7 +73,6 @@ class I2cClock:
         state = self.state
         over = self._low_from + self.low()
         if now > self._low_from + state.tm + state.filter_width:
-            state.touched.add("sda_setup_before_scl_release")
             over = max(over, now + state.setup())
         self._at(over, RELEASE)
 
@@ -104,8 +103,7 @@ class I2cClock:
         self._rose_at = now
         late = 0
         if now > self._let_go_at:
-            self.state.touched.add("scl_sync_cycles")
-            late = self.state.options.scl_sync_cycles * self.state.tm
+            late = self.state.options.scl_sync_cycles.assume(self.state.touched) * self.state.tm
         self._at(now + late + self.high(), self._after_high)
 
     def _scl_low(self, now: int) -> None:

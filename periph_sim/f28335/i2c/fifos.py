@@ -64,9 +64,9 @@ class I2cFifos(I2cInterrupts):
             self.update(now)
 
     def _level_flag(self, register: int, condition: bool, before: bool) -> int:
-        level = self.options.fifo_int_mode == "level"
-        if condition and (level or not before) and not register & FFINT:
-            self.touched.add("fifo_int_mode")
+        if not condition or register & FFINT:
+            return register
+        if not before or self.options.fifo_int_mode.assume(self.touched) == "level":
             register |= FFINT
             if register & FFIENA:
                 self.requests |= INT2
@@ -78,10 +78,8 @@ class I2cFifos(I2cInterrupts):
         self.fifo = bool(self.fftx & FFEN)
         if not self.fftx & FFRST:
             self.tx_fifo.clear()
-            if self.xsr_full:
-                self.touched.add("txfifo_reset_flushes_xsr")
-                if self.options.txfifo_reset_flushes_xsr:
-                    self.xsr_full = False
+            if self.xsr_full and self.options.txfifo_reset_flushes_xsr.assume(self.touched):
+                self.xsr_full = False
         self._flag_written(fired, before, "tx")
         self.fifo_levels(now)
 

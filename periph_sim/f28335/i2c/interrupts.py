@@ -73,14 +73,14 @@ class I2cInterrupts:
         """The flags that are enabled to ask, as bits in the order of I2CIER."""
         status = self.str
         active = (status & 0x3F | (SRC_AAS if status & STR_AAS else 0)) & self.ier
-        if active & SRC_XRDY and not self.wanted:
-            self.touched.add("xrdyint_when_idle")
-            if self.options.xrdyint_when_idle == "only_addressed":
-                active &= ~SRC_XRDY
-        if active & SRC_NACK and self.nack_as_slave:
-            self.touched.add("nackint_in_slave_tx")
-            if not self.options.nackint_in_slave_tx:
-                active &= ~SRC_NACK
+        if (
+            active & SRC_XRDY
+            and not self.wanted
+            and self.options.xrdyint_when_idle.assume(self.touched) == "only_addressed"
+        ):
+            active &= ~SRC_XRDY
+        if active & SRC_NACK and self.nack_as_slave and not self.options.nackint_in_slave_tx.assume(self.touched):
+            active &= ~SRC_NACK
         return active
 
     def update(self, now: int) -> None:
@@ -91,27 +91,27 @@ class I2cInterrupts:
         rising = active & ~self._active
         self._active = active
         self._pending = (self._pending | rising) & active
-        if self.code and not active >> (self.code - 1) & 1:
-            self.touched.add("isrc_follows_flag")
-            if self.options.isrc_follows_flag == "vanishes":
-                self._show(now, 0)
+        if (
+            self.code
+            and not active >> (self.code - 1) & 1
+            and self.options.isrc_follows_flag.assume(self.touched) == "vanishes"
+        ):
+            self._show(now, 0)
         if self._pending and self.code_at == NEVER and (not self.code or self._outranks()):
-            self.code_at = now + self.options.event_to_isrc_delay
-            self.touched.add("event_to_isrc_delay")
-            if not self.options.event_to_isrc_delay:
+            delay = self.options.event_to_isrc_delay.assume(self.touched)
+            self.code_at = now + delay
+            if not delay:
                 self.load_code(now)
 
     def _outranks(self) -> bool:
-        self.touched.add("isrc_preempt")
-        if self.options.isrc_preempt != "highest":
+        if self.options.isrc_preempt.assume(self.touched) != "highest":
             return False
         first = self._first()
         return first != self.code and self._rank(first) < self._rank(self.code)
 
     def _rank(self, code: int) -> int:
         """The sort key of a code: of two codes, the one with the lower key goes first."""
-        self.touched.add("int_priority")
-        return code if self.options.int_priority == "ascending" else -code
+        return code if self.options.int_priority.assume(self.touched) == "ascending" else -code
 
     def _first(self) -> int:
         """The code that goes first among the pending requests, or 0."""
@@ -135,8 +135,7 @@ class I2cInterrupts:
 
     def _show(self, now: int, code: int) -> None:
         self.code = code
-        self.touched.add("int_line")
-        if self.options.int_line == "level":
+        if self.options.int_line.assume(self.touched) == "level":
             self.held = self.held & ~INT1 | (INT1 if code else 0)
 
     def read_isrc(self, now: int) -> int:
@@ -144,10 +143,8 @@ class I2cInterrupts:
         if code:
             self._show(now, 0)
             cleared = CODE_CLEARS.get(code, 0)
-            if code == 7:
-                self.touched.add("isrc_read_clears_aas")
-                if self.options.isrc_read_clears_aas:
-                    cleared = STR_AAS
+            if code == 7 and self.options.isrc_read_clears_aas.assume(self.touched):
+                cleared = STR_AAS
             if cleared:
                 self.clear(now, cleared)
             self.code_at = NEVER
@@ -156,9 +153,7 @@ class I2cInterrupts:
 
     def forget_requests(self, now: int) -> None:
         """IRS went to 0."""
-        if self.code:
-            self.touched.add("irs_clears_isrc")
-            if self.options.irs_clears_isrc:
-                self._show(now, 0)
+        if self.code and self.options.irs_clears_isrc.assume(self.touched):
+            self._show(now, 0)
         self.code_at = NEVER
         self._pending = self._active = 0

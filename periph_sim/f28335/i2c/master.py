@@ -140,8 +140,7 @@ class I2cMaster(I2cMasterTransmitter):
     def _request_bus(self, now: int) -> None:
         state = self.state
         if state.str & STR_BB:
-            state.touched.add("stt_while_busy")
-            policy = state.options.stt_while_busy
+            policy = state.options.stt_while_busy.assume(state.touched)
             if policy == "foreign_al":
                 self.lose(now)
                 return
@@ -174,14 +173,13 @@ class I2cMaster(I2cMasterTransmitter):
 
     def _meets_foreign_condition(self, now: int) -> None:
         """A START or STOP of others in our transfer: against data neither is arbitrated (section 2.8)."""
-        self.state.touched.add("foreign_start_stop")
-        if self.state.options.foreign_start_stop == "loses_arbitration":
+        if self.state.options.foreign_start_stop.assume(self.state.touched) == "loses_arbitration":
             self.lose(now)
 
     def _start(self, now: int) -> None:
         """The moment of the START has come; behind the filter a START of others may still be unseen: both go on."""
         state = self.state
-        if state.str & STR_BB and state.options.stt_while_busy != "always_repeated_start":
+        if state.str & STR_BB and state.options.stt_while_busy.assume(state.touched) != "always_repeated_start":
             self._request_bus(now)  # another master was earlier
             return
         if not self.sees_idle:
@@ -202,8 +200,7 @@ class I2cMaster(I2cMasterTransmitter):
     def _take_command(self) -> None:
         """What the registers say with the START counts for the whole transfer."""
         state = self.state
-        state.touched.add("cnt_copy_point")
-        if state.options.cnt_copy_point == "start":
+        if state.options.cnt_copy_point.assume(state.touched) == "start":
             self.load_counter()
         self._own_restart = False
         self._restart_next = []
@@ -249,8 +246,7 @@ class I2cMaster(I2cMasterTransmitter):
         header = 0xF0 | address >> 7 & 6
         if not read:
             return [header, address & 0xFF]
-        state.touched.add("ten_bit_read")
-        if state.options.ten_bit_read == "full_address_first" and not self.active:
+        if state.options.ten_bit_read.assume(state.touched) == "full_address_first" and not self.active:
             self._restart_next = [header | 1]
             return [header, address & 0xFF]
         return [header | 1]
@@ -301,7 +297,7 @@ class I2cMaster(I2cMasterTransmitter):
             self._in = (self._in << 1 | sda) & 0xFF
             if self._bit == self._n - 1:
                 self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
-        if self._kind == TAKE and self._bit == self._n and self.state.options.rrdy_point == "rise9":
+        if self._kind == TAKE and self._bit == self._n and self.state.rrdy_rises_at("rise9"):
             self._take(now)
 
     def _fall(self, now: int) -> None:
@@ -314,8 +310,7 @@ class I2cMaster(I2cMasterTransmitter):
         if bit <= self._n:
             if bit == self._n and self._kind == TAKE:
                 self._choose_answer()
-                self.state.touched.add("rrdy_point")
-                if self.state.options.rrdy_point == "fall8":
+                if self.state.rrdy_rises_at("fall8"):
                     self._take(now)
             if bit == self._n and self._kind == SEND and self.state.mdr & MDR_DLB:
                 self._loop_back(now)
@@ -355,13 +350,12 @@ class I2cMaster(I2cMasterTransmitter):
     def _refused(self, now: int) -> None:
         state = self.state
         state.wanted = False
-        state.touched |= {"ardy_on_nack", "hold_scl_after_nack"}
-        if state.options.ardy_on_nack:
+        if state.options.ardy_on_nack.assume(state.touched):
             state.str |= STR_ARDY
         state.nack_received(now, as_slave=False, of=f"address 0x{state.sar:02X}" if self._kind == ADDRESS else "a byte")
         self._addresses = []
         self._restart_next = []
-        if state.options.hold_scl_after_nack:
+        if state.options.hold_scl_after_nack.assume(state.touched):
             self._holds = HELD_FOR_COMMAND
         elif state.mdr & MDR_STP:
             self._stop(now)
@@ -370,17 +364,16 @@ class I2cMaster(I2cMasterTransmitter):
 
     def _leaves_scl_high(self) -> bool:
         """Whether SCL stays high after a NACK until the next command, where it is not held low."""
-        mdr = self.state.mdr
-        return not self.state.options.hold_scl_after_nack and not mdr & (MDR_STP | MDR_DLB)
+        state = self.state
+        return not (state.mdr & (MDR_STP | MDR_DLB) or state.options.hold_scl_after_nack.assume(state.touched))
 
     # STOP, repeated START, loss ----------------------------------------------------------
 
     def _stop_if_allowed(self, now: int) -> None:
         state = self.state
-        if not self._data_bytes and not state.mdr & MDR_RM:
-            state.touched.add("stop_without_data")
-            if state.options.stop_without_data == "waits_for_data":
-                return
+        bare = not self._data_bytes and not state.mdr & MDR_RM
+        if bare and state.options.stop_without_data.assume(state.touched) == "waits_for_data":
+            return
         self._stop(now)
 
     def _stop(self, now: int) -> None:
@@ -407,9 +400,8 @@ class I2cMaster(I2cMasterTransmitter):
     def lose(self, now: int) -> None:
         """Arbitration is lost, or the bus was another's: AL, and the module is a slave-receiver."""
         state = self.state
-        state.touched.add("al_clears_stt")
         cleared = MDR_MST | MDR_STP
-        if state.options.al_clears_stt:
+        if state.mdr & MDR_STT and state.options.al_clears_stt.assume(state.touched):
             cleared |= MDR_STT
         state.mdr &= ~cleared
         self.let_go()

@@ -59,8 +59,7 @@ class I2cMasterReceiver(I2cClock):
     def _repeat(self) -> bool:
         if not self.state.mdr & MDR_RM:
             return False
-        self.state.touched.add("rm_receiver")
-        return self._kind != TAKE or self.state.options.rm_receiver == "allowed"
+        return self._kind != TAKE or self.state.options.rm_receiver.assume(self.state.touched) == "allowed"
 
     def _choose_answer(self) -> None:
         state = self.state
@@ -70,18 +69,15 @@ class I2cMasterReceiver(I2cClock):
         elif self._repeat():
             self._answer_nack = stp
         elif self.counter <= 1:
-            state.touched.add("mr_nack_at_count0")
-            self._answer_nack = stp or state.options.mr_nack_at_count0 == "always"
+            self._answer_nack = stp or state.options.mr_nack_at_count0.assume(state.touched) == "always"
         else:
             self._answer_nack = stp and not self._stp_at_start
 
     def _take(self, now: int) -> None:
         state = self.state
         value = self._in & 0xFF
-        if self._n < 8:
-            state.touched.add("bc_less_than_8_upper_bits")
-            if state.options.bc_less_than_8_upper_bits == "zeros":
-                value = self._in & (1 << self._n) - 1
+        if self._n < 8 and state.options.bc_less_than_8_upper_bits.assume(state.touched) == "zeros":
+            value = self._in & (1 << self._n) - 1
         self._received(now, value)
 
     def _received(self, now: int, value: int) -> None:
@@ -95,7 +91,7 @@ class I2cMasterReceiver(I2cClock):
 
     def _taken(self, now: int) -> None:
         state = self.state
-        if state.options.rrdy_point == "fall9":
+        if state.rrdy_rises_at("fall9"):
             self._take(now)
         if self._answer_nack:
             if self._nack_armed:

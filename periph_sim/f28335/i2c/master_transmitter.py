@@ -41,8 +41,8 @@ class I2cMasterTransmitter(I2cMasterReceiver):
 
     def dxr_written(self, now: int) -> None:
         state = self.state
-        if state.mdr & MDR_DLB and self.active and state.options.dlb_delay == "after_dxr_write":
-            state.touched.add("dlb_delay")
+        loops_back = state.mdr & MDR_DLB and self.active
+        if loops_back and state.options.dlb_delay.assume(state.touched) == "after_dxr_write":
             self._deliver, self.deliver_at = state.dxr, now + 8 * state.tm
         if self._holds == HELD_FOR_DATA:
             self._next_data(now)
@@ -85,6 +85,5 @@ class I2cMasterTransmitter(I2cMasterReceiver):
     def _loop_back(self, now: int) -> None:
         """The byte sent comes back n = 8 module clocks after its last bit (or after the write of I2CDXR)."""
         state = self.state
-        state.touched.add("dlb_delay")
-        if state.options.dlb_delay == "after_last_bit":
+        if state.options.dlb_delay.assume(state.touched) == "after_last_bit":
             self._deliver, self.deliver_at = self._byte & 0xFF, now + 8 * state.tm

@@ -64,7 +64,7 @@ class I2c(Chip):
         self.requests = self.held = self.loaded = self.writes = 0
         self.notes, self.touched = self.state.notes, self.state.touched
         self._clocked = self._suspended = False
-        self._lines = I2cNoiseFilter(options.unequal_arrival == "one_sample", self.touched)
+        self._lines = I2cNoiseFilter(options.unequal_arrival.matches("one_sample"), self.touched)
         self.filter_width = self.state.filter_width
         self._bus_busy = False  # between a START and a STOP, also of those that came while IRS was 0
         self._frozen_pull = 0  # what a halted slave pulls until the CPU runs on
@@ -185,7 +185,9 @@ class I2c(Chip):
         by edges of SDA as SCL is low; -1: by any edge."""
         if self.state.mdr & MDR_DLB or self._suspended or self.master.answers_edges():
             return -1
-        if self._lines.together:  # SDA may delay an edge of SCL, and with it undo a pulse wider than the filter
+        if (
+            self._lines.unequal_arrival.unrecorded()
+        ):  # SDA may delay an edge of SCL, and with it undo a pulse wider than the filter
             return -1
         silent = self.target.silent_edges(bool(self._lines.levels & SCL))
         return silent - 1 if silent > 0 and not behind_filter and self._lines.scl_moves() else silent
@@ -250,8 +252,7 @@ class I2c(Chip):
     def _accessible(self) -> bool:
         if self._clocked:
             return True
-        self.touched.add("clock_gate_access")
-        return self.options.clock_gate_access == "accessible"
+        return self.options.clock_gate_access.assume(self.touched) == "accessible"
 
     def peek(self, now: int, offset: int) -> int:
         if self.next_wake <= now:
@@ -316,7 +317,6 @@ class I2c(Chip):
         if offset == at.OAR:
             state.oar = value & 0x3FF
             if self.limits.written_while_enabled("I2COAR"):
-                state.touched.add("oar_latch")
                 self.limits.own_address()
         elif offset == at.SAR:
             state.sar = value & 0x3FF
@@ -328,7 +328,7 @@ class I2c(Chip):
             self.limits.divisor("I2CCLKH", state.clkh)
         elif offset == at.CNT:
             state.cnt = value & 0xFFFF
-            if self.options.cnt_copy_point == "write":
+            if self.options.cnt_copy_point.unrecorded() == "write":  # START decides, and records it
                 self.master.load_counter()
         elif offset == at.ISRC:
             state.isrc_high = value & 0xF00
@@ -344,10 +344,8 @@ class I2c(Chip):
         if value & state.str & at.STR_RRDY:
             state.rrdy_cleared()
         state.str &= ~(value & at.STR_CLEARS)
-        if value & state.str & STR_XRDY:
-            self.touched.add("xrdy_w1c")
-            if self.options.xrdy_w1c == "yes":
-                state.str &= ~STR_XRDY
+        if value & state.str & STR_XRDY and self.options.xrdy_w1c.assume(self.touched) == "yes":
+            state.str &= ~STR_XRDY
         state.update(now)
 
     # I2CMDR -----------------------------------------------------------------------------
@@ -357,9 +355,8 @@ class I2c(Chip):
         old = state.mdr
         commands = MDR_STT | MDR_STP
         if not old & MDR_IRS:
-            if value & MDR_IRS and value & commands:
-                self.touched.add("stt_with_irs_write")
-            if not value & MDR_IRS or self.options.stt_with_irs_write == "dropped":
+            asks = (value ^ old) & commands
+            if not value & MDR_IRS or (asks and self.options.stt_with_irs_write.assume(self.touched) == "dropped"):
                 value = value & ~commands | old & commands
         if (value ^ old) & MDR_BC and state.tx_ready():
             state.duty("BC was changed after I2CDXR was written; expected BC first", "SPRUG03B §5.12")
@@ -369,10 +366,9 @@ class I2c(Chip):
         elif old & MDR_IRS and not value & MDR_IRS:
             self._disable(now)
             return
-        elif value & MDR_IRS and (self.target.pulls | self.master.pulls) & SCL:
-            self.touched.add("irs_write1_releases_bus")
-            if self.options.irs_write1_releases_bus:
-                self.target.release_bus()
+        held = (self.target.pulls | self.master.pulls) & SCL
+        if value & old & MDR_IRS and held and self.options.irs_write1_releases_bus.assume(self.touched):
+            self.target.release_bus()
         if value & MDR_DLB:
             state.clear(now, at.STR_SDIR)
             self.limits.loopback(begins=not old & MDR_DLB)
@@ -436,8 +432,7 @@ class I2c(Chip):
         target = self.target
         if self.master.active or not target.follows():
             return
-        self.touched.add("free_slave_unit")
-        complete = self.options.free_slave_unit == "byte" or not target.own_transfer
+        complete = not target.own_transfer or self.options.free_slave_unit.assume(self.touched) == "byte"
         if complete and target.bit == 0 and not target.pulls & SCL:
             target.pulls |= SCL
             self._frozen_pull = SCL

@@ -11,19 +11,20 @@ come in one cycle leave in one cycle, as one change. What the filter is made of,
 from __future__ import annotations
 
 from ...core.chip import NEVER
+from ...core.options import BoolOption
 from .register_map import SCL, SDA
 
 
 class I2cNoiseFilter:
     """levels: behind the filter, SCL and SDA as bits. due: the cycle of their next change, or NEVER.
 
-    together: edges of the two lines less than a module clock apart leave as one change, with the later one.
+    unequal_arrival: edges of the two lines less than a module clock apart leave as one change, with the later one.
     """
 
-    def __init__(self, together: bool, touched: set[str]) -> None:
+    def __init__(self, unequal_arrival: BoolOption, touched: set[str]) -> None:
         self.levels = SCL | SDA
         self.due = NEVER
-        self.together = together
+        self.unequal_arrival = unequal_arrival
         self._touched = touched
         self._scl_due = self._sda_due = NEVER
         self._cycle = -1  # of the last sample,
@@ -42,9 +43,12 @@ class I2cNoiseFilter:
         self._scl_due, self._sda_due = scl, sda
         self.due = scl if scl < sda else sda
         if scl < NEVER and sda < NEVER and scl != sda and -module_clock < scl - sda < module_clock:
-            self._touched.add("unequal_arrival")
-            if self.together:
-                self.due = self._scl_due = self._sda_due = max(scl, sda)
+            self._arrive_apart(max(scl, sda))
+
+    def _arrive_apart(self, later: int) -> None:
+        """Edges of both lines are on their way, less than a module clock apart."""
+        if self.unequal_arrival.assume(self._touched):
+            self.due = self._scl_due = self._sda_due = later
 
     def take(self, now: int) -> int:
         """The levels from cycle `now` on, in which a change was due."""

@@ -12,20 +12,17 @@ default `any_ack_fall9` gives both with the default `rrdy_point`, and so does
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from ...core.options import choice, number
+from ...core.options import Answers, BoolOption, IntOption, TextOption, choice, number
 
 
-@dataclass(frozen=True, slots=True)
-class I2cOptions:
+class I2cOptions(Answers):
     # Slave-transmitter path
-    emdr_present: bool = choice(True, False, question="Does the chip have I2CEMDR? Without it BCM = 1 holds.")
-    bcm_reset: int = choice(1, 0, question="Reset value of I2CEMDR.BCM.")
-    aas_sdir_point: str = choice(
+    emdr_present: BoolOption = choice(True, False, question="Does the chip have I2CEMDR? Without it BCM = 1 holds.")
+    bcm_reset: IntOption = choice(1, 0, question="Reset value of I2CEMDR.BCM.")
+    aas_sdir_point: TextOption = choice(
         "fall8", "rise8", "fall9", question="SCL edge of the address byte that sets AAS, SDIR."
     )
-    dxr_to_xsr_copy_point: str = choice(
+    dxr_to_xsr_copy_point: TextOption = choice(
         "any_ack_fall9",
         "ack_fall9",
         "ack_rise9",
@@ -35,126 +32,148 @@ class I2cOptions:
         question="When I2CDXR is copied to I2CXSR as slave: at the end of any acknowledged byte, of one that asks for "
         "data, at that acknowledge's rise, at once, at once with TRX = 1, or at once and again at the read address.",
     )
-    xrdy_rise_point: str = choice("fall9", "at_copy", question="When XRDY rises for a copy inside an ACK slot.")
-    xrdyint_when_idle: str = choice(
+    xrdy_rise_point: TextOption = choice("fall9", "at_copy", question="When XRDY rises for a copy inside an ACK slot.")
+    xrdyint_when_idle: TextOption = choice(
         "level", "only_addressed", question="Does XRDY = 1 with its enable ask at once, or only while data are wanted?"
     )
-    tx_underflow_policy: str = choice(
+    tx_underflow_policy: TextOption = choice(
         "stretch", "resend_previous", "send_ones", question="What a slave-transmitter without data does (BCM = 1)."
     )
-    stretch_after_address_ack: bool = choice(
+    stretch_after_address_ack: BoolOption = choice(
         True, False, question="Does it stretch before the first byte, or send what I2CXSR held?"
     )
-    xsmt_rule: str = choice(
+    xsmt_rule: TextOption = choice(
         "text", "figure", question="BCM = 0: XSMT is 0 from underflow to the write, or from the write to the copy."
     )
-    stale_byte_next_read: str = choice(
+    stale_byte_next_read: TextOption = choice(
         "sent_first", "discarded", question="What becomes of a byte left in I2CDXR when the next read comes?"
     )
-    dxr_write_while_full: str = choice(
+    dxr_write_while_full: TextOption = choice(
         "overwrite", "ignored", "queued_behind_xsr", question="A write to I2CDXR while XRDY = 0."
     )
-    dxr_survives_irs: str = choice(
+    dxr_survives_irs: TextOption = choice(
         "data_kept_xrdy_1", "kept_and_still_sent", question="After IRS = 0: is the byte in I2CDXR still sent?"
     )
-    nack_clears_dxr: bool = choice(False, True, question="Does the master's NACK empty I2CDXR?")
-    xsmt_on_final_nack: str = choice("stays_1", "0_without_stretch", question="XSMT after a NACK with I2CDXR empty.")
-    nackint_in_slave_tx: bool = choice(True, False, question="Does a NACK as slave-transmitter ask for an interrupt?")
-    sda_setup_before_scl_release: int = number(
+    nack_clears_dxr: BoolOption = choice(False, True, question="Does the master's NACK empty I2CDXR?")
+    xsmt_on_final_nack: TextOption = choice(
+        "stays_1", "0_without_stretch", question="XSMT after a NACK with I2CDXR empty."
+    )
+    nackint_in_slave_tx: BoolOption = choice(
+        True, False, question="Does a NACK as slave-transmitter ask for an interrupt?"
+    )
+    sda_setup_before_scl_release: IntOption = number(
         1, 0, 255, unit="module clocks", question="From SDA valid to the release of a stretched SCL."
     )
-    sdir_clear: str = choice(
+    sdir_clear: TextOption = choice(
         "any_start_or_stop", "until_next_address", question="What clears SDIR besides software and reset?"
     )
-    cnt_in_slave_tx: str = choice(
+    cnt_in_slave_tx: TextOption = choice(
         "no_effect", "counts_bytes", question="Does I2CCNT end the data of a slave-transmitter? (Then ones follow.)"
     )
-    irs_write1_releases_bus: bool = choice(False, True, question="Does IRS = 1 written over 1 end a stretch as slave?")
+    irs_write1_releases_bus: BoolOption = choice(
+        False, True, question="Does IRS = 1 written over 1 end a stretch as slave?"
+    )
 
     # Receiver
-    rrdy_point: str = choice("fall8", "rise9", "fall9", question="SCL edge at which I2CRSR is copied to I2CDRR.")
-    rx_overrun_policy: str = choice(
+    rrdy_point: TextOption = choice("fall8", "rise9", "fall9", question="SCL edge at which I2CRSR is copied to I2CDRR.")
+    rx_overrun_policy: TextOption = choice(
         "stretch_after_second_byte", "nack", "overwrite", question="A slave-receiver's second unread byte."
     )
-    rsfull_stretch_point: str = choice("after_fall9", "before_ack", question="Where that stretch begins.")
-    rrdy_clear_reads_drr: bool = choice(
+    rsfull_stretch_point: TextOption = choice("after_fall9", "before_ack", question="Where that stretch begins.")
+    rrdy_clear_reads_drr: BoolOption = choice(
         True, False, question="Is I2CDRR read for the overrun logic once RRDY was cleared by writing 1?"
     )
-    mr_nack_at_count0: str = choice(
+    mr_nack_at_count0: TextOption = choice(
         "always", "only_with_stp", question="Is a master-receiver's last byte answered NACK with STP = 0 too?"
     )
-    rm_receiver: str = choice("allowed", "ignored", question="Does repeat mode exist for a master-receiver?")
-    bc_less_than_8_upper_bits: str = choice(
+    rm_receiver: TextOption = choice("allowed", "ignored", question="Does repeat mode exist for a master-receiver?")
+    bc_less_than_8_upper_bits: TextOption = choice(
         "last_bits", "zeros", question="Bits above BC in I2CDRR: what was on the bus before, or 0."
     )
-    nackmod_on_address: str = choice(
+    nackmod_on_address: TextOption = choice(
         "data_only", "address_too", question="Does NACKMOD refuse an address as well? (Not in the project's list.)"
     )
 
     # Bus state, addresses
-    bb_on_irs_reset: str = choice("keep", "clear", question="BB when IRS is written 0.")
-    oar_latch: str = choice("live", "at_irs", "at_start", question="When a new I2COAR takes effect.")
-    general_call: str = choice("acknowledged", "ignored", question="Is address 0 always answered?")
-    scd_foreign: str = choice("every_stop", "own_transfers", question="Which STOPs set SCD?")
-    start_byte_ad0: str = choice("stays_0", "set", question="Does a START byte set AD0?")
-    oar_zero: str = choice("general_call_only", "own_address_too", question="I2COAR = 0: is 0x01 answered?")
-    own_general_call: str = choice("not_answered", "answered", question="Does a master hear its own general call?")
-    aas_fdf_point: str = choice("end_of_byte", "ack", question="Free data format: when AAS is set.")
+    bb_on_irs_reset: TextOption = choice("keep", "clear", question="BB when IRS is written 0.")
+    oar_latch: TextOption = choice("live", "at_irs", "at_start", question="When a new I2COAR takes effect.")
+    general_call: TextOption = choice("acknowledged", "ignored", question="Is address 0 always answered?")
+    scd_foreign: TextOption = choice("every_stop", "own_transfers", question="Which STOPs set SCD?")
+    start_byte_ad0: TextOption = choice("stays_0", "set", question="Does a START byte set AD0?")
+    oar_zero: TextOption = choice("general_call_only", "own_address_too", question="I2COAR = 0: is 0x01 answered?")
+    own_general_call: TextOption = choice(
+        "not_answered", "answered", question="Does a master hear its own general call?"
+    )
+    aas_fdf_point: TextOption = choice("end_of_byte", "ack", question="Free data format: when AAS is set.")
 
     # Interrupts
-    isrc_read_clears_aas: bool = choice(False, True, question="Does a read of I2CISRC = 7 clear AAS?")
-    xrdy_w1c: str = choice("no", "yes", question="Can XRDY be cleared by writing 1?")
-    int_line: str = choice("pulse", "level", question="I2CINT1A: a pulse per code, or held while a code stands.")
-    event_to_isrc_delay: int = number(2, 0, 64, unit="SYSCLKOUT cycles", question="From an event to code and request.")
-    int_priority: str = choice("ascending", "descending", question="Which code goes first.")
-    isrc_preempt: str = choice("highest", "first_come", question="May a later event of higher rank replace a code?")
-    isrc_follows_flag: str = choice("stays", "vanishes", question="A code whose flag is cleared otherwise.")
-    irs_clears_commands: bool = choice(True, False, question="Does IRS = 0 clear STT, STP and NACKMOD?")
-    irs_clears_isrc: bool = choice(True, False, question="Does IRS = 0 clear INTCODE?")
+    isrc_read_clears_aas: BoolOption = choice(False, True, question="Does a read of I2CISRC = 7 clear AAS?")
+    xrdy_w1c: TextOption = choice("no", "yes", question="Can XRDY be cleared by writing 1?")
+    int_line: TextOption = choice("pulse", "level", question="I2CINT1A: a pulse per code, or held while a code stands.")
+    event_to_isrc_delay: IntOption = number(
+        2, 0, 64, unit="SYSCLKOUT cycles", question="From an event to code and request."
+    )
+    int_priority: TextOption = choice("ascending", "descending", question="Which code goes first.")
+    isrc_preempt: TextOption = choice(
+        "highest", "first_come", question="May a later event of higher rank replace a code?"
+    )
+    isrc_follows_flag: TextOption = choice("stays", "vanishes", question="A code whose flag is cleared otherwise.")
+    irs_clears_commands: BoolOption = choice(True, False, question="Does IRS = 0 clear STT, STP and NACKMOD?")
+    irs_clears_isrc: BoolOption = choice(True, False, question="Does IRS = 0 clear INTCODE?")
 
     # Master
-    ardy_on_nack: bool = choice(True, False, question="Does a NACK set ARDY?")
-    hold_scl_after_nack: bool = choice(True, False, question="Is SCL held low after a NACK, until STP or STT?")
-    cnt_copy_point: str = choice("start", "write", question="When I2CCNT goes to the internal counter.")
-    stt_while_busy: str = choice(
+    ardy_on_nack: BoolOption = choice(True, False, question="Does a NACK set ARDY?")
+    hold_scl_after_nack: BoolOption = choice(True, False, question="Is SCL held low after a NACK, until STP or STT?")
+    cnt_copy_point: TextOption = choice("start", "write", question="When I2CCNT goes to the internal counter.")
+    stt_while_busy: TextOption = choice(
         "foreign_al", "foreign_waits", "always_repeated_start", question="STT while another master has the bus."
     )
-    foreign_start_stop: str = choice(
+    foreign_start_stop: TextOption = choice(
         "unnoticed",
         "loses_arbitration",
         question="A START or STOP of others in the middle of a transfer as master: do bits and clock go on, or is "
         "arbitration lost?",
     )
-    al_clears_stt: bool = choice(True, False, question="Does lost arbitration clear STT?")
-    stop_without_data: str = choice(
+    al_clears_stt: BoolOption = choice(True, False, question="Does lost arbitration clear STT?")
+    stop_without_data: TextOption = choice(
         "address_counts", "waits_for_data", question="RM = 0: does an address byte allow a STOP?"
     )
-    ten_bit_read: str = choice(
+    ten_bit_read: TextOption = choice(
         "header_r_only",
         "full_address_first",
         question="XA = 1, TRX = 0 from idle: header with R, or the whole address.",
     )
-    stt_with_irs_write: str = choice("accepted", "dropped", question="STT, STP in the write that sets IRS.")
-    scl_sync_cycles: int = number(
+    stt_with_irs_write: TextOption = choice("accepted", "dropped", question="STT, STP in the write that sets IRS.")
+    scl_sync_cycles: IntOption = number(
         0, 0, 16, unit="module clocks", question="Extra wait after a stretched SCL rises; 0: all of it is in d."
     )
-    dlb_delay: str = choice("after_last_bit", "after_dxr_write", question="Loopback: from when the delay n counts.")
+    dlb_delay: TextOption = choice(
+        "after_last_bit", "after_dxr_write", question="Loopback: from when the delay n counts."
+    )
 
     # Clock, emulation, FIFO
-    noise_filter_cycles: int = number(
+    noise_filter_cycles: IntOption = number(
         1, 0, 4096, unit="module clocks", question="How long a level must last on a pin to be seen."
     )
-    unequal_arrival: str = choice(
+    unequal_arrival: TextOption = choice(
         "in_order",
         "one_sample",
         question="Edges of SCL and SDA less than a module clock apart: does each pass the noise filter by itself, "
         "or do both leave it together, with the later one?",
     )
-    psc_write_irs1: str = choice("stored", "dropped", question="A write to I2CPSC while IRS = 1.")
-    clock_gate_access: str = choice("reads_0", "accessible", question="Register access while the clock is gated off.")
-    free_slave_unit: str = choice("byte", "whole_transfer", question="FREE = 0: what a slave still completes.")
-    fifo_int_mode: str = choice("level", "edge", question="Does a FIFO flag set again while its condition holds?")
-    fifo_17th_byte: str = choice("stretch", "nack", "overwrite", question="A byte more than the RX FIFO holds.")
-    txfifo_reset_flushes_xsr: bool = choice(False, True, question="Does TXFFRST = 0 drop a byte already in I2CXSR?")
-    fifo_extra_stage: str = choice("no", "dxr_drr_behind", question="Are I2CDXR and I2CDRR stages besides the FIFOs?")
-    irs_clears_fifo: bool = choice(False, True, question="Does IRS = 0 empty the FIFOs?")
+    psc_write_irs1: TextOption = choice("stored", "dropped", question="A write to I2CPSC while IRS = 1.")
+    clock_gate_access: TextOption = choice(
+        "reads_0", "accessible", question="Register access while the clock is gated off."
+    )
+    free_slave_unit: TextOption = choice("byte", "whole_transfer", question="FREE = 0: what a slave still completes.")
+    fifo_int_mode: TextOption = choice(
+        "level", "edge", question="Does a FIFO flag set again while its condition holds?"
+    )
+    fifo_17th_byte: TextOption = choice("stretch", "nack", "overwrite", question="A byte more than the RX FIFO holds.")
+    txfifo_reset_flushes_xsr: BoolOption = choice(
+        False, True, question="Does TXFFRST = 0 drop a byte already in I2CXSR?"
+    )
+    fifo_extra_stage: TextOption = choice(
+        "no", "dxr_drr_behind", question="Are I2CDXR and I2CDRR stages besides the FIFOs?"
+    )
+    irs_clears_fifo: BoolOption = choice(False, True, question="Does IRS = 0 empty the FIFOs?")

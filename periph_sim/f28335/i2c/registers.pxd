@@ -14,6 +14,7 @@ cdef class I2cRegisters(I2cFifos):
     cdef bint _extra_stage(self)
     cpdef bint copy_to_xsr(self, long long now, bint xrdy=*)
     cpdef bint rx_blocked(self)
+    cdef bint rrdy_rises_at(self, str edge)
     cpdef void received(self, long long now, long long value)
     cpdef long long read_drr(self, long long now)
     cpdef long long stored(self, long long offset)

@@ -70,10 +70,10 @@ class I2cRegisters(I2cFifos):
         self.reset_fifos()
         self.oar = self.clkl = self.clkh = self.cnt = self.psc = 0
         self.sar = I2C_MAP["I2CSAR"].reset
-        self.bcm = self.options.bcm_reset if self.options.emdr_present else 1
+        self.bcm = self.options.bcm_reset.unrecorded() if self.options.emdr_present.unrecorded() else 1
         self.emdr_written = False
         self.tm = 1  # module clock in cycles, as taken over when IRS last rose
-        self.filter_width = self.options.noise_filter_cycles  # cycles for which a level must last at a pin
+        self.filter_width = self.options.noise_filter_cycles.unrecorded()  # cycles for which a level must last at a pin
         self.dxr = self.xsr = self.drr = self.rsr = 0
         self.dxr_full = self.drr_unread = False
         self.nack_since = 0  # while I2CSTR.NACK = 1: the cycle at which it rose
@@ -83,32 +83,27 @@ class I2cRegisters(I2cFifos):
     def take_module_clock(self) -> None:
         """IRS went to 1: I2CPSC counts from now on."""
         self.tm = self.psc + 1
-        self.touched.add("noise_filter_cycles")
-        self.filter_width = self.options.noise_filter_cycles * self.tm
+        self.filter_width = self.options.noise_filter_cycles.assume(self.touched) * self.tm
 
     def irs_reset(self, now: int) -> None:
         """IRS went to 0: status to its defaults; what survives is the options' business."""
-        keep_bb = self.str & i2c_map.STR_BB if self.options.bb_on_irs_reset == "keep" else 0
-        self.touched.add("bb_on_irs_reset")
-        if self.dxr_full or self.xsr_full:
-            self.touched.add("dxr_survives_irs")
-        if self.options.dxr_survives_irs != "kept_and_still_sent":
+        busy = self.str & i2c_map.STR_BB
+        if busy and self.options.bb_on_irs_reset.assume(self.touched) == "clear":
+            busy = 0
+        full = self.dxr_full or self.xsr_full
+        if full and self.options.dxr_survives_irs.assume(self.touched) != "kept_and_still_sent":
             self.dxr_full = False
             self.dxr_behind.clear()
         self.xsr_full = False
         self.wanted = False
-        self.str = i2c_map.STR_RESET | keep_bb
+        self.str = i2c_map.STR_RESET | busy
         self.forget_requests(now)
         self.drr_unread = False
-        if self.mdr & COMMANDS:
-            self.touched.add("irs_clears_commands")
-            if self.options.irs_clears_commands:
-                self.mdr &= ~COMMANDS
-        if self.tx_fifo or self.rx_fifo:
-            self.touched.add("irs_clears_fifo")
-            if self.options.irs_clears_fifo:
-                self.tx_fifo.clear()
-                self.rx_fifo.clear()
+        if self.mdr & COMMANDS and self.options.irs_clears_commands.assume(self.touched):
+            self.mdr &= ~COMMANDS
+        if (self.tx_fifo or self.rx_fifo) and self.options.irs_clears_fifo.assume(self.touched):
+            self.tx_fifo.clear()
+            self.rx_fifo.clear()
 
     # Data path, sending --------------------------------------------------------
 
@@ -136,8 +131,7 @@ class I2cRegisters(I2cFifos):
             self.set(now, STR_XSMT)
             return
         if self.dxr_full:
-            self.touched.add("dxr_write_while_full")
-            policy = self.options.dxr_write_while_full
+            policy = self.options.dxr_write_while_full.assume(self.touched)
             if policy == "ignored":
                 return
             if policy == "queued_behind_xsr":
@@ -149,8 +143,7 @@ class I2cRegisters(I2cFifos):
         self.update(now)
 
     def _extra_stage(self) -> bool:
-        self.touched.add("fifo_extra_stage")
-        return self.options.fifo_extra_stage == "dxr_drr_behind"
+        return self.options.fifo_extra_stage.assume(self.touched) == "dxr_drr_behind"
 
     def copy_to_xsr(self, now: int, xrdy: bool = True) -> bool:
         """I2CDXR (or the TX FIFO's head) goes to I2CXSR; False if there is nothing. xrdy: XRDY rises with it."""
@@ -191,6 +184,10 @@ class I2cRegisters(I2cFifos):
             return len(self.rx_fifo) >= room if self.ffrx & FFRST else False
         return self.drr_unread
 
+    def rrdy_rises_at(self, edge: str) -> bool:
+        """Whether I2CRSR is copied to I2CDRR at this edge of a data byte that is for this module."""
+        return self.options.rrdy_point.assume(self.touched) == edge
+
     def received(self, now: int, value: int) -> None:
         """I2CRSR is copied to I2CDRR, or to the RX FIFO."""
         if self.fifo:
@@ -223,15 +220,13 @@ class I2cRegisters(I2cFifos):
 
     def rrdy_cleared(self) -> None:
         """RRDY was cleared by writing 1 to it."""
-        self.touched.add("rrdy_clear_reads_drr")
-        if self.options.rrdy_clear_reads_drr:
+        if self.options.rrdy_clear_reads_drr.assume(self.touched):
             self.drr_unread = False
 
     # Settings ------------------------------------------------------------------------
 
     def write_emdr(self, value: int) -> None:
-        self.touched.add("emdr_present")
-        if self.options.emdr_present:
+        if self.options.emdr_present.assume(self.touched):
             self.bcm = value & 1
             self.emdr_written = True
             if value & ~1:
@@ -239,16 +234,20 @@ class I2cRegisters(I2cFifos):
 
     def emdr(self) -> int:
         """What I2CEMDR shows; 0 where there is none."""
-        self.touched.add("emdr_present")
-        if not self.emdr_written:
-            self.touched.add("bcm_reset")
-        return self.bcm if self.options.emdr_present else 0
+        if not self.options.emdr_present.assume(self.touched):
+            return 0
+        return self.bcm if self.emdr_written else self.options.bcm_reset.assume(self.touched)
+
+    def bcm_at_address(self) -> int:
+        """BCM where it decides on a transfer: what was written, else its reset value, where I2CEMDR is there."""
+        if not self.emdr_written and not self.options.bcm_reset.assume(self.touched):
+            return 0 if self.options.emdr_present.assume(self.touched) else 1
+        return self.bcm
 
     def write_psc(self, value: int) -> None:
         if self.mdr & MDR_IRS:
-            self.touched.add("psc_write_irs1")
             self.duty("I2CPSC was written with IRS = 1, where it has no effect; write it in IRS = 0", "SPRUG03B §1.4")
-            if self.options.psc_write_irs1 == "dropped":
+            if self.options.psc_write_irs1.assume(self.touched) == "dropped":
                 return
         self.psc = value
 
@@ -289,7 +288,7 @@ class I2cRegisters(I2cFifos):
 
     def setup(self) -> int:
         """Cycles from a bit on SDA to the release of SCL; never 0, both at once could be a START or a STOP."""
-        return max(1, self.options.sda_setup_before_scl_release * self.tm)
+        return max(1, self.options.sda_setup_before_scl_release.assume(self.touched) * self.tm)
 
     def nack_received(self, now: int, as_slave: bool, of: str) -> None:
         """of: what was refused, for people; "" where nothing was, and NACK is set all the same."""

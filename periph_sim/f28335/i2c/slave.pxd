@@ -15,6 +15,7 @@ cdef class I2cSlave(I2cSlaveTransmitter):
     cpdef void _address_complete(self, long long now)
     cpdef void _address_flags(self, long long now)
     cpdef object _policy(self)
+    cdef bint _stretches(self, str point)
     cpdef void _data_complete(self, long long now)
     cpdef void _take(self, long long now)
     cpdef long long _value(self)

@@ -16,6 +16,7 @@ Chosen:
 from __future__ import annotations
 
 from ...core.chip import NEVER
+from .address import START_BYTE
 from .register_map import (
     MDR_FDF,
     MDR_IRS,
@@ -63,8 +64,8 @@ class I2cSlave(I2cSlaveTransmitter):
             while loud < n and self.state.xsr >> (n - 1 - loud) & 1 == last:
                 loud += 1
         edges = 2 * (loud - bit) - (not high)
-        judged = phase != RECEIVE and phase != TRANSMIT and self.state.options.aas_sdir_point == "rise8"
-        return edges - 1 if judged else edges
+        address = phase != RECEIVE and phase != TRANSMIT
+        return edges - 1 if address and self.state.options.aas_sdir_point.unrecorded() == "rise8" else edges
 
     def _silent_answer(self) -> int:
         """The rise in the acknowledge slot, of which SCL is low: 1 where nothing comes of it."""
@@ -74,26 +75,23 @@ class I2cSlave(I2cSlaveTransmitter):
         if not self._ack:
             return 1
         if self.phase == RECEIVE:
-            return int(options.rrdy_point != "rise9")
-        return int(not self._address.read or options.dxr_to_xsr_copy_point != "ack_rise9")
+            return int(options.rrdy_point.unrecorded() != "rise9")
+        return int(not self._address.read or options.dxr_to_xsr_copy_point.unrecorded() != "ack_rise9")
 
     # Line events --------------------------------------------------------------------
 
     def start(self, now: int) -> None:
-        state, options = self.state, self.state.options
+        state = self.state
         self._let_go()
         flags = STR_AD0
-        if options.sdir_clear == "any_start_or_stop":
+        if state.str & STR_SDIR and state.options.sdir_clear.assume(state.touched) == "any_start_or_stop":
             flags |= STR_SDIR
-        if state.str & STR_SDIR:
-            state.touched.add("sdir_clear")
         if not state.mdr & MDR_XA:
             flags |= STR_AAS
         state.str &= ~flags
         state.wanted = False
         state.set(now, STR_BB)
-        if options.oar_latch == "at_start":
-            self._address.latch()
+        self._address.start()
         self.bit = 0
         self._shift = 0
         self._n = 8
@@ -109,14 +107,10 @@ class I2cSlave(I2cSlaveTransmitter):
     def stop(self, now: int) -> None:
         state, options = self.state, self.state.options
         self._let_go()
-        if not self.own_transfer:
-            state.touched.add("scd_foreign")
-        if self.own_transfer or options.scd_foreign == "every_stop":
+        if self.own_transfer or options.scd_foreign.assume(state.touched) == "every_stop":
             state.str |= STR_SCD
         flags = STR_BB | STR_AD0 | STR_AAS
-        if state.str & STR_SDIR:
-            state.touched.add("sdir_clear")
-        if options.sdir_clear == "any_start_or_stop":
+        if state.str & STR_SDIR and options.sdir_clear.assume(state.touched) == "any_start_or_stop":
             flags |= STR_SDIR
         state.wanted = False
         state.clear(now, flags)
@@ -171,7 +165,7 @@ class I2cSlave(I2cSlaveTransmitter):
         if self.phase == RECEIVE:
             return
         if (
-            state.options.aas_sdir_point == "rise8"
+            state.options.aas_sdir_point.unrecorded() == "rise8"  # fall 8 records it
             and not self.muted
             and self._address.is_ours(self._shift & 0xFF, self.phase == ADDRESS_LOW)
         ):
@@ -185,29 +179,26 @@ class I2cSlave(I2cSlaveTransmitter):
             else self._address.is_ours(self._shift & 0xFF, self.phase == ADDRESS_LOW)
         )
         if not self._ack:
-            if self._shift & 0xFF == 1 and options.start_byte_ad0 == "set" and not self.muted:
+            start_byte = self._shift & 0xFF == START_BYTE and not self.muted
+            if start_byte and options.start_byte_ad0.assume(state.touched) == "set":
                 state.str |= STR_AD0
             if state.mdr & MDR_XA:
                 state.clear(now, STR_AAS)
                 self._address.selected = False
-            if options.sdir_clear == "until_next_address":
+            if state.str & STR_SDIR and options.sdir_clear.assume(state.touched) == "until_next_address":
                 state.str &= ~STR_SDIR
             self.phase = IGNORE
             return
-        if self._nack_armed:
-            state.touched.add("nackmod_on_address")
-            if options.nackmod_on_address == "address_too":
-                self._ack = False
+        if self._nack_armed and options.nackmod_on_address.assume(state.touched) == "address_too":
+            self._ack = False
         self.own_transfer = True
         if self._address.read and state.tx_ready():
-            state.touched.add("stale_byte_next_read")
-            if options.stale_byte_next_read == "discarded":
+            if options.stale_byte_next_read.assume(state.touched) == "discarded":
                 state.dxr_full = False
                 state.set(now, STR_XRDY)
-        if self._address.read and options.dxr_to_xsr_copy_point == "eager_reloaded_at_address" and state.bcm:
-            self._copy(now)
-        state.touched.add("aas_sdir_point")
-        if options.aas_sdir_point == "fall8":
+            if state.bcm and self._copies_at("eager_reloaded_at_address"):
+                self._copy(now)
+        if options.aas_sdir_point.assume(state.touched) == "fall8":
             self._address_flags(now)
         if self._ack:
             self.pulls |= SDA
@@ -219,10 +210,8 @@ class I2cSlave(I2cSlaveTransmitter):
         flags = STR_AAS
         if self._address.read:
             flags |= STR_SDIR
-            state.wanted = state.bcm == 1
-            if not state.emdr_written:
-                state.touched.add("bcm_reset")
-        elif state.options.sdir_clear == "until_next_address":
+            state.wanted = state.bcm_at_address() == 1
+        elif state.str & STR_SDIR and state.options.sdir_clear.assume(state.touched) == "until_next_address":
             state.str &= ~STR_SDIR
         if self._shift & 0xFF == 0 and self.phase == ADDRESS:
             flags |= STR_AD0
@@ -234,31 +223,33 @@ class I2cSlave(I2cSlaveTransmitter):
         """What a byte without room meets: "stretch", "nack" or "overwrite"."""
         state = self.state
         if state.fifo:
-            state.touched.add("fifo_17th_byte")
-            return state.options.fifo_17th_byte
-        state.touched.add("rx_overrun_policy")
-        return state.options.rx_overrun_policy.partition("_")[0]
+            return state.options.fifo_17th_byte.assume(state.touched)
+        return state.options.rx_overrun_policy.assume(state.touched).partition("_")[0]
+
+    def _stretches(self, point: str) -> bool:
+        """Whether the stretch of a byte without room begins here."""
+        return self.state.options.rsfull_stretch_point.assume(self.state.touched) == point
 
     def _data_complete(self, now: int) -> None:
         """Fall 8 of a data byte."""
         state = self.state
-        if self._first_byte and state.mdr & MDR_FDF:
-            state.touched.add("aas_fdf_point")
-            if state.options.aas_fdf_point == "end_of_byte":
-                state.set(now, STR_AAS)
+        if (
+            self._first_byte
+            and state.mdr & MDR_FDF
+            and state.options.aas_fdf_point.assume(state.touched) == "end_of_byte"
+        ):
+            state.set(now, STR_AAS)
         self._ack = not self._nack_armed
         blocked = state.rx_blocked()
         if blocked and self._policy() == "nack":
             self._ack = False
         if self._ack:
-            if blocked and self._policy() == "stretch" and state.options.rsfull_stretch_point == "before_ack":
-                state.touched.add("rsfull_stretch_point")
+            if blocked and self._policy() == "stretch" and self._stretches("before_ack"):
                 self.pulls |= SCL
                 self._waits_for_room = True
             else:
                 self.pulls |= SDA
-        state.touched.add("rrdy_point")
-        if state.options.rrdy_point == "fall8" or self._waits_for_room:
+        if state.rrdy_rises_at("fall8") or self._waits_for_room:
             self._take(now)
 
     def _take(self, now: int) -> None:
@@ -275,14 +266,13 @@ class I2cSlave(I2cSlaveTransmitter):
     def _value(self) -> int:
         if self._n == 8:
             return self._shift & 0xFF
-        self.state.touched.add("bc_less_than_8_upper_bits")
-        if self.state.options.bc_less_than_8_upper_bits == "zeros":
+        if self.state.options.bc_less_than_8_upper_bits.assume(self.state.touched) == "zeros":
             return self._shift & (1 << self._n) - 1
         return self._shift & 0xFF
 
     def _ack_rise(self, now: int) -> None:
         """Rise 9 of a byte that we acknowledge."""
-        if self.phase == RECEIVE and self.state.options.rrdy_point == "rise9" and not self._rsr_waits:
+        if self.phase == RECEIVE and not self._rsr_waits and self.state.rrdy_rises_at("rise9"):
             self._take(now)
         if self._address.read and self.phase == ADDRESS:
             self._copy_at_rise9(now)
@@ -303,7 +293,7 @@ class I2cSlave(I2cSlaveTransmitter):
     # The acknowledge slot's end -----------------------------------------------------------
 
     def _slot_ends(self, now: int) -> None:
-        state, options = self.state, self.state.options
+        state = self.state
         phase = self.phase
         self.pulls &= ~SDA
         if phase == TRANSMIT:
@@ -311,24 +301,21 @@ class I2cSlave(I2cSlaveTransmitter):
             return
         if not self._ack:
             self._nack_was_sent(now)
-        elif phase in (ADDRESS, ADDRESS_LOW) and options.aas_sdir_point == "fall9":
+        elif phase in (ADDRESS, ADDRESS_LOW) and state.options.aas_sdir_point.assume(state.touched) == "fall9":
             self._address_flags(now)
         if phase == RECEIVE:
             self._data_slot_ends(now)
-        if self._ack and not self._address.read and options.dxr_to_xsr_copy_point == "any_ack_fall9" and state.bcm:
-            if state.tx_ready():
-                state.touched.add("dxr_to_xsr_copy_point")
+        if self._ack and not self._address.read and state.bcm and state.tx_ready() and self._copies_at("any_ack_fall9"):
             self._copy(now)
         self._next_byte(now)
 
     def _data_slot_ends(self, now: int) -> None:
         state = self.state
-        if state.options.rrdy_point == "fall9" or (state.options.rrdy_point == "rise9" and not self._ack):
+        if state.rrdy_rises_at("fall9") or (not self._ack and state.rrdy_rises_at("rise9")):
             self._take(now)
         if self._first_byte and state.mdr & MDR_FDF:
             state.set(now, STR_AAS)
-        if self._rsr_waits and self._ack and self._policy() == "stretch":
-            state.touched.add("rsfull_stretch_point")
+        if self._rsr_waits and self._ack and self._policy() == "stretch" and self._stretches("after_fall9"):
             self.pulls |= SCL
             self._waits_for_room = True
 

@@ -27,7 +27,7 @@ class I2cSlaveTransmitter:
 
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state
-        self._copy_point: str = state.options.dxr_to_xsr_copy_point
+        self._copy_point = state.options.dxr_to_xsr_copy_point
         self.pulls = 0
         self.due = NEVER
         self.phase = OFF
@@ -51,15 +51,19 @@ class I2cSlaveTransmitter:
     def _copy(self, now: int, xrdy: bool = True) -> bool:
         return self.state.copy_to_xsr(now, xrdy)
 
-    def eager_now(self) -> bool:
-        """Whether a byte in I2CDXR goes to I2CXSR at once."""
-        if self._copy_point == "eager_if_trx":
+    def _copies_at(self, point: str) -> bool:
+        """Whether a byte in I2CDXR goes to I2CXSR at this point."""
+        return self._copy_point.assume(self.state.touched) == point
+
+    def _copies_at_once(self) -> bool:
+        point = self._copy_point.assume(self.state.touched)
+        if point == "eager_if_trx":
             return self.state.trx()
-        return self._copy_point == "eager" or self._copy_point == "eager_reloaded_at_address"
+        return point == "eager" or point == "eager_reloaded_at_address"
 
     def _eager(self, now: int) -> None:
-        if not self._shifting and not self.state.xsr_full and self.state.tx_ready() and self.eager_now():
-            self.state.touched.add("dxr_to_xsr_copy_point")
+        state = self.state
+        if not self._shifting and not state.xsr_full and state.tx_ready() and self._copies_at_once():
             self._copy(now)
 
     def dxr_written(self, now: int) -> None:
@@ -73,8 +77,7 @@ class I2cSlaveTransmitter:
                 self._release(now)
             elif self._copy_at == NEVER:
                 state.wanted = False
-                state.touched.add("xsmt_rule")
-                if state.options.xsmt_rule == "figure":
+                if state.options.xsmt_rule.assume(state.touched) == "figure":
                     state.clear(now, STR_XSMT)
                 self._copy_at = now + state.tm
                 self.due = min(self.due, self._copy_at)
@@ -83,7 +86,6 @@ class I2cSlaveTransmitter:
             self._eager(now)
 
     def _release(self, now: int) -> None:
-        self.state.touched.add("sda_setup_before_scl_release")
         self._release_at = now + self.state.setup()
         self.due = min(self._release_at, self._copy_at)
 
@@ -107,19 +109,18 @@ class I2cSlaveTransmitter:
         self.bit = 0
         self._n = state.bits()
         self._first_byte = False
-        if state.cnt and self._sent >= state.cnt:
-            state.touched.add("cnt_in_slave_tx")
-            if options.cnt_in_slave_tx == "counts_bytes":
-                state.xsr, state.xsr_full = ONES, True
-                self._send(now)
-                return
-        point = self._copy_point
-        if state.tx_ready() and state.bcm:
-            state.touched.add("dxr_to_xsr_copy_point")
-        if not state.bcm or point in ("any_ack_fall9", "ack_fall9") or not state.xsr_full:
+        if state.cnt and self._sent >= state.cnt and options.cnt_in_slave_tx.assume(state.touched) == "counts_bytes":
+            state.xsr, state.xsr_full = ONES, True
+            self._send(now)
+            return
+        if not state.bcm:
             self._copy(now)
-        elif point == "ack_rise9" and not state.dxr_full:
-            state.set(now, STR_XRDY)
+        elif state.tx_ready() or state.xsr_full:
+            point = self._copy_point.assume(state.touched)
+            if not state.xsr_full or point == "any_ack_fall9" or point == "ack_fall9":
+                self._copy(now)
+            elif point == "ack_rise9" and not state.dxr_full:
+                state.set(now, STR_XRDY)
         if state.xsr_full:
             self._send(now)
         else:
@@ -127,22 +128,22 @@ class I2cSlaveTransmitter:
 
     def _underflow(self, now: int, first: bool) -> None:
         state, options = self.state, self.state.options
-        state.touched.add("tx_underflow_policy")
-        if state.bcm or options.xsmt_rule == "text":
+        if state.bcm or options.xsmt_rule.assume(state.touched) == "text":
             state.str &= ~STR_XSMT
         state.wanted = True
         state.update(now)
         if state.bcm:
             if first:
-                state.touched.add("stretch_after_address_ack")
-                if not options.stretch_after_address_ack:
+                if not options.stretch_after_address_ack.assume(state.touched):
                     self._send(now)
                     return
-            elif options.tx_underflow_policy != "stretch":
-                if options.tx_underflow_policy == "send_ones":
-                    state.xsr = ONES
-                self._send(now)
-                return
+            else:
+                policy = options.tx_underflow_policy.assume(state.touched)
+                if policy != "stretch":
+                    if policy == "send_ones":
+                        state.xsr = ONES
+                    self._send(now)
+                    return
         self.pulls |= SCL
         self._waits_for_data = True
 
@@ -171,19 +172,16 @@ class I2cSlaveTransmitter:
         state.wanted = False
         state.str &= ~STR_AAS
         if state.tx_ready():
-            state.touched.add("nack_clears_dxr")
-            if options.nack_clears_dxr:
+            if options.nack_clears_dxr.assume(state.touched):
                 state.dxr_full = False
                 state.str |= STR_XRDY
         else:
-            state.touched.add("xsmt_on_final_nack")
-            if options.xsmt_on_final_nack == "0_without_stretch":
+            if options.xsmt_on_final_nack.assume(state.touched) == "0_without_stretch":
                 state.str &= ~STR_XSMT
         state.nack_received(now, as_slave=True, of="a byte")
 
     def _copy_at_rise9(self, now: int) -> None:
         """The copy, where it comes in the middle of the ACK slot; XRDY may rise with it or at the slot's end."""
         state = self.state
-        if self._copy_point == "ack_rise9" and state.bcm and state.tx_ready():
-            state.touched |= {"dxr_to_xsr_copy_point", "xrdy_rise_point"}
-            self._copy(now, xrdy=state.options.xrdy_rise_point == "at_copy")
+        if state.bcm and state.tx_ready() and self._copies_at("ack_rise9"):
+            self._copy(now, xrdy=state.options.xrdy_rise_point.assume(state.touched) == "at_copy")

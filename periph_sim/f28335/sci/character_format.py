@@ -23,7 +23,10 @@ BREAK_TICKS = {"10": 80, "9.625": 77}
 
 
 class SciFormat:
-    """Bits are numbered from the start bit, 0; ticks are counted from the start bit's first low sample."""
+    """Bits are numbered from the start bit, 0; ticks are counted from the start bit's first low sample.
+
+    Options place the search, the votes and the break; the receiver records them where a frame depends on them.
+    """
 
     def __init__(self, sciccr: int, options: SciOptions) -> None:
         self.sciccr = sciccr
@@ -38,17 +41,17 @@ class SciFormat:
         self.bits = self.stop_bit + self.stops
         stop = 8 * self.stop_bit
         self.stop_at = stop
-        self.vote_at = stop + (3 if options.stop_vote_samples == "4_5_6" else 2)
+        self.vote_at = stop + (3 if options.stop_vote_samples.unrecorded() == "4_5_6" else 2)
         self.voted_at = self.vote_at + 2
-        self.due = stop + DUE[options.rxrdy_point]
+        self.due = stop + DUE[options.rxrdy_point.unrecorded()]
         self.end = 8 * self.bits
         self.early_hunt = self.address
-        self.hunt = stop + options.start_hunt_point - 1
+        self.hunt = stop + options.start_hunt_point.unrecorded() - 1
         if self.address:  # erratum: sub-sample 6 of the address bit
-            behind = self.parity and options.addrbit_hunt_with_parity == "parity_bit"
+            behind = self.parity and options.addrbit_hunt_with_parity.unrecorded() == "parity_bit"
             self.hunt = 8 * (1 + self.data_bits + behind) + 5
-        counted_from = self.voted_at if options.break_count_from == "last_stop_sample" else stop + 7
-        self.break_at = counted_from + BREAK_TICKS[options.break_bits]
+        counted_from = self.voted_at if options.break_count_from.unrecorded() == "last_stop_sample" else stop + 7
+        self.break_at = counted_from + BREAK_TICKS[options.break_bits.unrecorded()]
 
     def parity_bit(self, word: int, address: int) -> int:
         """The bit that makes the ones of `word`, the address bit and itself even (or odd)."""

@@ -16,8 +16,8 @@ cdef class SciLines(Chip):
     cdef SciRx _rx
     cdef SciTx _tx
     cdef SciAutobaud _autobaud
-    cdef long long _sync, _int_extra, _rxd, _ccr, _ctl1, _hbaud, _lbaud, _ffct, _pri, _rx_at, _tx_at, _request_at
-    cdef bint _idle_sets_wake, _format_at_once, _brr_at_once, _gated, _suspended, _rx_stopping, _abd_asked, _listening
+    cdef long long _sync, _rxd, _ccr, _ctl1, _hbaud, _lbaud, _ffct, _pri, _rx_at, _tx_at, _request_at
+    cdef bint _gated, _suspended, _rx_stopping, _abd_asked, _listening
     cdef bint _word_line
     cpdef void deliver(self, long long now, long long word, long long address_bit=*)
     cpdef void deliver_break(self, long long now)

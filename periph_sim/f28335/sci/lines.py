@@ -41,8 +41,6 @@ CDC = SCI_MAP["SCIFFCT"]["CDC"].mask
 SOFT = SCI_MAP["SCIPRI"]["SOFT"].mask
 FREE = SCI_MAP["SCIPRI"]["FREE"].mask
 
-LINE_QUESTIONS = ("rxrdy_point", "rx_sync_stages")  # every frame that comes as levels depends on them
-
 
 class SciLines(Chip):
     """name: as notes call the module. options: answers to open questions."""
@@ -65,15 +63,11 @@ class SciLines(Chip):
         self._layout = SciFormat(0, options)
         self._rx_clock = SciClock()
         self._tx_clock = SciClock()
-        self._bits = SciRxBits(self._layout, options.idle_before_first_frame, self.touched)
+        self._bits = SciRxBits(self._layout, options, self.touched)
         self._rx = SciRx(options, self.touched)
         self._tx = SciTx(options, self._tx_clock, self._layout, self.touched)
         self._autobaud = SciAutobaud()
-        self.filter_width = self._sync = options.rx_sync_stages
-        self._int_extra = options.rx_int_extra
-        self._idle_sets_wake = options.rxwake_idle_point == "tenth_bit"
-        self._format_at_once = options.format_write_effect == "at_once"
-        self._brr_at_once = options.brr_write_effect == "at_once"
+        self.filter_width = self._sync = options.rx_sync_stages.unrecorded()  # each frame records it
         self._rxd = 1
         self._gated = True  # the clock gate is off
         self._suspended = False
@@ -300,16 +294,17 @@ class SciLines(Chip):
         while bits.next_tick <= tick:
             event = bits.step(tick)
             if event == FRAME:
-                self.touched.update(LINE_QUESTIONS)
+                self.options.rxrdy_point.assume(self.touched)
+                self.options.rx_sync_stages.assume(self.touched)
                 if bits.address and not self._layout.address:
-                    self.touched.add("rxwake_idle_point")
+                    self.options.rxwake_idle_point.assume(self.touched)
                 self._move(at, bits.word, bits.address)
                 if self._rx_stopping:
                     self._rx_stopping = False
                     self._rx_clock.stop(at)
             elif event == IDLE:
-                self.touched.add("rxwake_idle_point")
-                self._rx.line_idle()
+                if self.options.rxwake_idle_point.assume(self.touched) == "tenth_bit":
+                    self._rx.line_idle()
             elif event == BREAK:
                 self._take_break(at)
         self._watch_idle(at)
@@ -336,26 +331,24 @@ class SciLines(Chip):
         return not self._layout.parity or bool(word & PE) != self._layout.even
 
     def _take_break(self, now: int) -> None:
-        if self._rx.line_break():
-            self.touched.add("rx_after_break")
-            if self.options.rx_after_break == "blocked":
-                self._bits.close()
+        if self._rx.line_break() and self.options.rx_after_break.assume(self.touched) == "blocked":
+            self._bits.close()
         if self._rx.request:
             self._request_rx(now)
 
     def _request_rx(self, now: int) -> None:
         """A receive request that comes from the line."""
         self._rx.request = False
-        self.touched.add("rx_int_extra")
-        if self._int_extra:
-            self._request_at = min(self._request_at, now + self._int_extra)
+        extra = self.options.rx_int_extra.assume(self.touched)
+        if extra:
+            self._request_at = min(self._request_at, now + extra)
         else:
             self.requests |= RXINT
 
     def _watch_idle(self, now: int) -> None:
         """Ask for the tenth idle bit where somebody could see it."""
         rx = self._rx
-        watch = self._idle_sets_wake and rx.enabled and not rx.status & ST_RXWAKE and not self._layout.address
+        watch = rx.enabled and not rx.status & ST_RXWAKE and not self._layout.address
         if watch != self._bits.watch_idle:
             self._bits.set_watch(self._rx_clock.passed(now), watch)
             self._rx_at = self._rx_clock.at(self._bits.next_tick)
@@ -365,8 +358,7 @@ class SciLines(Chip):
     def _finish_autobaud(self, at: int) -> None:
         auto = self._autobaud
         clock = self._rx_clock
-        self.touched.add("autobaud_brr_rule")
-        brr = auto.brr(clock.divider, clock.phase, self.options.autobaud_brr_rule == "nearest")
+        brr = auto.brr(clock.divider, clock.phase, self.options.autobaud_brr_rule.assume(self.touched) == "nearest")
         self._hbaud, self._lbaud = brr >> 8, brr & 0xFF
         self._set_brr(at)
         word = auto.character
@@ -400,6 +392,6 @@ class SciLines(Chip):
 
     def _set_brr(self, now: int) -> None:
         brr = self._hbaud << 8 | self._lbaud
-        self.touched.add("brr_write_effect")
-        self._rx_clock.set_brr(now, brr, self._brr_at_once)
-        self._tx_clock.set_brr(now, brr, self._brr_at_once)
+        at_once = self.options.brr_write_effect.assume(self.touched) == "at_once"
+        self._rx_clock.set_brr(now, brr, at_once)
+        self._tx_clock.set_brr(now, brr, at_once)

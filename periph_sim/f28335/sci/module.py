@@ -58,10 +58,6 @@ class Sci(SciLines):
             return 0
         if offset == RXBUF:
             return self._read_rxbuf(now)
-        if offset == RXST and self._rx.fifo_mode and self._rx.fifo.words:
-            self.touched.add("rxrdy_in_fifo_mode")
-        elif offset == CTL2 and self._tx.fifo_mode and self._tx.fifo.words:
-            self.touched.add("txrdy_in_fifo_mode")
         return self._show(now, offset)
 
     def peek(self, now: int, offset: int) -> int:
@@ -70,10 +66,8 @@ class Sci(SciLines):
         return self._show(now, offset)
 
     def see(self, now: int, offset: int) -> int:
-        if self._gated:
-            self.touched.add("clock_gate_access")
-            if self.options.clock_gate_access == "reads_0":
-                return 0
+        if self._gated and self.options.clock_gate_access.assume(self.touched) == "reads_0":
+            return 0
         return self.peek(now, offset)
 
     def write(self, now: int, offset: int, value: int) -> None:
@@ -174,11 +168,10 @@ class Sci(SciLines):
 
     def _no_clock(self, what: str) -> bool:
         """True if an access without a clock finds nothing."""
-        self.touched.add("clock_gate_access")
         self._note(
             "duty", f"was {what} while its PCLKCR0 bit is 0; the clock is to be turned on first", "SPRUFB0D §5.1.1"
         )
-        return self.options.clock_gate_access == "reads_0"
+        return self.options.clock_gate_access.assume(self.touched) == "reads_0"
 
     def _write_ccr(self, now: int, value: int) -> None:
         before = self._ccr
@@ -187,10 +180,10 @@ class Sci(SciLines):
         self._rx.parity = self._layout.parity
         tick = self._rx_clock.passed(now)
         self._bits.settle(tick)
-        if self._bits.framed or self._tx.active:
-            self.touched.add("format_write_effect")
-        self._bits.set_layout(tick, self._layout, self._format_at_once)
-        self._tx.set_layout(now, self._layout, self._format_at_once)
+        under_way = self._bits.framed or self._tx.active
+        at_once = under_way and self.options.format_write_effect.assume(self.touched) == "at_once"
+        self._bits.set_layout(tick, self._layout, at_once)
+        self._tx.set_layout(now, self._layout, at_once)
         if (before ^ self._ccr) & LOOPBKENA:
             looped = self._ccr & LOOPBKENA
             self._tx.word_line = self._word_line and not looped
@@ -215,9 +208,8 @@ class Sci(SciLines):
     def _enter_swreset(self) -> None:
         self._tx.halt()
         self._rx.clear_flags()
-        if self._rx.fifo.words or self._tx.fifo.words:
-            self.touched.add("swreset_fifo_effect")
-        if self.options.swreset_fifo_effect == "cleared":
+        used = self._tx.fifo_mode or self._rx.fifo.words or self._tx.fifo.words
+        if used and self.options.swreset_fifo_effect.assume(self.touched) == "cleared":
             self._rx.clear_fifo()
             self._tx.clear_fifo()
 
@@ -229,8 +221,7 @@ class Sci(SciLines):
         if (before ^ value) & SCIRST:
             if not value & SCIRST:
                 tx.halt()
-                self.touched.add("scirst_scope")
-                if self.options.scirst_scope == "shifters_and_fifos":
+                if self.options.scirst_scope.assume(self.touched) == "shifters_and_fifos":
                     self._rx.clear_fifo()
                     tx.clear_fifo()
             self._set_running(now)

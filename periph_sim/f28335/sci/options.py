@@ -7,143 +7,148 @@ questions; the last three were met while the model was written.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from ...core.options import Answers, choice, number
+from ...core.options import Answers, BoolOption, IntOption, TextOption, choice, number
 
 
-@dataclass(init=False, repr=False, eq=False)
 class SciOptions(Answers):
     """Facts, contradictions and the measurement that would decide each: docs, open questions of the SCI."""
 
     # Receiver, line side.
-    rxrdy_point: str = choice(
+    rxrdy_point: TextOption = choice(
         "seven_eighths",
         "drawing",
         "stop_end",
         question="Where in the stop bit the character moves to SCIRXBUF; the drawing's 0.81 is taken as 6 of 8 SCICLK.",
     )
-    rx_int_extra: int = number(
+    rx_int_extra: IntOption = number(
         3, 0, 16, unit="SYSCLKOUT cycles", question="How long after RXRDY the receive interrupt reaches the PIE."
     )
-    stop_vote_samples: str = choice(
+    stop_vote_samples: TextOption = choice(
         "4_5_6", "3_4_5", question="Which samples of the stop bit are voted on: guide's text or erratum's drawing."
     )
-    start_hunt_point: int = choice(
+    start_hunt_point: IntOption = choice(
         6, 7, 8, question="At which sub-sample of the stop bit the search for the next start bit opens."
     )
-    addrbit_hunt_with_parity: str = choice(
+    addrbit_hunt_with_parity: TextOption = choice(
         "address_bit", "parity_bit", question="In which bit the erratum's early search opens when a parity bit follows."
     )
-    break_bits: str = choice("10", "9.625", question="How many bit periods of 0 after a missing stop bit are a break.")
-    break_count_from: str = choice(
+    break_bits: TextOption = choice(
+        "10", "9.625", question="How many bit periods of 0 after a missing stop bit are a break."
+    )
+    break_count_from: TextOption = choice(
         "last_stop_sample", "stop_end", question="From where the bit periods of a break are counted."
     )
-    rx_after_break: str = choice(
+    rx_after_break: TextOption = choice(
         "blocked",
         "next_high",
         question="Whether reception after a break needs SW RESET or resumes when the line rises.",
     )
-    rx_sync_stages: int = choice(2, 0, 3, question="SYSCLKOUT cycles from the pin to the receiver's sampling.")
+    rx_sync_stages: IntOption = choice(2, 0, 3, question="SYSCLKOUT cycles from the pin to the receiver's sampling.")
 
     # Receiver, flags and buffer.
-    break_char_delivered: bool = choice(
+    break_char_delivered: BoolOption = choice(
         True, False, question="Whether a break's first frame (all zero, no stop bit) is loaded as a character."
     )
-    brkdt_in_sleep: str = choice("set", "suppressed", question="Whether BRKDT is set while SLEEP = 1.")
-    error_flags_sticky: bool = choice(
+    brkdt_in_sleep: TextOption = choice("set", "suppressed", question="Whether BRKDT is set while SLEEP = 1.")
+    error_flags_sticky: BoolOption = choice(
         True, False, question="Whether FE, OE and PE stay until SW RESET or follow each character."
     )
-    sleep_loads_buffer: bool = choice(
+    sleep_loads_buffer: BoolOption = choice(
         False, True, question="Whether characters that SLEEP hides still reach SCIRXBUF or the FIFO."
     )
-    rxwake_idle_point: str = choice(
+    rxwake_idle_point: TextOption = choice(
         "tenth_bit",
         "next_character",
         question="When an idle line sets RXWAKE: after ten bits or with the next character.",
     )
-    rxrdy_in_fifo_mode: str = choice("stays_0", "follows", question="Whether RXRDY follows RXFFST in FIFO mode.")
-    oe_in_fifo_mode: str = choice(
+    rxrdy_in_fifo_mode: TextOption = choice("stays_0", "follows", question="Whether RXRDY follows RXFFST in FIFO mode.")
+    oe_in_fifo_mode: TextOption = choice(
         "overflow_only", "per_unread_word", question="Whether OE in FIFO mode needs a full FIFO or one unread word."
     )
-    fifo_overflow_drops: str = choice("oldest", "newest", question="Which word is lost when the receive FIFO is full.")
-    rxffovf_interrupt: str = choice("none", "rxffiena", question="Whether RXFFOVF requests RXINT through RXFFIENA.")
-    rxerr_int_mode: str = choice(
+    fifo_overflow_drops: TextOption = choice(
+        "oldest", "newest", question="Which word is lost when the receive FIFO is full."
+    )
+    rxffovf_interrupt: TextOption = choice(
+        "none", "rxffiena", question="Whether RXFFOVF requests RXINT through RXFFIENA."
+    )
+    rxerr_int_mode: TextOption = choice(
         "rising", "every_error", question="Whether only RXERROR rising requests RXINT or every further error too."
     )
-    rxfifo_read_when_empty: str = choice("last_word", "zero", question="What SCIRXBUF reads while the FIFO is empty.")
+    rxfifo_read_when_empty: TextOption = choice(
+        "last_word", "zero", question="What SCIRXBUF reads while the FIFO is empty."
+    )
 
     # FIFO interrupts of both directions.
-    fifo_int_mode: str = choice(
+    fifo_int_mode: TextOption = choice(
         "level",
         "edge",
         question="Whether a FIFO interrupt flag is set again at once when cleared with its condition true.",
     )
 
     # Transmitter.
-    txfifo_write_when_full: str = choice(
+    txfifo_write_when_full: TextOption = choice(
         "ignored", "overwrites_last", question="What a SCITXBUF write does to a full transmit FIFO."
     )
-    txrdy_point: str = choice(
+    txrdy_point: TextOption = choice(
         "start_edge", "next_lspclk", question="When an idle transmitter takes a written character into TXSHF."
     )
-    tx_reload_point: str = choice(
+    tx_reload_point: TextOption = choice(
         "stop_end", "stop_begin", question="Where in the stop bit a waiting character moves to TXSHF (standard mode)."
     )
-    txempty_fall: str = choice(
+    txempty_fall: TextOption = choice(
         "write", "halfway", question="When TXEMPTY falls: with the write or halfway to the start bit."
     )
-    txbuf_write_when_full: str = choice(
+    txbuf_write_when_full: TextOption = choice(
         "replaces", "ignored", question="What a SCITXBUF write does to a character still waiting there."
     )
-    tx_phase: str = choice(
+    tx_phase: TextOption = choice(
         "next_sciclk",
         "next_bit_tick",
         "restart",
         question="Where a start bit after idle begins: next SCICLK, next eighth SCICLK, or divider restarted.",
     )
-    txena_clear_drains: str = choice(
+    txena_clear_drains: TextOption = choice(
         "all_written", "current_only", question="What is still sent after TXENA was cleared."
     )
-    txwake_idle_len: str = choice("11_bits", "one_frame", question="How long the idle time sent for TXWAKE is.")
-    parity_of_short_chars: str = choice(
+    txwake_idle_len: TextOption = choice("11_bits", "one_frame", question="How long the idle time sent for TXWAKE is.")
+    parity_of_short_chars: TextOption = choice(
         "masked", "whole_byte", question="Whether SCITXBUF bits above the character's length count in the parity sent."
     )
-    fftxdly_first_word: str = choice(
+    fftxdly_first_word: TextOption = choice(
         "no_delay", "delay", question="Whether FFTXDLY also precedes a word written to an idle FIFO."
     )
-    fftxdly_max: int = choice(255, 256, question="How many periods FFTXDLY = 255 stands for.")
-    fftxdly_unit: str = choice("bit", "sciclk", question="Whether FFTXDLY counts bits or SCICLK periods.")
+    fftxdly_max: IntOption = choice(255, 256, question="How many periods FFTXDLY = 255 stands for.")
+    fftxdly_unit: TextOption = choice("bit", "sciclk", question="Whether FFTXDLY counts bits or SCICLK periods.")
 
     # Resets.
-    swreset_fifo_effect: str = choice(
+    swreset_fifo_effect: TextOption = choice(
         "untouched", "cleared", question="What SW RESET = 0 does to FIFO counters and their flags."
     )
-    txbuf_write_in_swreset: str = choice(
+    txbuf_write_in_swreset: TextOption = choice(
         "lost", "sent_after_release", question="What becomes of a SCITXBUF write while SW RESET = 0."
     )
-    scirst_scope: str = choice(
+    scirst_scope: TextOption = choice(
         "shifters_and_fifos", "shifters", question="Whether SCIRST = 0 also empties the FIFOs and clears their flags."
     )
 
     # Rate and format.
-    autobaud_brr_rule: str = choice(
+    autobaud_brr_rule: TextOption = choice(
         "nearest", "truncated", question="How the measured bit length becomes the baud divider."
     )
-    brr_write_effect: str = choice(
+    brr_write_effect: TextOption = choice(
         "next_reload", "at_once", question="When a baud divider write reaches a running divider."
     )
-    format_write_effect: str = choice(
+    format_write_effect: TextOption = choice(
         "next_character", "at_once", question="What a SCICCR write does to a character under way."
     )
 
     # Met while writing the model.
-    clock_gate_access: str = choice(
+    clock_gate_access: TextOption = choice(
         "reads_0", "accessible", question="What a CPU access finds while the module's clock is off."
     )
-    idle_before_first_frame: bool = choice(
+    idle_before_first_frame: BoolOption = choice(
         True, False, question="Whether ten idle bits after SW RESET, before any frame, also begin a block."
     )
-    txrdy_in_fifo_mode: str = choice(
+    txrdy_in_fifo_mode: TextOption = choice(
         "stays_1", "follows_fifo", question="Whether TXRDY in FIFO mode is 0 while words wait in the FIFO."
     )

@@ -10,7 +10,7 @@ cdef class SciRx:
     cdef public bint request, loaded, enabled, sleep, bk_enabled, error_enabled, fifo_mode, parity
     cdef public long long status, rxbuf, sciffrx
     cdef public Fifo fifo
-    cdef bint _reached, _sticky, _level_mode, _rxrdy_follows, _oe_per_word
+    cdef bint _reached
     cpdef void deliver(self, long long word, long long address, bint break_like)
     cpdef void line_idle(self)
     cpdef bint line_break(self)

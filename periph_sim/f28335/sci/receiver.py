@@ -71,10 +71,6 @@ class SciRx:
         self.fifo = Fifo(DEPTH)
         self.sciffrx = SCIFFRX.reset  # configuration, RXFFOVF and RXFFINT; RXFFST is counted
         self._reached = False  # RXFFST >= RXFFIL held after the last change
-        self._sticky = options.error_flags_sticky
-        self._level_mode = options.fifo_int_mode == "level"
-        self._rxrdy_follows = options.rxrdy_in_fifo_mode == "follows"
-        self._oe_per_word = options.oe_in_fifo_mode == "per_unread_word"
 
     # From the line ----------------------------------------------------------
 
@@ -86,9 +82,7 @@ class SciRx:
             self._pass_in_sleep(word)
             return
         errors = (ST_FE if word & FE else 0) | (ST_PE if word & PE else 0)
-        if break_like:
-            self.touched.add("break_char_delivered")
-        if break_like and not self.options.break_char_delivered:
+        if break_like and not self.options.break_char_delivered.assume(self.touched):
             self._set_errors(errors)
             return
         if self.fifo_mode:
@@ -117,18 +111,15 @@ class SciRx:
         """A break is complete. True if it was taken as one."""
         if not self.enabled:
             return False
-        if self.sleep:
-            self.touched.add("brkdt_in_sleep")
-            if self.options.brkdt_in_sleep == "suppressed":
-                return False
+        if self.sleep and self.options.brkdt_in_sleep.assume(self.touched) == "suppressed":
+            return False
         if self.bk_enabled and not self.fifo_mode:
             self.request = True
         self._set_errors(ST_BRKDT, keep=True)
         return True
 
     def _pass_in_sleep(self, word: int) -> None:
-        self.touched.add("sleep_loads_buffer")
-        if not self.options.sleep_loads_buffer:
+        if not self.options.sleep_loads_buffer.assume(self.touched):
             return
         if not self.fifo_mode:
             self.rxbuf = word & 0xFF
@@ -142,38 +133,33 @@ class SciRx:
     def _to_fifo(self, word: int) -> int:
         """Add a word. OE's bit if that is an overrun."""
         waiting = len(self.fifo)
-        if waiting:
-            self.touched.add("oe_in_fifo_mode")
-        overrun = ST_OE if waiting and self._oe_per_word else 0
+        overrun = 0
+        if waiting and self.options.oe_in_fifo_mode.assume(self.touched) == "per_unread_word":
+            overrun = ST_OE
         if not self.sciffrx & RXFIFORESET:
             return overrun
         if self.fifo.push(word):
             self.loaded = self.loaded or not waiting
             return overrun
-        self.touched.update(("fifo_overflow_drops", "rxffovf_interrupt"))
-        if self.options.fifo_overflow_drops == "oldest":
+        if self.options.fifo_overflow_drops.assume(self.touched) == "oldest":
             self.fifo.pop()
             self.fifo.push(word)
             self.loaded = True
         if not self.sciffrx & RXFFOVF:
             self.sciffrx |= RXFFOVF
-            if self.sciffrx & RXFFIENA and self.options.rxffovf_interrupt == "rxffiena":
+            if self.sciffrx & RXFFIENA and self.options.rxffovf_interrupt.assume(self.touched) == "rxffiena":
                 self.request = True
         return ST_OE
 
     def _set_errors(self, errors: int, keep: bool = False) -> None:
         """Set the error flags of one event. keep: flags of earlier characters stay in any case."""
         was_error = self.status & (CHARACTER_ERRORS | ST_BRKDT)
-        if was_error:
-            self.touched.add("error_flags_sticky")
-            if not self._sticky and not keep:
-                self.status &= ~CHARACTER_ERRORS
+        if was_error & CHARACTER_ERRORS and not keep and not self.options.error_flags_sticky.assume(self.touched):
+            self.status &= ~CHARACTER_ERRORS
         if not errors:
             return
         self.status |= errors
-        if was_error:
-            self.touched.add("rxerr_int_mode")
-        if self.error_enabled and (not was_error or self.options.rxerr_int_mode == "every_error"):
+        if self.error_enabled and (not was_error or self.options.rxerr_int_mode.assume(self.touched) == "every_error"):
             self.request = True
 
     # FIFO interrupt ---------------------------------------------------------
@@ -181,7 +167,11 @@ class SciRx:
     def _watch_level(self) -> None:
         """Set RXFFINT where RXFFST has reached RXFFIL."""
         reached = self.fifo_mode and len(self.fifo) >= self.sciffrx & RXFFIL
-        if reached and (self._level_mode or not self._reached) and not self.sciffrx & RXFFINT:
+        if (
+            reached
+            and not self.sciffrx & RXFFINT
+            and (not self._reached or self.options.fifo_int_mode.assume(self.touched) == "level")
+        ):
             self.sciffrx |= RXFFINT
             if self.sciffrx & RXFFIENA:
                 self.request = True
@@ -193,8 +183,12 @@ class SciRx:
         status = self.status
         if not self.parity:
             status &= ~ST_PE
-        if self.fifo_mode and self._rxrdy_follows:
-            status = status | ST_RXRDY if len(self.fifo) else status & ~ST_RXRDY
+        if (
+            self.fifo_mode
+            and (len(self.fifo) > 0) != ((status & ST_RXRDY) > 0)
+            and self.options.rxrdy_in_fifo_mode.assume(self.touched) == "follows"
+        ):
+            status ^= ST_RXRDY
         if status & (CHARACTER_ERRORS | ST_BRKDT):
             status |= ST_RXERROR
         return status
@@ -205,7 +199,7 @@ class SciRx:
             return self.rxbuf & 0xFF
         if self.fifo.words:
             return self.fifo.words[0]
-        return self.rxbuf if self.options.rxfifo_read_when_empty == "last_word" else 0
+        return self.rxbuf if self.options.rxfifo_read_when_empty.assume(self.touched) == "last_word" else 0
 
     def show_fifo(self) -> int:
         return self.sciffrx | len(self.fifo) << RXFFST
@@ -213,13 +207,10 @@ class SciRx:
     def read_buffer(self) -> int:
         """SCIRXBUF as the CPU reads it: the character is taken."""
         word = self.show_buffer()
-        if self.fifo_mode:
-            if self.fifo.words:
-                self.rxbuf = self.fifo.pop()
-                self.loaded = bool(self.fifo.words)
-                self._watch_level()
-            else:
-                self.touched.add("rxfifo_read_when_empty")
+        if self.fifo_mode and self.fifo.words:
+            self.rxbuf = self.fifo.pop()
+            self.loaded = bool(self.fifo.words)
+            self._watch_level()
         self.status &= ~(ST_RXRDY | ST_RXWAKE)
         return word
 
@@ -231,8 +222,6 @@ class SciRx:
             self.sciffrx &= ~RXFFOVF
         if strobes & RXFFINTCLR:
             self.sciffrx &= ~RXFFINT
-            if self._reached:
-                self.touched.add("fifo_int_mode")
         if not self.sciffrx & RXFIFORESET:
             self.fifo.clear()
         if self.sciffrx & RXFFINT and self.sciffrx & RXFFIENA & ~before and self.fifo_mode:

@@ -8,7 +8,8 @@ cdef class SciRxBits:
     cdef public long long next_tick, word, address
     cdef public bint watch_idle, framed
     cdef SciFormat _layout, _frame
-    cdef bint _idle_at_once, _open, _idle, _idle_news, _sure
+    cdef object _options
+    cdef bint _open, _idle, _idle_news, _sure
     cdef set _touched
     cdef list _toggles
     cdef long long _line, _level, _low_from, _high_from, _idle_base, _start, _missing_stop, _break_at

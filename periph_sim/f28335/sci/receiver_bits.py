@@ -26,6 +26,7 @@ Source: TI SPRUFZ5A sections 1.2.5 to 1.2.8, table 2-7; SPRZ272N figure 3-1.
 from __future__ import annotations
 
 from .character_format import SciFormat
+from .options import SciOptions
 
 FAR = 2**62  # a tick that no run reaches
 
@@ -37,8 +38,6 @@ PE = 1 << 14  # parity error
 IDLE_TICKS = 80  # ten bits
 VOTE = 0b11101000  # bit n: the majority of the three samples that are the bits of n
 
-MISSING_STOP_QUESTIONS = ("break_bits", "break_count_from", "stop_vote_samples")
-
 
 class SciRxBits:
     """After `step` returned FRAME: `word` with its marks, and `address`, 1 for an address frame.
@@ -46,13 +45,13 @@ class SciRxBits:
     framed: a start bit was accepted and its frame is not complete.
     """
 
-    def __init__(self, layout: SciFormat, idle_at_once: bool, touched: set[str]) -> None:
+    def __init__(self, layout: SciFormat, options: SciOptions, touched: set[str]) -> None:
         self.next_tick = FAR
         self.word = 0
         self.address = 0
         self.watch_idle = False  # an idle line is worth an event
         self._layout = layout  # of the next frame
-        self._idle_at_once = idle_at_once
+        self._options = options
         self._touched = touched
         self._open = False
         self._line = 1  # the level last toggled to
@@ -136,9 +135,8 @@ class SciRxBits:
         self.close()
         self._open = True
         self._idle = False
-        self._idle_base = tick if self._idle_at_once else FAR
-        if not self._layout.address:
-            self._touched.add("idle_before_first_frame")
+        at_once = self._options.idle_before_first_frame
+        self._idle_base = tick if self._layout.address or at_once.assume(self._touched) else FAR
         self._resume(tick)
         self._plan()
 
@@ -236,9 +234,9 @@ class SciRxBits:
         self._idle_base = start + frame.end
         self._resume(start + frame.hunt)
         if frame.address and frame.parity:
-            self._touched.add("addrbit_hunt_with_parity")
+            self._options.addrbit_hunt_with_parity.assume(self._touched)
         if not frame.early_hunt and stop >> 5 & 7 != 7:
-            self._touched.add("start_hunt_point")
+            self._options.start_hunt_point.assume(self._touched)
         if self.word & FE:
             self._after_missing_stop(stop, start, frame)
 
@@ -253,7 +251,7 @@ class SciRxBits:
             if votes >> place & 1 != frame.parity_bit(word, self.address):
                 word |= PE
         if (stop >> 2 ^ stop >> 5) & 1:
-            self._touched.add("stop_vote_samples")
+            self._options.stop_vote_samples.assume(self._touched)
         if not VOTE >> (stop >> frame.vote_at - frame.stop_at & 7) & 1:
             word |= FE
         self.word = word
@@ -265,7 +263,9 @@ class SciRxBits:
         if self._break_at == FAR and not since_vote & 1:
             self._missing_stop = voted
             self._break_at = start + frame.break_at
-            self._touched.update(MISSING_STOP_QUESTIONS)
+            options, touched = self._options, self._touched
+            for option in (options.break_bits, options.break_count_from, options.stop_vote_samples):
+                option.assume(touched)
         if frame.hunt < frame.voted_at:
             self._hunt(voted)
             if not self.framed and not self._level:

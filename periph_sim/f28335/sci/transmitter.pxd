@@ -17,7 +17,7 @@ cdef class SciTx:
     cdef public long long frames, mark, out_mark, delay, txbuf, scifftx, next_tick, next_cycle
     cdef SciClock _clock
     cdef SciFormat _layout
-    cdef bint _waiting, _loaded, _data_frame, _reached, _level_mode
+    cdef bint _waiting, _loaded, _data_frame, _reached
     cdef long long _drain, _txshf, _txbuf_mark, _txshf_mark, _began, _end, _last_end, _start_at, _load_at, _load_cycle
     cdef long long _empty_until
     cpdef void run(self, long long now)
@@ -39,6 +39,7 @@ cdef class SciTx:
     cdef void _to_fifo(self)
     cpdef void write_fifo(self, long long now, long long value)
     cpdef void watch_level(self)
+    cdef bint _is_held(self)
     cpdef void set_enabled(self, long long now, bint on)
     cpdef void set_int_enabled(self, bint on)
     cpdef void set_layout(self, long long now, SciFormat layout, bint at_once)

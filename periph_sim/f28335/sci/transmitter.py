@@ -111,7 +111,6 @@ class SciTx:
         self._load_cycle = NEVER  # cycle of the next load, where it needs no tick
         self._empty_until = 0  # TXEMPTY still reads 1 before this cycle
         self._reached = False  # TXFFST <= TXFFIL held after the last change
-        self._level_mode = options.fifo_int_mode == "level"
 
     # Time -------------------------------------------------------------------
 
@@ -173,28 +172,26 @@ class SciTx:
             self._start_at = self._load_at = self._end + self._pause()
             return
         self._start_at = self._load_at = self._end
-        self.touched.add("tx_reload_point")
-        if self._data_frame and self.options.tx_reload_point == "stop_begin":
+        if self._data_frame and self.options.tx_reload_point.assume(self.touched) == "stop_begin":
             stop = self._end - 8 * self._layout.stops
             self._load_at = max(stop, self._clock.passed(now) + 1)
 
     def _plan_from_idle(self, now: int) -> None:
         """The transmitter stands still: the phase of the divider decides."""
         clock = self._clock
-        self.touched.update(("tx_phase", "txrdy_point"))
-        if self.options.tx_phase == "restart":
+        phase = self.options.tx_phase.assume(self.touched)
+        if phase == "restart":
             clock.restart(now)
         begin = clock.passed(now) + 1
-        if self.options.tx_phase == "next_bit_tick":
+        if phase == "next_bit_tick":
             begin = -(-begin // 8) * 8
         pause = self._pause() if self.fifo_mode else 0
         if pause:
-            self.touched.add("fftxdly_first_word")
-            if self.options.fftxdly_first_word == "delay":
+            if self.options.fftxdly_first_word.assume(self.touched) == "delay":
                 begin += pause
             begin = max(begin, self._last_end + pause)
         self._start_at = self._load_at = begin
-        if self.options.txrdy_point == "next_lspclk" and not pause:
+        if not pause and self.options.txrdy_point.assume(self.touched) == "next_lspclk":
             self._load_at = FAR
             self._load_cycle = clock.lspclk_after(now)
 
@@ -203,11 +200,9 @@ class SciTx:
         delay = self.delay
         if not delay:
             return 0
-        self.touched.add("fftxdly_unit")
         if delay == 255:
-            self.touched.add("fftxdly_max")
-            delay = self.options.fftxdly_max
-        return delay * 8 if self.options.fftxdly_unit == "bit" else delay
+            delay = self.options.fftxdly_max.assume(self.touched)
+        return delay * 8 if self.options.fftxdly_unit.assume(self.touched) == "bit" else delay
 
     def _may_load(self) -> bool:
         waiting = len(self.fifo) > 0 if self.fifo_mode else self._waiting
@@ -245,8 +240,7 @@ class SciTx:
             self.frames += 1
             self._send(tick)
         else:
-            self.touched.add("txwake_idle_len")
-            self._end = tick + (88 if self.options.txwake_idle_len == "11_bits" else layout.end)
+            self._end = tick + (88 if self.options.txwake_idle_len.assume(self.touched) == "11_bits" else layout.end)
         self._plan(now)
 
     def _send(self, tick: int) -> None:
@@ -264,8 +258,7 @@ class SciTx:
         word = self._txshf
         whole_byte = False
         if layout.parity and word & ~layout.data_mask:
-            self.touched.add("parity_of_short_chars")
-            whole_byte = self.options.parity_of_short_chars == "whole_byte"
+            whole_byte = self.options.parity_of_short_chars.assume(self.touched) == "whole_byte"
         return layout.levels(word, int(self.wut), whole_byte)
 
     def _set_next(self, now: int) -> None:
@@ -290,37 +283,29 @@ class SciTx:
         self._txbuf_mark, self.txbuf = self.mark, value & 0xFF
         if self.fifo_mode:
             self._to_fifo()
-        elif self.in_swreset and self.options.txbuf_write_in_swreset == "lost":
-            self.touched.add("txbuf_write_in_swreset")
+        elif self.in_swreset and self.options.txbuf_write_in_swreset.assume(self.touched) == "lost":
             self.lost.append(f"SCITXBUF was written {value & 0xFF:#04x} while SW RESET = 0: the character is lost")
             return
         elif self._waiting:
-            self.touched.add("txbuf_write_when_full")
             self.lost.append(f"SCITXBUF was written {value & 0xFF:#04x} while TXRDY = 0: one character is lost")
-            if self.options.txbuf_write_when_full == "ignored":
+            if self.options.txbuf_write_when_full.assume(self.touched) == "ignored":
                 self._txbuf_mark, self.txbuf = before
         else:
             self._waiting = True
-        if self.in_swreset:
-            self.touched.add("txbuf_write_in_swreset")
         self.replan(now)
-        if was_empty and self._start_at != FAR:
-            self.touched.add("txempty_fall")
-            if self.options.txempty_fall == "halfway":
-                self._empty_until = now + (self._clock.at(self._start_at) - now) // 2
-                self._set_next(now)
+        if was_empty and self._start_at != FAR and self.options.txempty_fall.assume(self.touched) == "halfway":
+            self._empty_until = now + (self._clock.at(self._start_at) - now) // 2
+            self._set_next(now)
 
     def _to_fifo(self) -> None:
         word = self.mark << 8 | self.txbuf
         if not self.scifftx & TXFIFOXRESET:
             self.lost.append("SCITXBUF was written while TXFIFOXRESET = 0 holds the transmit FIFO: the word is lost")
-        elif not self.scifftx & SCIRST and self.options.scirst_scope == "shifters_and_fifos":
-            self.touched.add("scirst_scope")
+        elif self._is_held():
             self.lost.append("SCITXBUF was written while SCIRST = 0 holds the transmit channel: the word is lost")
         elif not self.fifo.push(word):
-            self.touched.add("txfifo_write_when_full")
             self.lost.append("SCITXBUF was written while TXFFST = 16: one word is lost")
-            if self.options.txfifo_write_when_full == "overwrites_last":
+            if self.options.txfifo_write_when_full.assume(self.touched) == "overwrites_last":
                 self.fifo.words[-1] = word
         else:
             self.watch_level()
@@ -332,8 +317,6 @@ class SciTx:
         self.fifo_mode = bool(self.scifftx & SCIFFENA)
         if strobes & TXFFINTCLR:
             self.scifftx &= ~TXFFINT
-            if self._reached:
-                self.touched.add("fifo_int_mode")
         if not self.scifftx & TXFIFOXRESET:
             self.fifo.clear()
         if (self.scifftx ^ before) & SCIFFENA:
@@ -345,13 +328,20 @@ class SciTx:
 
     def watch_level(self) -> None:
         """Set TXFFINT where TXFFST has come down to TXFFIL."""
-        held = not self.scifftx & SCIRST and self.options.scirst_scope == "shifters_and_fifos"
-        reached = self.fifo_mode and not held and len(self.fifo) <= self.scifftx & TXFFIL
-        if reached and (self._level_mode or not self._reached) and not self.scifftx & TXFFINT:
+        reached = self.fifo_mode and len(self.fifo) <= self.scifftx & TXFFIL and not self._is_held()
+        if (
+            reached
+            and not self.scifftx & TXFFINT
+            and (not self._reached or self.options.fifo_int_mode.assume(self.touched) == "level")
+        ):
             self.scifftx |= TXFFINT
             if self.scifftx & TXFFIENA:
                 self.request = True
         self._reached = reached
+
+    def _is_held(self) -> bool:
+        """SCIRST = 0 holds the FIFO empty and its flag at 0."""
+        return not self.scifftx & SCIRST and self.options.scirst_scope.assume(self.touched) == "shifters_and_fifos"
 
     def set_enabled(self, now: int, on: bool) -> None:
         """TXENA."""
@@ -360,10 +350,8 @@ class SciTx:
         self.enabled = on
         self._drain = 0
         waiting = len(self.fifo) if self.fifo_mode else int(self._waiting)
-        if not on and waiting:
-            self.touched.add("txena_clear_drains")
-            if self.options.txena_clear_drains == "all_written":
-                self._drain = waiting
+        if not on and waiting and self.options.txena_clear_drains.assume(self.touched) == "all_written":
+            self._drain = waiting
         self.replan(now)
 
     def set_int_enabled(self, on: bool) -> None:
@@ -389,7 +377,7 @@ class SciTx:
         if not self.fifo_mode:
             ready = not self._waiting
         else:
-            ready = self.options.txrdy_in_fifo_mode == "stays_1" or not self.fifo.words
+            ready = not self.fifo.words or self.options.txrdy_in_fifo_mode.assume(self.touched) == "stays_1"
         empty = self._is_empty() or now < self._empty_until
         return (TXRDY if ready else 0) | (TXEMPTY if empty else 0)
 

@@ -269,9 +269,7 @@ class SystemControl(Chip):
     def _write_lospcp(self, now: int, value: int) -> None:
         self._lospcp, _ = LOSPCP.write(self._lospcp, value)
         self.lspclk_divider = prescale(self._lospcp)
-        if self.lspclk_divider > 1:
-            self.touched.add("lspclk_phase")
-        if self._options.lspclk_phase == "restart_on_write":
+        if self.lspclk_divider > 1 and self._options.lspclk_phase.assume(self.touched) == "restart_on_write":
             self.lspclk_phase = now
 
     def _write_lpmcr0(self, value: int) -> None:
@@ -360,8 +358,7 @@ class SystemControl(Chip):
         ratio = self._ratio()
         if not self._pllsts & PLLLOCKS:
             ratio = 1
-            self.touched.add("pll_lock_clock")
-            if self._options.pll_lock_clock == "osc_div_2":
+            if self._options.pll_lock_clock.assume(self.touched) == "osc_div_2":
                 divide = 2
         common = gcd(ratio, divide)  # SYSCLKOUT = OSCCLK * numerator / denominator, in lowest terms
         if (ratio // common, divide // common) != (self.sysclk_numerator, self.sysclk_denominator):

@@ -52,7 +52,7 @@ class CpuTimer(Chip):
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self._options = options
-        self._on_reload = options.timer_tif_point == "on_reload"
+        self._on_reload = options.timer_tif_point.unrecorded() == "on_reload"
         self._clocked = True  # PCLKCR3 resets with the timers' clocks on
         self._tcr = TCR.reset
         self._prd = 0xFFFF  # PRDH:PRD
@@ -140,10 +140,13 @@ class CpuTimer(Chip):
         if strobes & TRB:
             self._tim = self._prd
             self._psc = self._tddr
-        if self._tcr & TIE and not before & TIE and self._tcr & TIF:
-            self.touched.add("timer_late_tie")
-            if self._options.timer_late_tie == "requests":
-                self.requests |= 1
+        if (
+            self._tcr & TIE
+            and not before & TIE
+            and self._tcr & TIF
+            and self._options.timer_late_tie.assume(self.touched) == "requests"
+        ):
+            self.requests |= 1
 
     def _running(self) -> bool:
         return self._clocked and not self._tcr & TSS
@@ -152,7 +155,7 @@ class CpuTimer(Chip):
         """Bring count, prescaler and TIF up to `now`."""
         if now >= self._event_at:
             self._tcr |= TIF
-            self.touched.add("timer_tif_point")
+            self._options.timer_tif_point.assume(self.touched)
             if self._tcr & TIE:
                 self.requests |= 1
         elapsed = now - self._since

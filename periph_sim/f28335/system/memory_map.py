@@ -56,12 +56,12 @@ class ModuleRange(Struct, frozen=True, dict=True):
 
 
 class WaitStates:
-    """Extra cycles of one access, by frame. Wait states are the options' where TI leaves a doubt."""
+    """Extra cycles of one access, by frame. Where TI leaves a doubt they are options, which `Bus` records."""
 
     def __init__(self, options: SystemOptions) -> None:
-        self.read = (1, 2, options.pf2_read_ws)
-        self.write = (0, 0, options.pf2_write_ws)
-        self.pf1_after_pf1 = options.pf1_back_to_back_write
+        self.read = (1, 2, options.pf2_read_ws.unrecorded())
+        self.write = (0, 0, options.pf2_write_ws.unrecorded())
+        self.pf1_after_pf1 = options.pf1_back_to_back_write.unrecorded()
 
 
 class NoSuchAddress(ValueError):

@@ -92,10 +92,9 @@ class Watchdog:
         if key == 0xAA and self._armed:
             self._clear(position)
         self._armed = key == 0x55
-        if key not in (0x55, 0xAA) and self.enabled:
-            self._touched.add("wd_bad_key")
-            if self._options.wd_bad_key == "reset":
-                self._fire(position)
+        wrong = key not in (0x55, 0xAA) and self.enabled
+        if wrong and self._options.wd_bad_key.assume(self._touched) == "reset":
+            self._fire(position)
         self._schedule()
 
     def write_wdcr(self, position: int, value: int) -> None:
@@ -119,8 +118,7 @@ class Watchdog:
     def _clear(self, position: int) -> None:
         self._count = 0
         self._since = position
-        self._touched.add("wd_divider")
-        if self._options.wd_divider == "restarts_on_clear":
+        if self._options.wd_divider.assume(self._touched) == "restarts_on_clear":
             self._origin = position
 
     def _fire(self, position: int) -> None:

@@ -50,7 +50,7 @@ class CodeTiming:
     @property
     def read_waits(self) -> int:
         """Wait states of a read of the I2C: within them no interrupt is taken."""
-        return self.options.pf2_read_ws
+        return self.options.pf2_read_ws.unrecorded()
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class _Run:
         at = self.cycle
         lands = FAR
         if access.way != "R":
-            lands = at + self._timing.options.write_lands
+            lands = at + self._timing.options.write_lands.unrecorded()
             self._free = max(at + 1 + WRITE_TO_READ, lands + 1)
             self._last_pf1 = at if frame is Frame.PF1 else self._last_pf1
         self.instruction(1)

@@ -128,8 +128,8 @@ def receiver(case: Case, unit: str, scene_of: Mapping[str, Firmware] | None = No
     form, period = SciFormat(0x07, options_from(SciOptions, case.unit[unit].options.sci)), int(nominal)
     if len(moves) != len(edges):
         raise refuse(case.name, f"{len(moves)} of {len(edges)} bytes of the host reach the SCI's FIFO")
-    extra = options.rx_int_extra + IFR_DELAY
-    found = Receiver(moves[0] % period, period, options.rx_sync_stages, form.due, extra, bits.starts[-1])
+    extra = options.rx_int_extra.unrecorded() + IFR_DELAY
+    found = Receiver(moves[0] % period, period, options.rx_sync_stages.unrecorded(), form.due, extra, bits.starts[-1])
     if found.moved(clock, np.array(edges)).tolist() != moves:
         raise refuse(case.name, "the host's bytes do not reach the SCI's FIFO a fixed time behind their start bits")
     apart = min(after - before for before, after in zip(bits.starts, bits.starts[1:], strict=False))

@@ -7,13 +7,12 @@ RRDY, SDIR, XRDY or SCD, one service routine a host frame; a controller agent th
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from ...bus.i2c.transfer import BusTiming
-from ...core.options import options_from
 from ...core.settings import Spread
 from ...devices.host_pc import FRAME_BYTES
 from ...explain.bound.closed_form import ClosedForm
@@ -139,11 +138,10 @@ def _others(case: Case) -> Iterator[str]:
             yield f"unit.{name} runs {_program(unit)}, and terms are measured in Python firmware"
         for kind, known in KNOWN_OPTIONS.items():
             group = {"I2cOptions": "i2c", "SystemOptions": "system", "SciOptions": "sci"}[kind.__name__]
-            given: object = options_from(kind, getattr(unit.options, group))
-            plain: object = kind()
-            for option in fields(kind):
-                if option.name not in known and getattr(given, option.name) != getattr(plain, option.name):
-                    yield f"unit.{name}.options.{group}.{option.name} is {getattr(given, option.name)!r}"
+            plain = kind().unrecorded()
+            for option, value in getattr(unit.options, group).items():
+                if option not in known and value != plain[option]:
+                    yield f"unit.{name}.options.{group}.{option} is {value!r}"
         if unit.from_boot or not unit.skip_polls:
             yield f"unit.{name} has from_boot or skip_polls"
 

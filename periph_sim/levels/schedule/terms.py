@@ -141,10 +141,11 @@ class _Measured:
         shapes = [_shape(code) for code in codes]
         if buses[:half] != buses[half:] or shapes[:half] != shapes[half:]:
             raise self._refuse("two rounds without a host are not alike")
-        setup = max(1, i2c.sda_setup_before_scl_release * calm.module)
+        setup = max(1, i2c.sda_setup_before_scl_release.unrecorded() * calm.module)
         first = next(wait for wait in calm.waits if wait.first > spans[0][1])
         behind = self._code(self._cycle(spans[0][1]), self._cycle(first.first), "the models", behind_wait=False)
-        one = 1 + options.pf2_read_ws
+        waits, pin = options.pf2_read_ws.unrecorded(), options.gpio_out_delay.unrecorded()
+        one = 1 + waits
         return Terms(
             names=tuple(transfer.name for transfer in reads),
             bus=tuple(buses[:half]),
@@ -156,13 +157,13 @@ class _Measured:
             poll=max(calm.code.poll_pass, one),
             poll_two=max(calm.code.poll_pass, one) + read_after_read(options),
             second=read_after_read(options),
-            waits=options.pf2_read_ws,
+            waits=waits,
             service=self._timing.service,
             reads=tuple(codes[:half]),
             start=self._ready(behind),
             first_model=self._cycle(spans[0][0]),
-            release=setup + (options.gpio_out_delay if self._modules.get("GPIO") else 0),
-            margin=setup + options.gpio_out_delay,
+            release=setup + (pin if self._modules.get("GPIO") else 0),
+            margin=setup + pin,
             cycle=calm.cycle,
         )
 
@@ -173,7 +174,7 @@ class _Measured:
     @property
     def _seen(self) -> int:
         """Cycles from an edge to what it sets."""
-        return self._i2c.noise_filter_cycles * self._calm.module
+        return self._i2c.noise_filter_cycles.unrecorded() * self._calm.module
 
     # One read --------------------------------------------------------------------
 
@@ -225,7 +226,8 @@ class _Measured:
         needs = tuple(fall + 9 * bit * byte for byte in range(count))
         stop = needs[-1] + 9 * bit + timing.low + timing.stop_setup
         points = {"fall8": 8 * bit, "rise8": 7 * bit + timing.low, "rise9": 8 * bit + timing.low, "fall9": 9 * bit}
-        address, pointer = points[self._i2c.aas_sdir_point], points[self._i2c.rrdy_point]
+        address = points[self._i2c.aas_sdir_point.unrecorded()]
+        pointer = points[self._i2c.rrdy_point.unrecorded()]
         edges = (
             timing.start_hold + address,
             timing.start_hold + 9 * bit + pointer,
@@ -246,7 +248,7 @@ class _Measured:
     # Code ---------------------------------------------------------------------------
 
     def _code(self, begin: int, end: int, what: str, behind_wait: bool = True, into_wait: bool = True) -> Code:
-        lands = self._timing.options.write_lands
+        lands = self._timing.options.write_lands.unrecorded()
         accesses = accesses_in(self._records, begin, end, lands)
         if any(access.register.partition(".")[0] not in ("I2C-A", "GPIO") for access in accesses):
             raise self._refuse(f"the code behind {what} accesses more than I2C and GPIO")

@@ -30,6 +30,7 @@ cdef class ImageCpu(Engine):
     cdef public Polls polls
     cdef Pipeline _pipeline
     cdef bint _decoding, _delays
+    cdef object _options
     cdef long long _tested
     cpdef void reset(self)
     cpdef void fill(self, long long address, long long value)

@@ -76,7 +76,8 @@ class ImageCpu(Engine):
         self.elsewhere = Elsewhere(self._core, processor.notes)
         self.timing = InstructionTiming(self._core, options, self.elsewhere)
         self._pipeline = self.timing.pipeline
-        self._delays = options.fpu_delay_slot == "old_value"
+        self._options = options
+        self._delays = options.fpu_delay_slot.unrecorded() == "old_value"
         self._decoding = False
         self._tested = 0  # bits that the present instruction looks at in its operand
         self._written = [0] * RAM_TO  # 1 for a word that somebody wrote
@@ -109,7 +110,7 @@ class ImageCpu(Engine):
     def load16(self, address: int) -> int:
         if in_plain_ram(address):
             if self._pipeline.clock < self._pipeline.until:
-                self.timing.late += self._pipeline.read(address, 1)
+                self.timing.wait_for_word(address, 1)
             value = self._ram.word(address)
             if not value and not self._written[address]:
                 self._unwritten(address)
@@ -121,7 +122,7 @@ class ImageCpu(Engine):
             address = self._even(address, "read from")
         if in_plain_ram(address):
             if self._pipeline.clock < self._pipeline.until:
-                self.timing.late += self._pipeline.read(address, 2)
+                self.timing.wait_for_word(address, 2)
             value = self._ram.word32(address)
             if not value and not (self._written[address] and self._written[address + 1]):
                 self._unwritten(address)
@@ -284,7 +285,7 @@ class ImageCpu(Engine):
         assert found is not None
         f.late = late_results(found)
         for text in not_kept(found, self.word_at):
-            self._core.touched.add("fpu_delay_slot")
+            self._options.fpu_delay_slot.assume(self._core.touched)
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRUEO2A section 3.2"))
 
     def _repeat(self) -> None:
@@ -387,6 +388,10 @@ class ImageCpu(Engine):
         context[8], context[10] = saved.st1, saved.ier
         self._ram.put_words(frame_of(saved.sp), context)
         self.begin_routine(self._ram.word32(VECTOR_TABLE.start + 2 * vector) & CODE)
+
+    def intr_clears_flag(self, bit: int) -> bool:
+        core = self._core
+        return bool(core.ifr >> bit & 1) and self._options.intr_clears_ifr.assume(core.touched)
 
     def leave(self) -> None:
         self.returning = True

@@ -10,7 +10,7 @@ Rules whose numbers TI does not print are options. Source: SPRU430F 4.3, 4.4; SP
 from __future__ import annotations
 
 from ...c28x import flow
-from ...c28x.execution.registers import REGISTER, Cpu, Operation
+from ...c28x.execution.registers import Cpu, Operation
 from ...c28x.fetch_queue import DEPTH, FetchQueue
 from ...c28x.hazards import hazards
 from ...c28x.pipeline import Pipeline
@@ -30,25 +30,24 @@ WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000
 class InstructionTiming:
     """pipeline: stalls between instructions. late: cycles that the present instruction takes in addition.
 
-    conflicts: a fetch and an access of one block of memory may meet. shared: fetches and reads of flash take turns.
+    conflicts: accesses to the block of memory from which the program is fetched are to be told to `conflict`.
     """
 
-    __slots__ = (
-        "_ahead", "_core", "_elsewhere", "_options", "_queue", "conflicts", "late", "pipeline", "shared",
-    )  # fmt: skip
+    __slots__ = ("_ahead", "_core", "_elsewhere", "_options", "_queue", "_shared", "conflicts", "late", "pipeline")
 
     def __init__(self, core: CpuInterrupts, options: SystemOptions, elsewhere: Elsewhere) -> None:
         self.pipeline = Pipeline()
-        self.pipeline.enabled = options.stalls
+        self.pipeline.enabled = options.stalls.unrecorded()
         self.late = 0
         self._queue = FetchQueue()
         self._core = core
         self._options = options
-        self.conflicts = options.saram_conflict > 0
-        self.shared = options.flash_model == "shared_with_reads"
-        self._ahead = DEPTH // 2 if options.flash_model == "two_words_ahead" else DEPTH
+        self.conflicts = True
+        self._shared = options.flash_model.matches("shared_with_reads")
+        self._ahead = DEPTH // 2 if options.flash_model.unrecorded() == "two_words_ahead" else DEPTH
         self._elsewhere = elsewhere
-        core.touched.add("stalls")
+        if not self.pipeline.enabled:
+            options.stalls.assume(core.touched)  # nobody knows what would have waited
 
     def drain(self) -> None:
         """The program goes on elsewhere, by an interrupt or a return from one."""
@@ -67,14 +66,12 @@ class InstructionTiming:
         f.loops = encoding.mnemonic in BRANCHES
         f.waited = has_waits(f.address)
         f.tested = 1 << f.b if encoding.id == "TBIT_loc16_bit" else f.c if encoding.id == "AND_AX_loc16_16" else 0
-        if f.accesses and block_at(f.address) is not None:  # code and data may be in the same block
-            self._core.touched.add("saram_conflict")
+        block = block_at(f.address) if f.accesses else None
+        f.block, f.block_end = (0, 0) if block is None else (block.base, block.base + block.size)
         if encoding.id == "B_off16_COND" and f.k == UNC:
-            self._core.touched.add("b_unc_cycles")
-            f.cycles = self._options.b_unc_cycles
+            f.cycles = self._options.b_unc_cycles.assume(self._core.touched)
         elif encoding.id == "MOVL_loc32_ACC" and f.l == PUSH_FIELD:
-            self._core.touched.add("push_acc_cycles")
-            f.cycles = self._options.push_acc_cycles
+            f.cycles = self._options.push_acc_cycles.assume(self._core.touched)
 
     def stall(self, f: Operation, cpu: Cpu, cycle: int) -> int:
         """The cycles that pass before the instruction can leave D2. A further pass of RPT waits for nothing: N + 1."""
@@ -82,22 +79,29 @@ class InstructionTiming:
             return 0
         waits = self._fetch(f, cycle) if f.waited else 0
         if self.pipeline.pending:
-            waits += self.pipeline.stall(f, cpu.arp)
+            more = self.pipeline.stall(f, cpu.arp)
+            if more:
+                self._options.stalls.assume(self._core.touched)
+            waits += more
         return waits
 
-    def taken(self, f: Operation, cpu: Cpu) -> int:
-        """The instruction was executed: the cycles that it took beside the table's, and what the pipeline knows of."""
-        late, self.late = self.late, 0
-        if self.conflicts and f.accesses and cpu.ea != REGISTER:
-            block = block_at(f.address)
-            late += block is not None and block is block_at(cpu.ea)
-        return late
+    def wait_for_word(self, address: int, words: int) -> None:
+        """The present instruction reads these words of memory, which an earlier one may be still to write."""
+        waits = self.pipeline.read(address, words)
+        if waits:
+            self._options.stalls.assume(self._core.touched)
+            self.late += waits
+
+    def conflict(self) -> None:
+        """The present instruction accessed the block of memory from which it was fetched."""
+        more = self._options.saram_conflict.assume(self._core.touched)
+        self.late += more
+        self.conflicts = more > 0
 
     def landing(self, f: Operation) -> int:
         """The cycles that a jump to this instruction takes in addition; memory with wait states counts them itself."""
         if f.address & 1 and f.next - f.address == 2 and not f.waited:
-            self._core.touched.add("odd_32bit_target")
-            return self._options.odd_32bit_target
+            return self._options.odd_32bit_target.assume(self._core.touched)
         return 0
 
     def read(self, code: int, address: int, cycle: int, waits: int) -> int:
@@ -105,21 +109,21 @@ class InstructionTiming:
 
         Only in flash, from where fetches go on meanwhile.
         """
-        if self.shared and address in ALL_FLASH and code in ALL_FLASH:
+        if address in ALL_FLASH and code in ALL_FLASH and self._shared.assume(self._core.touched):
             return self._queue.read(cycle, waits)
         return 0
 
     def repeats(self, count: int) -> int:
         """How often RPT repeats, of what it took from a location."""
-        if count > 0xFF:
-            self._core.touched.add("rptc_width")
-        return count & (1 << self._options.rptc_width) - 1
+        if count <= 0xFF:
+            return count
+        return count & (1 << self._options.rptc_width.assume(self._core.touched)) - 1
 
     def _fetch(self, f: Operation, cycle: int) -> int:
         if f.address != self._queue.expected:
             bits, first, later = self._elsewhere.fetches(f.address)
             if bits == PREFETCHED:
-                self._core.touched.add("flash_model")
+                self._options.flash_model.assume(self._core.touched)
             self._queue.begin(cycle, f.address, bits, first, later, self._ahead if bits == PREFETCHED else DEPTH)
         return self._queue.wait(cycle, f.address, f.next)
 

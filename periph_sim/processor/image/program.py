@@ -205,8 +205,11 @@ class ImageProgram(Program):
             cycles = cpu.finish(f)
             pipeline.issued(f, cycles)
             cycle = time.cycle + cycles
-            if timing.late or timing.conflicts:
-                cycle += timing.taken(f, cpu)
+            if timing.conflicts and f.block <= cpu.ea < f.block_end:
+                timing.conflict()
+            if timing.late:
+                cycle += timing.late
+                timing.late = 0
             self.instructions += 1
             self._executed = True
             if cpu.pc != f.next:

@@ -72,7 +72,7 @@ class Accesses:
         free = bus.free_from if operand.block else bus.free(operand)
         if time.cycle < free:
             self._wait_for_writes(operand, spin)
-        at = time.cycle + operand.read_waits
+        at = time.cycle + bus.read_waits(operand)
         if spin is not None and at < spin.live_from:
             value = spin.answer()
             time.cycle = at
@@ -117,7 +117,7 @@ class Accesses:
         self._before_write()
         time = self._time
         self._wait_for_writes(operand, self._program.spin)
-        self._instructions.go_to(time.cycle + operand.read_waits)
+        self._instructions.go_to(time.cycle + self._bus.read_waits(operand))
         if operand.meets:
             time.meet()
         self._bus.modify(time.cycle, operand, number)
@@ -155,7 +155,7 @@ class Accesses:
 
     def _refuse(self, operand: Operand) -> None:
         """An access of a width that the frame does not take passes, and does nothing."""
-        self._instructions.instruction(1 + operand.read_waits)
+        self._instructions.instruction(1 + self._bus.read_waits(operand))
         self._bus.note_width(self._time.cycle, operand)
 
     def _fetch(self, operand: Operand) -> int:

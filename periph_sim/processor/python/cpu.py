@@ -50,7 +50,8 @@ class Cpu:
             self.program,
             self._instructions,
             self._records,
-            branch=max(0, code.poll_pass - cpu_costs.SIMPLE - options.pf2_read_ws),
+            poll_pass=code.poll_pass,
+            pf2_read_ws=options.pf2_read_ws,
             skip_polls=skip_polls,
         )
 

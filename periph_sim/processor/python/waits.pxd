@@ -1,5 +1,6 @@
 cimport cython
 
+from ...core.options cimport IntOption
 from ...core.records cimport Topic
 from ...f28335.cpu.interrupts cimport CpuInterrupts
 from ..bus cimport Bus
@@ -16,13 +17,14 @@ from .recognised cimport Recogniser
 @cython.final
 cdef class Waits:
     cdef long long _branch
+    cdef IntOption _pf2_read_ws
     cdef Bus _bus
     cdef CpuInterrupts _core
     cdef Instructions _instructions
     cdef PythonProgram _program
     cdef Lease _lease
     cdef CodeRecords _records
-    cdef bint _skip_polls
+    cdef bint _branch_listed, _skip_polls
     cdef Recogniser _recogniser
     cdef Spin _spare
     cdef CpuTime _time

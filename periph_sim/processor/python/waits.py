@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...core.chip import NEVER
+from ...core.options import IntOption
 from ...core.records import Topic
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ..bus import Bus
@@ -41,10 +42,12 @@ class Waits:
 
     __slots__ = (
         "_branch",
+        "_branch_listed",
         "_bus",
         "_core",
         "_instructions",
         "_lease",
+        "_pf2_read_ws",
         "_program",
         "_recogniser",
         "_records",
@@ -60,10 +63,13 @@ class Waits:
         instructions: Instructions,
         records: CodeRecords,
         *,
-        branch: int,
+        poll_pass: int,
+        pf2_read_ws: IntOption,
         skip_polls: bool,
     ) -> None:
-        self._branch = branch
+        self._branch = max(0, poll_pass - cpu_costs.SIMPLE - pf2_read_ws.unrecorded())
+        self._branch_listed = False
+        self._pf2_read_ws = pf2_read_ws
         self._bus: Bus = processor.bus
         self._core = processor.interrupts.core
         self._instructions = instructions
@@ -118,6 +124,9 @@ class Waits:
                 if records.waits and waited is None:
                     waited = records.waited_for(spin)
                     records.tell(waited, spin.since, 1)
+            if pass_cycles is None and not self._branch_listed:
+                self._branch_listed = True  # it is what `poll_pass` leaves to it; the list of the CPU keeps what it has
+                self._pf2_read_ws.assume(self._core.touched)
             instructions.instruction(spin.rest(time.cycle, self._branch))
             again = spin.pure and time.cycle < spin.ends and self._skip(spin)
             if time.cycle >= spin.ends:

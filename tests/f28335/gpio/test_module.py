@@ -387,7 +387,7 @@ def test_open_gpio_out_delay(delay, pad, dat):
         """,
         rig,
     )
-    assert rig.gpio.out_delay == delay
+    assert rig.gpio.gpio_out_delay.unrecorded() == delay
     assert rig.gpio.touched == {"gpio_out_delay"}
 
 

@@ -9,10 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.chip import NEVER
+from periph_sim.core.options import BoolOption
 from periph_sim.f28335.i2c.noise_filter import I2cNoiseFilter
 from tests.waves import play, tidy
 
 WIDTH = 5
+IN_ORDER = BoolOption("unequal_arrival", False)
 
 
 class Rig:
@@ -20,7 +22,7 @@ class Rig:
 
     def __init__(self, together: bool = False) -> None:
         self.touched: set[str] = set()
-        self.filter = I2cNoiseFilter(together, self.touched)
+        self.filter = I2cNoiseFilter(BoolOption("unequal_arrival", together), self.touched)
         self.pins = 0b11
         self.changes = 0
 
@@ -116,7 +118,8 @@ def test_edges_a_module_clock_apart_are_two_changes(together):
 def test_the_last_levels_given_for_a_cycle_are_its_sample(steps, together, seed):
     """Whatever was given for the same cycle before them."""
     chance = random.Random(seed)
-    once, often = I2cNoiseFilter(together, set()), I2cNoiseFilter(together, set())
+    answer = BoolOption("unequal_arrival", together)
+    once, often = I2cNoiseFilter(answer, set()), I2cNoiseFilter(answer, set())
     now = 0
     for gap, pins in steps:
         now += gap
@@ -133,7 +136,7 @@ def test_the_last_levels_given_for_a_cycle_are_its_sample(steps, together, seed)
 @given(st.lists(st.tuples(st.integers(1, 9), st.integers(0, 3)), max_size=30))
 def test_it_does_what_looking_at_every_cycle_would(steps):
     """A line changes behind the filter when its pin has had the other level in five samples in a row."""
-    lazy, pins, levels, run = I2cNoiseFilter(False, set()), 0b11, 0b11, [0, 0]
+    lazy, pins, levels, run = I2cNoiseFilter(IN_ORDER, set()), 0b11, 0b11, [0, 0]
     given = {sum(gap for gap, _ in steps[: n + 1]): level for n, (_, level) in enumerate(steps)}
     for cycle in range(max(given, default=0) + 20):
         for line in (0, 1):
@@ -150,7 +153,7 @@ def test_it_does_what_looking_at_every_cycle_would(steps):
 
 
 def test_settled_lines_have_nothing_to_come():
-    lines = I2cNoiseFilter(False, set())
+    lines = I2cNoiseFilter(IN_ORDER, set())
     lines.sample(0, 0b00, WIDTH, WIDTH)
     lines.settle(0b10)
     assert (lines.levels, lines.due) == (0b10, NEVER)

@@ -56,7 +56,6 @@ def test_open_hold_scl_after_nack(hold: bool):
     b.run(2 * SLOT)
     assert b.level == [int(not hold), 1]
     assert b.quiet(50 * SLOT)
-    assert b.m.touched == {"ardy_on_nack", "cnt_copy_point", "hold_scl_after_nack", "noise_filter_cycles"}
     b.set("STP")
     b.run(4 * SLOT)
     assert b.said() == "S 50W N P"
@@ -71,7 +70,6 @@ def test_open_ardy_on_nack(ardy: bool):
     b.until(lambda: b.flag("NACK"))
     b.run(2 * SLOT)
     assert b.flag("ARDY") == ardy
-    assert b.m.touched == {"ardy_on_nack", "cnt_copy_point", "hold_scl_after_nack", "noise_filter_cycles"}
 
 
 @rule("I2C-041")
@@ -85,14 +83,6 @@ def test_open_stop_without_data(how: str, said: str):
     b.run(20 * SLOT)
     assert b.said() == said
     assert b.flag("STP") == (how == "waits_for_data")
-    assert b.m.touched == {
-        "ardy_on_nack",
-        "cnt_copy_point",
-        "hold_scl_after_nack",
-        "irs_write1_releases_bus",
-        "noise_filter_cycles",
-        "stop_without_data",
-    } | ({"scd_foreign", "sda_setup_before_scl_release"} if how == "address_counts" else set())
 
 
 @rule("I2C-041")
@@ -128,7 +118,6 @@ def test_open_cnt_copy_point(point: str, sent: int):
     b.feed(range(3, sent + 1))
     b.until(lambda: b.flag("ARDY"))
     assert len(target.got) == sent
-    assert b.m.touched == {"cnt_copy_point", "noise_filter_cycles"}
 
 
 @rule("I2C-143")
@@ -143,7 +132,6 @@ def test_open_mr_nack_at_count0(how: str, answers: list[int]):
     b.run(SLOT)
     assert target.answers == answers
     assert b.held()
-    assert b.m.touched == {"cnt_copy_point", "mr_nack_at_count0", "noise_filter_cycles", "rrdy_point"}
 
 
 @rule("I2C-143", "I2C-191")
@@ -176,9 +164,6 @@ def test_open_rm_receiver(how: str):
         b.run(SLOT)
         assert b.held(30 * SLOT)
         assert not b.flag("RRDY")
-    assert b.m.touched == {"cnt_copy_point", "noise_filter_cycles", "rm_receiver", "rrdy_point"} | (
-        {"irs_write1_releases_bus", "scd_foreign"} if how == "allowed" else {"mr_nack_at_count0"}
-    )
 
 
 @rule("I2C-061", "I2C-144")
@@ -202,14 +187,6 @@ def test_open_bc_less_than_8_upper_bits(how: str, got: list[int]):
     """After the address byte 0xA1 four bits 5, then four bits C."""
     b = Bench(Target(gives=[0x5, 0xC], bits=4), options=with_(bc_less_than_8_upper_bits=how))
     assert b.read_all(2, bc=4) == got
-    assert b.m.touched == {
-        "bc_less_than_8_upper_bits",
-        "cnt_copy_point",
-        "mr_nack_at_count0",
-        "noise_filter_cycles",
-        "rrdy_point",
-        "scd_foreign",
-    }
 
 
 @rule("I2C-128")
@@ -226,16 +203,6 @@ def test_open_cnt_in_slave_tx(how: str, read: list[int]):
         if b.flag("XRDY") and b.flag("SDIR") and data:
             b.w("I2CDXR", data.pop(0))
     assert foreign.got == read
-    assert b.m.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "cnt_in_slave_tx",
-        "dxr_to_xsr_copy_point",
-        "nack_clears_dxr",
-        "noise_filter_cycles",
-        "oar_latch",
-        "sdir_clear",
-    }
 
 
 # ---- START ----------------------------------------------------------------------------------------------
@@ -249,9 +216,6 @@ def test_open_stt_with_irs_write(how: str):
     b.w("I2CDXR", 0x12)
     b.w("I2CMDR", 0x2E20)  # STT, STP, MST, TRX and IRS at once
     assert b.flags("STT STP MST") == ("STT STP MST" if how == "accepted" else "MST")
-    assert b.m.touched == {"noise_filter_cycles", "stt_with_irs_write"} | (
-        {"cnt_copy_point"} if how == "accepted" else set()
-    )
     b.run(40 * SLOT)
     assert b.said() == ("S 50W A 12 A P" if how == "accepted" else "")
 
@@ -267,9 +231,6 @@ def test_open_stt_while_busy(how: str):
     b.w("I2CDXR", 0x12)
     b.mode("MST TRX STT STP")
     b.run(60 * SLOT)
-    assert b.m.touched == {"noise_filter_cycles", "scd_foreign", "stt_while_busy"} | (
-        {"al_clears_stt"} if how == "foreign_al" else {"cnt_copy_point"}
-    )
     if how == "foreign_al":
         assert b.said() == "S 48W A 77 A P"
         assert b.flags("AL MST STP") == "AL"
@@ -303,9 +264,6 @@ def test_open_foreign_start_stop_a_start_against_a_one(how: str):
     b.let_go(SDA)
     b.run(4 * SLOT)
     assert len(b.times(SCL, 0)) - clocked == (5 if how == "unnoticed" else 0)
-    assert b.m.touched == {"cnt_copy_point", "foreign_start_stop", "noise_filter_cycles"} | (
-        {"al_clears_stt", "scd_foreign"} if how == "loses_arbitration" else set()
-    )
 
 
 @rule("I2C-181")
@@ -326,9 +284,6 @@ def test_open_foreign_start_stop_a_stop_against_a_zero(how: str):
     b.run(4 * SLOT)
     assert len(b.times(SCL, 0)) - clocked == (4 if how == "unnoticed" else 0)
     assert b.m.out == 0b11 or how == "unnoticed"
-    assert b.m.touched == {"cnt_copy_point", "foreign_start_stop", "noise_filter_cycles", "scd_foreign"} | (
-        {"al_clears_stt"} if how == "loses_arbitration" else set()
-    )
 
 
 @rule("I2C-181")
@@ -395,7 +350,6 @@ def test_open_al_clears_stt(clears: bool):
     b.mode("MST TRX STT STP")
     b.until(lambda: b.flag("AL"))
     assert b.flags("STT STP MST") == ("" if clears else "STT")
-    assert b.m.touched == {"al_clears_stt", "noise_filter_cycles", "stt_while_busy"}
     b.run(60 * SLOT)
     assert b.said() == "S 48W A 77 A P"
 
@@ -413,11 +367,6 @@ def test_open_ten_bit_read_from_idle(how: str, said: str):
     b.run(50 * SLOT)
     assert b.said().removesuffix(" P") == said.removesuffix(" P")
     assert b.flag("RRDY") == (how == "full_address_first")
-    assert b.m.touched == {"cnt_copy_point", "noise_filter_cycles", "ten_bit_read"} | (
-        {"mr_nack_at_count0", "rrdy_point", "scd_foreign"}
-        if how == "full_address_first"
-        else {"ardy_on_nack", "hold_scl_after_nack"}
-    )
 
 
 @rule("I2C-089", "I2C-090", "I2C-252")
@@ -430,9 +379,6 @@ def test_open_own_general_call(how: str, said: str):
     assert b.said() == said
     assert b.flags("AAS AD0") == ("AAS AD0" if how == "answered" else "")
     assert b.flag("NACK")  # either way, Table 10
-    assert b.m.touched == {"cnt_copy_point", "noise_filter_cycles", "own_general_call"} | (
-        {"aas_sdir_point"} if how == "answered" else {"ardy_on_nack", "hold_scl_after_nack"}
-    )
 
 
 @rule("I2C-063", "I2C-091")
@@ -448,7 +394,6 @@ def test_open_start_byte_ad0(how: str):
         b.run(25)
     assert b.said() == "S 00R N S 50W A 12 A P"
     assert seen == (how == "set")
-    assert b.s.touched == {"noise_filter_cycles", "oar_latch", "oar_zero", "scd_foreign", "start_byte_ad0"}
 
 
 # ---- clock and filter -------------------------------------------------------------------------------------
@@ -463,7 +408,6 @@ def test_open_scl_sync_cycles(extra: int):
     highs = [y.time - x.time for x, y in _scl_pairs(b) if x.level]
     assert highs[4] == HIGH + extra * TMOD
     assert {h for n, h in enumerate(highs) if n != 4} == {HIGH}
-    assert b.m.touched == {"cnt_copy_point", "noise_filter_cycles", "scd_foreign", "scl_sync_cycles"}
 
 
 def _scl_pairs(b: Bench) -> list[tuple]:
@@ -483,7 +427,6 @@ def test_open_noise_filter_cycles(width: int, more: int):
     b.pulse(SDA, width * TMOD + more)
     b.run(300)
     assert b.flag("SCD") == (more > 0)
-    assert b.m.touched == {"noise_filter_cycles"} | ({"scd_foreign"} if more > 0 else set())
 
 
 @rule("I2C-159", "I2C-160", "I2C-174")
@@ -501,7 +444,6 @@ def test_open_psc_write_irs1(how: str, tmod: int):
     b = Bench(Target(), options=with_(psc_write_irs1=how))
     b.w("I2CPSC", 12)
     assert b.r("I2CPSC") == tmod - 1
-    assert b.m.touched == {"noise_filter_cycles", "psc_write_irs1"}
     b.write_all([0x12])
     assert {y.time - x.time for x, y in _scl_pairs(b)} == {LOW, HIGH}
     b.w("I2CMDR", 0)
@@ -529,11 +471,6 @@ def test_open_sda_setup_before_scl_release(role: str, setup: int):
     assert b.times(SCL, 1, write)[0] - write == max(1, setup * TMOD)  # never together: that could be a START
     assert b.level[SDA] == 0
     assert b.times(SDA, 0)[-1] <= write + 1
-    assert b.m.touched == {"noise_filter_cycles", "oar_latch", "sda_setup_before_scl_release"} | (
-        {"aas_sdir_point", "bcm_reset", "stretch_after_address_ack", "tx_underflow_policy"}
-        if role == "slave"
-        else {"cnt_copy_point"}
-    ) | ({"unequal_arrival"} if setup == 0 else set())
 
 
 def test_open_sda_setup_before_scl_release_leaves_bits_that_were_not_held():
@@ -569,13 +506,6 @@ def test_open_dlb_delay(how: str, psc: int):
     else:
         last = b.times(SCL, 1, write)[7]
         assert came - last in range(n, n + SLOT)
-    assert b.m.touched == {
-        "cnt_copy_point",
-        "dlb_delay",
-        "noise_filter_cycles",
-        "oar_latch",
-        "sda_setup_before_scl_release",
-    }
 
 
 # ---- debugger ---------------------------------------------------------------------------------------------------
@@ -594,7 +524,6 @@ def test_open_free_slave_unit(how: str):
     b.until(lambda: b.flag("RRDY"))
     assert b.r("I2CDRR") == 0x12
     b.run(30 * SLOT)
-    assert b.m.touched == {"aas_sdir_point", "free_slave_unit", "noise_filter_cycles", "oar_latch", "rrdy_point"}
     assert b.flag("RRDY") == (how == "whole_transfer")
     assert (foreign.heard, foreign.done) == (("AA", False) if how == "byte" else ("AAA", True))
     b.m.suspend(b.now, False)
@@ -626,15 +555,6 @@ def test_open_xrdyint_when_idle_as_master(how: str):
     b.stopped()
     b.run(100)
     assert b.peek("I2CISRC") == 5  # the byte has left I2CDXR in the transfer
-    assert b.m.touched == {
-        "cnt_copy_point",
-        "event_to_isrc_delay",
-        "int_line",
-        "noise_filter_cycles",
-        "scd_foreign",
-        "sda_setup_before_scl_release",
-        "xrdyint_when_idle",
-    } | ({"isrc_follows_flag", "isrc_preempt"} if how == "only_addressed" else set())
 
 
 def test_open_xrdyint_when_idle_as_master_receiver():

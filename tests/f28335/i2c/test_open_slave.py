@@ -1,7 +1,6 @@
 """Open questions of the I2C module that a slave, a receiver, a FIFO or the registers meet: every value of every option.
 
 TI does not say, or says two things. The first value of each list is the model's default.
-Each test also proves that the run is marked as depending on its option (`touched`).
 """
 
 from __future__ import annotations
@@ -70,13 +69,6 @@ def test_open_emdr_present(present):
     rig.send_bits(OWN << 1 | 1)
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == (0 if present else 5), "BCM = 0 asks later"
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "emdr_present",
-        "noise_filter_cycles",
-        "xrdyint_when_idle",
-    } | (set() if present else {"event_to_isrc_delay", "int_line"})
     rig.chip.reset(rig.now)
     rig.chip.gate(rig.now, True)
     rig.write("I2CEMDR", 1)
@@ -94,24 +86,10 @@ def test_open_bcm_reset(bcm):
     rig.send_bits(OWN << 1 | 1)
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == 5 * bcm
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "emdr_present",
-        "noise_filter_cycles",
-        "xrdyint_when_idle",
-    } | ({"event_to_isrc_delay", "int_line"} if bcm else set())
     written = Rig(bcm_reset=bcm)
     written.write("I2CEMDR", 1)
     written.begin()
     assert written.address(OWN, 1)
-    assert written.chip.touched == {
-        "aas_sdir_point",
-        "emdr_present",
-        "noise_filter_cycles",
-        "stretch_after_address_ack",
-        "tx_underflow_policy",
-    }
 
 
 @pytest.mark.rule("I2C-113", "I2C-195", "I2C-216")
@@ -131,7 +109,6 @@ def test_open_aas_sdir_point(point):
     shown.append(("fall9", rig.status(AAS | SDIR)))
     places = [place for place, _ in shown]
     assert shown == [(p, AAS | SDIR if places.index(p) >= places.index(point) else 0) for p in places]
-    assert rig.touched == "aas_sdir_point bcm_reset noise_filter_cycles stretch_after_address_ack tx_underflow_policy"
 
 
 @pytest.mark.rule("I2C-115", "I2C-053")
@@ -147,15 +124,6 @@ def test_open_dxr_to_xsr_copy_point_idle(point, trx):
     assert rig.flag("XRDY") == 0
     rig.address(OWN, 1)
     assert rig.take() == (0x11 if eager and point != "eager_reloaded_at_address" else 0x22)
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "dxr_to_xsr_copy_point",
-        "noise_filter_cycles",
-        "stale_byte_next_read",
-    } | ({"xrdy_rise_point"} if point == "ack_rise9" else set()) | (
-        {"dxr_write_while_full"} if not eager else set()
-    ) | ({"tx_underflow_policy"} if not eager or point == "eager_reloaded_at_address" else set())
 
 
 @pytest.mark.rule("I2C-115")
@@ -226,7 +194,6 @@ def test_open_xrdy_rise_point(point):
     assert rig.flag("XRDY") == (point == "at_copy")
     rig.fall()
     assert rig.flag("XRDY")
-    assert rig.touched == "aas_sdir_point bcm_reset dxr_to_xsr_copy_point noise_filter_cycles xrdy_rise_point"
 
 
 @pytest.mark.rule("I2C-112", "I2C-269")
@@ -241,7 +208,6 @@ def test_open_xrdyint_when_idle(when):
     rig.send_bits(OWN << 1 | 1)
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == 5
-    assert rig.touched == "aas_sdir_point bcm_reset event_to_isrc_delay int_line noise_filter_cycles xrdyint_when_idle"
 
 
 @pytest.mark.rule("I2C-108", "I2C-110")
@@ -254,13 +220,6 @@ def test_open_tx_underflow_policy(policy):
     assert rig.flag("XSMT") == 0
     if policy != "stretch":
         assert rig.take(ack=False) == (0x5A if policy == "resend_previous" else 0xFF)
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "dxr_to_xsr_copy_point",
-        "noise_filter_cycles",
-        "tx_underflow_policy",
-    } | ({"xsmt_on_final_nack"} if policy != "stretch" else set())
 
 
 @pytest.mark.rule("I2C-108")
@@ -273,16 +232,6 @@ def test_open_stretch_after_address_ack(stretches):
     assert rig.stretching == stretches
     if not stretches:
         assert rig.take(ack=False) == 0x11, "what was left in I2CXSR"
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "dxr_to_xsr_copy_point",
-        "noise_filter_cycles",
-        "sdir_clear",
-        "stretch_after_address_ack",
-        "tx_underflow_policy",
-        "xsmt_on_final_nack",
-    }
 
 
 @pytest.mark.parametrize("stretches", [True, False])
@@ -309,10 +258,6 @@ def test_open_xsmt_rule(rule):
     assert not rig.stretching
     assert rig.status(XRDY | XSMT) == XRDY | XSMT
     assert rig.take(ack=False) == 0x5A
-    assert rig.touched == (
-        "aas_sdir_point emdr_present noise_filter_cycles "
-        "sda_setup_before_scl_release tx_underflow_policy xsmt_on_final_nack xsmt_rule"
-    )
 
 
 @pytest.mark.rule("I2C-119")
@@ -328,17 +273,6 @@ def test_open_stale_byte_next_read(fate):
     assert rig.flag("XRDY")
     rig.write("I2CDXR", 0x33)
     assert rig.take(ack=False) == (0x22 if fate == "sent_first" else 0x33)
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "nack_clears_dxr",
-        "noise_filter_cycles",
-        "sda_setup_before_scl_release",
-        "sdir_clear",
-        "stale_byte_next_read",
-        "stretch_after_address_ack",
-        "tx_underflow_policy",
-    } | ({"dxr_to_xsr_copy_point"} if fate == "sent_first" else {"xsmt_on_final_nack"})
 
 
 @pytest.mark.rule("I2C-237")
@@ -353,10 +287,6 @@ def test_open_dxr_write_while_full(policy, sent):
     rig.address(OWN, 1)
     assert [rig.take() for _ in sent] == sent
     assert rig.stretching
-    assert rig.touched == (
-        "aas_sdir_point bcm_reset dxr_to_xsr_copy_point "
-        "dxr_write_while_full noise_filter_cycles stale_byte_next_read tx_underflow_policy"
-    )
 
 
 @pytest.mark.rule("I2C-236", "I2C-333")
@@ -374,18 +304,6 @@ def test_open_dxr_survives_irs(fate):
     if rig.stretching:
         rig.write("I2CDXR", 0x66)
     assert rig.take(ack=False) == (0x66 if fate == "data_kept_xrdy_1" else 0x5A)
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bb_on_irs_reset",
-        "bcm_reset",
-        "dxr_survives_irs",
-        "noise_filter_cycles",
-        "xsmt_on_final_nack",
-    } | (
-        {"dxr_to_xsr_copy_point", "stale_byte_next_read"}
-        if fate == "kept_and_still_sent"
-        else {"sda_setup_before_scl_release", "stretch_after_address_ack", "tx_underflow_policy"}
-    )
 
 
 @pytest.mark.rule("I2C-119", "I2C-120")
@@ -399,16 +317,6 @@ def test_open_nack_clears_dxr(clears):
     rig.address(OWN, 1)
     rig.wait(BIT)
     assert rig.stretching == clears
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "nack_clears_dxr",
-        "noise_filter_cycles",
-        "sda_setup_before_scl_release",
-        "sdir_clear",
-        "stretch_after_address_ack",
-        "tx_underflow_policy",
-    } | (set() if clears else {"dxr_to_xsr_copy_point", "stale_byte_next_read"})
 
 
 @pytest.mark.rule("I2C-120", "I2C-213")
@@ -417,7 +325,6 @@ def test_open_xsmt_on_final_nack(what):
     rig = served(1, xsmt_on_final_nack=what)
     assert rig.flag("XSMT") == (what == "stays_1")
     assert not rig.stretching
-    assert rig.touched == "aas_sdir_point bcm_reset dxr_to_xsr_copy_point noise_filter_cycles xsmt_on_final_nack"
 
 
 @pytest.mark.rule("I2C-251", "I2C-266")
@@ -431,16 +338,6 @@ def test_open_nackint_in_slave_tx(asks):
     assert rig.flag("NACK")
     assert rig.peek("I2CISRC") == (2 if asks else 0)
     assert rig.asked() == (INT1 if asks else 0)
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "nackint_in_slave_tx",
-        "noise_filter_cycles",
-        "sda_setup_before_scl_release",
-        "stretch_after_address_ack",
-        "tx_underflow_policy",
-        "xsmt_on_final_nack",
-    } | ({"event_to_isrc_delay", "int_line"} if asks else set())
 
 
 @pytest.mark.rule("I2C-108")
@@ -452,10 +349,6 @@ def test_open_sda_setup_before_scl_release(clocks):
     rig.write("I2CDXR", 0x00)
     assert rig.pulling_sda
     assert rig.wait_for(lambda: not rig.stretching) == max(1, clocks * 15)
-    assert rig.touched == (
-        "aas_sdir_point bcm_reset noise_filter_cycles "
-        "sda_setup_before_scl_release stretch_after_address_ack tx_underflow_policy"
-    )
 
 
 @pytest.mark.rule("I2C-198", "I2C-199")
@@ -469,9 +362,6 @@ def test_open_sdir_clear(clear, address):
     assert rig.flag("SDIR") == (clear == "until_next_address")
     rig.send(address << 1)
     assert rig.flag("SDIR") == 0
-    assert rig.touched == (
-        "aas_sdir_point bcm_reset dxr_to_xsr_copy_point noise_filter_cycles sdir_clear xsmt_on_final_nack"
-    )
 
 
 @pytest.mark.rule("I2C-128")
@@ -497,17 +387,6 @@ def test_open_cnt_in_slave_tx(effect):
         rig.write("I2CMDR", 0)
         rig.write("I2CMDR", IRS)
     assert rig.read("I2CCNT") == 2
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bb_on_irs_reset",
-        "bcm_reset",
-        "cnt_in_slave_tx",
-        "dxr_to_xsr_copy_point",
-        "noise_filter_cycles",
-        "sda_setup_before_scl_release",
-        "sdir_clear",
-        "tx_underflow_policy",
-    } | ({"dxr_survives_irs", "nack_clears_dxr"} if effect == "counts_bytes" else {"xsmt_on_final_nack"})
 
 
 @pytest.mark.rule("I2C-334")
@@ -518,10 +397,6 @@ def test_open_irs_write1_releases_bus(releases):
     rig.write("I2CMDR", IRS)
     rig.wait(BIT)
     assert rig.stretching != releases
-    assert rig.touched == (
-        "aas_sdir_point bcm_reset irs_write1_releases_bus "
-        "noise_filter_cycles stretch_after_address_ack tx_underflow_policy"
-    )
 
 
 # Receiver
@@ -544,7 +419,6 @@ def test_open_rrdy_point(point):
     shown.append(rig.flag("RRDY"))
     assert shown == [int(places.index(p) >= places.index(point)) for p in places]
     assert rig.read("I2CDRR") == 0x5A
-    assert rig.touched == "aas_sdir_point noise_filter_cycles rrdy_point"
 
 
 @pytest.mark.rule("I2C-098", "I2C-100", "I2C-103", "I2C-188")
@@ -559,9 +433,6 @@ def test_open_rx_overrun_policy(policy):
         assert rig.send(0x33)
     assert rig.read("I2CDRR") == 0x11
     assert rig.read("I2CDRR") == (0x33 if policy == "overwrite" else 0x22)
-    assert rig.chip.touched == {"aas_sdir_point", "noise_filter_cycles", "rrdy_point", "rx_overrun_policy"} | (
-        {"rsfull_stretch_point"} if policy == "stretch_after_second_byte" else set()
-    )
 
 
 @pytest.mark.rule("I2C-100")
@@ -579,7 +450,6 @@ def test_open_rsfull_stretch_point(point):
     assert rig.acked()
     rig.wait(BIT)
     assert rig.stretching == (point == "after_fall9")
-    assert rig.touched == "aas_sdir_point noise_filter_cycles rrdy_point rsfull_stretch_point rx_overrun_policy"
 
 
 @pytest.mark.rule("I2C-070")
@@ -591,7 +461,6 @@ def test_open_bc_less_than_8_upper_bits(upper):
     rig.read("I2CDRR")
     rig.send(0x5, 4)
     assert rig.read("I2CDRR") == (0xF5 if upper == "last_bits" else 0x05)
-    assert rig.touched == "aas_sdir_point bc_less_than_8_upper_bits noise_filter_cycles rrdy_point"
 
 
 @pytest.mark.rule("I2C-182")
@@ -602,9 +471,6 @@ def test_open_nackmod_on_address(scope):
     assert not rig.send(0x11)
     assert rig.flag("RRDY") == (scope == "data_only")
     assert rig.flag("NACKSNT")
-    assert rig.chip.touched == {"aas_sdir_point", "nackmod_on_address", "noise_filter_cycles"} | (
-        {"rrdy_point"} if scope == "data_only" else set()
-    )
 
 
 # Bus state, addresses
@@ -622,7 +488,6 @@ def test_open_bb_on_irs_reset(what):
     assert rig.flag("BB")
     rig.stop()
     assert rig.flag("BB") == 0
-    assert rig.touched == "aas_sdir_point bb_on_irs_reset noise_filter_cycles scd_foreign"
 
 
 @pytest.mark.rule("I2C-337")
@@ -642,7 +507,6 @@ def test_open_oar_latch(latch):
     rig.write("I2CMDR", 0)
     rig.write("I2CMDR", IRS)
     assert rig.address(OTHER)
-    assert rig.touched == "aas_sdir_point bb_on_irs_reset noise_filter_cycles oar_latch scd_foreign"
 
 
 @pytest.mark.rule("I2C-090", "I2C-217")
@@ -651,9 +515,6 @@ def test_open_general_call(answer):
     rig = idle(general_call=answer)
     assert rig.address(0) == (answer == "acknowledged")
     assert rig.flag("AAS") == (answer == "acknowledged")
-    assert rig.chip.touched == {"general_call", "noise_filter_cycles"} | (
-        {"aas_sdir_point"} if answer == "acknowledged" else set()
-    )
 
 
 @pytest.mark.rule("I2C-231")
@@ -663,7 +524,6 @@ def test_open_scd_foreign(which):
     rig.address(OTHER)
     rig.stop()
     assert rig.flag("SCD") == (which == "every_stop")
-    assert rig.touched == "noise_filter_cycles scd_foreign"
     rig.write("I2CSTR", SCD)
     rig.address(OWN)
     rig.stop()
@@ -677,7 +537,6 @@ def test_open_start_byte_ad0(what):
     rig.start()
     assert not rig.send(0x01)
     assert rig.status(AD0 | AAS) == (AD0 if what == "set" else 0)
-    assert rig.touched == "noise_filter_cycles oar_zero start_byte_ad0"
 
 
 @pytest.mark.rule("I2C-090")
@@ -693,24 +552,6 @@ def test_open_oar_zero(what):
         assert rig.take(ack=False) == 0x5A
     rig.stop()
     assert rig.address(0)
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "general_call",
-        "noise_filter_cycles",
-        "oar_zero",
-        "start_byte_ad0",
-    } | (
-        {
-            "bcm_reset",
-            "sda_setup_before_scl_release",
-            "sdir_clear",
-            "stretch_after_address_ack",
-            "tx_underflow_policy",
-            "xsmt_on_final_nack",
-        }
-        if what == "own_address_too"
-        else {"scd_foreign"}
-    )
 
 
 @pytest.mark.rule("I2C-218")
@@ -722,7 +563,6 @@ def test_open_aas_fdf_point(point):
     assert rig.flag("AAS") == (point == "end_of_byte")
     rig.acked()
     assert rig.flag("AAS")
-    assert rig.touched == "aas_fdf_point noise_filter_cycles rrdy_point"
 
 
 @pytest.mark.rule("I2C-174")
@@ -742,7 +582,6 @@ def test_open_noise_filter_cycles(clocks):
     assert rig.wait_for(lambda: rig.flag("BB")) == width
     rig.fall()
     assert rig.send(OWN << 1)
-    assert rig.touched == "aas_sdir_point noise_filter_cycles"
 
 
 # Interrupts
@@ -758,9 +597,6 @@ def test_open_isrc_read_clears_aas(clears):
     assert rig.read("I2CISRC") == 7
     assert rig.flag("AAS") != clears
     assert rig.send(0x11), "the transfer goes on"
-    assert rig.touched == (
-        "aas_sdir_point event_to_isrc_delay int_line isrc_read_clears_aas noise_filter_cycles rrdy_point"
-    )
 
 
 @pytest.mark.rule("I2C-285")
@@ -785,7 +621,6 @@ def test_open_xrdy_w1c(value):
     assert rig.flag("XRDY")
     rig.write("I2CSTR", XRDY)
     assert rig.flag("XRDY") == (value == "no")
-    assert rig.touched == "noise_filter_cycles xrdy_w1c"
 
 
 @pytest.mark.rule("I2C-281", "I2C-127")
@@ -802,7 +637,6 @@ def test_open_int_line(line):
     rig.read("I2CISRC")
     rig.wait(SOON)
     assert rig.chip.held == 0
-    assert rig.touched == "aas_sdir_point event_to_isrc_delay int_line noise_filter_cycles"
 
 
 @pytest.mark.rule("I2C-270")
@@ -814,7 +648,6 @@ def test_open_event_to_isrc_delay(delay):
     assert rig.flag("SCD"), "the flag itself does not wait"
     assert rig.wait_for(lambda: rig.peek("I2CISRC")) == delay
     assert rig.interrupts == [(rig.now, INT1)]
-    assert rig.touched == "aas_sdir_point event_to_isrc_delay int_line noise_filter_cycles"
 
 
 @pytest.mark.rule("I2C-280")
@@ -830,7 +663,6 @@ def test_open_int_priority(order, codes):
         rig.read("I2CDRR")
     rig.wait(SOON)
     assert [first, rig.peek("I2CISRC")] == codes
-    assert rig.touched == "aas_sdir_point event_to_isrc_delay int_line int_priority noise_filter_cycles rrdy_point"
 
 
 @pytest.mark.rule("I2C-280", "I2C-281")
@@ -850,20 +682,6 @@ def test_open_isrc_preempt(rule, shown):
     assert rig.read("I2CISRC") == shown
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == 6 - shown
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "event_to_isrc_delay",
-        "int_line",
-        "isrc_preempt",
-        "nackint_in_slave_tx",
-        "noise_filter_cycles",
-        "rrdy_point",
-        "sda_setup_before_scl_release",
-        "stretch_after_address_ack",
-        "tx_underflow_policy",
-        "xsmt_on_final_nack",
-    } | ({"int_priority"} if rule == "highest" else set())
 
 
 @pytest.mark.rule("I2C-279")
@@ -877,14 +695,6 @@ def test_open_isrc_follows_flag(rule):
     rig.read("I2CDRR")
     rig.wait(SOON)
     assert rig.read("I2CISRC") == (4 if rule == "stays" else 0)
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "event_to_isrc_delay",
-        "int_line",
-        "isrc_follows_flag",
-        "noise_filter_cycles",
-        "rrdy_point",
-    }
 
 
 @pytest.mark.rule("I2C-333")
@@ -897,14 +707,6 @@ def test_open_irs_clears_isrc(clears):
     rig.write("I2CMDR", 0)
     rig.wait(SOON)
     assert rig.read("I2CISRC") == (0 if clears else 6)
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bb_on_irs_reset",
-        "event_to_isrc_delay",
-        "int_line",
-        "irs_clears_isrc",
-        "noise_filter_cycles",
-    }
 
 
 # Clock, emulation, FIFO
@@ -932,7 +734,6 @@ def test_open_psc_write_irs1(what):
     rig.write("I2CMDR", 0)
     rig.write("I2CMDR", IRS)
     assert filter_width() == (5 if what == "stored" else 15)
-    assert rig.touched == "bb_on_irs_reset noise_filter_cycles psc_write_irs1 scd_foreign"
 
 
 @pytest.mark.rule("I2C-145")
@@ -946,7 +747,6 @@ def test_open_unequal_arrival(answer, start):
     rig.put(scl=0)
     rig.wait(SOON)
     assert rig.flag("BB") == start
-    assert rig.touched == "noise_filter_cycles unequal_arrival"
 
 
 @pytest.mark.rule("I2C-008")
@@ -959,7 +759,6 @@ def test_open_clock_gate_access(what):
     rig.write("I2COAR", OTHER)
     rig.chip.gate(rig.now, True)
     assert rig.read("I2COAR") == (OTHER if what == "accessible" else OWN)
-    assert rig.touched == "clock_gate_access"
 
 
 @pytest.mark.rule("I2C-324")
@@ -983,7 +782,6 @@ def test_open_free_slave_unit(unit):
     assert rig.stretching == (unit == "whole_transfer")
     rig.chip.suspend(rig.now, False)
     assert rig.send(OWN << 1)
-    assert rig.touched == "aas_sdir_point free_slave_unit noise_filter_cycles rrdy_point rx_overrun_policy"
 
 
 @pytest.mark.rule("I2C-293", "I2C-295", "I2C-300", "I2C-303")
@@ -1015,9 +813,6 @@ def test_open_fifo_int_mode(mode):
     assert flags() == [0, 0]
     rig.write("I2CMDR", IRS)
     assert flags() == [1, 1]
-    assert rig.touched == (
-        "aas_sdir_point bb_on_irs_reset fifo_extra_stage fifo_int_mode irs_clears_fifo noise_filter_cycles rrdy_point"
-    )
 
 
 @pytest.mark.rule("I2C-287")
@@ -1038,14 +833,6 @@ def test_open_fifo_17th_byte(policy):
         rig.send(17)
     assert [rig.read("I2CDRR") for _ in range(16)] == list(range(16))
     assert rig.read("I2CDRR") == (17 if policy == "overwrite" else 16)
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "fifo_17th_byte",
-        "fifo_extra_stage",
-        "fifo_int_mode",
-        "noise_filter_cycles",
-        "rrdy_point",
-    } | ({"rsfull_stretch_point"} if policy == "stretch" else set())
 
 
 @pytest.mark.rule("I2C-290")
@@ -1069,17 +856,6 @@ def test_open_txfifo_reset_flushes_xsr(flushes):
     if flushes:
         rig.write("I2CDXR", 0x22)
     assert rig.take(ack=False) == (0x22 if flushes else 0x11)
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bcm_reset",
-        "dxr_to_xsr_copy_point",
-        "fifo_extra_stage",
-        "fifo_int_mode",
-        "noise_filter_cycles",
-        "rrdy_point",
-        "txfifo_reset_flushes_xsr",
-        "xsmt_on_final_nack",
-    } | ({"sda_setup_before_scl_release", "stretch_after_address_ack", "tx_underflow_policy"} if flushes else set())
 
 
 @pytest.mark.rule("I2C-287", "I2C-292", "I2C-299")
@@ -1101,16 +877,6 @@ def test_open_fifo_extra_stage(stage):
     rig.send(0xEE)
     assert rig.stretching
     assert [rig.read("I2CDRR") for _ in range(16 + extra)] == list(range(16 + extra))
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "dxr_to_xsr_copy_point",
-        "fifo_17th_byte",
-        "fifo_extra_stage",
-        "fifo_int_mode",
-        "noise_filter_cycles",
-        "rrdy_point",
-        "rsfull_stretch_point",
-    }
 
 
 @pytest.mark.rule("I2C-292")
@@ -1140,17 +906,6 @@ def test_open_irs_clears_fifo(clears):
     rig.write("I2CMDR", 0)
     left = [rig.peek(name) >> 8 & 31 for name in ("I2CFFTX", "I2CFFRX")]
     assert left == ([0, 0] if clears else [1, 1])
-    assert rig.chip.touched == {
-        "aas_sdir_point",
-        "bb_on_irs_reset",
-        "dxr_survives_irs",
-        "dxr_to_xsr_copy_point",
-        "fifo_extra_stage",
-        "fifo_int_mode",
-        "irs_clears_fifo",
-        "noise_filter_cycles",
-        "rrdy_point",
-    }
 
 
 @pytest.mark.rule("I2C-101", "I2C-210", "I2C-241")
@@ -1164,9 +919,6 @@ def test_open_rrdy_clear_reads_drr(read):
     rig.send_bits(0x22)
     assert (rig.flag("RSFULL"), rig.flag("RRDY")) == ((0, 1) if read else (1, 0))
     assert rig.peek("I2CDRR") == (0x22 if read else 0x11)
-    assert rig.chip.touched == {"aas_sdir_point", "noise_filter_cycles", "rrdy_clear_reads_drr", "rrdy_point"} | (
-        {"rx_overrun_policy"} if not read else set()
-    )
 
 
 @pytest.mark.rule("I2C-033", "I2C-034")
@@ -1176,7 +928,6 @@ def test_open_irs_clears_commands(cleared):
     rig.write("I2CMDR", IRS | NACKMOD | STP)
     rig.write("I2CMDR", NACKMOD | STP)  # IRS = 0
     assert rig.peek("I2CMDR") & (NACKMOD | STP) == (0 if cleared else NACKMOD | STP)
-    assert rig.touched == "aas_sdir_point bb_on_irs_reset irs_clears_commands noise_filter_cycles"
 
 
 @pytest.mark.parametrize("point", ["eager", "eager_reloaded_at_address", "eager_if_trx"])

@@ -144,8 +144,9 @@ class Sampler:
     look=st.integers(1, 50),
 )
 def test_lazy_reception_is_what_looking_at_every_sciclk_gives(sciccr, runs, look):
-    frame = SciFormat(sciccr, SciOptions(rx_after_break="next_high"))
-    lazy = SciRxBits(frame, True, set())
+    options = SciOptions(rx_after_break="next_high")
+    frame = SciFormat(sciccr, options)
+    lazy = SciRxBits(frame, options, set())
     oracle = Sampler(frame)
     lazy.open(0)
     edges = {}

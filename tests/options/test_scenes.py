@@ -1,0 +1,98 @@
+"""Every option has a named scene whose records it decides, and which lists it as assumed."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+
+import pytest
+
+from periph_sim.core.options import Value
+from tests.options import i2c_scenes, sci_scenes, system_scenes
+from tests.options.test_unrecorded import UNRECORDED
+from tests.options.unit import KINDS, Outcome, Scene, run
+
+SCENES: dict[str, dict[str, Scene]] = {
+    "i2c": i2c_scenes.SCENES,
+    "sci": sci_scenes.SCENES,
+    "system": system_scenes.SCENES,
+}
+ROWS = [
+    (group, *row)
+    for group, rows in (("i2c", i2c_scenes.ROWS), ("sci", sci_scenes.ROWS), ("system", system_scenes.ROWS))
+    for row in rows
+]
+ALL = [(group, name) for group, scenes in SCENES.items() for name in scenes]
+
+
+@cache
+def by_default(group: str, scene: str) -> Outcome:
+    return run(SCENES[group][scene])
+
+
+def others(group: str, option: str, scene: Scene) -> list[Value]:
+    """The answers to an option that a scene does not have; the ends of the range where it is a number."""
+    about = {of.name: of for of in dataclasses.fields(KINDS[group])}[option]
+    taken = scene.answers.get(group, {}).get(option, about.default)
+    known = about.metadata
+    return [value for value in known.get("values", (known.get("least"), known.get("most"))) if value != taken]
+
+
+def test_every_option_has_a_row_and_every_scene_is_used():
+    declared = {(group, of.name) for group, kind in KINDS.items() for of in dataclasses.fields(kind)}
+    assert declared == {(group, option) for group, option, _, _ in ROWS}
+    assert set(ALL) == {(group, scene) for group, _, scene, _ in ROWS}
+
+
+@pytest.mark.parametrize(("group", "option", "scene", "answer"), ROWS)
+def test_an_option_decides_the_records_of_its_scene_which_lists_it(group: str, option: str, scene: str, answer: Value):
+    default, other = by_default(group, scene), run(SCENES[group][scene], group, **{option: answer})
+    assert default.records != other.records
+    assert f"{group}.{option}" in default.assumed & other.assumed
+
+
+@pytest.mark.parametrize("group", SCENES)
+def test_an_option_is_listed_with_each_answer(group: str):
+    for of in dataclasses.fields(KINDS[group]):
+        scene = SCENES[group][next(name for one, option, name, _ in ROWS if (one, option) == (group, of.name))]
+        for value in others(group, of.name, scene):
+            assert f"{group}.{of.name}" in run(scene, group, **{of.name: value}).assumed, (of.name, value)
+
+
+NEAR = [  # scenes that come near a question and do not depend on it
+    ("i2c", "al_clears_stt", "foreign START"),
+    ("i2c", "bb_on_irs_reset", "registers"),
+    ("i2c", "oar_zero", "START byte"),
+    ("i2c", "tx_underflow_policy", "IRS = 1 in a stretch"),
+    ("sci", "rxerr_int_mode", "long break"),
+    ("sci", "rxffovf_interrupt", "words in the FIFO"),
+    ("system", "pf2_read_ws", "frame 2 written"),
+    ("system", "saram_conflict", "asleep"),
+    ("system", "stalls", "push"),
+]
+
+
+@pytest.mark.parametrize(("group", "option", "scene"), NEAR)
+def test_a_scene_lists_no_option_that_decides_none_of_it(group: str, option: str, scene: str):
+    default = by_default(group, scene)
+    assert f"{group}.{option}" not in default.assumed
+    for value in others(group, option, SCENES[group][scene]):
+        assert run(SCENES[group][scene], group, **{option: value}).records == default.records
+
+
+@pytest.mark.parametrize("group", SCENES)
+def test_no_option_is_listed_by_all_scenes(group: str):
+    listed = [by_default(group, scene).assumed for scene in SCENES[group]]
+    assert not {name for name in set.intersection(*listed) if name.startswith(f"{group}.")}
+
+
+@pytest.mark.parametrize("group", SCENES)
+def test_what_a_model_reads_unrecorded_decides_nothing_that_is_not_listed(group: str):
+    """Where a scene does not list one of these options, its other answers leave the records as they are."""
+    names = {of.name for of in dataclasses.fields(KINDS[group])} & set().union(*UNRECORDED.values())
+    for name, scene in SCENES[group].items():
+        default = by_default(group, name)
+        for option in sorted(names):
+            if f"{group}.{option}" not in default.assumed:
+                for value in others(group, option, scene):
+                    assert run(scene, group, **{option: value}).records == default.records, (name, option, value)

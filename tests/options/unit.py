@@ -1,0 +1,174 @@
+"""A unit whose firmware and bus partners are short scripts: its records, and the options listed as assumed, come out.
+
+    "I2CMDR=20 ~RRDY I2CDRR" --> firmware --> Dsp <-- wires <-- partners of tests/f28335/i2c_bus.py
+    image source             --> program  --'             '---- levels of RXD
+
+Words of a firmware script: REGISTER=hex writes, REGISTER reads, +n computes for n cycles, ~FLAG waits for a flag of
+I2CSTR, or TIF of TIMER0; HALT=1 and HALT=0 are a debugger that stops the CPU and lets it run on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from itertools import groupby
+from typing import NamedTuple
+
+from periph_sim.bus.edge_player import EdgePlayer
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.options import Answers, Value, options_from
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.core.wire import Pin, Wire
+from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.f28335.i2c.options import I2cOptions
+from periph_sim.f28335.sci.options import SciOptions
+from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.unit_modules import PIN_OF
+from periph_sim.firmware import start_pie
+from periph_sim.image.assemble import assemble
+from periph_sim.processor.dsp import Dsp, DspPlan
+from tests.f28335.i2c_bus import RELEASED, SCL, SDA, Party
+from tests.f28335.i2c_registers import FLAGS
+
+KINDS: dict[str, type[Answers]] = {"i2c": I2cOptions, "sci": SciOptions, "system": SystemOptions}
+SIGNALS = ("SCLA", "SDAA", "SCIRXDA", "SCITXDA")
+CYCLE = 20  # ticks at 150 MHz
+START = 4000  # cycles after which partners begin,
+RXD_START = 4032  # and RXD: so that a cycle less of the synchroniser puts its first edge before a sample
+SAMPLE = 100  # cycles of a sample on RXD, an SCICLK; a bit has eight
+
+
+class Scene(NamedTuple):
+    """firmware: a script. source: of an image, in its place. service: vector -> script of its service routine.
+
+    partners: makes the other parties on the I2C bus. rxd: levels of RXD, one a sample. answers: to options by group
+    and name, where a scene needs others than the defaults.
+    """
+
+    firmware: str = ""
+    modules: tuple[str, ...] = ()
+    source: str = ""
+    service: dict[str, str] = {}
+    partners: Callable[[], Iterable[Party]] = list
+    rxd: str = ""
+    cycles: int = 60_000
+    answers: dict[str, dict[str, Value]] = {}
+
+
+class Outcome(NamedTuple):
+    records: list[Record]
+    assumed: set[str]
+
+
+def run(scene: Scene, group: str = "i2c", **answers: Value) -> Outcome:
+    """Run a scene. answers: to options of this group. Flags are no records here: they show what nobody has read."""
+    kernel, recorder, records = Kernel(), Recorder(), list[Record]()
+    recorder.subscribe(set(Kind) - {Kind.FLAG}, records.append)
+    wires = {name: Wire(kernel, name, recorder) for name in SIGNALS}
+    given = scene.answers | {group: scene.answers.get(group, {}) | answers}
+    i2c, sci, system = (options_from(kind, given.get(name, {})) for name, kind in KINDS.items())
+    pins = {PIN_OF[name]: wire for name, wire in wires.items()}
+    plan = DspPlan("dsp", scene.modules, pins, from_boot=bool(scene.source), code=BARE, system=system, i2c=i2c, sci=sci)
+    dsp = Dsp(kernel, Timebase(150_000_000), recorder, plan)
+    for party in scene.partners():
+        OnWires(kernel, (wires["SCLA"], wires["SDAA"]), party)
+    if scene.rxd:
+        EdgePlayer(kernel, wires["SCIRXDA"], edges_of(scene.rxd))
+    if scene.source:
+        dsp.start_image(assemble(scene.source))
+    else:
+        dsp.start(Firmware(dsp, scene).main)
+    kernel.run_until(kernel.now + scene.cycles * CYCLE)
+    return Outcome(records, dsp.touched)
+
+
+class Firmware:
+    """Python firmware that does what the scripts of a scene say."""
+
+    def __init__(self, dsp: Dsp, scene: Scene) -> None:
+        self._dsp, self._scene = dsp, scene
+        self._module_of = {register.name: name for name, socket in dsp.sockets.items() for register in socket.chip.MAP}
+
+    def main(self) -> None:
+        self._dsp.eallow()
+        if self._scene.service:
+            start_pie(self._dsp, {vector: self._routine(text) for vector, text in self._scene.service.items()})
+        self._do(self._scene.firmware)
+
+    def _routine(self, text: str) -> Callable[[], None]:
+        return lambda: self._do(text)
+
+    def _do(self, text: str) -> None:
+        dsp = self._dsp
+        for word in text.split():
+            name, writes, value = word.partition("=")
+            if name == "HALT":
+                socket = dsp.socket("I2C-A")
+                socket.chip.suspend(dsp.cpu.cycle, value == "1")
+                socket.publish(dsp.cpu.cycle)
+            elif name.startswith("+"):
+                dsp.compute(int(name))
+            elif name.startswith("~"):
+                self._wait(name[1:])
+            elif writes:
+                dsp.module(self._module_of[name])[name].all = int(value, 16)
+            else:
+                assert dsp.module(self._module_of[name])[name].all is not None
+
+    def _wait(self, flag: str) -> None:
+        dsp = self._dsp
+        if flag == "TIF":
+            dsp.spin(lambda: dsp.module("TIMER0").TCR.TIF)
+        else:
+            dsp.spin(lambda: dsp.module("I2C-A").I2CSTR.all & FLAGS[flag])
+
+
+class OnWires:
+    """A partner of the test bus, which counts cycles, on the wires of a kernel."""
+
+    def __init__(self, kernel: Kernel, wires: tuple[Wire, Wire], party: Party) -> None:
+        self._kernel, self._wires, self._party = kernel, wires, party
+        self._pins: list[Pin] = [wire.attach("partner") for wire in wires]
+        self._began = kernel.now
+        self._levels = self._out = RELEASED
+        for wire in wires:
+            wire.watch(self._changed)
+        self._follow()
+
+    @property
+    def _now(self) -> int:
+        return (self._kernel.now - self._began) // CYCLE
+
+    def _changed(self, tick: int, level: int) -> None:
+        self._kernel.at(tick, self._moved)
+
+    def _moved(self) -> None:
+        levels = self._wires[SCL].level | self._wires[SDA].level << 1
+        if levels != self._levels:
+            self._levels = levels
+            self._party.pins(self._now, levels)
+            self._follow()
+
+    def _wake(self) -> None:
+        if self._party.next_wake <= self._now:
+            self._party.wake(self._now)
+            self._follow()
+
+    def _follow(self) -> None:
+        changed, self._out = self._out ^ self._party.out, self._party.out
+        for line in (SCL, SDA):
+            if changed >> line & 1:
+                self._pins[line].drive(self._out >> line & 1)
+        if self._party.next_wake < 1 << 40:
+            self._kernel.at(self._began + max(self._party.next_wake, self._now) * CYCLE, self._wake)
+
+
+def edges_of(samples: str) -> list[tuple[int, int]]:
+    """(tick, level) of the edges of RXD."""
+    edges, time, before = [], RXD_START * CYCLE, "1"
+    for level, run_of in groupby(samples):
+        if level != before:
+            edges.append((time, int(level)))
+        time += SAMPLE * CYCLE * len(list(run_of))
+        before = level
+    return edges

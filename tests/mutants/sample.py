@@ -45,11 +45,7 @@ ROOMS = {
     "extremes": Room(("periph_sim/sensors/extremes",), ("tests/sensors/extremes",)),
     "outside": Room(
         ("periph_sim/outside",),
-        (
-            "tests/outside",
-            "tests/scene/test_outside_parties.py",
-            *(f"tests/commands/test_{name}.py" for name in ("terminal", "serve", "host_unit")),
-        ),
+        ("tests/outside", "tests/scene/test_outside_parties.py", "tests/commands/test_terminal.py"),
     ),
     "scene": Room(
         ("periph_sim/scene",),

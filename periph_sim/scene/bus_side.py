@@ -35,7 +35,6 @@ class BusSide:
         self.before: list[Callable[[Transfer], None]] = []
         self.wire_bytes = self.nacked = 0
         self.whole_bytes: WholeBytes | None = None
-        self._passed: int | None = None
         self._wires = wires
         self._spike = spike
         self._watch: I2cMonitor | None = None
@@ -72,8 +71,6 @@ class BusSide:
         """Add a transfer of the controller agent to the figures of the run."""
         self.wire_bytes += transfer.wire_bytes
         self.count_nacked(transfer)
-        if self.whole_bytes is not None:
-            self._passed = self.whole_bytes.passed
 
     def count_nacked(self, transfer: Transfer) -> None:
         """Add a transfer to the count of refused ones, unless it only asks whether a device is ready."""
@@ -83,10 +80,8 @@ class BusSide:
 
     @property
     def passed(self) -> int:
-        """Bytes that passed at once: of the transfers that were counted; all if no controller agent counts any."""
-        if self.whole_bytes is None:
-            return 0
-        return self.whole_bytes.passed if self._passed is None else self._passed
+        """The number of bytes that passed at once, some perhaps before their end."""
+        return 0 if self.whole_bytes is None else self.whole_bytes.passed
 
     def finish(self, now: int) -> None:
         """The run is over."""

@@ -33,7 +33,7 @@ HEAVY = (
 
 def imported_by(*arguments: str) -> list[str]:
     """The modules that a fresh `periph-sim` has loaded when it ends."""
-    code = "import sys, periph_sim.cli as c\ntry: c.main()\nfinally: print('\\nloaded', *sys.modules)"
+    code = "import sys, periph_sim.cli as c\ntry: c.run_command()\nfinally: print('\\nloaded', *sys.modules)"
     came = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False)
     return came.stdout.rpartition("\nloaded ")[2].split()
 

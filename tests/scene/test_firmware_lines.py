@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction
+from inspect import CO_OPTIMIZED
 from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
@@ -36,16 +37,26 @@ BY_OBJECT_ONLY = {"imu_models.py: return value"}  # parameters as an object: onl
 
 
 def executable(path: Path) -> set[int]:
-    """Lines that a case can run. Lines of a `raise` are left out: they refuse a setting before the case runs."""
+    """Return the lines of functions that a case can run.
+
+    Lines of a `raise` are left out: they refuse a setting before the case runs. Lines of modules and classes run as the
+    firmware is imported, which an earlier test may have done.
+    """
     waiting: list[CodeType] = [compile(path.read_text(encoding="utf-8"), str(path), "exec")]
     found: set[int] = set()
     while waiting:
         code = waiting.pop()
-        found |= {line for _, _, line in code.co_lines() if line}
+        if code.co_flags & CO_OPTIMIZED:  # a function
+            found |= {line for _, _, line in code.co_lines() if line}
         waiting += [each for each in code.co_consts if isinstance(each, CodeType)]
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    refused = [node for node in ast.walk(tree) if isinstance(node, ast.Raise | ast.ExceptHandler)]
+    refused = [node for node in ast.walk(tree) if isinstance(node, ast.Raise | ast.ExceptHandler) or _declares(node)]
     return found - {line for node in refused for line in range(node.lineno, (node.end_lineno or 0) + 1)}
+
+
+def _declares(node: ast.AST) -> bool:
+    """Return True for a method that others define."""
+    return isinstance(node, ast.FunctionDef) and all(isinstance(one, ast.Expr | ast.Raise) for one in node.body)
 
 
 @contextmanager

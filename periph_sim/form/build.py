@@ -150,15 +150,19 @@ def shadow(package: Path, modules: list[str], folder: Path) -> None:
         (room / "__init__.py").touch()
 
 
-def compile_one(module: str, package: str, cc: str, kind: Kind = NORMAL) -> None:
-    """One module, from its source to an object file in the present folder. NoBuild with what the compiler said."""
+def compile_one(
+    module: str, package: str, cc: str, kind: Kind = NORMAL, always_set: Sequence[tuple[str, str]] = ()
+) -> None:
+    """One module, from its source to an object file in the present folder. NoBuild with what the compiler said.
+
+    always_set: classes and attributes whose setters refuse None.
+    """
     c_file = generate(module, package, kind)
     types = types_of(module, Path(package))
     require_directives(types[module], c_file)
     marked = MARKED.findall(types[module])
     text = PROTOTYPE.sub(COLD, c_file.read_text("utf-8"), count=1)
-    source = Path(package, *module.split(".")).with_suffix(".py").read_text("utf-8")
-    text = with_none_refused(text, never_none(types[module], source))
+    text = with_none_refused(text, always_set)
     if not marked:
         text = with_index_checks(text, arrays_of(types.values()))
     c_file.write_text(with_vectors(text, marked), "utf-8")
@@ -170,6 +174,12 @@ def compile_one(module: str, package: str, cc: str, kind: Kind = NORMAL) -> None
             c_file.unlink()
             return
     raise NoBuild(f"{module} does not compile; {command[0]} says:\n{done.stderr or done.stdout}")
+
+
+def attributes_always_set(module: str, package: Path) -> list[tuple[str, str]]:
+    """Return class and name of each public attribute of a module that is never None."""
+    source, types = (path.read_text("utf-8") for path in sources(package, [module]))
+    return never_none(types, source)
 
 
 def require_directives(pxd: str, c_file: Path) -> None:
@@ -251,7 +261,9 @@ def types_of(module: str, folder: Path) -> dict[str, str]:
     return found
 
 
-def fingerprint(module: str, folder: Path, cc: str, kind: Kind = NORMAL) -> str:
+def fingerprint(
+    module: str, folder: Path, cc: str, kind: Kind = NORMAL, always_set: Sequence[tuple[str, str]] = ()
+) -> str:
     """Equal for equal object files. folder: the package as it is compiled."""
     source = folder.joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8")
     types = sorted(types_of(module, folder).items())
@@ -260,7 +272,7 @@ def fingerprint(module: str, folder: Path, cc: str, kind: Kind = NORMAL) -> str:
         types,
         directives(module, kind),
         NEVER_NONE,
-        REFUSAL,
+        (REFUSAL, always_set),
         FOR_ALL_CLASSES,
         kind.flags,
         COLD,
@@ -302,11 +314,14 @@ def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: 
     with tempfile.TemporaryDirectory() as name, ProcessPoolExecutor(jobs, None, os.chdir, (name,)) as pool:
         folder = Path(name)
         shadow(package, modules, folder)
-        prints = {module: fingerprint(module, folder / package.name, cc, kind) for module in modules}
+        always_set = {module: attributes_always_set(module, package) for module in modules}
+        prints = {
+            module: fingerprint(module, folder / package.name, cc, kind, always_set[module]) for module in modules
+        }
         anew = [module for module in modules if last.get(module) != prints[module]]
         for module in set(modules).difference(anew):
             shutil.copy(built / OBJECTS / f"{module}.o", folder)
-        done = [pool.submit(compile_one, module, package.name, cc, kind) for module in anew]
+        done = [pool.submit(compile_one, module, package.name, cc, kind, always_set[module]) for module in anew]
         for number, (module, one) in enumerate(zip(anew, done, strict=True), 1):
             try:
                 one.result()

@@ -95,7 +95,7 @@ def sum_of(a: int, b: int, to_nearest: bool) -> int:
     if apart > APART:
         smaller = -1 if smaller < 0 else 1
         apart = APART
-    return rounded((larger << apart) + smaller, exponent_of(a) - apart, to_nearest)
+    return rounded(larger * (TOP >> TOP_BIT - apart) + smaller, exponent_of(a) - apart, to_nearest)
 
 
 def difference_of(a: int, b: int, to_nearest: bool) -> int:

@@ -13,7 +13,7 @@ PMA = 0x3F_0000
 
 def product_low(cpu: Cpu, product: int) -> int:
     """The low 38 bits of a product of 64, shifted by PM, to 32 bits."""
-    return (product << 1 if cpu.pm == 0 else product >> cpu.pm - 1) & M32
+    return ((product & M32) << 1 if cpu.pm == 0 else product >> cpu.pm - 1) & M32
 
 
 def product_high(product: int) -> int:
@@ -236,7 +236,8 @@ def QMPYL_ACC_XT_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def QMPYUL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
-    cpu.p = product_high(cpu.xt * cpu.read32())
+    value = cpu.read32()  # bit 31 is added separately: the unsigned product does not fit into a signed 64-bit number
+    cpu.p = product_high(cpu.xt * s32(value)) + (value >> 31) * cpu.xt & M32
 
 
 def QMPYXUL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:

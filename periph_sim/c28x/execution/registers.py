@@ -17,6 +17,7 @@ M16, M32 = 0xFFFF, 0xFFFF_FFFF
 HIGH16 = 0xFFFF_0000
 CODE = 0x3F_FFFF  # bits of a program address
 SIGN16, SIGN32 = 1 << 15, 1 << 31
+ACC_UNIT = 1 << 32  # weight of bit 0 of ACC in ACC:P
 
 ST1_RESET = 0x0A0B  # as the boot ROM leaves it: OBJMODE, M0M1MAP, VMAP, DBGM, INTM
 SP_RESET = 0x400
@@ -261,7 +262,7 @@ class Cpu:
 
     def acc_p(self) -> int:
         """ACC:P, signed."""
-        return s32(self.acc) << 32 | self.p
+        return s32(self.acc) * ACC_UNIT | self.p
 
     def put_acc_p(self, value: int) -> None:
         """With its flags. What is beyond 64 bits is left out."""

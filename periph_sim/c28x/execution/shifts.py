@@ -86,9 +86,14 @@ def ASR_AX_T(cpu: Cpu, f: Operation) -> None:
 
 
 def left64(cpu: Cpu, shift: int) -> None:
-    value = cpu.acc_p()
-    cpu.c = value >> 64 - shift & 1 if shift else 0
-    cpu.put_acc_p(value << shift)
+    """Shift ACC:P to the left, as two halves."""
+    acc, p = cpu.acc, cpu.p
+    cpu.c = 0 if not shift else acc >> 32 - shift & 1 if shift <= 32 else p >> 64 - shift & 1
+    if shift < 32:
+        cpu.acc, cpu.p = (acc << shift | p >> 32 - shift) & M32, p << shift & M32
+    else:
+        cpu.acc, cpu.p = p << shift - 32 & M32, 0
+    cpu.n, cpu.z = cpu.acc >> 31, int(not cpu.acc | cpu.p)
 
 
 def LSL64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
@@ -104,7 +109,7 @@ def right64(cpu: Cpu, shift: int) -> None:
     acc, p = cpu.acc, cpu.p
     cpu.c = 0 if not shift else p >> shift - 1 & 1 if shift <= 32 else acc >> shift - 33 & 1
     if shift < 32:
-        cpu.acc, cpu.p = acc >> shift, p >> shift | acc << 32 - shift & M32
+        cpu.acc, cpu.p = acc >> shift, p >> shift | (acc << 31 - shift & M32 >> 1) << 1
     else:
         cpu.acc, cpu.p = 0, acc >> shift - 32
     cpu.n, cpu.z = cpu.acc >> 31, int(not cpu.acc | cpu.p)

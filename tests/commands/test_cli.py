@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim import form
-from periph_sim.cli import FOLDER, OTHER, SECTIONS, cli, main
+from periph_sim.cli import FOLDER, OTHER, SECTIONS, cli, run_command
 from periph_sim.commands.json_output import VERSION
 from periph_sim.commands.usage_error import MISTAKES
 from tests.commands.conftest import Run
@@ -147,7 +147,7 @@ def test_the_shell_completes_commands_options_and_kinds(
     monkeypatch.setenv("COMP_WORDS", "\n".join(["periph-sim", *words]))
     monkeypatch.setenv("COMP_CWORD", str(len(words)))
     with pytest.raises(SystemExit):
-        main()
+        run_command()
     assert capsys.readouterr().out.splitlines() == [f"plain,{word}" for word in completed]
 
 

@@ -143,7 +143,7 @@ def test_the_shell_completes_commands_options_and_kinds(
 ):
     """As the function does that `_PERIPH_SIM_COMPLETE=bash_source periph-sim` prints."""
     monkeypatch.setattr(sys, "argv", ["periph-sim"])
-    monkeypatch.setattr(sys.modules["__main__"], "__package__", "", raising=False)  # `python -m pytest` has another name
+    monkeypatch.setattr(sys.modules["__main__"], "__package__", "", raising=False)  # not pytest
     monkeypatch.setenv("_PERIPH_SIM_COMPLETE", "bash_complete")
     monkeypatch.setenv("COMP_WORDS", "\n".join(["periph-sim", *words]))
     monkeypatch.setenv("COMP_CWORD", str(len(words)))

@@ -20,9 +20,9 @@ from .trials import ROOT, STALLED, STEP, broken, mutated
 SHIPPED = {
     "imu_hil": ("imu_hil", "imu_hil_400k", "imu_hil_by_frame", "imu_hil_published", "imu_hil_drift"),
     "imu_hil_robust": (
-        *("imu_hil", "imu_hil_400k", "imu_hil_broken_line", "imu_hil_doubled_frame", "imu_hil_glitches"),
-        *("imu_hil_lost_byte", "imu_hil_module_reset", "imu_hil_reset", "imu_hil_silent_host"),
-        *("imu_hil_spikes", "imu_hil_stuck_sda"),
+        *("imu_hil_robust", "imu_hil", "imu_hil_400k", "imu_hil_broken_line", "imu_hil_doubled_frame"),
+        *("imu_hil_glitches", "imu_hil_lost_byte", "imu_hil_module_reset", "imu_hil_reset"),
+        *("imu_hil_silent_host", "imu_hil_spikes", "imu_hil_stuck_sda"),
     ),
 }
 

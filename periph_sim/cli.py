@@ -128,7 +128,7 @@ def cli() -> None:
 
 
 def main() -> NoReturn:
-    """Run the command as `periph-sim` does: launchers of installations before `supervisor` name this function."""
+    """Run the command as `periph-sim` does. Launchers that an older version installed call this function."""
     from .supervisor import supervise
 
     supervise(run_command, "periph-sim")

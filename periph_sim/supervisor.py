@@ -83,6 +83,10 @@ def supervise(work: Callable[[], object], name: str) -> NoReturn:
     if not can_fork:
         work()
         sys.exit(0)
+    if sys.stderr is None:  # else the next file that is opened would receive what C code writes to standard error
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 2)
+        os.set_inheritable(2, True)
     done = split(name)
     sys.stderr = StandardError(sys.stderr)
     status = _status_of(work)

@@ -37,9 +37,9 @@ def number(default: int, least: int, most: int, *, unit: str, question: str) -> 
 
 
 class Option:
-    """The answer to one open question. `assume` returns it and adds the question to those on which the run depends.
+    """The answer to one open question.
 
-    `unrecorded` returns it without.
+    `assume` returns the answer and lists the question as one on which the run depends; `unrecorded` only returns it.
     """
 
     __slots__ = ("_answer", "name")
@@ -62,7 +62,7 @@ class TextOption(Option):
         return answer
 
     def matches(self, answer: str) -> BoolOption:
-        """Return the same question with yes or no for its answer: whether it is this one."""
+        """Return this question as one of yes or no: yes if its answer is the given one."""
         return BoolOption(self.name, self._answer == answer)
 
 

@@ -1,4 +1,4 @@
-"""Which registers the address of an operand is made of, by its field [SPRU430F Table 5-1]."""
+"""Registers that make up the address of an operand, by its field [SPRU430F Table 5-1]."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which mutants are real, what of the shipped cases detects them, and the section of the page about it."""
+"""Real mutants, the parts of the shipped cases that detect them, and their section of the page."""
 
 from __future__ import annotations
 

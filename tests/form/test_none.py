@@ -30,7 +30,7 @@ def attempt(text, call, *given):
     try:
         call(*given)
     except Exception:
-        pass  # which one is told by the other tests of this file
+        pass  # the other tests of this file name the exception
 
 def objects_of(kind):
     if kind.__module__.removeprefix("periph_sim.") not in WITHOUT_NONE_CHECKS:

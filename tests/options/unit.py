@@ -61,7 +61,7 @@ class Outcome(NamedTuple):
 
 
 def run(scene: Scene, group: str = "i2c", **answers: Value) -> Outcome:
-    """Run a scene. answers: to options of this group. Flags are no records here: they show what nobody has read."""
+    """Run a scene. answers: to options of this group. Flags are left out: they change without being read."""
     kernel, recorder, records = Kernel(), Recorder(), list[Record]()
     recorder.subscribe(set(Kind) - {Kind.FLAG}, records.append)
     wires = {name: Wire(kernel, name, recorder) for name in SIGNALS}

@@ -69,7 +69,7 @@ def test_a_session_and_the_replay_of_its_log(tmp_path: Path) -> None:
 
 
 def test_budgets_that_must_break_do_so_only_where_they_are_judged() -> None:
-    """Without the host nobody knows the age of its data."""
+    """Without the host the age of its data is unknown."""
     host = {"period": "20 ms", "first": "1 ms", "motion": {"kind": "sines"}}
     age = {"name": "age", "measure": "age", "max": "1 us"}
     both = case(modules=("I2C-A", "SCI-A"), host=host, budget=[*BUDGETS, age], controller=CONTROLLER)

@@ -425,7 +425,7 @@ class Cpu:
         raise IllegalOperation(f"vector {vector} is entered, and nobody is there who serves it")
 
     def intr_clears_flag(self, bit: int) -> bool:
-        """Whether INTR clears this bit of IFR."""
+        """Return True if INTR clears this bit of IFR."""
         return True
 
     def leave(self) -> None:

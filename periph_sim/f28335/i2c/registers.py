@@ -185,7 +185,7 @@ class I2cRegisters(I2cFifos):
         return self.drr_unread
 
     def rrdy_rises_at(self, edge: str) -> bool:
-        """Whether I2CRSR is copied to I2CDRR at this edge of a data byte that is for this module."""
+        """Return True if I2CRSR is copied to I2CDRR at this edge of a data byte for this module."""
         return self.options.rrdy_point.assume(self.touched) == edge
 
     def received(self, now: int, value: int) -> None:

@@ -227,7 +227,7 @@ class I2cSlave(I2cSlaveTransmitter):
         return state.options.rx_overrun_policy.assume(state.touched).partition("_")[0]
 
     def _stretches(self, point: str) -> bool:
-        """Whether the stretch of a byte without room begins here."""
+        """Return True if the module begins to stretch here for a byte that finds no room."""
         return self.state.options.rsfull_stretch_point.assume(self.state.touched) == point
 
     def _data_complete(self, now: int) -> None:

@@ -52,7 +52,7 @@ class I2cSlaveTransmitter:
         return self.state.copy_to_xsr(now, xrdy)
 
     def _copies_at(self, point: str) -> bool:
-        """Whether a byte in I2CDXR goes to I2CXSR at this point."""
+        """Return True if a byte in I2CDXR is copied to I2CXSR at this point."""
         return self._copy_point.assume(self.state.touched) == point
 
     def _copies_at_once(self) -> bool:

@@ -30,7 +30,7 @@ WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000
 class InstructionTiming:
     """pipeline: stalls between instructions. late: cycles that the present instruction takes in addition.
 
-    conflicts: accesses to the block of memory from which the program is fetched are to be told to `conflict`.
+    conflicts: `conflict` is called for accesses to the block of memory from which the program is fetched.
     """
 
     __slots__ = ("_ahead", "_core", "_elsewhere", "_options", "_queue", "_shared", "conflicts", "late", "pipeline")
@@ -47,7 +47,7 @@ class InstructionTiming:
         self._ahead = DEPTH // 2 if options.flash_model.unrecorded() == "two_words_ahead" else DEPTH
         self._elsewhere = elsewhere
         if not self.pipeline.enabled:
-            options.stalls.assume(core.touched)  # nobody knows what would have waited
+            options.stalls.assume(core.touched)  # without stalls it is unknown whether one would have occurred
 
     def drain(self) -> None:
         """The program goes on elsewhere, by an interrupt or a return from one."""

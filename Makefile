@@ -14,21 +14,24 @@ RULES := build/rules.json
 # Without compiled files every command that a test starts would compile the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test core wheel try-core touched coverage explore check bench mutants firmware-mutants setup clean
+.PHONY: demo test interpreted core wheel try-core touched coverage explore check bench mutants firmware-mutants setup clean
 
 # First its table, as the sources run; then the core is compiled, so that the next run is quicker.
 demo: $(USER)
 	$(BIN)/periph-sim run timing/imu_hil.toml
 	@$(MAKE) --no-print-directory try-core
 
-# Compiled where there is a C compiler; what that can change is tested interpreted, too. INTERPRETED: options of pytest for
-# the latter; the gate leaves out what `make coverage` runs interpreted anyway.
-INTERPRETED ?=
+# Every test once, compiled where there is a C compiler.
 test: check
 	@$(MAKE) --no-print-directory try-core
 	rm -f $(RULES)
 	$(BIN)/pytest -n auto --dist worksteal --rules=$(RULES)
 	$(BIN)/python -m tests.rules.coverage
+
+# The tests of what is compiled once more, interpreted. INTERPRETED: options of pytest; the gate leaves out what
+# `make coverage` runs interpreted, too.
+INTERPRETED ?=
+interpreted: $(DEV)
 	$(BIN)/python -m tests.interpreted -n auto --dist worksteal $(INTERPRETED)
 
 # The tests that import what differs from a commit, the nearest first: make touched SINCE=HEAD

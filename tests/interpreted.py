@@ -2,8 +2,9 @@
 
     compiled modules --> the folders of tests that mirror theirs --> pytest, in a process whose core is interpreted
 
-`make test` has then run what differs between the forms in both; where no core is compiled there is nothing to do, since
-the whole suite ran interpreted. Tests of the builds themselves start either form by themselves, and are not run again.
+After `make test` and `make interpreted` what is compiled has been tested in both forms. Where no core is compiled there
+is nothing to do, since the whole suite ran interpreted. Tests of the builds choose the form by themselves, and are not
+run again.
 """
 
 from __future__ import annotations

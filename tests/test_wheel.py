@@ -15,6 +15,8 @@ import subprocess
 import sys
 import venv
 import zipfile
+from collections.abc import Callable
+from fcntl import LOCK_EX, flock
 from importlib.metadata import distribution, requires
 from pathlib import Path
 from subprocess import CompletedProcess
@@ -72,8 +74,8 @@ def installed_in(folder: Path, wheel: Path) -> Path:
         files = distribution(name).files or []
         for top in {file.parts[0] for file in files} - {"..", "__pycache__"}:
             (site / top).symlink_to(distribution(name).locate_file(top))
-    pip = [sys.executable, "-m", "pip", "--python", str(folder), "install", "--no-index", "--no-deps", str(wheel)]
-    subprocess.run(pip, check=True, capture_output=True)
+    pip = [sys.executable, "-m", "pip", "--python", str(folder), "install", "--no-index", "--no-deps"]
+    subprocess.run([*pip, "--no-compile", str(wheel)], check=True, capture_output=True)
     return site
 
 
@@ -91,25 +93,44 @@ def needed(name: str) -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return built(tmp_path_factory.mktemp("wheel"))
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that all processes of a test session share."""
+    base = tmp_path_factory.getbasetemp()
+    shared = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "wheels"
+    shared.mkdir(exist_ok=True)
+    return shared
 
 
 @pytest.fixture(scope="module")
-def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return installed_in(tmp_path_factory.mktemp("pure"), wheel)
+def wheel(folder: Path) -> Path:
+    return made_once(folder / "wheel", built)
 
 
 @pytest.fixture(scope="module")
-def compiled_wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def installed(wheel: Path, folder: Path) -> Path:
+    return made_once(folder / "pure", lambda place: installed_in(place, wheel))
+
+
+@pytest.fixture(scope="module")
+def compiled_wheel(folder: Path) -> Path:
     if not usable(PACKAGE, BUILT)[0]:
         pytest.skip("no core compiled of these sources: make core")
-    return built(tmp_path_factory.mktemp("compiled_wheel"), HATCH_BUILD_HOOKS_ENABLE="1")
+    return made_once(folder / "compiled_wheel", lambda place: built(place, HATCH_BUILD_HOOKS_ENABLE="1"))
 
 
 @pytest.fixture(scope="module")
-def compiled(compiled_wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return installed_in(tmp_path_factory.mktemp("compiled"), compiled_wheel)
+def compiled(compiled_wheel: Path, folder: Path) -> Path:
+    return made_once(folder / "compiled", lambda place: installed_in(place, compiled_wheel))
+
+
+def made_once(place: Path, make: Callable[[Path], Path]) -> Path:
+    """What `make` made in `place`, by the first process of the test session that asks for it."""
+    made = place.with_suffix(".made")
+    with place.with_suffix(".lock").open("w") as lock:
+        flock(lock, LOCK_EX)
+        if not made.exists():
+            made.write_text(str(make(place)))
+        return Path(made.read_text())
 
 
 @pytest.fixture

@@ -150,6 +150,7 @@ class Dsp(FirmwareView):
             self.processor.notes.note(0, Note("unknown", sentence, "SPRU513, UNION"))
         program.cpu.elsewhere.changed = partial(self._answered, program)
         for stub in stubs:
+            program.cpu.elsewhere.expect(stub.address)
             self._kernel.at(stub.tick, partial(program.cpu.elsewhere.answer, stub.address, stub.value))
 
         def begin(delay: int = 0) -> None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import Enum
+from typing import NamedTuple
 
 from ..f28335.cpu.interrupts import CONTEXT_WORDS
 from .polling import Spin
@@ -27,6 +28,15 @@ class Stop(Enum):
     WAITS = "something else may act before the cycle that it is to reach"
     SLEEPS = "it sleeps at an instruction boundary"
     ENDED = "nothing is left to execute"
+
+
+class InterruptedWait(NamedTuple):
+    """A wait that service routines interrupt. since: the cycle at which it began. what, unanswered: see `Program`."""
+
+    since: int
+    what: str
+    place: SourceLocation | None
+    unanswered: str
 
 
 class Program:
@@ -61,6 +71,10 @@ class Program:
     def unanswered(self) -> str:
         """What it waits for that nothing models, and how the case can answer; "" if it does not."""
         return ""
+
+    def interrupted_wait(self) -> InterruptedWait | None:
+        """Return the wait for what nothing models that a service routine interrupts, or has just interrupted."""
+        return None
 
     def waits_for_memory(self) -> bool:
         """Whether the wait in progress reads no register, so that only a service routine can end it."""

@@ -43,6 +43,7 @@ INPUTS = {
 DIRECT = {12: "TIMER1", 13: "TIMER2"}  # by bit of IER: modules whose interrupts no PIE group has
 OFF = ("IER = 0", "INTM = 1")  # by whether INTM is
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
+RESTARTED = 2  # rounds of the watchdog without a reset: the last restart that a wait's code asked for is over
 OUTPUTS = {pin for signal, pin in PIN_OF.items() if signal.startswith("SCITXD")}
 FOREIGN = {  # by module: pins that it does not see
     module: OUTPUTS.union(PIN_OF[signal] for name, signals in INPUTS.items() if name != module for signal in signals)
@@ -55,6 +56,9 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 
     may_move: whether the named parties, who are not of this unit, may ever move the wire. instant: a tick for people.
     """
+    interrupted = dsp.program.interrupted_wait()
+    if interrupted is not None:
+        return "" if watchdog_ends(dsp, interrupted.since) else interrupted.unanswered
     if not dsp.processor.time.waits_for_input and not polls_for_input(dsp):
         return ""
     if dsp.core.idlestat:
@@ -69,9 +73,9 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
         if not takes_interrupts(dsp):
             return f"only a service routine could change that, and {OFF[bool(dsp.core.intm)]}; {ENABLE}"
     if unanswered and not spin.polls:
-        return "" if watchdog_runs(dsp) else unanswered
+        return "" if watchdog_ends(dsp, spin.since) else unanswered
     modules = [module for module in signals_behind(dsp, spin) if has_clock(dsp, module)]
-    if not modules and not unanswered:
+    if spin.polls and not modules and not unanswered:
         return f"PCLKCR gives {' and '.join(dict.fromkeys(poll.place.name for poll in spin.polls))} no clock"
     found = nothing_comes(dsp, modules, may_move, instant)
     return unanswered or found if found else ""
@@ -122,6 +126,15 @@ def sleep_reason(dsp: Dsp) -> str:
 def watchdog_runs(dsp: Dsp) -> bool:
     """Its reset will come, or an interrupt by it."""
     return dsp.control.next_wake < NEVER
+
+
+def watchdog_ends(dsp: Dsp, since: int) -> bool:
+    """True if the watchdog's reset may end a wait since this cycle: no service routine restarts it again and again."""
+    return watchdog_runs(dsp) and dsp.control.watchdog_rounds(since, _now(dsp)) < RESTARTED
+
+
+def _now(dsp: Dsp) -> int:
+    return dsp.clock.cycle_at(dsp.processor.time.instant()[1])
 
 
 def takes_interrupts(dsp: Dsp) -> bool:

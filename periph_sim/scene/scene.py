@@ -31,7 +31,7 @@ from .context import SceneContext
 from .result import Result
 from .scope import scope_of_case
 from .strict import insist
-from .stuck_lines import StuckLines, doing
+from .stuck_lines import StuckLines, doing, waits
 from .summary import result_of
 from .uart_side import UartSide
 from .wires import SceneWires
@@ -455,7 +455,14 @@ class Scene:
             before, may_move = len(stuck), partial(self._may_move, set(stuck))
             found = {name: parts.deadlock_reason(self.units[name], may_move, self._instant) for name in stuck}
             stuck = {name: why for name, why in found.items() if why}
-        return [f"{name} {self.doing(self.units[name])} and would for ever: {why}" for name, why in stuck.items()]
+        return [f"{name} {self._wait(self.units[name])} and would for ever: {why}" for name, why in stuck.items()]
+
+    def _wait(self, dsp: Dsp) -> str:
+        """The wait that a unit is in or that a service routine interrupts, as a phrase."""
+        found = dsp.program.interrupted_wait()
+        if found is None:
+            return self.doing(dsp)
+        return waits(found.what, found.place, self._instant(dsp.clock.tick(found.since)))
 
     def _instant(self, tick: int) -> str:
         return self.timebase.show(tick - self.start)

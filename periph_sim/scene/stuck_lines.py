@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from ..processor.instruction_location import InstructionLocation
+from ..processor.source_location import SourceLocation
 
 if TYPE_CHECKING:
     from ..core.kernel import Kernel
@@ -63,6 +64,10 @@ def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
         at = "" if where is None else f" at {where.for_people()}"
         return f"waits in IDLE for an interrupt{at}" if dsp.core.idlestat else f"computes{at}"
     since = timebase.show(dsp.clock.tick(spin.since) - start)
-    where = dsp.program.place()
+    return waits(dsp.program.waits_for(), dsp.program.place(), since)
+
+
+def waits(what: str, where: SourceLocation | None, since: str) -> str:
+    """Return the phrase for firmware that waits."""
     at = f" at {where}" if isinstance(where, InstructionLocation) else ""
-    return f"waits for {dsp.program.waits_for()}{at} since {since}"
+    return f"waits for {what}{at} since {since}"

@@ -58,7 +58,7 @@ def test_repeated_instructions_are_those_that_the_manual_allows(name: str):
 
 def test_vectors_and_registers_of_an_i2c_program():
     found = inspect(load(public_image(I2C_RTC)))
-    assert [(one.name, one.handler, one.stored_in) for one in found.vectors] == [("I2CINT1A", "_i2c_int1a_isr", "main")]
+    assert [(one.name, one.handler, one.stored_in) for one in found.vectors] == [("I2CINT1A", "i2c_int1a_isr", "main")]
     assert {"I2CMDR", "I2CSTR", "I2CDXR", "I2CISRC"} <= {one.name for one in found.registers if one.module == "I2C-A"}
     main = next(one for one in found.functions if one.name == "main")
     assert (main.address, main.size, str(main.source)) == (0x8323, 226, "../SRC/i2c_rtc.c:122")
@@ -67,7 +67,7 @@ def test_vectors_and_registers_of_an_i2c_program():
 def test_vectors_of_three_serial_ports():
     found = inspect(load(public_image(AS608)))
     assert [(one.name, one.handler) for one in found.vectors] == [
-        ("SCIRXINTC", "_scicRxFifoIsr"),
-        ("SCIRXINTA", "_sciaRxFifoIsr"),
-        ("SCIRXINTB", "_scibRxFifoIsr"),
+        ("SCIRXINTC", "scicRxFifoIsr"),
+        ("SCIRXINTA", "sciaRxFifoIsr"),
+        ("SCIRXINTB", "scibRxFifoIsr"),
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -37,11 +38,13 @@ ENDLESS = "SB again,UNC"
 PIE = "MOVW DP,#PIECTRL >> 6\n MOV @PIECTRL,#1\n"
 
 
-def ran(folder: Path, loop: str, before: str = "NOP", wdcr: int = DISABLED) -> Result:
+def ran(
+    folder: Path, loop: str, before: str = "NOP", wdcr: int = DISABLED, us: int = 500, stub: list[object] | None = None
+) -> Result:
     path = folder / "waits.asm"
     path.write_text(PROGRAM.format(loop=loop, before=before, wdcr=wdcr))
-    unit = {"image": str(path), "modules": ["TIMER0", "GPIO"]}
-    return Scene(case(unit={"dsp": unit})).run(Fraction("0.0005"))
+    unit = {"image": str(path), "modules": ["TIMER0", "GPIO"], "stub": stub or []}
+    return Scene(case(unit={"dsp": unit})).run(Fraction(us, 1_000_000))
 
 
 @pytest.mark.parametrize(
@@ -100,6 +103,88 @@ def test_a_poll_of_what_nothing_models_is_told_whatever_else_runs(tmp_path: Path
 
 def test_a_poll_of_what_nothing_models_is_none_where_the_watchdog_ends_it(tmp_path: Path):
     assert ran(tmp_path, UNMODELLED, wdcr=ENABLED).stuck == []
+
+
+TICKS = """EALLOW
+          MOVL  XAR4,#tick
+          MOVL  XAR5,#TINT0
+          MOVL  *XAR5,XAR4
+          EDIS
+          MOVW  DP,#TIMER0PRD >> 6
+          MOVL  XAR4,#400 - 1
+          MOVL  @TIMER0PRD,XAR4
+          MOV   @TIMER0TCR,#0x4020
+          MOVW  DP,#PIECTRL >> 6
+          MOV   @PIECTRL,#1
+          MOV   @PIEIER1,#0x40
+          OR    IER,#1
+          MOV   @PIEACK,#0xFFF
+          CLRC  INTM
+          NOP
+"""  # TINT0 every 400 cycles of 133.3 ns
+ROUTINE = """
+tick:     MOVB  XAR0,#40
+spent:    BANZ  spent,AR0--
+          {restart}
+          MOVW  DP,#PIEACK >> 6
+          MOV   @PIEACK,#1
+          IRET
+"""
+RESTART = "MOVW DP,#0x7000 >> 6\n EALLOW\n MOV @0x25,#0x55\n MOV @0x25,#0xAA\n EDIS"  # WDKEY
+LOOKS = "LCR #look\n SB again,EQ"  # the poll, in a function that the loop calls
+LOOK = "look: MOVW DP,#0x7100 >> 6\n MOV AL,@0x19\n NOP\n NOP\n ANDB AL,#4\n LRETR"
+DMA = "MOV @0xCEE,#1\n OR IER,#0x40\n CLRC INTM\n MOVW DP,#_flag >> 6\n "
+
+
+@pytest.mark.parametrize(("loop", "more"), [(UNMODELLED, ""), (LOOKS, LOOK)], ids=["loop", "function"])
+@pytest.mark.parametrize("us", range(500, 550, 10))
+def test_a_poll_of_what_nothing_models_is_told_in_the_middle_of_service_routines(
+    tmp_path: Path, us: int, loop: str, more: str
+):
+    """They take half of the time, so that the run ends in one of them, or in the first passes of the poll behind it."""
+    (told,) = ran(tmp_path, f"{loop}\n ESTOP0\n{more}{ROUTINE.format(restart='')}", TICKS, us=us).stuck
+    place = r"_c_int00 \(waits\.asm:\d+, 0x[0-9a-f]+\) since [67]\.\d+ us"
+    assert re.match(
+        rf"dsp waits for ADC\.ADCST & 0x(0004|ffff) at {place} and would for ever: nothing models that; ", told
+    )
+
+
+@pytest.mark.parametrize("us", range(500, 550, 10))
+def test_a_poll_that_a_stub_has_answered_is_over_in_the_middle_of_service_routines(tmp_path: Path, us: int):
+    stub = [{"register": "ADC.ADCST", "value": 4, "after": "0.4 ms"}]
+    loop = f"{UNMODELLED}\nends: MOV @0x19,#0\n SB ends,UNC\n{ROUTINE.format(restart='')}"
+    assert ran(tmp_path, loop, TICKS, us=us, stub=stub).stuck == []
+
+
+def test_a_poll_that_a_stub_will_answer_is_none(tmp_path: Path):
+    stub = [{"register": "ADC.ADCST", "value": 4, "after": "0.6 ms"}]
+    assert ran(tmp_path, UNMODELLED, stub=stub).stuck == []
+
+
+def test_a_poll_that_a_stub_does_not_end_is_told_with_its_answer(tmp_path: Path):
+    (told,) = ran(tmp_path, UNMODELLED, stub=[{"register": "ADC.ADCST", "value": 3}]).stuck
+    assert told.endswith(
+        "and would for ever: its [[unit.dsp.stub]] answers 0x0003; give a value that ends the wait, "
+        "or a later one by a further stub with after"
+    )
+
+
+@pytest.mark.parametrize(("restart", "hangs"), [(RESTART, True), ("NOP", False)])
+def test_a_poll_hangs_where_a_service_routine_restarts_the_watchdog(tmp_path: Path, restart: str, hangs: bool):
+    """The watchdog overflows after 131072 OSCCLK, 4.4 ms."""
+    loop = f"{UNMODELLED}\n ESTOP0\n{ROUTINE.format(restart=restart)}"
+    result = ran(tmp_path, loop, TICKS, wdcr=ENABLED, us=12_000)
+    assert (["would for ever" in told for told in result.stuck], result.counts["resets"]) == (
+        ([True], 0) if hangs else ([], 2)
+    )  # fmt: skip
+
+
+def test_a_loop_over_memory_that_an_unmodelled_module_was_to_end(tmp_path: Path):
+    (told,) = ran(tmp_path, FLAG, PIE + DMA).stuck
+    assert told.endswith(
+        "and would for ever: no module of the unit has an interrupt that IER and PIEIER enable; "
+        "enable one, or name its module"
+    )
 
 
 def test_a_running_timer_whose_interrupt_is_not_enabled_does_not_hide_a_wait(tmp_path: Path):

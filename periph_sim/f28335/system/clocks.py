@@ -131,6 +131,10 @@ class SystemControl(Chip):
             return 1
         return self.lspclk_divider if clock == "LSPCLK" else self.hspclk_divider
 
+    def watchdog_rounds(self, since: int, now: int) -> int:
+        """Return the overflows of the watchdog between these cycles, if nothing restarts it or changes SYSCLKOUT."""
+        return self._watchdog.rounds(self._clock.at(now) - self._clock.at(since))
+
     @staticmethod
     def _gate(module: str) -> tuple[int, Gate]:
         found = GATE_OF.get(module)

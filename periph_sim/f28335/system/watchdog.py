@@ -74,6 +74,10 @@ class Watchdog:
         period = self._period()
         return self._count + (position - self._origin) // period - (self._since - self._origin) // period
 
+    def rounds(self, parts: int) -> int:
+        """Return the overflows in this number of parts, if nothing restarts it."""
+        return parts // (OVERFLOW * self._period())
+
     def advance(self, position: int) -> None:
         """Let everything due up to this position happen."""
         while self.next_due <= position:

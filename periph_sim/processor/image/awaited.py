@@ -35,21 +35,40 @@ class Awaited(NamedTuple):
     memory: bool
 
 
+class LoopRange(NamedTuple):
+    """The addresses of a loop's first and last instructions."""
+
+    first: int
+    branch: int
+
+
 def awaited(
-    cpu: ImageCpu, branch: int, operands: Sequence[Operand], elsewhere: Sequence[int], unit: str, image: Image
+    cpu: ImageCpu, loop: LoopRange, operands: Sequence[Operand], elsewhere: Sequence[int], unit: str, image: Image
 ) -> Awaited:
-    """branch: the address of the loop's last instruction; `cpu` stands at its first one."""
+    """Return what a loop waits for that reads these registers of modules, and these words that nothing models."""
     if not operands and not elsewhere:
-        names = [_name(image, address) for address in _memory_read(cpu, branch)] if _may_end(cpu, branch) else None
+        names = [_name(image, address) for address in _memory_read(cpu, loop)] if _may_end(cpu, loop) else None
         return Awaited([] if names is None else names or [MEMORY], "", names is not None)
-    mask = mask_of(cpu, branch)
+    mask = mask_of(cpu, loop)
     texts = [f"{operand.name}.{fields_of(operand.register, mask)}" for operand in operands]
     names = list(dict.fromkeys(f"{full_name(address)} & {mask:#06x}" for address in elsewhere))
-    unanswered = ""
-    if names:
-        register = full_name(elsewhere[0])
-        unanswered = f'nothing models that; answer it by [[unit.{unit}.stub]] with register = "{register}" and a value'
+    unanswered = _unanswered(cpu, elsewhere, unit) if elsewhere else ""
     return Awaited(list(dict.fromkeys([*texts, *names])), unanswered, memory=False)
+
+
+def _unanswered(cpu: ImageCpu, addresses: Sequence[int], unit: str) -> str:
+    """Return why these words keep their values, and what to add to the case; "" if a stub will answer later."""
+    memory = cpu.elsewhere
+    if any(memory.will_answer(address) for address in addresses):
+        return ""
+    answers = [answer for answer in map(memory.answer_of, addresses) if answer is not None]
+    if answers:
+        return (
+            f"its [[unit.{unit}.stub]] answers {answers[0]:#06x}; give a value that ends the wait, "
+            "or a later one by a further stub with after"
+        )
+    register = full_name(addresses[0])
+    return f'nothing models that; answer it by [[unit.{unit}.stub]] with register = "{register}" and a value'
 
 
 def fields_of(register: Register, mask: int) -> str:
@@ -59,9 +78,9 @@ def fields_of(register: Register, mask: int) -> str:
     return "+".join(field.name for field in register.fields if field.mask & mask) or "all"
 
 
-def mask_of(cpu: ImageCpu, branch: int) -> int:
+def mask_of(cpu: ImageCpu, loop: LoopRange) -> int:
     """The bits that the loop looks at."""
-    for one in _loop(cpu, branch):
+    for one in _loop(cpu, loop):
         mnemonic, values = one.encoding.mnemonic, one.values
         if mnemonic == "TBIT" and "b" in values:
             return 1 << values["b"]
@@ -70,9 +89,9 @@ def mask_of(cpu: ImageCpu, branch: int) -> int:
     return ALL
 
 
-def _loop(cpu: ImageCpu, branch: int) -> Iterator[Instruction]:
-    address = cpu.pc
-    while address <= branch < address + LONGEST:
+def _loop(cpu: ImageCpu, loop: LoopRange) -> Iterator[Instruction]:
+    address = loop.first
+    while address <= loop.branch < address + LONGEST:
         found = decode_at(address, cpu.word_at(address), cpu.word_at(address + 1))
         if found is None:
             return
@@ -80,23 +99,23 @@ def _loop(cpu: ImageCpu, branch: int) -> Iterator[Instruction]:
         address += found.words
 
 
-def _may_end(cpu: ImageCpu, branch: int) -> bool:
+def _may_end(cpu: ImageCpu, loop: LoopRange) -> bool:
     """Whether the loop has a branch out; one without is how programs end."""
-    for one in _loop(cpu, branch):
+    for one in _loop(cpu, loop):
         goal = flow.target(one)
         if goal is None or flow.is_call(one) or not flow.goes_on(one):
             continue
-        if one.address == branch or not cpu.pc <= goal <= branch:
+        if one.address == loop.branch or not loop.first <= goal <= loop.branch:
             return True
     return False
 
 
-def _memory_read(cpu: ImageCpu, branch: int) -> list[int]:
+def _memory_read(cpu: ImageCpu, loop: LoopRange) -> list[int]:
     """Words of RAM that the loop reads, as far as its instructions say where they are."""
     found: list[int] = []
     dp: int | None = cpu.dp
     changed: set[str] = set()  # registers that are no longer as they are at its start
-    for one in _loop(cpu, branch):
+    for one in _loop(cpu, loop):
         field, dp_written = one.values.get("l", -1), "DP" in _places(one.encoding.writes)
         if "r" in one.encoding.accesses:
             address = _address(cpu, field, dp, changed)

@@ -420,6 +420,7 @@ class ImageCpu(Engine):
         """The service routine is entered: RPTB's RA waits in RAS."""
         self.timing.drain()
         self.polls.soil()
+        self.polls.routines += 1
         if self.due or self.due_flags:
             arrive(self)
         self.sp = self._core.sp
@@ -431,6 +432,8 @@ class ImageCpu(Engine):
     def restore(self, words: list[int]) -> None:
         """IRET: all of it from memory."""
         self.polls.soil()
+        if self.polls.routines:
+            self.polls.routines -= 1
         self.timing.drain()
         self.put_st0(words[0])
         self.put_t(words[1])

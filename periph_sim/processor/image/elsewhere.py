@@ -53,6 +53,7 @@ class Elsewhere:
         self._stored = FIXED | FLASH_RESET
         self._noted: set[str] = set()
         self._stubs: dict[int, int] = {}  # by address
+        self._to_come: list[int] = []  # addresses that a stub answers later
         self._flash = self._fetches(Content.FLASH)  # asked for at every jump there
 
     def fill(self, address: int, value: int) -> None:
@@ -62,8 +63,22 @@ class Elsewhere:
     def answer(self, address: int, value: int) -> None:
         """From now on a read of this word brings this value."""
         self._stubs[address] = value
+        if address in self._to_come:
+            self._to_come.remove(address)
         if self.changed is not None:
             self.changed()
+
+    def expect(self, address: int) -> None:
+        """A stub will answer for this word (`answer`)."""
+        self._to_come.append(address)
+
+    def will_answer(self, address: int) -> bool:
+        """Return True if a stub begins to answer for this word later."""
+        return address in self._to_come
+
+    def answer_of(self, address: int) -> int | None:
+        """Return what a stub answers for this word now; None if there is none."""
+        return self._stubs.get(address)
 
     def read(self, cycle: int, address: int) -> int:
         """A word. IllegalOperation where the chip has nothing, or what nobody can answer."""

@@ -9,7 +9,7 @@ from ..polling cimport Lease, Spin
 @cython.final
 cdef class Polls:
     cdef public bint asleep, clean, counting, replaying, skips, tracking
-    cdef public long long live_from
+    cdef public long long live_from, routines
     cdef public list elsewhere
     cdef public dict changed
     cdef dict _failed
@@ -19,7 +19,7 @@ cdef class Polls:
     cdef CpuTime _time
     cdef Lease _lease
     cdef Spin _spin
-    cdef long long _branch, _look_at, _most, _next, _passes, _period, _since, _started, _step
+    cdef long long _branch, _look_at, _most, _next, _outer_branch, _outer_since, _passes, _period, _since, _started, _step
     cpdef void forget(self)
     cpdef bint again(self, long long branch, long long cycle)
     @cython.locals(cycle=cython.longlong, period=cython.longlong, equal=cython.bint, seen=cython.bint)

@@ -33,13 +33,13 @@ class Polls:
 
     skips: passes that come out alike are skipped; else they are executed, and only the times are noted at which the
     program would have begun to sleep and been woken. asleep: between these. replaying: reads are answered as they were
-    up to the cycle `live_from`. elsewhere: words read that nothing models.
+    up to the cycle `live_from`. elsewhere: words read that nothing models. routines: service routines under way.
     """
 
     __slots__ = (
-        "_before", "_branch", "_core", "_failed", "_lease", "_look_at", "_most", "_next", "_passes", "_period",
-        "_since", "_spin", "_started", "_step", "_time", "_values", "asleep", "changed", "clean", "counting",
-        "elsewhere", "live_from", "replaying", "skips", "tracking",
+        "_before", "_branch", "_core", "_failed", "_lease", "_look_at", "_most", "_next", "_outer_branch",
+        "_outer_since", "_passes", "_period", "_since", "_spin", "_started", "_step", "_time", "_values", "asleep",
+        "changed", "clean", "counting", "elsewhere", "live_from", "replaying", "routines", "skips", "tracking",
     )  # fmt: skip
 
     def __init__(self, time: CpuTime, core: CpuInterrupts, skips: bool) -> None:
@@ -60,8 +60,9 @@ class Polls:
         """The program begins anew, or is over."""
         self._lease.end()
         self.asleep = self.tracking = self.clean = self.counting = self.replaying = False
-        self.live_from = 0
-        self._branch = -1
+        self.live_from = self.routines = 0
+        self._branch = self._outer_branch = -1
+        self._outer_since = 0
         self._passes = self._next = self._look_at = self._step = 0
         self._period = self._started = self._since = 0
         self._most = NEVER
@@ -72,6 +73,10 @@ class Polls:
         """A branch back is taken. True if it is time to look at the loop."""
         if branch != self._branch:
             self._branch, self._passes, self._since = branch, 0, cycle
+            if not self.routines:  # loops of service routines do not end the loop that they interrupt
+                if branch == self._outer_branch:
+                    self._since = self._outer_since
+                self._outer_branch, self._outer_since = branch, self._since
             self._look_at, self._step = FIRST_LOOK, 1
             self.tracking = self.counting = False
             return False

@@ -21,7 +21,7 @@ cdef class ImageProgram(Program):
     cdef long long _back, _counted, _pass
     cdef long long _jumps[8]
     cdef long long _jumped
-    cdef object _clock, _functions, _calls, _waits, _watch, _counting
+    cdef object _clock, _functions, _calls, _waits, _watch, _counting, _unmodelled
     cdef bint _sleeps(self)
     cdef object _sleeps_counting(self)
     cdef void _follow_wait(self)

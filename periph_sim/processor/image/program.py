@@ -24,15 +24,16 @@ from ..error_origin import FirmwareLost, InterruptFault
 from ..instruction_location import instruction_location
 from ..polling import Spin
 from ..processor import Processor
-from ..program import Program, Stop
+from ..program import InterruptedWait, Program, Stop
 from ..source_location import SourceLocation
-from .awaited import Awaited, awaited
+from .awaited import Awaited, LoopRange, awaited
 from .call_stack import CallListener, CallStack
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
 from .function_map import FunctionMap
 from .instruction_watch import InstructionWatch
 from .polls import FEWEST
+from .unmodelled_wait import UnmodelledWait
 from .variable_records import VariableRecords
 from .wait_records import IDLE, WaitRecords
 
@@ -66,6 +67,7 @@ class ImageProgram(Program):
         self._looks = False  # a loop has come to its begin again
         self._back = -1  # the branch that closed the last executed pass of a wait
         self._counted = self._pass = 0  # instructions up to there, and of a pass
+        self._unmodelled: UnmodelledWait | None = None  # the last wait that read nothing that is modelled
         self._counting: CountingLoop | None = None  # a pass of a loop is taken apart, or passes that count are skipped
         self._entry = entry
         self._at = entry  # the instruction that is executed, or was last
@@ -92,7 +94,7 @@ class ImageProgram(Program):
         self.returned_at = None
         self._ready = None
         self._executed = self._idle_began = self._looks = False
-        self.spin = self._counting = None
+        self.spin = self._counting = self._unmodelled = None
         self._at = self._entry
         if self._calls is not None:
             self._calls.began(self._entry, self._processor.time.cycle)
@@ -269,6 +271,10 @@ class ImageProgram(Program):
         if self._counting is not None and not polls.reads:
             return True  # it is no wait: nothing can end it before
         self.spin = spin
+        self._unmodelled = None
+        if self._counting is None and polls.elsewhere and not spin.made:
+            loop, cpu = LoopRange(self.cpu.pc, self._at), self.cpu
+            self._unmodelled = UnmodelledWait(spin.since, loop, cpu.sp, polls.routines, list(polls.elsewhere))
         self._asleep_at = self._clock.tick(polls.began)
         if self._waits is not None:
             self._waits.begins(self.waits_for(), self._processor.time.cycle, self.place() or "")
@@ -334,8 +340,16 @@ class ImageProgram(Program):
         return self._awaited().memory
 
     def _awaited(self) -> Awaited:
-        operands = [] if self.spin is None else self.spin.polls
-        return awaited(self.cpu, self._at, operands, self.cpu.polls.elsewhere, self._processor.name, self.image)
+        operands, loop = [] if self.spin is None else self.spin.polls, LoopRange(self.cpu.pc, self._at)
+        return awaited(self.cpu, loop, operands, self.cpu.polls.elsewhere, self._processor.name, self.image)
+
+    def interrupted_wait(self) -> InterruptedWait | None:
+        """See `Program.interrupted_wait`."""
+        wait = self._unmodelled
+        if self.spin is not None or wait is None or not wait.goes_on(self.cpu):
+            return None
+        found = awaited(self.cpu, wait.loop, [], wait.addresses, self._processor.name, self.image)
+        return InterruptedWait(wait.since, " and ".join(found.texts), self.place_at(wait.loop.branch), found.unanswered)
 
     def _slept(self) -> bool:
         """IDLE: over once an interrupt comes that IER enables."""
@@ -381,6 +395,8 @@ class ImageProgram(Program):
             taken = self._processor.interrupts.taken
             raise FirmwareLost(self._told(f"interrupt {taken} was taken, whose vector is 0"))
         interrupted = self.cpu.pc
+        if self._unmodelled is not None and not self._unmodelled.goes_on(self.cpu):
+            self._unmodelled = None
         self.cpu.begin_routine(vector)
         self._at = vector
         if self._calls is not None:

@@ -1,0 +1,40 @@
+"""A wait for what nothing models: its loop goes in; whether the program is still in it comes out, interrupts or not.
+
+asleep in the loop --interrupt--> service routine --IRET--> first passes of the loop --> asleep again
+                   |<------------------------- the wait goes on ------------------>|
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from .awaited import LoopRange
+from .cpu import ImageCpu
+
+LCR_WORDS = 2
+
+
+class UnmodelledWait(NamedTuple):
+    """since: the cycle at which it began. addresses: the words that it reads, none of which is modelled.
+
+    sp: the stack pointer in the loop. routines: service routines that were under way there.
+    """
+
+    since: int
+    loop: LoopRange
+    sp: int
+    routines: int
+    addresses: list[int]
+
+    def goes_on(self, cpu: ImageCpu) -> bool:
+        """Return True if the program is in the loop, in a function that it calls, or in a routine that interrupts it.
+
+        Call it at each entry of a service routine, too, and drop a wait that is over there.
+        """
+        routines = cpu.polls.routines
+        if routines != self.routines:
+            return routines > self.routines
+        first, branch = self.loop
+        if first <= cpu.pc <= branch:
+            return cpu.sp == self.sp
+        return cpu.sp > self.sp and first < cpu.rpc <= branch + LCR_WORDS

@@ -5,17 +5,26 @@ from __future__ import annotations
 import xml.etree.ElementTree as ElementTree
 from fractions import Fraction
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import pytest
 
+from periph_sim.replay import picture
+from periph_sim.replay.compare import Change, Divergence
 from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.i2c_master import I2cMasterReplay
 from periph_sim.replay.i2c_open_loop import I2cOpenReplay
+from periph_sim.replay.picture import Side, divergence_picture, last_agreed
 from periph_sim.replay.uart import LineFormat, UartReplay
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
+from periph_sim.traces.decode import i2c
+from periph_sim.traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick
 from tests.replay.slow import one_read, slow_case
+from tests.replay.test_compare import happened
+from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.make_traces import FOLDER
+from tests.traces.formats.writers import I2cWave
 
 CASES = Path(__file__).resolve().parents[2] / "timing"
 
@@ -65,3 +74,137 @@ def test_a_master_and_a_uart_are_drawn_too():
 def test_without_a_divergence_there_is_no_picture():
     player = I2cReplay(load(CASES / "responder.toml"), formats.read(FOLDER / "nack.sr"), "SCL", "SDA")
     assert player.picture(player.run()) is None
+
+
+# What is drawn, in numbers ------------------------------------------------------------
+
+
+class Drawn(NamedTuple):
+    """The arguments of `timing_diagram`."""
+
+    lanes: list[Lane]
+    window: tuple[float, float]
+    marks: list[Mark]
+    title: str
+    axis: str
+
+
+def drawn(monkeypatch: pytest.MonkeyPatch, *given: Any) -> Drawn:
+    calls: list[Drawn] = []
+    monkeypatch.setattr(picture, "timing_diagram", lambda *arguments: calls.append(Drawn(*arguments)))
+    divergence_picture(*given)
+    (call,) = calls
+    return call
+
+
+BOTH_AGREE = "0 is the last event that agrees, {:.6f} s in the capture, {:.6f} s in replay"
+
+
+@pytest.mark.parametrize(
+    ("times", "agreed", "window", "marks", "axis"),
+    [
+        ((12, 10), (11, 9), (-21, 14), "0 last agreed; 1 expected A, found B", BOTH_AGREE),
+        ((12, 10.5), (11, 9), (-21, 14.5), "0 last agreed; 1 expected A, found B", BOTH_AGREE),
+        ((12, 10.75), (11, 9), (-21, 14.75), "0 last agreed; 1 capture: A; 1.75 replay: B", BOTH_AGREE),
+        ((12, None), (11, 9), (-21, 14), "0 last agreed; 1 expected A, found B", BOTH_AGREE),
+        ((None, 11), (11, 9), (-20, 15), "0 last agreed; 2 expected A, found B", BOTH_AGREE),
+        ((71, 69.5), (11, 9), (16, 73.5), "0 last agreed; 60 expected A, found B", BOTH_AGREE),
+        ((11, 11), (11, 11), (-22, 13), "0 expected A, found B", "0 is 11.000000 s of the capture"),
+        ((3, 3), (0, 0), (-19, 16), "0 the capture begins; 3 expected A, found B", "0 is 0.000000 s of the capture"),
+        ((3, 3.5), (0, 1), (-19.5, 16), "0 last agreed; 3 expected A, found B", BOTH_AGREE),
+        ((3.5, 3), (1, 0), (-19.5, 16), "0 last agreed; 2.5 expected A, found B", BOTH_AGREE),
+    ],
+)
+def test_window_marks_and_axis_count_from_the_last_agreed_event_of_each_side(
+    monkeypatch, times, agreed, window, marks, axis
+):
+    """A bit lasts a second; 22 of them are shown before the divergence, 13 behind it, 44 at most before its first."""
+    sides = (Side(name, (), Fraction(4), 0, (), at) for name, at in zip(("capture", "replay"), agreed, strict=True))
+    call = drawn(monkeypatch, Divergence(3, "A", "B", *times), "title", *sides, 1.0)
+    assert (call.window, call.title, call.axis) == (window, "title", axis.format(*agreed))
+    assert "; ".join(f"{mark.at:g} {mark.text}" for mark in call.marks) == marks
+    assert [mark.wrong for mark in call.marks] == [not mark.text.endswith(("agreed", "begins")) for mark in call.marks]
+
+
+def read_of_12() -> formats.Capture:
+    """53 read: 12, not acknowledged; a position is a quarter of a second, and so of a bit."""
+    wave = I2cWave(2, 1)
+    wave.idle(8)
+    wave.start()
+    wave.byte(0xA7)
+    wave.byte(0x12, ack=False)
+    wave.stop()
+    wave.idle(4)
+    return of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4)
+
+
+def test_the_lanes_show_bytes_edges_flags_and_accesses_of_the_window(monkeypatch):
+    """The capture's last agreed event is at 11 s, the replay's at 9 s, and the window is from -4.5 s to 4.75 s."""
+    capture = read_of_12()
+    lines = tuple((name, capture.channel(name)) for name in ("SCL", "SDA"))
+    captured = Side("capture", lines, Fraction(4), 0, i2c.transfers(capture), 11.0)
+    replayed = Side("replay", lines[:1], Fraction(2), 2, i2c.transfers(capture), 9.0, (Fraction(8), 16))
+    history = (
+        Change(4.5, "I2C-A.I2CMDR.NACKMOD", 0),
+        Change(13.75, "I2C-A.I2CMDR.FREE", 1),
+        Change(4.25, "I2C-A.I2CMDR.IRS", 1),  # outside of the window: shown for those of ALWAYS only
+        Change(14.0, "I2C-A.I2CMDR.MST", 1),
+        Change(9.5, "I2C-A.I2CFFRX.RXFFST", 1),
+        Change(10.5, "I2C-A.I2CFFRX.RXFFST", 3),
+        Change(-50.0, "I2C-A.I2CSTR.AAS", 1),
+        Change(9.0, "W I2C-A.I2CDXR", 0x12),
+        Change(9.5, "R I2C-A.I2CDRR", 0xAB),
+        Change(9.6, "R I2C-A.I2CSTR", 0x1),
+        Change(90.0, "W I2C-A.I2CDXR", 0x13),
+        Change(11.0, "W I2C-A.I2CDXR", 0x14),
+    )
+    wrong = Divergence(3, "data read 12", "data read 13", 12.0, 10.5, "byte", history)
+    call = drawn(monkeypatch, wrong, "title", captured, replayed, 0.25)
+
+    def edges(name: str, rate: int, origin: int, agreed: int) -> tuple[tuple[float, int], ...]:
+        channel = capture.channel(name)
+        moved = [
+            ((at - origin) / rate - agreed, level) for at, level in zip(channel.edges, channel.levels, strict=True)
+        ]
+        return tuple((at, level) for at, level in moved if at <= 4.75)
+
+    assert call.window == (-4.5, 4.75)
+    assert edges("SDA", 4, 0, 11)[-1][0] == 4.75, "an edge at the window's end is in it"
+    assert call.lanes == [
+        Lane(
+            "bytes",
+            "capture",
+            BLUE,
+            boxes=(Box(-8, -0.8875, "53 read"), Box(0, 0.1125, "A"), Box(1, 8.1125, "12", True)),
+        ),
+        Lane("SCL", "capture", BLUE, 1, edges("SCL", 4, 0, 11)),
+        Lane("SDA", "capture", BLUE, 1, edges("SDA", 4, 0, 11)),
+        Lane(
+            "bytes",
+            "replay",
+            ORANGE,
+            boxes=(Box(-5, -1.3875, "12"), Box(-1, -0.8875, "N"), Box(-0.25, -0.25 + 0.1375, "P")),
+        ),
+        Lane("SCL", "replay", ORANGE, 1, edges("SCL", 2, 2, 9)),
+        Lane("AAS", "flags", BLACK, 0, ((-59, 1),)),
+        Lane("RXFFST", "flags", BLACK, boxes=(Box(0.5, 1.5, "1"), Box(1.5, 4.75, "3"))),
+        Lane("NACKMOD", "flags", BLACK, 1, ((-4.5, 0),)),
+        Lane("FREE", "flags", BLACK, 0, ((4.75, 1),)),
+        Lane("W I2CDXR", "firmware", GREY, ticks=(Tick(0, "12"), Tick(2, "14"))),
+        Lane("R I2CDRR", "firmware", GREY, ticks=(Tick(0.5, "AB"),)),
+    ]
+
+
+def test_nine_flags_and_nine_registers_are_drawn_at_most(monkeypatch):
+    history = [Change(1.0, f"I2C-A.R.F{number}", 1) for number in range(10)]
+    history += [Change(1.0, f"W I2C-A.R{number}", 1) for number in range(10)]
+    side = Side("replay", (), Fraction(1), 0, (), 0.0)
+    call = drawn(monkeypatch, Divergence(0, "A", "B", 1.0, 1.0, "byte", tuple(history)), "", side, side, 1.0)
+    assert [lane.name for lane in call.lanes] == [*(f"F{n}" for n in range(9)), *(f"W R{n}" for n in range(9))]
+
+
+@pytest.mark.parametrize(("index", "agreed"), [(0, (0, 0)), (1, (0, 0.5)), (2, (0.5, 1)), (3, (0, 0)), (4, (0, 0))])
+def test_the_last_agreed_event_has_its_time_on_each_side(index: int, agreed: tuple[float, float]):
+    """The replay is half a second late, and has two events of three."""
+    wrong = Divergence(index, "A", "B", None, None)
+    assert last_agreed(wrong, happened("START ACK STOP"), happened("START ACK", late=1)) == agreed

@@ -118,6 +118,13 @@ def test_samples_without_a_value_are_left_out(name: str, gone: float):
     assert errors(estimate(**samples), truth).total.max() < 0.5
 
 
+def test_the_first_attitude_depends_on_directions_and_not_on_lengths():
+    samples = still((0.3, -0.7, 2.0), 1)
+    for accel, mag, field in ((3, 1, 1), (1, 5, 1), (1, 1, 7)):
+        scaled = {"accel": samples["accel"] * accel, "mag": samples["mag"] * mag, "field": FIELD * field}
+        assert estimate(**samples | scaled) == pytest.approx(estimate(**samples), abs=1e-12)
+
+
 def test_nothing_in_nothing_out():
     assert estimate([], np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), FIELD).shape == (0, 4)
 
@@ -129,7 +136,7 @@ def test_nothing_in_nothing_out():
         ({"accel": np.zeros(3)}, r"accel has shape \(3,\)"),
         ({"seconds": [0, 1, 1]}, "one rising row"),
         ({"seconds": [0, np.nan, 1]}, "one rising row"),
-        ({"gyro": [[0, 0, 0], [0, np.inf, 0], [0, 0, 0]]}, r"gyro\[1\] is \[0.0, inf, 0.0\]"),
+        ({"gyro": [[0, 0, 0], [np.inf, 0, 0], [0, 0, 0]]}, r"gyro\[1\] is \[inf, 0.0, 0.0\]"),
         ({"field": [0, 0, 0]}, "not all of them 0"),
         ({"field": [0, 0]}, "expected north, east, down"),
         ({"field": [0, 0, 1]}, "gravity and field are parallel"),

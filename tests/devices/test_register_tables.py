@@ -34,6 +34,14 @@ def test_the_map_is_the_data_sheets(kind: type[RegisterChip], table: str):
     assert all(register.source for register in kind.MAP)
 
 
+def test_addresses_are_those_of_the_data_sheets():
+    assert {kind.__name__: kind.ADDRESSES for kind, _ in CHIPS} == {
+        "Adxl345": (0x53, 0x1D),
+        "Itg3200": (0x68, 0x69),
+        "Hmc5883l": (0x1E,),
+    }
+
+
 @pytest.mark.parametrize(("kind", "table"), CHIPS)
 def test_every_register_reads_its_power_on_value_over_the_bus(kind: type[RegisterChip], table: str):
     bench = Bench(chip_of(kind), begin=30_000_000)  # after 30 ms: accessible, and the gyroscopes not yet started up

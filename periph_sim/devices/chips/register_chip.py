@@ -33,7 +33,8 @@ class RegisterChip:
     """address: seven bits. stored: register number -> value. notes: since the owner last cleared it.
 
     touched: open questions on whose option something depended that was read, or that the bus saw.
-    powered: the tick at which the supply came. ready: the tick from which on it acknowledges its address.
+    powered: the tick at which the supply came. ready: seconds after it, then the tick from which on the chip
+    acknowledges its address.
     """
 
     MAP: RegisterMap
@@ -48,7 +49,6 @@ class RegisterChip:
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self.timebase = timebase
-        self.powered = powered
         self.ready = self.after(powered, ready)
 
     # What a RegisterPointer asks ------------------------------------------------

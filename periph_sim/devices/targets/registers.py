@@ -136,15 +136,11 @@ class RegisterDevice:
             if self._byte < table.width // 8:
                 return
             self._byte = 0
-            if not settings.auto_increment:
-                self._taken = None  # its bytes come again, with the value that it has then
         if settings.auto_increment:
             self._pointer += 1
             end = max(self._cells) + 1 if settings.wrap == "map" else 1 << 8 * settings.pointer_bytes
             if self._pointer >= end:
                 self._pointer = min(self._starts) if settings.wrap == "map" else 0
-        elif settings.pointer_counts == "bytes":
-            self._taken = None
 
     # Updates and the pin -----------------------------------------------------------
 

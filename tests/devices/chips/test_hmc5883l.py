@@ -174,6 +174,36 @@ def test_lock_keeps_new_data_out(how: str, release: str):
     assert chip.stored[DATA + 1] > 1
 
 
+def test_all_six_have_to_be_read_anew_after_they_were_read():
+    chip = Hmc5883l(TIMEBASE, steady(0, 0, 0))
+    chip.write(0, MODE, CONTINUOUS)
+    locked = []
+    for number in [*range(DATA, DATA + 6)] * 2:
+        chip.read(tick(2), number)
+        locked.append(chip.read(tick(2), STATUS) & LOCK)
+    assert locked == ([LOCK] * 5 + [0]) * 2
+
+
+@pytest.mark.parametrize(
+    ("mode", "cra", "end"),
+    [
+        (CONTINUOUS, 0x30, 2 * PERIOD),  # more samples in an average: the rate stays
+        (CONTINUOUS, 0x14, 5 * MS + Fraction(2 * SECOND, 30)),  # 30 Hz: a new measurement begins
+        (SINGLE, 0x14, 6 * MS),
+    ],
+)
+def test_only_a_new_rate_in_continuous_mode_gives_up_a_measurement(mode: int, cra: int, end: Fraction):
+    """CRA is written 5 ms after the mode."""
+    source = Asked()
+    chip = Hmc5883l(TIMEBASE, source)
+    chip.write(SECOND, MODE, mode)
+    chip.write(SECOND + 5 * MS, CRA, cra)
+    chip.catch_up(SECOND - (-end // 1) - 1)
+    assert source.at == []
+    chip.catch_up(SECOND - (-end // 1))
+    assert source.at[0] == SECOND - (-end // 1)
+
+
 @pytest.mark.parametrize(("ma", "number"), [(0, 1), (1, 2), (2, 4), (3, 8)])
 def test_averages_are_spread_over_the_period(ma: int, number: int):
     source = Asked()

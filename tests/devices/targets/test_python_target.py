@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from periph_sim.processor.error_origin import FirmwareError
-from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.case.model import BadCase, Case
+from periph_sim.scene.case.origin import Source
+from periph_sim.scene.scene import Scene
 from tests.devices.targets.bus_of import Bus
 
 US = 1_000  # ticks
@@ -84,6 +86,36 @@ def test_it_knows_the_time_stretches_calls_later_and_notes(tmp_path: Path):
     assert bus.do("42 R 1") == "42 09"
     assert bus.notes("mine")[0].startswith("log: write at 20 us, read at ")
     assert bus.notes("mine")[-1].split(", ")[2] == "later"
+
+
+PINS = """\
+class Device:
+    def __init__(self, bus):
+        self.pin = bus.pin("DRDY")
+
+    def on_write(self, level):
+        self.pin.drive(level)
+
+    def on_read(self):
+        return self.pin.level
+"""
+
+
+def test_its_pins_drive_wires_and_show_their_levels(tmp_path: Path):
+    unit = {"firmware": "responder", "modules": ["I2C-A", "GPIO"], "pins": {"DRDY": 12}}
+    (tmp_path / "mine.py").write_text(PINS, encoding="utf-8")
+    tables = {"name": "x", "duration": "1 s", "unit": {"dsp": unit}, "device": {"mine": {"model": "mine.py"}}}
+    tables["device"]["mine"]["address"] = 0x42
+    scene = Scene(Case.model_validate(tables).from_source(Source(tmp_path / "case.toml", "")))
+    target = scene.devices["mine"].target
+    shown = []
+    for level in (0, 1):
+        target.hears(0, level)
+        scene.kernel.run_until(scene.kernel.now)
+        shown.append((scene.wires["DRDY"].level, target.sends(0)))
+    assert shown == [(0, 0), (1, 1)]
+    with pytest.raises(FirmwareError, match=r"line 6 of mine\.py: drive was given 2; expected 0 or 1"):
+        target.hears(0, 2)
 
 
 @pytest.mark.parametrize(

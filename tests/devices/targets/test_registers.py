@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -102,6 +103,36 @@ def test_a_value_that_changes_between_its_bytes_is_read_whole():
     bus = device({"name": "COUNT", "at": 0, "width": 16, "every": "1 us", "values": [0x0100, 0x01FF] * 500})
     reads = [bus.do("48 W 00 Sr 48 R 2")[-5:] for _ in range(4)]
     assert set(reads) <= {"01 00", "01 ff"}
+
+
+@pytest.mark.parametrize(("width", "counts"), [(8, "bytes"), (16, "registers")])
+def test_a_register_that_the_pointer_stays_on_is_read_anew_each_time(width: int, counts: str):
+    register = {"name": "COUNT", "at": 0, "width": width, "every": "1 us", "step": 1}
+    read = device(register, auto_increment=False, pointer_counts=counts).do("48 W 00 Sr 48 R 6")
+    data = bytes.fromhex(read.partition(" Sr 48 ")[2])
+    words = [data[place : place + width // 8] for place in range(0, 6, width // 8)]
+    assert len(set(words)) == len(words)
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("0xff", ""),
+        ("0", ""),
+        ("0x100", "steps.csv, line 2: 0x100 does not fit the 8 bits of R"),
+        ("-1", "steps.csv, line 2: -0x1 does not fit the 8 bits of R"),
+        ("x", "steps.csv, line 2: '1 ms,x' is no time and value; write for instance 5 ms,0x12"),
+    ],
+)
+def test_the_values_of_a_file_have_to_fit_their_register(value: str, said: str, tmp_path: Path):
+    (tmp_path / "steps.csv").write_text(f"at,value\n1 ms,{value}\n")
+    if not said:
+        bus = device({"name": "R", "at": 0, "updates": "steps.csv"}, folder=tmp_path)
+        bus.wait(2 * MS)
+        assert bus.do("48 W 00 Sr 48 R 1")[-2:] == f"{int(value, 0):02x}"
+        return
+    with pytest.raises(BadCase, match=re.escape(said)):
+        device({"name": "R", "at": 0, "updates": "steps.csv"}, folder=tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -136,6 +136,14 @@ def test_registers_that_it_does_not_have_are_noted():
     ]
 
 
+def test_an_address_beyond_its_registers_counts_modulo_their_number():
+    bus = unlocked()
+    bus.do("6f W 01 45 aa")
+    bus.wait(10 * MS)
+    assert bus.do("6f W 00 05 Sr 6f R 1").split()[-1] == "aa"
+    assert bus.do("6f W 02 05 Sr 6f R 1").split()[-1] == "aa"
+
+
 def test_registers_go_there_and_back():
     for hour in range(24):
         for whole_day in (True, False):

@@ -40,6 +40,7 @@ def test_addresses_are_those_of_the_data_sheets():
         "Itg3200": (0x68, 0x69),
         "Hmc5883l": (0x1E,),
     }
+    assert all(chip_of(kind).address == kind.ADDRESSES[0] for kind, _ in CHIPS)
 
 
 @pytest.mark.parametrize(("kind", "table"), CHIPS)

@@ -40,6 +40,7 @@ def test_rounds_come_every_period_each_request_after_the_gap():
     ]
     assert [(r.transfers, r.nacked) for r in rounds] == [(2, 2)] * 2
     assert [t.phases[0].start_at for t in desk.transfers] == [100, 550, 2100, 2550]
+    assert desk.head.who == desk.rig.controller.who
 
 
 def test_a_gap_shorter_than_the_bus_free_time_is_the_bus_free_time():

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from periph_sim.core.records import Kind
 from periph_sim.outside import OutsideError
 from periph_sim.outside.errors import ArbitrationLost
 from periph_sim.outside.session import Session
@@ -45,6 +46,51 @@ def test_its_rate_is_that_of_scl(rate: str, least: int, most: int) -> None:
     begin = session.now
     assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
     assert least <= (session.now - begin) * 1_000_000 / session.ticks_per_second <= most
+
+
+def edges_of(bits: str, half: int, hold: int) -> tuple[list[tuple[int, str, int]], int]:
+    """The edges of "S 0110 Sr 1 P", and when it is over; ticks from the START."""
+    edges, at, sda = [], 0, 1
+
+    def move(tick: int, line: str, level: int) -> None:
+        edges.append((tick, line, level))
+
+    for part in bits.replace("Sr", "R").replace(" ", ""):
+        if part != "S":  # SCL fell at `at`; a repeated START needs SDA high before, a STOP needs it low
+            level = {"R": 1, "P": 0}.get(part, part)
+            if int(level) != sda:
+                sda = int(level)
+                move(at + hold, "SDA", sda)
+            at += half
+            move(at, "SCL", 1)
+            at += half
+        if part in "SRP":
+            sda = int(part == "P")
+            move(at, "SDA", sda)
+            at += half
+        if part != "P":
+            move(at, "SCL", 0)
+    return edges, at
+
+
+@pytest.mark.parametrize(
+    ("rate", "half", "hold"), [("100 kHz", 15_000, 900), ("1 MHz", 1500, 750), ("5 MHz", 300, 150)]
+)
+def test_every_edge_is_where_the_rate_puts_it(rate: str, half: int, hold: int) -> None:
+    """Half a period low, half high, SDA 300 ns behind SCL's fall or in the middle of its low time. Nobody answers."""
+    session, records = bus()
+    master, begin = session.i2c, session.now
+    assert session.ticks_per_second == 3_000_000_000
+    master.rate = rate
+    assert (master.rate, master.reads, master.writes) == (rate, False, False)
+    assert not master.start(0x33) and master.writes and not master.reads
+    assert master.bits(0, 1, 1) == [0, 1, 1]
+    assert not master.start(0x33, read=True) and master.reads and not master.writes
+    assert [master.read(ack=True), master.read(ack=False)] == [0xFF, 0xFF]
+    master.stop()
+    made = [(one.tick - begin, one.where, one.value) for one in records.kept if one.kind is Kind.EDGE]
+    expected, over = edges_of("S 01100110 1 011 Sr 01100111 1 11111111 0 11111111 1 P", half, hold)
+    assert (made, session.now - begin, master.held) == (expected, over, False)
 
 
 @pytest.mark.parametrize("rate", ["0 Hz", "fast", "-1 Hz", "10 GHz"])
@@ -90,6 +136,7 @@ def test_a_line_that_others_hold_is_told_with_their_names() -> None:
     session.advance(session.ticks("2 ms") + 10)
     with pytest.raises(OutsideError, match=r"SCL is held low by .* for more than 25 ms; the bus was let go"):
         session.i2c.start(0x50)
+    assert session.now == session.ticks("27 ms") + 10 + 1
     session.advance(session.ticks("110 ms"))
     assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
 

@@ -68,6 +68,11 @@ def refusal(folder: Path, old: str, new: str) -> str:
         ),
         (
             MEMORY,
+            "model = '24lc02'\naddress = 0x51",
+            "line 10: device.memory.address: 24lc02 has no address 0x51; it can have 0x50",
+        ),
+        (
+            MEMORY,
             f"{MEMORY}\naddress = 0x80",
             "line 10: device.memory.address: expected 0 to 127",
         ),

@@ -30,7 +30,7 @@ from .smbus import MOST_BLOCK, SmbusTransfer
 RETRIES, TIMEOUT = 0x701, 0x702
 SLAVE, TENBIT, FUNCS, SLAVE_FORCE, RDWR, PEC, SMBUS = 0x703, 0x704, 0x705, 0x706, 0x707, 0x708, 0x720
 QUICK, BYTE, BYTE_DATA, WORD_DATA, PROC_CALL, BLOCK_DATA, BLOCK_PROC_CALL, I2C_BLOCK = 0, 1, 2, 3, 4, 5, 7, 8
-FUNCTIONS = 0x1 | 0x8 | 0x8000 | 0x0EFF_0000  # plain I2C; PEC; block process call; SMBus of all kinds
+FUNCTIONS = 0x1 | 0x8 | 0x8000 | 0x0FFF_0000  # plain I2C; PEC; block process call; SMBus of all kinds
 READS = 1  # read_write of an SMBus transfer; the same bit of a message's flags
 FIRST_FILE = 1 << 20  # no process has so many files
 

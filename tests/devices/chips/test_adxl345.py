@@ -219,6 +219,18 @@ def test_bypass_empties_the_fifo():
     assert bench.read(FIFO_STATUS)[0] == 0
 
 
+@pytest.mark.parametrize("mode", [0x00, 0x40, 0x80, 0xC0])
+def test_only_another_mode_forgets_what_was_overrun_and_triggered(mode: int):
+    for written, kept in ((mode | 9, True), (mode ^ 0x40, False)):
+        _, chip = counting(mode | 4)
+        chip.trigger(after(3))
+        before = chip.read(after(60), INT_SOURCE) & OVERRUN, chip.read(after(60), FIFO_STATUS) & 0x80
+        assert before == (OVERRUN, 0x80 * (mode == 0xC0))
+        chip.write(after(60), FIFO_CTL, written)
+        found = chip.read(after(60), INT_SOURCE) & OVERRUN, chip.read(after(60), FIFO_STATUS) & 0x80
+        assert found == (before if kept else (0, 0))
+
+
 def test_a_burst_of_fewer_bytes_loses_the_rest_of_its_sample():
     bench, _ = counting(0x40)
     bench.kernel.run_until(after(3))

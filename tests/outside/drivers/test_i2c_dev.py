@@ -11,7 +11,16 @@ from typing import Any
 import pytest
 
 from periph_sim.outside.drivers import i2c_dev
-from periph_sim.outside.drivers.i2c_dev import RETRIES, SLAVE, TENBIT, TIMEOUT
+from periph_sim.outside.drivers.i2c_dev import (
+    BLOCK_DATA,
+    BLOCK_PROC_CALL,
+    I2C_BLOCK,
+    RETRIES,
+    SLAVE,
+    SMBUS,
+    TENBIT,
+    TIMEOUT,
+)
 from tests.outside.test_i2c_master import beside_another_controller
 from tests.outside.test_register_slave import slave
 
@@ -41,6 +50,55 @@ def test_bytes_words_and_blocks(number_1: Any) -> None:
     assert bus.process_call(0x20, 0x40, 0x1234) == 0
     bus.write_quick(0x20)
     assert bus.block_process_call(0x20, 0x20, [9]) == [9, 0, 0, 0, 0, 0, 0, 0]
+
+
+def test_it_says_that_it_can_do_what_it_does(number_1: Any) -> None:
+    every = smbus2.I2cFunc
+    cannot = every.ADDR_10BIT | every.PROTOCOL_MANGLING | every.NOSTART | every.SLAVE | every.SMBUS_HOST_NOTIFY
+    assert number_1.funcs == sum(every) & ~cannot
+
+
+@pytest.mark.parametrize("length", [1, 32])
+def test_blocks_have_1_to_32_bytes(number_1: Any, length: int) -> None:
+    bus, data = number_1, [*range(100, 100 + length)]
+    bus.write_block_data(0x20, 0x40, data)
+    assert bus.read_block_data(0x20, 0x40) == data
+    assert bus.read_i2c_block_data(0x20, 0x41, length) == data
+    bus.write_i2c_block_data(0x20, 0x80, data)
+    assert bus.read_i2c_block_data(0x20, 0x80, length) == data
+    bus.write_byte_data(0x20, 0x40, 33)
+    with pytest.raises(OSError, match="a block of 33 bytes came; expected 1 to 32") as refused:
+        bus.read_block_data(0x20, 0x40)
+    assert refused.value.errno == errno.EPROTO
+
+
+@pytest.mark.parametrize("length", [0, 33])
+def test_a_block_of_another_length_is_refused_before_it_is_sent(length: int) -> None:
+    session = slave(address=0x20)
+    with i2c_dev({1: session}, pause="0 us"), smbus2.SMBus(1) as bus:
+        before = session.now
+        for size, write in ((BLOCK_DATA, 0), (I2C_BLOCK, 0), (I2C_BLOCK, 1), (BLOCK_PROC_CALL, 0)):
+            asked = smbus2.smbus2.i2c_smbus_ioctl_data.create(read_write=write, command=1, size=size)
+            asked.data.contents.block[0] = length
+            fcntl.ioctl(bus.fd, SLAVE, 0x20)
+            with pytest.raises(OSError, match=f"a block of {length} bytes; expected 1 to 32") as refused:
+                fcntl.ioctl(bus.fd, SMBUS, asked)
+            assert refused.value.errno == errno.EINVAL
+        assert session.now == before
+
+
+def test_transfers_and_flags_that_there_are_none_of(number_1: Any) -> None:
+    asked = smbus2.smbus2.i2c_smbus_ioctl_data.create(size=9)
+    fcntl.ioctl(number_1.fd, SLAVE, 0x20)
+    message = smbus2.i2c_msg.write(0x20, [1])
+    message.flags = 0x10  # ten bits
+    for call, said in (
+        (lambda: fcntl.ioctl(number_1.fd, SMBUS, asked), "no SMBus transfer: 9"),
+        (lambda: number_1.i2c_rdwr(message), "flags 0x10 of a message; only reading is one here"),
+    ):
+        with pytest.raises(OSError, match=said) as refused:
+            call()
+        assert refused.value.errno == errno.EOPNOTSUPP
 
 
 def test_messages_with_repeated_starts(number_1: Any) -> None:

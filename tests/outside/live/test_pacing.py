@@ -52,6 +52,36 @@ def test_lateness_is_counted_never_silent() -> None:
     assert len(pacer.text()) == 1 + 4
 
 
+@pytest.mark.parametrize(
+    ("when_late", "last"),
+    [("slip", "later than 50 ms: 2 times, 2 slips"), ("catch-up", "later than 50 ms: 2 times, caught up")],
+)
+def test_the_histogram_in_words(when_late: str, last: str) -> None:
+    pacer, clock = paced(when_late=when_late)
+    for tick, lateness in enumerate([0.0, 0.00009, 0.00011, 0.0499, 0.0501, 2.0], start=1):
+        late_by(pacer, clock, 10_000 * tick, lateness)
+    assert pacer.counts == [2, 1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 1]
+    assert pacer.percentile(0.99) == pacer.worst == pytest.approx(2.0)
+    assert pacer.text() == [
+        "lateness: 99 % of 6 steps within 2e+03 ms, worst 2e+03 ms",
+        "         2  up to 0.1 ms",
+        "         1  up to 0.2 ms",
+        "         1  up to 50 ms",
+        "         1  up to 100 ms",
+        "         1  beyond 1e+03 ms",
+        last,
+    ]
+
+
+def test_time_that_was_not_waited_for_is_not_late() -> None:
+    clock = Clock()
+    pacer = Pacer(1000, Fraction(2), "slip", clock)
+    pacer.reached(5000)
+    assert pacer.counts == [0] * 12
+    assert pacer.wait(3000) == 0.0, "the clock starts with the first call, whatever tick that is of"
+    assert pacer.wait(4000) == pytest.approx(0.5)
+
+
 def test_slip_leaves_it_behind_and_catch_up_does_not() -> None:
     for when_late, wait in (("slip", 0.1), ("catch-up", 0.0)):
         pacer, clock = paced("1", when_late)

@@ -6,6 +6,10 @@ import json
 
 import pytest
 
+from periph_sim.core.records import UNHEARD, Kind, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.devices.sensor_rounds import Round
+from periph_sim.outside.live.view.last_round import LastRound
 from periph_sim.outside.live.view.status import Status
 from tests.outside.live.view.imu import FRAME, Imu
 
@@ -42,6 +46,10 @@ def test_a_snapshot_tells_counts_rates_readings_and_attitude() -> None:
         ("magnetometer", "gauss"),
     ]
     assert told["attitude"] == pytest.approx([17.2, -11.5, 57.3], abs=1.5)  # by the noise and the codes of 10 bits
+    values = {one["chip"]: one["values"] for one in told["readings"]}
+    assert [value * 115 / 8 for value in values["gyroscope"]] == pytest.approx([-44, 51, 1])
+    assert [value * 256 for value in values["accelerometer"]] == pytest.approx([-59, -72, -241])
+    assert [value * 660 for value in values["magnetometer"]] == pytest.approx([-16, -79, 31])
     assert told["flags"] == []
     assert json.loads(json.dumps(told)) == told
 
@@ -56,12 +64,44 @@ def test_budgets_and_lateness_so_far() -> None:
         "half": ("pass", "p50 10 us"),
         "none yet": ("", "3 %"),
     }
-    assert told["budgets"][0]["seen"] == "2.620 ms" and told["budgets"][3]["seen"] == "-"
+    seen = [(one["seen"], one["margin"]) for one in told["budgets"]]
+    assert seen == [("2.620 ms", "380.000 us"), ("2.620 ms", "-2.619 ms"), ("5.000 us", "5.000 us"), ("-", "-")]
     late = told["lateness"]
-    assert late is not None and sum(late["counts"]) == 5 and len(late["counts"]) == len(late["steps"]) + 1
-    assert late["worst"] == pytest.approx(0.081) and (late["late"], late["when_late"]) == (2, "catch-up")
+    assert late is not None and late.pop("worst") == pytest.approx(0.081)
+    assert late == {
+        "steps": [0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 1.0],
+        "counts": [0, 0, 0, 1, 0, 0, 0, 0, 2, 2, 0, 0],
+        "p99": 0.1,
+        "late": 2,
+        "slips": 0,
+        "tolerated": 0.05,
+        "when_late": "catch-up",
+    }
     imu.status._percentiles["half"] = (0.0, {**told["budgets"][2], "seen": "looked at before"})
     assert imu.status.snapshot()["budgets"][2]["seen"] == "looked at before"
+
+
+def test_rates_are_those_of_the_last_two_seconds_and_sentences_the_last_three() -> None:
+    """A snapshot each second of the clock, half a second of the session; 100 bytes are sent in the first."""
+    imu, shown = Imu(), []
+    imu.line.write(bytes(100))
+    for number in range(6):
+        imu.status.say(f"{number}")
+        shown.append(imu.status.snapshot())
+        imu.passes("500 ms")
+    rates = [one["rates"].get("SCI bytes in") for one in shown]
+    assert rates == [None, 200.0, 100.0, 0.0, 0.0, 0.0]
+    assert [one["said"] for one in shown[2:4]] == [["0", "1", "2"], ["1", "2", "3"]]
+    assert imu.status.snapshot(over=True)["over"]
+
+
+def test_a_percentile_is_looked_at_every_ten_seconds() -> None:
+    imu = watched()
+    told = imu.status.snapshot()["budgets"][2]
+    old = {**told, "seen": "looked at before"}
+    for since, seen in ((9.99, "looked at before"), (10.0, "5.000 us")):
+        imu.status._percentiles["half"] = (imu.status._clock() - since, old)
+        assert imu.status.snapshot()["budgets"][2]["seen"] == seen
 
 
 def test_flags_that_stand_are_named() -> None:
@@ -95,6 +135,41 @@ def test_the_wave_of_the_last_round() -> None:
     assert lines["SCL"]["first"] == 1 and len(lines["SCL"]["edges"]) == clocks
     for line in wave["lines"]:
         assert line["edges"] == sorted(line["edges"]) and all(0 <= at <= wave["length"] for at in line["edges"])
+
+
+def test_the_edges_of_a_round_are_those_from_20_us_before_to_20_us_behind() -> None:
+    """
+    at  -21  -20   -1    0   50  100  120  121 us of a round from 0 to 100, which begins 1 ms after the run
+    A     0    1         0              1    0
+    B                               0
+    C                                        0
+    D     1    0
+    """
+    wave = LastRound(("A", "B", "C", "D"))
+    wave.subscribe(Recorder(), Timebase(150_000_000))
+    us, began = 3000, 5_000_000
+    edges = [(-21, 0, 0), (-21, 3, 1), (-20, 0, 1), (-20, 3, 0), (0, 0, 0), (100, 1, 0), (120, 0, 1), (121, 0, 0)]
+    for at, line, level in [*edges, (121, 2, 0)]:
+        wave.hear(line, began + at * us, level)
+    wave._round(Round(7, began, began, began + 100 * us))
+    assert wave.wave(began - 1000 * us) == {
+        "of": "round 7",
+        "at_s": 0.00098,
+        "length": 140.0,
+        "lines": [
+            {"name": "A", "first": 0, "edges": [0.0, 20.0, 140.0]},
+            {"name": "B", "first": 1, "edges": [120.0]},
+            {"name": "D", "first": 1, "edges": [0.0]},
+        ],
+    }
+    alone = LastRound(("RX",))
+    alone.subscribe(Recorder(), Timebase(150_000_000))
+    assert alone.wave(0) is None
+    for at, level in ((10_000, 0), (12_000, 1)):
+        alone.hear(alone.tag_of(Kind.EDGE, "RX", "level"), at * us, level)
+    lines = [{"name": "RX", "first": 1, "edges": [20.0, 2020.0]}]
+    assert alone.wave(0) == {"of": "the serial lines", "at_s": 0.00998, "length": 2040.0, "lines": lines}
+    assert alone.tag_of(Kind.EDGE, "TX", "level") == UNHEARD
 
 
 def test_without_rounds_it_is_what_the_serial_lines_did() -> None:

@@ -1,0 +1,48 @@
+"""Bytes that wait for a client: the last so many of them, handed over as far as there is room."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.outside.live import backlog
+from periph_sim.outside.live.backlog import Backlog, left_there
+
+
+def test_what_is_beyond_its_size_is_given_up_and_counted() -> None:
+    waiting = Backlog(5)
+    waiting.add(b"abcde")
+    assert (waiting.lost, len(waiting)) == (0, 5)
+    waiting.add(b"fg")
+    assert (waiting.lost, waiting.take(2), waiting.take(9), len(waiting)) == (2, b"cd", b"efg", 0)
+    waiting.add(b"hi")
+    waiting.clear()
+    assert (waiting.lost, waiting.take(1)) == (2, b"")
+
+
+@pytest.mark.parametrize("room", [BlockingIOError(), 0])
+def test_it_is_handed_over_in_pieces_as_long_as_there_is_room(monkeypatch: pytest.MonkeyPatch, room: object) -> None:
+    monkeypatch.setattr(backlog, "AT_ONCE", 4)
+    waiting, offered, taken = Backlog(), [], iter([4, 1, room])
+    waiting.add(b"abcdefg")
+
+    def take(data: bytes) -> int:
+        offered.append(data)
+        count = next(taken)
+        if isinstance(count, BlockingIOError):
+            raise count
+        return count
+
+    waiting.give(take)
+    assert offered == [b"abcd", b"efg", b"fg"]
+    assert waiting.take(9) == b"fg"
+
+
+def test_its_sizes() -> None:
+    assert (backlog.MOST, backlog.AT_ONCE, backlog.MOST_HELD) == (1 << 20, 4096, 16 << 20)
+
+
+def test_bytes_that_a_system_holds_are_counted_up_to_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    pieces = iter([b"abc", b"d", b""])
+    assert left_there(lambda: next(pieces)) == 4
+    monkeypatch.setattr(backlog, "MOST_HELD", 10)
+    assert left_there(lambda: b"12345") == 10

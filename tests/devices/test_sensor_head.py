@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import partial
+from typing import Any
 
 import pytest
 
@@ -18,9 +19,13 @@ PLAIN = Request("plain", 0x10, None, 2)
 
 
 class Desk:
-    def __init__(self, schedule: Schedule, requests: list[Request], by_stop: bool = False, seed: int = 0) -> None:
+    def __init__(self, schedule: Schedule, requests: list[Request], **more: Any) -> None:
         self.rig = I2cRig()
-        self.head = SensorHead(self.rig.kernel, self.rig.controller, requests, schedule, by_stop=by_stop, seed=seed)
+        self.head = SensorHead(self.rig.kernel, self.rig.controller, requests, schedule, **more)
+        self.dues: list[int] = []
+        self.missed: list[int] = []
+        self.head.on_due.append(self.dues.append)
+        self.head.on_missed.append(self.missed.append)
         self.rounds: list[Round] = []
         self.transfers: list[Transfer] = []
         self.head.on_round.append(self.rounds.append)
@@ -54,6 +59,23 @@ def test_a_round_due_while_the_last_one_runs_is_missed():
     rounds = desk.run(10_000)
     assert [r.number for r in rounds] == [1, 3, 5]
     assert (desk.head.missed, desk.head.rounds) == (2, 3)
+    assert desk.dues == [number * (NACKED - 1) for number in range(5)]
+    assert desk.missed == [NACKED - 1, 3 * (NACKED - 1)]
+
+
+@pytest.mark.parametrize(("more", "begin", "missed"), [({}, 2000, 1), ({"ahead": 4 * NACKED}, 2000 - 4 * NACKED, 0)])
+def test_chips_are_set_up_ahead_of_the_first_round_and_that_is_no_round(more: dict[str, int], begin: int, missed: int):
+    desk = Desk(
+        Schedule(first=2000, period=4000, gap=0, rounds=2, **more), [PLAIN], startup=[GYRO, PLAIN], by_stop=True
+    )
+    assert desk.head.at_rest
+    desk.run(begin)
+    assert not desk.head.at_rest
+    rounds = desk.run(10_000)
+    assert desk.head.at_rest and desk.head.missed == missed
+    assert [one.number for one in rounds] == [1, 2][missed:]
+    assert [one.name for one in desk.transfers[:4]] == ["gyroscope", "gyroscope", "plain", "plain"]
+    assert desk.transfers[0].phases[0].start_at == begin
 
 
 def test_a_round_held_up_by_a_stretching_slave_makes_the_next_one_missed():
@@ -68,6 +90,7 @@ def test_a_round_held_up_by_a_stretching_slave_makes_the_next_one_missed():
 def test_jitter_comes_from_the_seed_alone_and_does_not_add_up():
     schedule = Schedule(first=0, period=2000, gap=0, jitter=900, rounds=20)
     starts = [r.start for r in Desk(schedule, [PLAIN], seed=1).run(60_000)]
+    assert Desk(schedule, [PLAIN]).run(60_000) == Desk(schedule, [PLAIN], seed=0).run(60_000)
     assert starts == [r.start for r in Desk(schedule, [PLAIN], seed=1).run(60_000)]
     assert starts != [r.start for r in Desk(schedule, [PLAIN], seed=2).run(60_000)]
     late = [start - 2000 * n for n, start in enumerate(starts)]

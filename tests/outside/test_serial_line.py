@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
+from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from periph_sim.core.records import Kind
 from periph_sim.firmware import start_sci
 from periph_sim.outside import OutsideError
 from periph_sim.outside.serial_line import SerialLine
 from periph_sim.outside.session import Session
 from periph_sim.scene.firmware_loader import Firmware
-from tests.outside.sessions import case
+from tests.outside.sessions import Records, case
 
 LINES = ("RX", "TX")
 FE, PE = 0x10, 0x04  # of SCIRXST
@@ -144,6 +148,109 @@ def test_much_that_waits_is_bytes_and_no_events() -> None:
     later(session, "1 ms")
     assert session.scene.kernel.events - before < 2_000
     assert 999_980 < line.waiting < 1_000_000
+
+
+# Edges, tick by tick ----------------------------------------------------------------
+
+BIT = Fraction(3_000_000_000, 115_200)  # ticks
+
+
+def quiet(form: str = "8n1") -> tuple[Session, SerialLine, Records]:
+    """A session at 1 ms whose firmware does nothing about what comes."""
+    records = Records()
+    session = Session(case("uart_logger", ("SCI-A",)), LINES, subscribe=records.subscribe)
+    line = session.serial("scia", form=form)
+    later(session, "1 ms")
+    return session, line, records
+
+
+def edges_of_rx(records: Records) -> list[tuple[int, int]]:
+    """(tick, level), from 1 ms on."""
+    return [(one.tick - 3_000_000, one.value) for one in records.kept if (one.kind, one.where) == (Kind.EDGE, "RX")]
+
+
+def edges_of(levels: str, begin: int = 0) -> list[tuple[int, int]]:
+    """The edges of levels that hold for a bit each, behind a high line; each at the tick in which it comes."""
+    bits = "1" + levels.replace(" ", "")
+    return [(int(begin + place * BIT), int(level)) for place, level in enumerate(bits[1:]) if level != bits[place]]
+
+
+@pytest.mark.parametrize(
+    ("form", "wrong", "frame"),
+    [
+        ("8n1", "", "0 10101000 1"),
+        ("7e1", "", "0 1010100 1 1"),  # 15 has three ones
+        ("8o2", "", "0 10101000 0 11"),
+        ("8e1", "parity", "0 10101000 0 1"),
+        ("7o2", "parity", "0 1010100 1 11"),
+        ("5n2", "stop", "0 10101 00 1"),  # the line is free a bit later
+        ("8e1", "stop", "0 10101000 1 0 1"),
+    ],
+)
+def test_frames_follow_each_other_without_a_gap_and_without_drift(form: str, wrong: Any, frame: str) -> None:
+    session, line, records = quiet(form)
+    line.write(b"\x15" * 5, wrong)
+    later(session, "1 ms")
+    assert edges_of_rx(records) == edges_of(frame * 5)
+    assert (line.sent, line.waiting, session.level("RX")) == (5, 0, 1)
+
+
+def test_another_rate_counts_from_the_end_of_the_frame_before() -> None:
+    session, line, records = quiet()
+    line.write(b"\xff")
+    later(session, "10 us")
+    line.set(1_000_000)
+    line.write(b"\xff")
+    later(session, "1 ms")
+    begin = -(-10 * BIT // 1)
+    assert edges_of_rx(records) == [(0, 0), (int(BIT), 1), (begin, 0), (begin + 3000, 1)]
+
+
+def test_a_break_is_as_long_as_it_is_asked_for_and_parted_from_a_frame_by_a_bit() -> None:
+    session, line, records = quiet()
+    line.send_break("300 us")
+    line.write(b"\xff")
+    later(session, "1 ms")
+    assert edges_of_rx(records) == [(0, 0), (900_000, 1), (int(900_000 + BIT), 0), (int(900_000 + 2 * BIT), 1)]
+
+
+def test_a_break_that_is_held_lasts_a_bit_at_least() -> None:
+    session, line, records = quiet()
+    for on in (True, False, True):
+        line.hold_break(on)
+    line.write(b"\xff")
+    later(session, "1 ms")
+    assert edges_of_rx(records) == edges_of("0101 0 1")
+
+
+@pytest.mark.parametrize(("count", "discarded"), [(1152, 0), (1153, 1153)])
+def test_another_client_finds_no_more_than_a_tenth_of_a_second_of_bytes(count: int, discarded: int) -> None:
+    session, line, records = quiet()
+    line.write(bytes(count))
+    if discarded:
+        line.hold_break(True)
+    assert (line.next_client(), line.waiting) == (discarded, count - discarded)
+    later(session, "1 ms")
+    assert (line.broken, bool(edges_of_rx(records))) == (False, not discarded)
+    assert not discarded or session.level("RX")
+
+
+def test_its_log_tells_each_instant_and_where_a_frame_begins(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    session = Session(case("uart_logger", ("SCI-A",)), LINES, log=log)
+    line = session.serial("scia")
+    line.write(b"\xff")
+    later(session, "1 ms")
+    session.finish()
+    head, *rows = map(json.loads, log.read_text().splitlines())
+    assert head == {
+        "format": "periph-sim outside",
+        "version": 1,
+        "case": "mine",
+        "ticks_per_second": 3_000_000_000,
+        "wires": ["RX", "TX"],
+    }
+    assert rows == [{"serial": "RX"}, [0, {"RX": 0}, ["RX"]], [int(BIT), {"RX": 1}], {"end": 3_000_000}]
 
 
 @pytest.mark.parametrize(

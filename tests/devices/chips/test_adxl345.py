@@ -12,6 +12,7 @@ import pytest
 
 from periph_sim.bus.i2c.transfer import BusTiming
 from periph_sim.devices.chips.adxl345 import Adxl345, Adxl345Options
+from periph_sim.devices.chips.adxl345_fifo import Fifo
 from tests.devices.bench import MS, SECOND, TIMEBASE, US, Bench, steady
 
 BW_RATE, POWER_CTL, INT_ENABLE, INT_SOURCE, DATA_FORMAT, DATA = 0x2C, 0x2D, 0x2E, 0x30, 0x31, 0x32
@@ -177,6 +178,10 @@ def test_the_pointer_survives_stop_and_repeated_start_alike():
 
 
 # FIFO ------------------------------------------------------------------------------
+
+
+def test_an_empty_fifo_gives_six_zeros():
+    assert Fifo(overrun_when_filled=True).latch() == bytes(6)
 
 
 def test_fifo_mode_keeps_the_first_33_and_stops():

@@ -100,6 +100,12 @@ def test_noise_says_whom_to_trust():
     assert little < 0.5 < 5 < much
 
 
+def test_without_noise_given_it_is_the_librarys():
+    filters = pytest.importorskip("ahrs.filters", reason="ahrs is not installed: the extra attitude has it")
+    own = filters.EKF(magnetic_ref=FIELD.tolist())
+    assert [own.g_noise, own.a_noise, own.m_noise] == [Noise().gyro, Noise().accel, Noise().mag]
+
+
 def test_uneven_steps_count_as_long_as_they_are():
     samples, truth = moving(1500)
     kept = np.r_[0:500, 500:1500:2]

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from periph_sim.replay import BadReplay
-from periph_sim.replay.channels import channel_map
+from periph_sim.replay.channels import channel_map, serial_channel
 from tests.traces.decode.drawing import of_bytes
 
 I2C = of_bytes(b"\x03", ("SCL", "SDA", "D2"))
@@ -43,3 +43,33 @@ def test_a_channel_is_named_or_counted():
 def test_a_wrong_map_is_refused_in_one_sentence(capture, text, said):
     with pytest.raises(BadReplay, match=re.escape(said)):
         channel_map(capture, text)
+
+
+ALL = of_bytes(b"\x07", ("SCL", "SDA", "RX"))
+
+
+def test_all_three_lines_are_a_session_only_if_one_is_asked_for():
+    assert channel_map(ALL, None) == {"scl": "SCL", "sda": "SDA"}
+    assert channel_map(ALL, None, session=True) == {"scl": "SCL", "sda": "SDA", "rx": "RX"}
+    assert channel_map(I2C, None, session=True) == {"scl": "SCL", "sda": "SDA"}
+    assert channel_map(ALL, "rx=2,scl=0,sda=1") == {"scl": "0", "sda": "1", "rx": "2"}
+
+
+def test_the_serial_line_is_the_one_named_or_called_so_or_the_only_one():
+    assert serial_channel(of_bytes(b"\x01", ("D7",)), None) == "D7"
+    assert serial_channel(ALL, None) == "RX"
+    assert serial_channel(PLAIN, "rx=D1") == "D1"
+
+
+@pytest.mark.parametrize(
+    ("capture", "text", "said"),
+    [
+        (PLAIN, None, "samples: which channel is RX? say --uart FILE,rx=CHANNEL; it has D0 (index 0), D1 (index 1)"),
+        (of_bytes(b"\x03", ("a.rx", "b.rx")), None, "which channel is RX?"),
+        (ALL, "scl=0,sda=1", "--uart samples,scl=0,sda=1: expected rx=CHANNEL alone"),
+        (PLAIN, "rx=9", "--uart 'rx=9': samples has no single channel '9'"),
+    ],
+)
+def test_a_serial_line_that_is_not_clear_is_refused(capture, text, said):
+    with pytest.raises(BadReplay, match=re.escape(said)):
+        serial_channel(capture, text)

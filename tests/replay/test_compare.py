@@ -77,3 +77,27 @@ def test_a_time_above_the_tolerance_is_ranked_last_and_is_no_first_divergence():
     assert (byte.kind, byte.index) == ("byte", 1)
     assert timing == Divergence(2, "ACK", "ACK 100000.000 us later", 1.0, 1.1, "timing")
     assert compare(expected, expected[:2] + found[2:], Fraction(1, 11)).divergence is None
+
+
+@pytest.mark.parametrize(
+    ("off", "found"),
+    [
+        (Fraction(1, 10), None),
+        (Fraction(-1, 10), None),
+        (Fraction(11, 100), "ACK 110000.000 us later"),
+        (Fraction(-11, 100), "ACK 110000.000 us earlier"),
+    ],
+)
+def test_a_time_is_judged_by_its_distance_either_way_and_the_tolerance_itself_is_kept(off: Fraction, found: str | None):
+    was = happened("START ACK STOP")
+    came = [was[0], Happened("ACK", Fraction(1, 2) + off), Happened("STOP", 1 + 2 * off)]
+    outcome = compare(was, came, Fraction(1, 10))
+    assert outcome.lag == 2 * abs(off)
+    (timing,) = compare(was[:2], came[:2], Fraction(1, 10)).ranked or (None,)
+    assert (timing and timing.found) == found
+
+
+def test_the_lag_is_that_of_events_before_the_first_that_differs():
+    was, came = happened("START data_1 ACK"), happened("START data_2 ACK")
+    came[0], came[2] = Happened("START", Fraction(1, 100)), Happened("ACK", Fraction(9))
+    assert compare(was, came).lag == Fraction(1, 100)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.replay.history import FlagHistory
@@ -41,6 +43,22 @@ def test_a_busy_register_does_not_push_out_a_quiet_one():
     history = FlagHistory([(1000, 1000)], "dsp", "I2C-A", keep=3)
     records = [flag(1, AAS), *(flag(tick, XRDY) for tick in range(2, 900))]
     assert kept(history, (1000, 1000), *records) == [(1, AAS), (897, XRDY), (898, XRDY), (899, XRDY)]
+
+
+def test_24_changes_of_each_field_are_kept():
+    history = FlagHistory([(100, 100)], "dsp", "I2C-A")
+    assert kept(history, (100, 100), *(flag(tick, AAS) for tick in range(30))) == [(n, AAS) for n in range(6, 30)]
+
+
+@pytest.mark.parametrize(
+    ("module", "shown"),
+    [("I2C-A", ["I2CSTR.AAS", "I2CMDR.IRS"]), ("SCI-A", ["SCIRXST.FE", "SCIFFRX.RXFFST", "SCICTL1.RXENA"])],
+)
+def test_the_registers_of_each_module(module: str, shown: list[str]):
+    every = ["I2CSTR.AAS", "I2CMDR.IRS", "I2CCNT.ICDC", "SCIRXST.FE", "SCIFFRX.RXFFST", "SCICTL1.RXENA", "SCIBAUD.X"]
+    history = FlagHistory([(100, 100)], "dsp", module)
+    records = [flag(number, what, f"dsp.{module}") for number, what in enumerate(every)]
+    assert [what for _, what in kept(history, (100, 100), *records)] == shown
 
 
 def test_each_of_several_moments_has_its_own():

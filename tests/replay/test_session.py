@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.replay.report import Report
-from periph_sim.replay.session import SessionReplay
+from periph_sim.replay.session import SessionReplay, _bursts
 from periph_sim.replay.uart import LineFormat
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
@@ -19,6 +19,7 @@ from periph_sim.timing.verdict import Verdict
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
+from periph_sim.traces.decode.uart import Frame
 from tests.replay.make_session import ran, sampled, samples
 from tests.replay.slow import slow_case
 from tests.scene.runs import TIMING, Edges
@@ -216,6 +217,13 @@ def test_a_firmware_that_holds_scl_until_patience_is_over_is_stuck(tmp_path):
             patience=Fraction(10, 1000),
         )
         assert by_name(report.budgets)["stuck"].worst == times
+
+
+def test_a_frame_ends_with_its_twelfth_byte_or_a_pause():
+    """Bytes 10 positions apart; a pause of more than 30 ends a frame, too."""
+    begins = [*range(0, 140, 10), 160, 190, 221, 231]
+    found = _bursts([Frame(at, at + 10, 0, False, False, False, 0) for at in begins], Fraction(30))
+    assert [[frame.at for frame in burst] for burst in found] == [begins[:12], begins[12:16], begins[16:]]
 
 
 def test_a_session_needs_both_modules_in_one_unit():

@@ -71,11 +71,11 @@ class Itg3200(RegisterChip):
         super().__init__(timebase, source, address, powered, REGISTER_ACCESS)
         self.options = options or Itg3200Options()
         self.temperature = temperature
-        self._clock: Clock | None = None  # of samples; None while asleep
-        self._taken = 0
-        self._awake = powered  # when the gyroscopes have started up
-        self._settled = powered  # when the clock source is ready,
-        self._told_ready = False  # and whether INT_STATUS has shown it
+        self._clock: Clock | None  # of samples; None while asleep
+        self._taken: int  # samples of that clock
+        self._awake: int  # tick at which the gyroscopes have started up
+        self._settled: int  # tick at which the clock source is ready,
+        self._told_ready: bool  # and whether INT_STATUS has shown it
         self._shown = dict.fromkeys(SHOWN, 0)  # the data registers
         self._burst = dict(self._shown)  # as they were when the burst began
         self._scale_known = True  # FS_SEL was 3 when they were

@@ -112,9 +112,9 @@ class Eeprom:
     def power_on(self) -> None:
         """What is stored stays; a write that was under way is taken for done."""
         self._pointer = 0
-        self._begin = 0  # of the write under way
+        self._begin: int  # address at which the write under way begins
         self._buffer: dict[int, int] = {}
-        self._written = 0  # data bytes of this write; more than the buffer has if they went round
+        self._written: int  # data bytes of this write; more than the buffer has if they went round
         self._busy_until = 0
 
     def answer(self, address_byte: int) -> Eeprom | None:

@@ -88,7 +88,7 @@ class Rtc:
         """What no battery keeps."""
         self._latches = 0
         self._pointer = 0
-        self._begin = 0
+        self._begin: int  # register at which the write under way begins
         self._buffer: dict[int, int] = {}
         self._shown = bytes(len(CLOCK))
         self._busy_until = 0

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from periph_sim.devices.watchers import WatchContext, edges
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.scene import Scene
@@ -81,6 +82,16 @@ DIAGRAMS: list[tuple[dict[str, Any], str, tuple[str, float | None, str]]] = [
     ({"kind": "blink", "rate": "2.5 kHz", "first": "2 ms"}, "_________", ("not judged", None, f"no rise{TOO_FEW}")),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~_", ("not judged", None, f"one rise{TOO_FEW}")),
     ({"kind": "blink", "rate": "2.5 kHz", "after": "300 us"}, "~_~_~~__~~__", ("pass", 0.0, "")),
+    (
+        {"kind": "blink", "rate": "2.5 kHz", "after": "400 us"},  # at which it rises, and that is not looked at
+        "~_~_~~__~~__",
+        ("not judged", None, f"one rise{TOO_FEW}"),
+    ),
+    (
+        {"edges": [["700 us", "rise"]], "after": "200 us"},
+        "__~~~~~~~~",
+        ("fail", None, "a rise of LED was expected at 0.000700 s, and did not come"),
+    ),
 ]
 
 
@@ -89,6 +100,20 @@ def test_a_diagram(watch: dict[str, Any], diagram: str, expected: tuple[str, flo
     verdict = drawn(diagram, **{"kind": "edges", **watch})
     assert told(verdict) == expected
     assert (verdict.name, verdict.measure, verdict.limit) == ("led", "watch:led", 20.0)
+
+
+@pytest.mark.parametrize(("level", "missing"), [(1, ""), (0, "")])
+def test_the_end_of_the_run_is_no_reason_where_edges_came(level: int, missing: str):
+    """Of the wrong kind, or the expected one."""
+    refuted: list[str] = []
+    place = WatchContext(
+        "LED", lambda seconds: int(seconds * 10**6), 0, 5, lambda *_: None, lambda why, _: refuted.append(why)
+    )
+    settings = edges.Settings.model_validate({"edges": [["10 us", "rise"], ["50 us", "fall"]]})
+    watcher = edges.build(settings, place)
+    watcher.edge(10, level)
+    watcher.finish(60)
+    assert watcher.missing() == missing and len(refuted) == 1
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,61 @@
+"""What a capture says of its bus: how long SCL is low and high as a rule, what is a stretch, how long it may be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from periph_sim.replay import BadReplay
+from periph_sim.replay.i2c_setup import Played, played
+from periph_sim.replay.time_base import check_length, rate_of
+from periph_sim.traces.capture.capture import Capture
+from tests.replay.test_as_master import wave_of
+from tests.traces.decode.drawing import of_bytes
+
+
+def part(text: str, half: int = 20, first: int | None = None) -> Played:
+    capture = of_bytes(bytes(wave_of(text, half).samples), ("SCL", "SDA"), 4_000_000)
+    return played(capture, "SCL", "SDA", first)
+
+
+@pytest.mark.parametrize(
+    ("wave", "half", "figures"),
+    [
+        ("S A0+ 07+ P", 20, (20, 20, 30, 0)),
+        ("S A0+ ~ 07+ P", 20, (20, 20, 30, 400)),  # low for 420 samples once
+        ("S A0+ 07+ P", 4, (4, 4, 6, 0)),
+        ("S A0+ 07+ P", 3, (3, 3, 5, 0)),  # two samples more than usual, where that is more than half as much again
+    ],
+)
+def test_low_high_and_stretches_in_samples(wave: str, half: int, figures: tuple[int, ...]):
+    one = part(wave, half)
+    assert (one.low, one.high, one.long_low, one.stretch) == figures
+    assert (one.step, one.half_sample, one.rate, one.sample_rate) == (1, Fraction(1, 2), 4_000_000, 4_000_000)
+    assert one.bit == pytest.approx(2 * half / 4e6)
+
+
+def test_only_the_first_transfers_are_played_and_all_are_counted():
+    one = part("S A0+ 07+ P S A1+ 12- P S A0+ P", first=2)
+    assert (len(one.transfers), len(one.whole), len(one.expected), one.captured_events) == (2, 3, 12, 16)
+    assert list(one.answers_of_others([0x50])) == [] and [len(a) for a in one.answers_of_others([]).values()] == [2]
+
+
+def test_clock_pulses_before_the_first_start_are_told():
+    wave = wave_of("S A0+ 07+ P")
+    pulses = bytes([0b11] * 20 + ([0b10] * 20 + [0b11] * 20) * 3)
+    one = played(of_bytes(pulses + bytes(wave.samples), ("SCL", "SDA"), 4_000_000), "SCL", "SDA")
+    assert one.notes == [
+        "clock pulses before the capture's first START, of a transfer unknown and not played: 3",
+    ]
+
+
+def test_a_day_is_replayed_and_no_longer():
+    capture = Capture(Path("long"), Fraction(10), 0, ())
+    check_length(capture, 864_000)
+    with pytest.raises(BadReplay, match=r"long: at 10 Hz there are 24 hours to play; expected at most 24; state the"):
+        check_length(capture, 864_001)
+    with pytest.raises(BadReplay, match="a replay needs a time base and the file states no rate"):
+        rate_of(replace(capture, rate=None))

@@ -15,6 +15,7 @@ import pytest
 
 from periph_sim.outside import OutsideError
 from periph_sim.outside.live.host_unit import FlightFrames, UdpFrames, pacer_for, send_frames
+from periph_sim.outside.live.pacing import Pacer
 from periph_sim.scene.host_motion import frames_of
 from periph_sim.sensors.host_frame import Encoding
 from periph_sim.sensors.motion import BadMotion
@@ -136,3 +137,53 @@ def test_frames_go_out_at_their_rate_in_simulated_time(flight: Path, tmp_path: P
         assert (sent.frames, sent.bytes, sent.came) == (11, 132, 120)  # what the last frame is answered comes later
         assert 0.2 < port.clock() < 0.203
         assert pacer.worst < 1e-6
+
+
+class Port:
+    """A port whose clock goes on by the time for which it is read; 3 bytes come in each time."""
+
+    def __init__(self) -> None:
+        self.now = self.timeout = 0.0
+        self.reads: list[int] = []
+        self.calls: list[str] = []
+
+    def read(self, count: int) -> bytes:
+        self.reads.append(count)
+        self.now += self.timeout
+        return b"abc"
+
+    def write(self, data: bytes) -> None:
+        self.calls.append(data.hex())
+
+    def flush(self) -> None:
+        self.calls.append("flush")
+
+
+class Numbers:
+    """Frames of one byte, none of number 1, six of them."""
+
+    def frame(self, number: int) -> bytes | None:
+        return None if number == 1 else bytes([number])
+
+    def over(self, number: int) -> bool:
+        return number >= 6
+
+
+@pytest.mark.parametrize(
+    ("frames", "stops_at", "written", "due"),
+    [
+        (None, 99.0, ["00", "02", "03", "04", "05"], [0, 40, 60, 80, 100]),
+        (2, 99.0, ["00", "02"], [0, 40]),
+        (None, 0.03, ["00", "02"], [0, 40]),  # stopped as it waits: what is due is sent
+    ],
+)
+def test_frames_go_out_when_they_are_due_and_waiting_is_reading(
+    frames: int | None, stops_at: float, written: list[str], due: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    port, reached = Port(), []
+    pacer = Pacer(10**9, Fraction(1), clock=lambda: port.now)
+    monkeypatch.setattr(pacer, "reached", lambda tick: reached.append(tick // 10**6))
+    sent = send_frames(port, Numbers(), PERIOD, pacer, frames, lambda: port.now >= stops_at)
+    assert port.calls == [*written, "flush"] and reached == due
+    assert (sent.frames, sent.bytes, sent.came) == (len(written), len(written), 3 * len(port.reads))
+    assert set(port.reads) == {4096} and port.now == pytest.approx(due[-1] / 1000)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from pathlib import Path
 from typing import Any
@@ -89,6 +90,22 @@ def test_another_rate_is_a_mismatch_and_may_be_mended(tmp_path: Path) -> None:
         line.write(b"a")
         line.flush()
         assert line.cts is False
+
+
+def test_a_break_has_its_length_in_simulated_time(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    with port(tmp_path, f"&pace=0&log={log}") as line:
+        line.write(b"\xff")
+        line.send_break(0.0002)
+        line.break_condition = True
+        line.flush()
+        assert (line.cts, line.dsr, line.ri, line.cd) == (False,) * 4
+    rows = [row for row in map(json.loads, log.read_text().splitlines()) if isinstance(row, list)]
+    assert [row[1]["RX"] for row in rows] == [0, 1, 0, 1, 0]
+    begin, end, broken, over, _ = [row[0] for row in rows]
+    bit = 3_000_000_000 // 115_200
+    assert (end - begin, over - broken) == (bit, 600_000)
+    assert broken - begin >= 3_000_000, "a millisecond, in which the frame ends"
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from tests.outside.live.echo import written
 
 serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
-from periph_sim.outside.live.rfc2217_door import Rfc2217Door  # noqa: E402
+from periph_sim.outside.live.rfc2217_door import Port, Rfc2217Door  # noqa: E402
 
 
 class Served:
@@ -199,6 +199,48 @@ def test_what_nobody_reads_is_kept_up_to_a_megabyte() -> None:
 
     back.give(take)
     assert (got, len(back)) == ([b"234"], 7)
+
+
+class Line:
+    """It writes down what a port does to it."""
+
+    broken = False
+
+    def __init__(self) -> None:
+        self.calls: list[object] = []
+
+    def set(self, baud: int, form: str) -> None:
+        if baud > 1_000_000:
+            raise OutsideError("too fast")
+        self.calls.append((baud, form))
+
+    def hold_break(self, on: bool) -> None:
+        self.broken = on
+        self.calls.append(on)
+
+    def read(self) -> bytes:
+        return b"old"
+
+
+def test_a_port_manager_sets_rate_format_and_break_behind_what_came_before(served: Served) -> None:
+    line = Line()
+    port = Port(line, 9600, "7e2", served.door)  # type: ignore[arg-type]
+    port.before = lambda: line.calls.append("before")
+    assert (port.baudrate, port.bytesize, port.parity, port.stopbits) == (9600, 7, "E", 2)
+    port.baudrate = 19_200
+    port.bytesize, port.parity, port.stopbits = 8, "N", 1
+    port.break_condition = True
+    assert port.break_condition
+    changes = [(19_200, "7E2"), (19_200, "8E2"), (19_200, "8N2"), (19_200, "8N1"), True]
+    assert line.calls == [one for change in changes for one in ("before", change)]
+    with pytest.raises(OutsideError, match="too fast"):
+        port.baudrate = 2_000_000
+    assert (port.baudrate, port.bytesize, port.parity, port.stopbits) == (19_200, 8, "N", 1)
+    served.door.back.add(b"older")
+    port.reset_input_buffer()
+    assert len(served.door.back) == 0
+    modem = [port.rts, port.dtr, port.cts, port.dsr, port.ri, port.cd, port.xonxoff, port.rtscts]
+    assert modem == [True] * 2 + [False] * 6
 
 
 def test_a_port_that_is_taken_is_refused(served: Served, tmp_path: Path) -> None:

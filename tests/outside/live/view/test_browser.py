@@ -57,6 +57,34 @@ def test_the_page_and_nothing_else_for_this_computer_only(served: Browser) -> No
         assert asked(served, "/events", host)[0] == 403
 
 
+def test_what_the_answers_say_of_themselves(board: Board, served: Browser, told: Snapshot) -> None:
+    connection = HTTPConnection(*served.url.removeprefix("http://").rstrip("/").split(":"), timeout=30)  # type: ignore[arg-type]
+    connection.request("GET", "/")
+    page = connection.getresponse()
+    data = page.read()
+    headers = {name: value for name, value in page.getheaders() if name != "Date"}
+    assert headers == {
+        "Server": "periph-sim ",
+        "Content-Type": "text/html; charset=utf-8",
+        "Content-Length": str(len(data)),
+        "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
+        "connect-src 'self'; img-src data:",
+    }
+    board.put(told)
+    board.close()
+    connection.request("GET", "/events")
+    events = connection.getresponse()
+    assert [events.getheader(name) for name in ("Content-Type", "Cache-Control")] == ["text/event-stream", "no-store"]
+    assert events.read() == f"data: {json.dumps(told)}\n\n".encode()
+
+
+def test_at_another_address_it_answers_to_any_name(board: Board) -> None:
+    one = Browser(board, 0, "0.0.0.0")
+    assert asked(one, "/", "bench.example")[0] == 200
+    board.close()
+    one.close()
+
+
 def test_events_are_the_snapshots_and_end_with_the_session(board: Board, served: Browser, told: Snapshot) -> None:
     board.put(told)
     board.put({**told, "over": True})

@@ -97,8 +97,9 @@ def test_a_break_has_its_length_in_simulated_time(tmp_path: Path) -> None:
     with port(tmp_path, f"&pace=0&log={log}") as line:
         line.write(b"\xff")
         line.send_break(0.0002)
+        line.read(100)
         line.break_condition = True
-        line.flush()
+        line.read(100)
         assert (line.cts, line.dsr, line.ri, line.cd) == (False,) * 4
     rows = [row for row in map(json.loads, log.read_text().splitlines()) if isinstance(row, list)]
     assert [row[1]["RX"] for row in rows] == [0, 1, 0, 1, 0]

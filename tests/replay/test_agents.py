@@ -99,6 +99,15 @@ def test_a_session_fails_for_a_broken_budget_unless_agents_made_another_event(
     assert report.verdict == verdict and report.divergences[0].cause in (THIS_EVENT, THEIR_TIME)
 
 
+@pytest.mark.parametrize(("acked", "nacked"), [((True, True), 0), ((False, True), 1), ((False, False), 2)])
+def test_a_session_without_rounds_counts_refused_transfers(tmp_path: Path, acked: tuple[bool, ...], nacked: int):
+    limit = '[[budget]]\nname = "nacked"\nmeasure = "nacked"\nmax = 0\n'
+    case = load(slow_case(tmp_path, '"I2C-A", "SCI-A"', limit))
+    idle = of_bytes(bytes([1]) * 4000, ("RX",), 4_000_000)
+    report = SessionReplay(case, polls(*acked, address=OTHER), "SCL", "SDA", idle, "RX", addresses=[OWN]).run()
+    assert [(one.name, one.worst) for one in report.budgets] == [("nacked", nacked)]
+
+
 def test_stretches_as_captured_do_not_make_later_transfers_late(slow: Path):
     """The firmware stretches for 80 us, the captured target for 100: each read is 20 us early, and none is late."""
     capture = reads(*[(OWN, 0xA7, STRETCH)] * 3)
@@ -109,12 +118,12 @@ def test_stretches_as_captured_do_not_make_later_transfers_late(slow: Path):
 # A controller that polls --------------------------------------------------------------
 
 
-def polls(*acked: bool, data: bool = True) -> Capture:
-    """Writes to 0x50, 100 us between two of them."""
+def polls(*acked: bool, data: bool = True, address: int = OWN) -> Capture:
+    """Writes to 0x50 or another address, 100 us between two of them."""
     wave = new_wave()
     for ack in acked:
         wave.start()
-        wave.byte(OWN << 1, ack=ack)
+        wave.byte(address << 1, ack=ack)
         if ack and data:
             wave.byte(0xA5)
         wave.stop()

@@ -117,8 +117,9 @@ def turns(transfers: list[Transfer]) -> Iterator[Turn]:
     """Every addressed part of the transfers, in order; none for an address that was cut off."""
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases):
-            if phase.address is None or phase.read is None or not is_addressed(phase):
+            if not is_addressed(phase):
                 continue
+            assert phase.address is not None and phase.read is not None
             last = number + 1 == len(transfer.phases)
             stop = transfer.stop.at if last and transfer.stop is not None else None
             ninth = phase.bytes[0].bits[8].at

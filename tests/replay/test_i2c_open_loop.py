@@ -17,6 +17,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
 from periph_sim.traces.formats import Capture
 from tests.replay.slow import one_read, slow_case
+from tests.replay.test_agents import reads
 from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.make_traces import FOLDER, ROUND
 from tests.traces.formats.writers import I2cWave
@@ -104,6 +105,20 @@ def test_a_stretch_that_the_chip_does_not_need_is_told_and_is_no_failure(tmp_pat
     assert 45 < report.stretch_worst_us < 55 and report.captured_stretch_us == 100
     (note,) = [note for note in report.notes if "would not have made" in note]
     assert "would not have made: 1 of 1; at 0.000300 s it has 105.000 us, the chip held SCL for 50." in note
+
+
+def test_of_several_late_or_spare_pauses_the_longest_is_named(tmp_path):
+    """The firmware thinks for 60 us; the captured target stretched for none, 100, 75, 50, 12.5 and 25 us."""
+    capture = reads(*[(0x50, 0xA7, stretched) for stretched in (0, 400, 300, 200, 50, 100)])
+    report = replay(capture, "unit.dsp.settings.wait=60", case=slow_case(tmp_path))
+    spare, late = report.notes[-2:]
+    assert spare.startswith("long low phases of the capture that the chip would not have made: 3 of 5; at 0.000600 s")
+    assert "it has 105.000 us, the chip held SCL for 50.3" in spare
+    assert late.startswith("stretches that the chip would have made and the capture lacks: 3; the longest 45.3")
+    assert late.endswith(" us past SCL's rise at 0.000200 s")
+    assert report.late_worst_us == pytest.approx(45.36, abs=0.05)
+    timing = next(one for one in report.divergences if one.kind == "timing")
+    assert timing.capture_s == pytest.approx(200e-6), "the first one is the divergence"
 
 
 @given(wait=st.integers(0, 300), byte=st.integers(0, 255))

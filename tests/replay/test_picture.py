@@ -71,9 +71,15 @@ def test_a_master_and_a_uart_are_drawn_too():
     assert "RX" in shown and any(text.startswith("capture: ") for text in shown)
 
 
-def test_without_a_divergence_there_is_no_picture():
-    player = I2cReplay(load(CASES / "responder.toml"), formats.read(FOLDER / "nack.sr"), "SCL", "SDA")
+@pytest.mark.parametrize(
+    ("replay", "case"), [(I2cReplay, "responder"), (I2cOpenReplay, "responder"), (I2cMasterReplay, "captured_master")]
+)
+def test_without_a_divergence_there_is_no_picture(replay: Any, case: str):
+    player = replay(load(CASES / f"{case}.toml"), formats.read(FOLDER / "nack.sr"), "SCL", "SDA")
     assert player.picture(player.run()) is None
+    frames = formats.read(FOLDER / "host_frames.sr")
+    uart = UartReplay(load(CASES / "uart_logger.toml"), frames, "RX", LineFormat(115200))
+    assert uart.picture(uart.run()) is None
 
 
 # What is drawn, in numbers ------------------------------------------------------------
@@ -89,10 +95,10 @@ class Drawn(NamedTuple):
     axis: str
 
 
-def drawn(monkeypatch: pytest.MonkeyPatch, *given: Any) -> Drawn:
+def drawn(monkeypatch: pytest.MonkeyPatch, *given: Any, draw: Any = divergence_picture) -> Drawn:
     calls: list[Drawn] = []
     monkeypatch.setattr(picture, "timing_diagram", lambda *arguments: calls.append(Drawn(*arguments)))
-    divergence_picture(*given)
+    draw(*given)
     (call,) = calls
     return call
 
@@ -150,7 +156,7 @@ def test_the_lanes_show_bytes_edges_flags_and_accesses_of_the_window(monkeypatch
         Change(4.25, "I2C-A.I2CMDR.IRS", 1),  # outside of the window: shown for those of ALWAYS only
         Change(14.0, "I2C-A.I2CMDR.MST", 1),
         Change(9.5, "I2C-A.I2CFFRX.RXFFST", 1),
-        Change(10.5, "I2C-A.I2CFFRX.RXFFST", 3),
+        Change(10.5, "I2C-A.I2CFFRX.RXFFST", 2),
         Change(-50.0, "I2C-A.I2CSTR.AAS", 1),
         Change(9.0, "W I2C-A.I2CDXR", 0x12),
         Change(9.5, "R I2C-A.I2CDRR", 0xAB),
@@ -187,7 +193,7 @@ def test_the_lanes_show_bytes_edges_flags_and_accesses_of_the_window(monkeypatch
         ),
         Lane("SCL", "replay", ORANGE, 1, edges("SCL", 2, 2, 9)),
         Lane("AAS", "flags", BLACK, 0, ((-59, 1),)),
-        Lane("RXFFST", "flags", BLACK, boxes=(Box(0.5, 1.5, "1"), Box(1.5, 4.75, "3"))),
+        Lane("RXFFST", "flags", BLACK, boxes=(Box(0.5, 1.5, "1"), Box(1.5, 4.75, "2"))),
         Lane("NACKMOD", "flags", BLACK, 1, ((-4.5, 0),)),
         Lane("FREE", "flags", BLACK, 0, ((4.75, 1),)),
         Lane("W I2CDXR", "firmware", GREY, ticks=(Tick(0, "12"), Tick(2, "14"))),
@@ -208,3 +214,35 @@ def test_the_last_agreed_event_has_its_time_on_each_side(index: int, agreed: tup
     """The replay is half a second late, and has two events of three."""
     wrong = Divergence(index, "A", "B", None, None)
     assert last_agreed(wrong, happened("START ACK STOP"), happened("START ACK", late=1)) == agreed
+
+
+@pytest.mark.parametrize(
+    ("player", "case", "setting", "title"),
+    [
+        (I2cReplay, "responder", "replies=['e4']", "closed loop: event 17 of 19"),
+        (I2cOpenReplay, "responder", "replies=['e4']", "open loop: event 17 of 19"),
+        (
+            I2cMasterReplay,
+            "captured_master",
+            "script=['53 W', '53 W', '53 W', '53 W 01']",
+            "closed loop: event 12 of 19",
+        ),
+    ],
+)
+def test_both_sides_have_the_same_bytes_at_the_same_times_up_to_the_wrong_one(
+    monkeypatch, player: Any, case: str, setting: str, title: str
+):
+    replay = player(
+        load(CASES / f"{case}.toml", [f"unit.dsp.settings.{setting}"]), formats.read(FOLDER / "nack.sr"), "SCL", "SDA"
+    )
+    call = drawn(monkeypatch, replay.run(), draw=replay.picture)
+    assert call.title == f"{case}, nack.sr, {title}"
+    captured, replayed = [lane.boxes for lane in call.lanes if lane.name == "bytes"]
+    upto = next(number for number, box in enumerate(captured) if box.wrong) + 1
+    assert [box.wrong for box in captured[:upto]] == [box.wrong for box in replayed[:upto]]
+    assert [box.text for box in captured[: upto - 1]] == [box.text for box in replayed[: upto - 1]]
+    assert captured[upto - 1].text != replayed[upto - 1].text and upto > 1
+    for one, other in zip(captured[: upto - 1], replayed[: upto - 1], strict=True):
+        assert (one.begin, one.end) == pytest.approx((other.begin, other.end), abs=2e-6)
+    if player is not I2cMasterReplay:
+        assert captured[0].begin == pytest.approx(replayed[0].begin, abs=1e-12)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import asdict, fields
 from fractions import Fraction
 from pathlib import Path
 
@@ -60,6 +60,30 @@ def told(report: Report) -> dict[str, object]:
     assert report.kernel_events > 0 and all(one.history for one in report.divergences)
     found["first_divergence"] = first and f"{first.kind} {first.index}"
     return found
+
+
+def test_what_is_not_said_of_a_replay_is_nothing():
+    report = Report("case", "capture", "i2c", "pass", 3, 2, None, 1)
+    lists = ("filled", "divergences", "addresses", "budgets", "unknowns", "notes")
+    counts = ("captured_events", "transfers", "captured_transfers", "captured_errors", "ambiguous", "nacks")
+    times = ("tolerance_us", "stretch_worst_us", "stretch_total_us", "captured_stretch_us", "late_worst_us")
+    more = ("lag_worst_us", "lag_samples", "simulated_s", "wall_s", "kernel_events")
+    assert asdict(report) == {
+        "case": "case",
+        "capture": "capture",
+        "kind": "i2c",
+        "verdict": "pass",
+        "events": 3,
+        "agreed": 2,
+        "first_divergence": None,
+        "bytes": 1,
+        "unjudged": "",
+        "loop": "closed",
+        "role": "slave",
+        "errors": {},
+        **{name: [] for name in lists},
+        **dict.fromkeys((*counts, *times, *more), 0),
+    }
 
 
 def mixed_reads() -> Capture:

@@ -79,6 +79,12 @@ def test_an_unsure_start_in_a_burst_may_shift_all_of_it_but_nothing_behind_the_p
     assert judged([*burst, behind], 0x41, 0x42, 0x43, 0x54)[:2] == (["42", "43", "55"], ["42", "43", "54"])
 
 
+@pytest.mark.parametrize(("at", "expected"), [(199, ["55"]), (200, ["42", "55"])])
+def test_a_burst_ends_with_a_pause_as_long_as_two_frames(at: int, expected: list[str]):
+    events = [frame(0, 0x41, unsure=1), frame(at, 0x42), frame(1000, 0x55)]
+    assert judged(events, 0x90, 0x55)[0] == expected
+
+
 def test_words_agree_up_to_the_next_unsure_start_whatever_was_read_there():
     events = [frame(0, 0x41, unsure=1), frame(100, 0x42), frame(200, 0x43, unsure=1), frame(1000, 0x55)]
     assert judged(events, 0x41, 0x42, 0x90, 0x55) == (["42", "55"], ["42", "55"], 2)

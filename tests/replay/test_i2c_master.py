@@ -97,6 +97,18 @@ def test_a_firmware_without_a_script_asks_what_it_asks(tmp_path, order, outcome)
     assert found == outcome
 
 
+def test_a_firmware_without_a_script_runs_as_long_as_the_capture(tmp_path):
+    """A transfer in 75 ms, and a head whose rounds come every 10 ms; it is looked at every 25 ms and more."""
+    case, progress = tmp_path / "head.toml", []
+    case.write_text(HEAD.replace("1 ms", "10 ms"))
+    wave = wave_of("S A0+ 00+ P")
+    wave.idle(300_000 - len(wave.samples))
+    capture = of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)
+    report = I2cMasterReplay(load(case), capture, "SCL", "SDA").run(progress.append)
+    assert len(progress) == 3 and progress == pytest.approx([25 / 75, 50 / 75, 1.0], abs=0.1)
+    assert 0.075 < report.simulated_s < 0.1
+
+
 def unplanned(notes: list[str]) -> list[str]:
     """But for the end of the script, which comes before that of some captures."""
     return [note for note in notes if not note.startswith("dsp: main returned at ")]

@@ -5,16 +5,18 @@ from __future__ import annotations
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.replay.i2c_closed_loop import I2cReplay
-from periph_sim.replay.i2c_open_loop import I2cOpenReplay
+from periph_sim.replay.i2c_open_loop import I2cOpenReplay, _edges
 from periph_sim.replay.i2c_setup import Played
 from periph_sim.replay.report import Report
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
+from periph_sim.traces.capture.capture import Channel
 from periph_sim.traces.formats import Capture
 from tests.replay.slow import one_read, slow_case
 from tests.replay.test_agents import reads
@@ -162,6 +164,26 @@ def test_edges_of_both_lines_in_one_sample_are_no_condition():
     wave.idle(400)
     report = replay(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000))
     assert report.verdict == "pass" and any("edge of both lines" in note for note in report.notes)
+
+
+def line(*edges: int, initial: int = 1) -> Channel:
+    levels = [(initial + 1 + number) % 2 for number in range(len(edges))]
+    return Channel("", 0, initial, np.array(edges, np.int64), np.array(levels, np.uint8))
+
+
+@pytest.mark.parametrize(
+    ("half", "end", "scl", "sda"),
+    [
+        (Fraction(1, 2), 21, [(10, 0), (20, 1)], [(5, 0), (Fraction(21, 2), 1), (Fraction(39, 2), 0), (21, 1)]),
+        (Fraction(1, 2), 20, [(10, 0), (20, 1)], [(5, 0), (Fraction(21, 2), 1), (Fraction(39, 2), 0)]),
+        (Fraction(1, 2), 10, [(10, 0)], [(5, 0)]),  # half a sample behind SCL's fall is beyond the end
+        (2, 18, [(10, 0)], [(5, 0), (12, 1), (18, 0)]),  # and two positions before its rise are not
+        (2, 17, [(10, 0)], [(5, 0), (12, 1)]),
+    ],
+)
+def test_edges_of_both_lines_in_one_sample_are_put_into_the_low_phase(half, end, scl, sda):
+    """SCL falls at 10 and rises at 20, SDA falls at 5, rises at 10, falls at 20, and rises at 21."""
+    assert _edges(line(10, 20), line(5, 10, 20, 21), half, end) == (scl, sda)
 
 
 def simultaneous() -> Capture:

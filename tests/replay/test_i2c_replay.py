@@ -106,6 +106,22 @@ def test_refusals_after_a_write_find_the_firmware_busy(style):
     assert report.verdict == "pass" and report.nacks == 3
 
 
+def test_refusals_that_no_setting_can_imitate_are_told():
+    """Behind a read, or behind a write that a repeated START ended, nothing says how long the target was busy."""
+    wave = new_wave()
+    ask(wave, 0x50, b"\x12")
+    for acked in (False, False, True):
+        wave.idle(200)
+        wave.start()
+        wave.byte(0x50 << 1, ack=acked)
+        wave.stop()
+    report = replay(captured(wave))
+    assert report.notes == [
+        "refusals of 50 that follow neither a write that a STOP ended nor the start, "
+        "so that the firmware is not told of them: 2"
+    ]
+
+
 def test_an_address_that_the_case_sets_is_the_firmwares():
     report = replay("imu_round.sr", "unit.dsp.settings.address=0x1E")
     assert report.addresses == ["1E"] and report.verdict == "pass"

@@ -11,8 +11,11 @@ import pytest
 from periph_sim.replay import BadReplay
 from periph_sim.replay.i2c_setup import Played, played
 from periph_sim.replay.time_base import check_length, rate_of
+from periph_sim.replay.uart import UartReplay
+from periph_sim.scene.case.load import load
 from periph_sim.traces.capture.capture import Capture
 from tests.replay.test_as_master import wave_of
+from tests.scene.runs import TIMING
 from tests.traces.decode.drawing import of_bytes
 
 
@@ -57,5 +60,8 @@ def test_a_day_is_replayed_and_no_longer():
     check_length(capture, 864_000)
     with pytest.raises(BadReplay, match=r"long: at 10 Hz there are 24 hours to play; expected at most 24; state the"):
         check_length(capture, 864_001)
+    line = of_bytes(b"\x01", ("RX",), 10).channels
+    with pytest.raises(BadReplay, match="long: at 10 Hz there are 24 hours to play"):
+        UartReplay(load(TIMING / "uart_logger.toml"), replace(capture, length=864_001, channels=line), "RX")
     with pytest.raises(BadReplay, match="a replay needs a time base and the file states no rate"):
         rate_of(replace(capture, rate=None))

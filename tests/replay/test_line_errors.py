@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
+from periph_sim.replay import BadReplay
 from periph_sim.replay.report import Report
 from periph_sim.replay.session import SessionReplay
-from periph_sim.replay.uart import UartReplay, line_format
+from periph_sim.replay.uart import LineFormat, UartReplay, line_format
 from periph_sim.replay.verdict import headline
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
+from periph_sim.traces.capture.capture import Span
 from periph_sim.traces.formats import Capture
 from tests.captures.where import OURS
 from tests.traces.decode.drawing import of_bytes
@@ -107,6 +110,30 @@ def test_a_capture_that_ends_in_the_middle_of_its_last_stop_bit_has_that_frame()
     line = uart_wave([(Fraction(40), frame_bits(0x41))], bit, 40 + int(Fraction(96, 10) * bit))
     report = replay(line, 1200)
     assert (report.verdict, report.events, report.agreed) == ("pass", 1, 1)
+
+
+def test_what_was_not_recorded_is_told_of_a_serial_line_and_of_a_sessions():
+    capture = of_bytes(bytes([1]) * 4000, ("RX",), RATE)
+    holes = replace(capture, channels=(replace(capture.channels[0], unknown=(Span(1000, 3000),)),))
+    said = "RX: 1 span was not recorded, 0.001000000 s in all"
+    assert any(note.startswith(said) for note in replay(holes).notes)
+    bus = formats.read(OURS / "imu_session.sr")
+    case = load(TIMING / "imu_hil_published.toml")
+    session = SessionReplay(case, bus, "SCL", "SDA", holes, "RX", wanted=line_format(BAUD), first=1).run()
+    assert any(note.startswith(said) for note in session.notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "given"),
+    [("8n1", {}), ("7o2", {"bits": 7, "parity": "odd", "stop": 2}), (" 5E1 ", {"bits": 5, "parity": "even"})],
+)
+def test_a_format_in_letters(text: str, given: dict[str, object]):
+    settings = {"baud": 9600, "bits": 8, "parity": "none", "stop": 1, **given}
+    assert line_format(9600, text) == LineFormat(9600, **given)
+    assert line_format(9600, text).settings() == settings
+    with pytest.raises(BadReplay, match="0 baud; expected 1 or more"):
+        line_format(0, text)
+    assert line_format(1, text).baud == 1
 
 
 @pytest.mark.parametrize(("baud", "doubted"), [(115_200, False), (230_400, True)])

@@ -46,6 +46,8 @@ def test_a_list_that_ends_early_is_a_difference():
         ("START data_1 ACK data_2 ACK", "START data_1 STOP START data_3", "event:2"),
         ("START data_1 ACK data_2 ACK", "START data_9 STOP START data_3", "byte:1 event:2"),
         ("START ACK", "START cut_off_after_01", "event:1"),
+        ("START data_1 ACK", "START cut_off_after_01 NACK", "event:1"),
+        ("START data_1 ACK", "START STOP NACK", "event:1"),
     ],
 )
 def test_the_first_of_each_kind_comes_in_order_of_time(expected: str, found: str, ranked: str):

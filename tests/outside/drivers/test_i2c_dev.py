@@ -189,6 +189,8 @@ def test_packet_error_codes_are_sent_and_checked() -> None:
         bus.write_block_data(0x20, 0x50, [5, 6])
         assert bus.read_i2c_block_data(0x20, 0x40, 2) == [0x99, code_of(0x40, 0x40, 0x99)]  # has none by itself
         assert bus.read_i2c_block_data(0x20, 0x50, 4) == [2, 5, 6, code_of(0x40, 0x50, 2, 5, 6)]
+        bus.write_byte(0x20, 0x60)
+        assert bus.read_i2c_block_data(0x20, 0x60, 1) == [code_of(0x40, 0x60)]
         bus.write_quick(0x20)
         right = code_of(0x40, 0x20, 0x41, 0)
         with pytest.raises(OSError, match=f"error code 0x00 came; {right:#04x} is that of what came") as refused:
@@ -212,8 +214,15 @@ def test_files_that_python_opens_are_the_adapter_too() -> None:
         bus.close()
         with pytest.raises(FileNotFoundError):
             pureio.SMBus(7)
+
+
+def test_a_file_that_open_gives_is_the_adapter_too() -> None:
+    with i2c_dev({1: slave(address=0x20, registers="01 02 03 04")}):
         with open("/dev/i2c-1", "r+b", buffering=0) as file:
             with pytest.raises(OSError, match="no address was given"):
                 file.write(b"\x00")
             assert fcntl.ioctl(file, SLAVE, 0x20) == 0
             assert file.write(b"\x03") == 1 and file.read(1) == b"\x04"
+            assert file.readable() and file.writable() and file.fileno() >= 1 << 20
+        with pytest.raises(FileNotFoundError), open("/dev/i2c-2", "rb"):
+            pass

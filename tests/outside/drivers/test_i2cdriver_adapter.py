@@ -59,7 +59,9 @@ def test_time_passes_before_each_start() -> None:
 
 
 def test_a_scan_reports_each_address() -> None:
-    reports = adapter().take(b"d")
+    session = slave(registers="0a")
+    reports = adapter(session).take(b"d")
+    assert session.level("SCL") == session.level("SDA") == 1 and not session.i2c.held
     assert len(reports) == 112
     assert [address for address, report in enumerate(reports, 8) if report == ACKED[0]] == [0x50]
 
@@ -85,6 +87,15 @@ def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
     stranger.drive(1)
     session.advance(session.now + 1)
     assert driver.take(b"x" + WRITE + b"p") == b"3" + ACKED
+
+
+def test_a_start_that_cannot_be_lets_go_of_the_bus() -> None:
+    session = slave(registers="0a")
+    driver = adapter(session)
+    assert not driver.capturing and driver.take(WRITE) == ACKED
+    session.scene.wire("SDA").attach("stranger").drive(0)
+    assert driver.take(READ + b"\xc0\x00") == TIMED_OUT * 2
+    assert session.level("SCL") == 1
 
 
 def test_arbitration_that_is_lost_is_reported() -> None:

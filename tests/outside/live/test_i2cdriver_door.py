@@ -141,3 +141,21 @@ def test_answers_that_a_dead_client_left_are_none_to_the_next_one(tmp_path: Path
     served.passes("2 ms")
     assert os.read(served.file, 10) == b"\x44"
     served.close()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
+def test_answers_that_waited_for_a_dead_client_are_discarded_and_a_closed_door_is_gone(tmp_path: Path) -> None:
+    """Two thousand statuses of 80 bytes: more than a pseudo-terminal holds."""
+    served = Served(tmp_path)
+    os.write(served.file, b"?" * 2000)
+    served.passes("1 ms")
+    assert len(served.door.back) > 0
+    os.close(served.file)
+    served.passes("1 ms")
+    served.file = os.open(served.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    served.passes("1 ms")
+    assert len(served.door.back) == 0
+    with pytest.raises(BlockingIOError):
+        os.read(served.file, 10)
+    served.close()
+    assert not Path(served.door.path).exists()

@@ -19,11 +19,13 @@ def test_the_first_that_comes_and_the_last_that_leaves(tmp_path: Path) -> None:
             0   1   2     3   4       5
     """
     path = tmp_path / "port"
-    path.touch()
+    path.write_bytes(b"abc")
     openings = Openings(str(path))
     assert openings.passed() == (False, False)
     first = path.open("rb")
     assert openings.passed() == (False, True)
+    assert first.read() == b"abc"  # reading is neither
+    assert openings.passed() == (False, False)
     second = path.open("rb")
     assert openings.passed() == (False, False)
     first.close()

@@ -72,7 +72,7 @@ def test_it_is_opened_again_and_what_was_live_replays(tmp_path: Path) -> None:
     line.close()
     live = line.result
     again = replay(tmp_path / "echo.toml", log)
-    assert (again.counts, again.simulated_s) == (live.counts, live.simulated_s)
+    assert (again.counts, again.simulated_s, again.sci_bytes) == (live.counts, live.simulated_s, 3)
     line.open()
     assert line.read(1) == b""
     line.close()
@@ -90,6 +90,13 @@ def test_another_rate_is_a_mismatch_and_may_be_mended(tmp_path: Path) -> None:
         line.write(b"a")
         line.flush()
         assert line.cts is False
+
+
+def test_a_rate_that_is_set_is_the_line_s(tmp_path: Path) -> None:
+    with port(tmp_path, baudrate=9600) as line:
+        line.baudrate = 115_200
+        line.write(b"a")
+        assert line.read(1) == b"b"
 
 
 def test_a_break_has_its_length_in_simulated_time(tmp_path: Path) -> None:

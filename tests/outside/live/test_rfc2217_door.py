@@ -150,9 +150,20 @@ def test_a_telnet_option_has_at_most_256_bytes(served: Served, length: int, stay
 
 def test_a_door_that_closes_ends_its_client(served: Served) -> None:
     with served.client() as client:
+        assert len(served.door.files()) == 2
         served.door.close()
         client.settimeout(10)
         assert client.recv(10) == b""
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(served.address)
+
+
+def test_a_wait_ends_with_a_client_that_comes_or_sends_but_not_with_one_that_is_ahead(served: Served) -> None:
+    assert len(served.door.files()) == 1
+    with served.client():
+        assert len(served.door.files()) == 2
+        served.line.write(bytes(backlog.MOST))
+        assert len(served.door.files()) == 1
 
 
 def test_a_client_that_vanishes_in_mid_frame_leaves_what_it_sent(served: Served) -> None:

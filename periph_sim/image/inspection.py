@@ -120,7 +120,7 @@ def _functions(image: Image, debug: DebugInfo) -> Iterator[Function]:
         covered = [range(function.address, function.end) for function in told.values()]
         symbols = {
             symbol.address: symbol.name
-            for symbol in sorted(image.symbols, key=lambda symbol: (symbol.external, symbol.name), reverse=True)
+            for symbol in sorted(image.symbols, key=lambda symbol: (not symbol.external, symbol.name), reverse=True)
             if symbol.section == section.name and not symbol.label and section.runs_at(symbol.address)
         }
         starts = sorted({*told, *(at for at in symbols if not any(at in where for where in covered))})

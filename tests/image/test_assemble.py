@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.c28x.decoder import sweep
+from periph_sim.image import assemble as assemble_module
 from periph_sim.image.assemble import assemble, assemble_file, sources_of
 from periph_sim.image.inspection import inspect
 from periph_sim.image.load import load
@@ -42,6 +43,40 @@ def test_data():
     assert words(".space 3") == (0, 0, 0)
 
 
+def test_the_ends_of_what_a_word_holds():
+    assert words(".word 0xFFFF, -0x8000") == (0xFFFF, 0x8000)
+    assert words(".long 0xFFFFFFFF, -0x80000000") == (0xFFFF, 0xFFFF, 0, 0x8000)
+
+
+def test_here_is_the_address_of_a_line_and_0_before_any_section():
+    assert words(".word $, $\n.long $") == (0x8001, 0x8002, 0x8003, 0)
+    found = assemble("BEFORE .set $ + 5\n" + BEGUN + "AT .set $\n")
+    assert [one.address for one in found.symbols] == [5, 0x8000, 0x8001]
+
+
+def test_a_section_and_an_include_have_their_most(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.setattr(assemble_module, "MOST_WORDS", 4)
+    assert words(".space 3") == (0, 0, 0)
+    for directive, sentence in (
+        (".space 4", "section '.text' has more than 4 words"), (".space 5", "'5' is 5, no number of words"),
+    ):  # fmt: skip
+        with pytest.raises(BadImage, match=f"^line 3: {sentence}$"):
+            words(directive)
+    monkeypatch.setattr(assemble_module, "MOST_INCLUDES", 2)
+    for name, inner in (("a", "b"), ("b", "c")):
+        (tmp_path / f"{name}.inc").write_text(f'.include "{inner}.inc"\n')
+    (tmp_path / "c.inc").write_text("NOP\n")
+    source = f'{BEGUN}.include "{{}}.inc"\n.include "c.inc"'
+    assert len(assemble(source.format("b"), tmp_path / "x.asm").sections[0].words) == 3
+    with pytest.raises(BadImage, match=r'b\.inc, line 1: "c\.inc" is one of more than 2 files'):
+        assemble(source.format("a"), tmp_path / "x.asm")
+
+
+def test_a_file_beside_a_source_hides_a_shipped_one(tmp_path: Path):
+    (tmp_path / "f28335.inc").write_bytes(b"\xef\xbb\xbfI2CMDR .set 7")  # with the mark of UTF-8 at its begin
+    assert assemble(f'.include "f28335.inc"\n{BEGUN}.word I2CMDR', tmp_path / "x.asm").sections[0].words[1] == 7
+
+
 def test_labels_before_and_behind_their_use():
     assert words("a: SB b,EQ\n SB a,UNC\nb: LRETR") == (0x6102, 0x6FFF, 0x0006)
     assert words("MOVL XAR4,#table\ntable: .long table") == (0x8F00, 0x8003, 0x8003, 0)
@@ -49,6 +84,7 @@ def test_labels_before_and_behind_their_use():
 
 def test_alignment_is_filled_with_nops():
     assert words(".align 4\nLRETR") == (0x7700, 0x7700, 0x7700, 0x0006)
+    assert words(".align 0\n.align 1\nLRETR") == (0x0006,)
 
 
 def test_repeat_on_one_line_or_on_two():
@@ -98,7 +134,18 @@ def test_files_that_include_each_other_are_refused(tmp_path: Path):
         (BEGUN + "SB nowhere,EQ", "line 3: 'nowhere' is not defined"),
         (BEGUN + ".space 200\nSB _c_int00,EQ", "line 4: '_c_int00' is -201 words away"),
         (BEGUN + "_c_int00: NOP", "line 3: '_c_int00' is defined twice"),
-        (BEGUN + ".word 0x10000", "line 3: '0x10000' is 65536, which 16 bits"),
+        (BEGUN + ".word 0x10000", "line 3: '0x10000' is 65536, which 16 bits do not hold"),
+        (BEGUN + ".word -0x8001", "line 3: '-0x8001' is -32769, which 16 bits do not hold"),
+        (BEGUN + ".long 1 << 32", "line 3: '1 << 32' is 4294967296, which 32 bits do not hold"),
+        (BEGUN + ".long -0x80000001", "line 3: '-0x80000001' is -2147483649, which 32 bits do not hold"),
+        ('.sect ".text", 1, 2, 3', 'line 1: .sect ".text", 1, 2, 3 is not .sect "NAME", ADDRESS [, LOAD ADDRESS]'),
+        ('.sect ".text", 1, -2', 'is not .sect "NAME", ADDRESS [, LOAD ADDRESS]'),
+        (".sect text, 1", 'is not .sect "NAME", ADDRESS [, LOAD ADDRESS]'),
+        ('.reserve ".x", 1', 'is not .reserve "NAME", ADDRESS, WORDS'),
+        ('.reserve ".x", 1, 2, 3', 'is not .reserve "NAME", ADDRESS, WORDS'),
+        (BEGUN + '.reserve ".x", 1, 2\n.reserve ".x", 3, 4', "line 4: section '.x' has begun already"),
+        (BEGUN + '.reserve ".text", 1, 2', "line 3: section '.text' has begun already"),
+        (BEGUN + '.reserve ".x", 1, 2\n.sect ".x", 3', "line 4: section '.x' has begun already"),
         (BEGUN + ".space -1", "no number of words"),
         (BEGUN + ".space 1 << 40", "no number of words"),
         (BEGUN + ".align 0x400001", "no number of words"),

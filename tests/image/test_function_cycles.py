@@ -68,10 +68,58 @@ def test_both_words_of_a_write_of_32_bits_are_waited_for(place: str, stalls: int
     assert sum(row.stall > 0 for row in function_cycles(assemble(source), "_f").rows) == stalls
 
 
-@pytest.mark.parametrize("begin", [0xC000, 0xFFFE])
-def test_code_in_waited_memory_says_so(begin: int):
+READS = "reads what was just written"
+
+
+@pytest.mark.parametrize(
+    ("code", "stalls"),
+    [
+        ("MOV *-SP[2],AL\n MOV AL,*-SP[2]", [(0, ""), (3, READS)]),
+        ("MOV *-SP[2],AL\n NOP\n MOV AL,*-SP[2]", [(0, ""), (0, ""), (2, READS)]),
+        ("MOV *-SP[2],AL\n MOV *SP++,AH\n MOV AL,*-SP[2]", [(0, "")] * 3),  # another word: SP has moved
+        ("MOV *-SP[2],AL\n MOV AH,*--SP\n MOV AL,*-SP[2]", [(0, "")] * 3),
+        ("MOV *-SP[2],AL\n ADDB SP,#1\n MOV AL,*-SP[2]", [(0, ""), (0, ""), (3, "waits for SP")]),
+        ("MOV @2,AL\n MOVZ DP,#3\n MOV AL,@2", [(0, "")] * 3),  # another page
+        ("MOV @2,AL\n MOV AL,*-SP[2]", [(0, "")] * 2),
+        ("MOV @0x3F,AL\n MOV AL,*-SP[1]", [(0, "")] * 2),
+        ("POP DP\n MOV AL,@3", [(0, ""), (3, "waits for DP")]),
+        ("MOVL XAR6,@2\n MOVL XAR7,@4\n MOV *+XAR6[AR0],AL", [(0, ""), (0, ""), (2, "waits for XAR6")]),
+        (
+            "MOVL XAR7,@4\n MOVL XAR6,@2\n CMPR 0\n MOVL *XAR7,XAR6",
+            [(0, ""), (0, ""), (0, ""), (2, "waits for XAR6 and XAR7")],
+        ),
+        ("MOV @1,AL\n MOVL ACC,@0", [(0, ""), (3, READS)]),
+        ("INC @1\n MOV AL,@1", [(0, ""), (3, READS)]),
+        ("MOV AL,@1\n MOV AL,@1", [(0, "")] * 2),
+        ("MOV *XAR4,AL\n MOV AL,*XAR4", [(0, "")] * 2),  # through a pointer: not known
+    ],
+)
+def test_stalls_of_a_few_instructions(code: str, stalls: list[tuple[int, str]]):
+    found = function_cycles(assemble(f' .sect "code", 0x8000\n .global _c_int00\n_c_int00: {code}\n'), "_c_int00")
+    assert [(row.stall, row.why) for row in found.rows] == stalls
+    assert found.least == sum(int(row.published) + row.stall for row in found.rows)
+
+
+WAITS = "fetched with 1 wait state"
+
+
+@pytest.mark.parametrize(
+    ("begin", "reasons"),
+    [(0xBFFF, ["", WAITS]), (0xC000, [WAITS, WAITS]), (0xFFFE, [WAITS, WAITS]), (0xFFFF, [WAITS, ""])],
+)
+def test_code_in_waited_memory_says_so(begin: int, reasons: list[str]):
     source = f' .sect "code", {begin:#x}\n .global _c_int00\n_c_int00: NOP\n ESTOP0\n'
-    assert [row.why for row in function_cycles(assemble(source), "_c_int00").rows] == ["fetched with 1 wait state"] * 2
+    assert [row.why for row in function_cycles(assemble(source), "_c_int00").rows] == reasons
+
+
+def test_words_that_are_no_instruction_and_one_that_its_section_cuts_off_have_rows():
+    """0xE271 is of a TMU; 0x2809 begins MOV loc16,#16bit, whose second word is not there."""
+    source = ' .sect "code", 0x8000\n .global _c_int00\n_c_int00: .word 0xE271, 0x7700, 0x2809\n'
+    found = function_cycles(assemble(source + " NOP\n .entry _c_int00\n"), "_c_int00")
+    assert found.rows[0] == (0x8000, ".word 0xe271", "", 0, "no instruction", "")
+    assert [row.text for row in found.rows] == [".word 0xe271", "NOP", "MOV @0x9,#0x7700"]
+    cut = function_cycles(assemble(' .sect "code", 0x8000\n_c_int00: NOP\n .word 0x2809\n'), "_c_int00")
+    assert [row.text for row in cut.rows] == ["NOP", "MOV @0x9,#0"]
 
 
 def test_a_function_that_is_not_there():

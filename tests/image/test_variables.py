@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from periph_sim.image.model import Symbol
 from periph_sim.image.number_types import BadVariable
 from periph_sim.image.variables import Variable, Variables
 from tests.image.typed_data import typed_image
@@ -46,6 +47,7 @@ def variables() -> Variables:
         ("words[4]", 0x9064, 1, "unsigned"),
         ("words[2]-long", 0x9062, 2, "unsigned"),
         ("pointers[2]", 0x90A4, 2, "unsigned"),
+        ("wide", 0x9070, 1, "unsigned"),
         ("_plain", 0x9080, 1, "unsigned"),
         ("_plain[3]", 0x9083, 1, "unsigned"),
         ("0x9084", 0x9084, 1, "unsigned"),
@@ -60,6 +62,8 @@ def test_a_part_has_its_place_and_width(variables: Variables, name: str, address
 @pytest.mark.parametrize(
     ("name", "sentence"),
     [
+        ("of_a_frame", "the image has no variable 'of_a_frame'; "),
+        ("computed", "the image has no variable 'computed'; "),
         ("stat.count", "the image has no variable 'stat'; did you mean state"),
         ("state.cuont", "state has no member 'cuont'; did you mean count?"),
         ("state.inner", "state.inner is no number of 16 or 32 bits; name one of its members, sign, gain"),
@@ -81,6 +85,43 @@ def test_what_is_no_number_is_refused_with_the_way_out(variables: Variables, nam
     with pytest.raises(BadVariable) as refused:
         variables.find(name)
     assert str(refused.value).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("kind", "words", "bits", "value"),
+    [
+        ("unsigned", 1, 0xFFFF, 0xFFFF), ("unsigned", 2, 0xFFFF_FFFF, 0xFFFF_FFFF),
+        ("float", 2, 0xC000_0000, 0xC000_0000),
+        ("signed", 1, 0x7FFF, 0x7FFF), ("signed", 1, 0x8000, -0x8000), ("signed", 1, 0xFFFF, -1), ("signed", 1, 0, 0),
+        ("signed", 2, 0x8000, 0x8000), ("signed", 2, 0x8000_0000, -0x8000_0000), ("signed", 2, 0xFFFF_FFFE, -2),
+    ],
+)  # fmt: skip
+def test_bits_are_the_number_of_their_type(kind: str, words: int, bits: int, value: int):
+    variable = Variable("x", 0x9000, words, kind)
+    assert variable.value_of(bits) == value
+    assert kind == "float" or variable.bits_of(value) == bits
+
+
+def test_a_float_takes_any_number_and_other_variables_whole_ones():
+    assert (
+        Variable("x", 0x9000, 2, "float").bits_of(-2.0) == Variable("x", 0x9000, 2, "float").bits_of(-2) == 0xC000_0000
+    )
+    with pytest.raises(BadVariable, match=r"^x is no float, so 1\.0 does not fit; give a whole number$"):
+        Variable("x", 0x9000, 1, "signed").bits_of(1.0)
+
+
+def test_symbols_with_brackets_and_dots_are_known_whole_and_those_of_code_not_at_all():
+    symbols = (
+        Symbol("a.b", 0x9001, ".ebss"), Symbol("a[1]", 0x9002, ".ebss"), Symbol("a", 0x9003, ".ebss"),
+        Symbol("f", 0x9000, ".text"), Symbol("SIZE", 0x9004, ""),
+    )  # fmt: skip
+    found = Variables(replace(typed_image(), symbols=symbols, debug={}))
+    assert [found.find(name).address for name in ("a.b", "a[1]", "a[2]", "a[99]-long")] == [
+        0x9001, 0x9002, 0x9005, 0x9003 + 99
+    ]  # fmt: skip
+    for name in ("f", "SIZE", "0x1234567"):
+        with pytest.raises(BadVariable):
+            found.find(name)
 
 
 @pytest.mark.parametrize(

@@ -42,6 +42,21 @@ def test_an_address_is_set_by_an_operation_that_tells_its_length():
     assert bytes((0, 5, 2)) + (0x9000).to_bytes(4, "little") in lines
 
 
+def test_every_byte_of_a_program_of_two_lines():
+    """A line of the source and one of a file that it includes, 197 lines further; 128 words behind it is the end."""
+    sections = debug_sections("a.asm", [([(0x8000, "a.asm", 3), (0x8001, "b.inc", 200)], 0x8081)])
+    assert sections == {
+        ".debug_abbrev": bytes.fromhex("01 11 00  03 08  10 06  13 05  25 08  00 00  00"),
+        ".debug_info": bytes.fromhex("28000000 0200 00000000 04  01")
+        + b"a.asm\0"
+        + bytes.fromhex("00000000 0180")
+        + b"periph-sim assemble\0",
+        ".debug_line": bytes.fromhex("44000000 0200 22000000  01 01 FB 0E 0A  00 01 01 01 01 00 00 00 01  00")
+        + b"a.asm\0\0\0\0b.inc\0\0\0\0\0"
+        + bytes.fromhex("00 05 02 00800000  04 01  02 00  03 02  01  04 02  02 01  03 C501  01  02 8001  00 01 01"),
+    }
+
+
 def test_no_file_no_debug_data():
     assert assemble(SOURCE).debug == {}
 

@@ -113,6 +113,8 @@ def typed_image() -> Image:
     of_state = (("state", 0x9040, state), ("words", 0x9060, words), ("wide", 0x9070, wide))
     for name, place, kind in (*of_state, ("pointers", 0x90A0, pointers)):
         add(VARIABLE, text(name), address(place), to(kind))
+    add(VARIABLE, text("of_a_frame"), bytes((2, 0x91, 0x05)), to(int_))  # DW_OP_fbreg
+    add(VARIABLE, text("computed"), bytes((5, 0x23, 0x60, 0x90, 0, 0)), to(int_))
     entries.end()
     body = struct.pack("<HIB", 2, 0, 4) + entries.data
     abbreviations = b"".join(

@@ -160,6 +160,27 @@ def test_refused_in_one_sentence(source: str, sentence: str):
 
 
 @pytest.mark.parametrize(
+    ("source", "least", "most"),
+    [
+        ("MOVB ACC,#{}", 0, 255), ("ADDB AL,#{}", -128, 127), ("MOV AL,#{}", -0x8000, 0xFFFF), ("RPT #{}", 0, 255),
+        ("MOVZ DP,#{}", 0, 1023), ("MOVW DP,#{}", -0x8000, 0xFFFF), ("MOVL XAR4,#{}", 0, 0x3F_FFFF),
+        ("ADDB XAR4,#{}", 0, 127),
+        ("LSL ACC,#{}", 1, 16), ("LSR AL,#{}", 1, 16), ("TBIT @0,#{}", 0, 15), ("MOV AL,*-SP[{}]", 0, 63),
+        ("MOV AL,*+XAR4[{}]", 0, 7), ("TRAP #{}", 0, 31), ("MOVIZ R0H,#{:#x}", 0, 0xFFFF), ("LCR #{}", 0, 0x3F_FFFF),
+        ("SETFLG {}=1", 0, 10), ("XB {},UNC", 0x3F_0000, 0x3F_FFFF), ("MOV *(0:{}),@AL", 0, 0xFFFF),
+        ("RPTB {},#1", AT + 2, AT + 129), ("SB {},EQ", AT - 128, AT + 127), ("B {},EQ", AT - 0x8000, AT + 0x7FFF),
+        ("MPY P,T,#{}", -0x8000, 0xFFFF), ("ADD @0,#{}", -0x8000, 0xFFFF), ("MOVB AL.LSB,*+XAR4[{}]", 0, 7),
+    ],
+)  # fmt: skip
+def test_a_number_is_taken_from_the_least_to_the_most_that_its_field_holds(source: str, least: int, most: int):
+    for number in (least, most):
+        words(source.format(number))
+    for number in (least - 1, most + 1):
+        with pytest.raises(BadInstruction):
+            words(source.format(number))
+
+
+@pytest.mark.parametrize(
     ("text", "value"),
     [
         ("0x7900 + 2", 0x7902),
@@ -169,13 +190,53 @@ def test_refused_in_one_sentence(source: str, sentence: str):
         ("$ - 2", AT - 2),
         ("~1", -2),
         ("9/2", 4),
+        ("-9/2", -5),
+        ("9%4", 1),
+        ("2*3+1", 7),
+        ("2+3*4", 14),
+        ("+5", 5),
+        ("-5", -5),
+        ("7-2-1", 4),
+        ("6&3", 2),
+        ("6|1", 7),
+        ("6^3", 5),
+        ("16>>2", 4),
+        ("1<<0", 1),
+        ("1<<64", 1 << 64),
+        ("8>>64", 0),
+        ("1h", 1),
+        ("_a.b$c", 7),
+        ("';'", 59),
+        ("0b11", 3),
     ],
 )
 def test_expressions(text: str, value: int):
-    assert evaluate(text, {"table": 0x41}, AT) == value
+    assert evaluate(text, {"table": 0x41, "_a.b$c": 7}, AT) == value
 
 
-@pytest.mark.parametrize("text", ["", "1 +", "1/0", "1 << 900", "f(1)", "[1]", "1.5", "a b", "'", "9**9", "None"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "1 +",
+        "1/0",
+        "1%0",
+        "1 << 65",
+        "1 >> 65",
+        "1 << -1",
+        "x",
+        "not 1",
+        "1 < 2",
+        "1 and 1",
+        "f(1)",
+        "[1]",
+        "1.5",
+        "a b",
+        "'",
+        "9**9",
+        "None",
+    ],
+)
 def test_what_is_no_expression(text: str):
     with pytest.raises(BadExpression):
         evaluate(text, {}, AT)

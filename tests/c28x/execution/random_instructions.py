@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import random
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from hashlib import blake2b
 
 from periph_sim import form
@@ -58,24 +58,30 @@ def number(draw: random.Random) -> int:
     return draw.choice(ENDS) if draw.random() < 0.3 else draw.getrandbits(32)
 
 
+def float_bits(draw: random.Random) -> int:
+    """One of the ends, one near 1, so that sums are rounded and have a fraction, or any."""
+    near = draw.getrandbits(1) << 31 | draw.randrange(112, 142) << 23 | draw.getrandbits(23)
+    return draw.choice((draw.choice(FLOATS), near, draw.getrandbits(32)))
+
+
 def stir(cpu: Scattered, draw: random.Random) -> None:
     """Some registers anew, so that what one instruction made does not decide all that follow."""
     cpu.acc, cpu.p, cpu.xt = number(draw), number(draw), number(draw)
     cpu.xar = [number(draw) for _ in range(8)]
-    cpu.r = [draw.choice(FLOATS) if draw.random() < 0.3 else draw.getrandbits(32) for _ in range(8)]
+    cpu.r = [float_bits(draw) for _ in range(8)]
     cpu.put_st0(draw.getrandbits(16))
     cpu.sp, cpu.dp, cpu.rpc = draw.randrange(0x400, 0x7F00), draw.getrandbits(16), draw.getrandbits(22)
     cpu.stf = cpu.stf & 1 << 31 | draw.getrandbits(10) & 0x27F
     cpu.memory.clear()
 
 
-def passes(count: int, seed: int) -> Iterator[str]:
+def passes(count: int, seed: int | str, forms: Sequence[Encoding] = FORMS) -> Iterator[str]:
     """What is there after each pass of so many instructions, every form in turn."""
     draw, cpu = random.Random(seed), Scattered()
     order: list[Encoding] = []
     for at in range(count):
         if not order:
-            order = list(FORMS)
+            order = list(forms)
             draw.shuffle(order)
         if at % 4 == 0:
             stir(cpu, draw)

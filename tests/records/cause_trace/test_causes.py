@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.records.cause_trace.causes import Step, walk_back
+from periph_sim.records.cause_trace.causes import Step, end_of_walk, walk_back
 from periph_sim.records.cause_trace.text_report import as_json, text
 from periph_sim.records.cause_trace.why import why
 from periph_sim.records.races import races
@@ -218,6 +218,15 @@ def test_a_service_routine_is_not_held_up_by_itself_and_its_entry_is_a_step():
     assert numbers(steps) == ["5", "4", "3", "(2)", "1"]
 
 
+def test_an_access_that_follows_no_look_comes_of_the_entry_of_its_service_routine():
+    """A write; and one of a read-modify-write, whose own read is told beside; a read of a field that never changed."""
+    assert numbers(walk(irq(110, 1), count(130, "sci:9", 1), counted(130, 2))) == ["3", "2", "1"]
+    modify = read(120, 0, "SCD", "sci:8", 1), write(122, SCD, "SCD", "sci:8", 1)
+    assert numbers(walk(irq(110, 1), *modify, flag(122, "SCD", 0, 3))) == ["4", "3", "(2)", "1"]
+    look = read(120, 0, "SCD", "sci:8", 1)
+    assert numbers(walk(irq(110, 1), look, count(130, "sci:9", 1), counted(130, 3))) == ["4", "3", "2", "1"]
+
+
 def test_a_nested_interrupt_comes_of_its_own_request():
     asked = 105, Kind.FLAG, "dsp.PIE", "PIEIFR9.INTx1", 1, "", 0
     outer = 100, Kind.IRQ, "dsp", "TINT0", 1, "timer:1", 0
@@ -230,6 +239,64 @@ def test_a_cause_at_the_first_row_is_found_and_the_walk_ends_there():
     for depth in (3, 8, 1000):
         assert numbers(list(walk_back(run, 3, depth))) == ["4", "3", "2", "1"]
     assert why(run, "I2CCNT.ICDC@1us").back[-1].row == 0
+
+
+def test_the_end_of_an_interrupt_comes_of_its_begin():
+    steps = walk(irq(10, 1), irq(20, 0, 1))
+    assert [(step.record.number, step.known, step.because) for step in steps] == [
+        (2, "", ""),
+        (1, "recorded", "caused it"),
+    ]
+    assert numbers(walk(irq(10, 1), (20, Kind.IRQ, "dsp", "USER1", 1, "", 1))) == ["2", "1"]  # no line of the PIE
+
+
+def asked(cycle: int, line: str, value: int = 1, cause: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.FLAG, "dsp.PIE", f"PIEIFR{line}", value, "", cause
+
+
+def module(cycle: int, where: str, what: str, value: int = 1) -> tuple[Any, ...]:
+    return cycle, Kind.FLAG, f"dsp.{where}", what, value, "", 0
+
+
+@pytest.mark.parametrize(
+    ("line", "before", "cause"),
+    [
+        ("9.INTx1", [module(100, "SCI-A", "SCIFFRX.RXFFINT")], 1),
+        ("9.INTx1", [module(100, "SCI-A", "SCIRXST.RXRDY"), module(99, "SCI-A", "SCICTL2.TXRDY")], 1),
+        ("9.INTx1", [module(90, "SCI-A", "SCIFFRX.RXFFINT"), module(100, "SCI-A", "SCIFFRX.RXFFIENA")], 2),  # the last
+        ("9.INTx1", [module(100, "SCI-A", "SCIFFRX.RXFFINT", 0)], None),
+        ("9.INTx1", [module(100, "SCI-B", "SCIFFRX.RXFFINT")], None),
+        ("9.INTx3", [module(100, "SCI-B", "SCIFFRX.RXFFINT")], 1),
+        ("9.INTx2", [module(100, "SCI-A", "SCICTL2.TXRDY")], 1),
+        ("1.INTx7", [module(100, "TIMER0", "TCR.TIF")], 1),
+        ("9.INTx1", [module(86, "SCI-A", "SCIFFRX.RXFFINT")], 1),  # 16 cycles before
+        ("9.INTx1", [module(85, "SCI-A", "SCIFFRX.RXFFINT")], None),
+        ("12.INTx8", [module(100, "SCI-A", "SCIFFRX.RXFFINT")], None),
+    ],
+)
+def test_a_flag_of_the_pie_comes_of_the_field_that_asked_last(line: str, before: list[Any], cause: int | None):
+    assert numbers(walk(*before, asked(102, line))) == [str(len(before) + 1), *([str(cause)] if cause else [])]
+
+
+def test_a_flag_of_the_pie_that_falls_or_a_register_of_another_name_comes_of_what_it_names():
+    rose = module(100, "SCI-A", "SCIFFRX.RXFFINT")
+    assert numbers(walk(irq(1, 1), rose, asked(102, "9.INTx1", 0, 1))) == ["3", "1"]
+    assert numbers(walk(irq(1, 1), rose, module(102, "PIE", "PIECTRL.ENPIE"))) == ["3"]
+
+
+@pytest.mark.parametrize(
+    ("depth", "records", "end"),
+    [
+        (2, ["5", "4", "3"], "2 causes were asked for; --depth gives more"),
+        (3, ["5", "4", "3", "1"], "3 causes were asked for; --depth gives more"),
+        (4, ["5", "4", "3", "1"], "no record of a cause of it"),
+    ],
+)
+def test_a_walk_ends_after_as_many_causes_as_were_asked_for(depth: int, records: list[str], end: str):
+    run = by_hand(flag(1, "SCD", 1), flag(2, "BB", 1), read(3, SCD, "SCD"), count(4), counted(4, 4))
+    steps = list(walk_back(run, 4, depth))
+    assert (numbers(steps), end_of_walk(run, steps, depth)) == (records, end)
+    assert end_of_walk(run, [], depth) == ""
 
 
 def test_a_record_that_names_itself_or_a_later_one_has_no_cause():

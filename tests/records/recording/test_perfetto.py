@@ -120,6 +120,50 @@ def test_a_stop_without_a_start_is_no_transfer(tmp_path: Path):
     assert not by_track(events_of(tmp_path / "run.perfetto.json"))
 
 
+Wires = tuple[str, str]  # SCL and SDA, a character 100 ns
+START, AGAIN, STOP = ("---", "--_"), ("_--", "--_"), ("_--", "__-")
+
+
+def bits(value: int, acked: int, count: int = 9) -> Wires:
+    """So many bits of a byte with its acknowledge, each a low and a high phase of SCL."""
+    levels = f"{value:08b}{1 - acked}"[:count]
+    return "_-" * count, "".join("_-"[int(level)] * 2 for level in levels)
+
+
+@pytest.mark.parametrize(
+    ("parts", "shown"),
+    [
+        (
+            [START, bits(0xA6, 1), bits(0x05, 0), AGAIN, bits(0xA7, 1), bits(0x81, 0), STOP, ("--", "--")],
+            "B2 0x53 W 0x53 R, B4 0x53 W ACK, E21, B22 0x05 NACK, E39, B43 0x53 R ACK, E60, B61 0x81 NACK, E78, E80",
+        ),
+        ([START, bits(0xA6, 1), bits(0x05, 1, 4)], "B2 0x53 W, B4 0x53 W ACK, E21, B22 cut off: 0000, E29, E29"),
+        ([START, bits(0xA6, 1), bits(0x41, 1)], "B2 0x53 W, B4 0x53 W ACK, E21, B22 0x41 ACK, E39, E39"),
+        ([START, bits(0xA6, 1, 8)], "B2 0x53 W, B4 0xA6 no ninth bit, E19, E19"),
+        ([START, bits(0xA6, 1, 3), STOP], "B2 cut off, B4 cut off: 101, E9, E11"),
+        ([START, STOP, START, bits(0xA6, 0), STOP], "B2 cut off, E5, B8 0x53 W, B10 0x53 W NACK, E27, E29"),
+    ],
+)
+def test_transfers_are_slices_around_their_bytes(tmp_path: Path, parts: list[Wires], shown: str):
+    """The letter and the character of each event, with the name of each slice that begins."""
+    recorder, path = Recorder(), tmp_path / "run.perfetto.json"
+    scl, sda = ("".join(column) for column in zip(*parts, strict=True))
+    with recording(path, {}) as (subscribe, ended_at):
+        subscribe(recorder, Timebase(150_000_000))
+        for at in range(1, len(scl)):
+            for wire, levels in (("SCL", scl), ("SDA", sda)):
+                if levels[at] != levels[at - 1]:
+                    recorder.emit(at * 100 * NS, Kind.EDGE, wire, "level", int(levels[at] == "-"))
+        ended_at(len(scl) * 100 * NS)
+    events = by_track(events_of(path))["bus", "transfers"]
+    begun: list[str] = []
+    for event in events:
+        (begun.append if event["ph"] == "B" else begun.remove)(event["name"])
+    at = [f"{event['ph']}{event['args']['tick'] / 100 / NS:g}" for event in events]
+    names_of = [f" {event['name']}" * (event["ph"] == "B") for event in events]
+    assert (", ".join(map("".join, zip(at, names_of, strict=True))), begun) == (shown, [])
+
+
 def test_a_capture_is_no_run(tmp_path: Path):
     capture = formats.read(Path(__file__).resolve().parents[3] / "traces" / "nack.sr")
     with pytest.raises(formats.BadCapture, match=r"its name: found '\.json', expected one of "):

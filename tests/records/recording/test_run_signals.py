@@ -78,6 +78,28 @@ def test_bus_state_is_what_scl_and_sda_say():
     )
 
 
+def test_bus_state_of_a_write_a_repeated_start_and_a_read_that_is_not_acknowledged():
+    """0x53 W ACK, 0x05 ACK, START, 0x53 R ACK, 0x81 NACK, STOP; the address is known, and so its byte, at its end."""
+    byte = "_-_-_-_-_-_-_-_-_-"
+    check(
+        f"""
+        SCL --- {byte} {byte} _-- {byte} {byte} _--
+        SDA --_ --__--____----____ __________--__--__ --_ --__--____------__ --____________---- __-
+        """,
+        [],
+        f"""
+        bus.I2C.busy    __- {"-" * 18} {"-" * 18} --- {"-" * 18} {"-" * 18} --_
+        bus.I2C.address ___ _{"-" * 15}__ {"_" * 18} ___ _{"-" * 15}__ {"_" * 18} ___
+        bus.I2C.data    ___ {"_" * 18} _{"-" * 15}__ ___ {"_" * 18} _{"-" * 15}__ ___
+        bus.I2C.ack     ___ {"_" * 17}- {"_" * 17}- ___ {"_" * 17}- {"_" * 18} ___
+        bus.I2C.nack    ___ {"_" * 18} {"_" * 18} ___ {"_" * 18} {"_" * 17}- ___
+        bus.I2C.read    ___ {"_" * 18} {"_" * 18} ___ {"_" * 16}-- {"-" * 18} ---
+        bus.I2C.byte[7] ___ _{"-" * 17} -{"_" * 17} ___ _{"-" * 17} {"-" * 18} ---
+        bus.I2C.byte[0] ___ {"_" * 18} _{"-" * 17} --- {"-" * 18} {"-" * 18} ---
+        """,
+    )
+
+
 def test_a_register_is_shown_whole_and_by_field():
     at = "dsp.I2C-A"
     check(

@@ -76,3 +76,4 @@ def test_a_check_of_two_dsps_finds_data_that_are_other_ones_and_right(change: st
     where = "first among bytes 1 to 64 of the run"
     expected = [f"bytes on the bus are other ones than in the baseline, {where}"]
     assert changes == ([] if change is None else expected)
+    assert outcome.figures.digest == kept.digest  # of times alone

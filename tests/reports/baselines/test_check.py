@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from periph_sim.reports.baselines import (
     read,
     text_of,
 )
+from periph_sim.reports.baselines.judge import lacking
 from periph_sim.reports.baselines.outcome import Chains, run_case, run_chains
 from tests.reports.baselines.desk import change, put
 
@@ -34,6 +36,7 @@ def test_an_equal_run_passes_and_its_figures_are_the_same_bytes(cases: Path):
     before = path_for(cases / "small.toml").read_bytes()
     (one,) = check([cases], jobs=1)
     assert (one.state, one.findings, one.changes) == ("equal", [], [])
+    assert one.outcome.values == [None] * 3
     (again,) = check([cases], jobs=1, update=True)
     assert (again.state, again.diff) == ("equal", "")
     assert path_for(cases / "small.toml").read_bytes() == before == text_of(again.outcome.figures).encode()
@@ -134,7 +137,7 @@ def test_a_new_wrong_byte_is_told_with_what_was_read(cases: Path):
 def test_times_may_differ_by_the_tolerance(cases: Path, off: int, tolerance: int, passes: bool):
     """20 ticks are a cycle."""
     change(path_for(cases / "small.toml"), worst=15000 + off, worst_at=1)
-    (one,) = check([cases], jobs=1, tolerance=tolerance)
+    (one,) = check([cases], jobs=1, tolerance=tolerance) if tolerance else check([cases], jobs=1)
     assert one.passed == passes
     assert ("response worst at" in "".join(texts(one))) == (tolerance == 0)
 
@@ -194,6 +197,29 @@ def test_a_missing_baseline_is_told_until_it_is_written(cases: Path):
     assert check([cases], jobs=1)[0].passed
 
 
+def test_an_update_shows_each_changed_line_between_its_neighbours(cases: Path):
+    path = path_for(cases / "small.toml")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    place = lines.index('      "count": 2,')
+    other = [*lines[:place], '      "count": 3,', *lines[place + 1 :]]
+    path.write_text("\n".join(other), encoding="utf-8")
+    (one,) = check([cases], jobs=1, update=True)
+    head = ["--- cases/baselines/small.json", "+++ cases/baselines/small.json", f"@@ -{place},3 +{place},3 @@"]
+    changed = ['-      "count": 3,', '+      "count": 2,']
+    assert one.diff.splitlines() == [*head, f" {lines[place - 1]}", *changed, f" {lines[place + 1]}"]
+    path.unlink()
+    (one,) = check([cases], jobs=1, update=True)
+    whole = f"@@ -0,0 +1,{len(lines)} @@"
+    assert one.diff.splitlines() == ["--- nothing", head[1], whole, *(f"+{line}" for line in lines)]
+    assert one.changes == []
+
+
+def test_an_update_says_why_a_budget_breaks(cases: Path):
+    put(cases, sdir_wait=False)
+    (one,) = check([cases], jobs=1, update=True)
+    assert [*one.causes] == ["wrong bytes"]
+
+
 def test_an_update_shows_what_it_changed(cases: Path):
     put(cases, wait=3000)
     (one,) = check([cases], jobs=1, update=True)
@@ -235,7 +261,9 @@ def test_a_budget_that_must_break_and_measures_nothing_is_not_judged(cases: Path
     path.write_text(path.read_text().replace("span:model", "span:modle"), encoding="utf-8")
     (one,) = check([cases], jobs=1)
     assert (one.outcome.broken, one.outcome.not_passed, one.passed) == ([], ["model"], False)
-    assert texts(one)[0].startswith("model is not judged: ")
+    (verdict,) = (verdict for verdict in one.outcome.verdicts if not verdict.passed)
+    assert verdict.found and texts(one)[0] == f"model is not judged: {verdict.found}"
+    assert lacking(replace(verdict, found="")) == "nothing was measured by 'span:modle'"
     assert "model worst 37500 cycles -> nothing measured" in texts(one)
 
 

@@ -55,6 +55,7 @@ def test_what_is_written_is_read(baseline: Baseline):
         ("{", "it is not JSON ("),
         ("\xff", "it is not JSON ("),
         ("[]", "it has no schema_version, expected 1; write it anew with --update-baseline"),
+        ("{}", "it has no schema_version, expected 1; write it anew with --update-baseline"),
         (
             '{"schema_version": 2}',
             "schema_version is 2, expected 1: another version of periph-sim wrote it; compare with that version, "

@@ -19,11 +19,19 @@ from tests.unwrapped import unwrapped
 
 def test_junit_has_a_suite_a_case_and_a_test_a_budget_with_its_figures(cases: Path):
     put(cases, "z", sdir_wait=False, breaks='breaks = ["wrong bytes"]\n')
-    root = xml.fromstring(junit(check([cases], jobs=1)))
+    checks = check([cases], jobs=1)
+    root = xml.fromstring(junit(checks))
     assert (root.get("tests"), root.get("failures"), root.get("errors")) == ("8", "1", "0")
     small, z = root
     assert [small.get(key) for key in ("name", "tests", "failures")] == ["small", "4", "0"]
     assert [test.get("name") for test in small.iter("testcase")] == ["response", "wrong bytes", "model", "the case"]
+    first = checks[0].outcome
+    counts = {"events": first.figures.events, "polls_skipped": first.figures.counts["polls_skipped"]}
+    counts |= dict.fromkeys(("missed", "nacked", "frames", "stuck", "overruns", "resets", "SCI bytes"), 0)
+    counts |= {"rounds": 2, "I2C bytes": 18}
+    told = {p.get("name"): p.get("value") for p in small.findall("properties/property")}
+    assert told == {"baseline": "equal"} | {key: str(count) for key, count in counts.items()}
+    assert small.get("time") == f"{first.result.wall_s:.6f}"
     response = small.find("testcase[@name='response']/properties")
     assert response is not None
     assert {p.get("name"): p.get("value") for p in response} == {
@@ -60,6 +68,24 @@ def test_a_case_that_cannot_run_is_a_suite_of_one_error():
         assert [one.get(key) for key in ("tests", "failures", "errors")] == ["1", "0", "1"]
     error = suite.find("testcase/error")
     assert error is not None and error.text == "there is no firmware"
+    (line,) = github([], [RejectedCase(Path("a,b/bad.toml"), "there is\nno firmware")])
+    assert line == "::error file=a%2Cb/bad.toml,line=1,title=periph-sim check%3A bad::there is%0Ano firmware"
+
+
+def test_the_text_of_a_file_has_an_element_a_line_and_only_characters_that_xml_has():
+    """Of XML 1.0, section 2.2: tab, line feed, carriage return, U+0020 to U+D7FF, U+E000 to U+FFFD, U+10000 on."""
+    kept, left_out = " \ud7ff\ue000\ufffd\U00010000\U0010ffff", "\0\x08\x0b\x0c\x0e\x1f\ud800\udfff\ufffe\uffff"
+    why = kept + "\ufffd" * len(left_out)
+    assert junit([], [RejectedCase(Path("a/bad.toml"), kept + left_out)]).splitlines() == [
+        '<?xml version="1.0" encoding="utf-8"?>',
+        '<testsuites name="periph-sim check" tests="1" failures="0" errors="1">',
+        '  <testsuite name="bad" file="a/bad.toml" tests="1" failures="0" errors="1">',
+        '    <testcase classname="bad" name="the case" file="a/bad.toml" line="1">',
+        f'      <error message="{why}" type="check">{why}</error>',
+        "    </testcase>",
+        "  </testsuite>",
+        "</testsuites>",
+    ]
 
 
 def test_text_that_xml_has_to_escape_does_not_break_it(cases: Path):

@@ -12,6 +12,7 @@ from periph_sim.f28335.cpu.xint import Xint
 from periph_sim.f28335.gpio.module import Gpio
 from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.sci.module import Sci
+from periph_sim.f28335.spi.module import Spi
 from periph_sim.f28335.system.clocks import SystemControl
 from periph_sim.f28335.system.cpu_timer import CpuTimer
 from periph_sim.f28335.system.options import SystemOptions
@@ -20,12 +21,14 @@ from .i2c_rig import Rig
 
 SYSTEM = SystemOptions()
 PINS = tuple(f"GPIO{n}" for n in range(88))
+SPI_PINS = ("SIMO", "SOMI", "CLK", "STE")
 XINTS = ("XINT1", "XINT2", "XINT3", "XINT4", "XINT5", "XINT6", "XINT7")
 
 # chip: inputs, outputs, lines, cycles from an input to its effect, levels of the outputs, first wake-up
 CHIPS: list[tuple[Any, tuple[str, ...], tuple[str, ...], tuple[str, ...], int, int, int]] = [
     (I2c(), ("SCL", "SDA"), ("SCL", "SDA"), ("I2CINT1A", "I2CINT2A"), 1, 3, NEVER),
     (Sci(), ("RXD",), ("TXD",), ("RXINT", "TXINT"), 2, 1, NEVER),
+    (Spi(), SPI_PINS, SPI_PINS, ("RXINT", "TXINT"), 0, 15, NEVER),
     (Gpio(SYSTEM), PINS, PINS, (), 0, 0, NEVER),
     (Xint(), XINTS, (), XINTS, 0, 0, NEVER),
     (Pie(SYSTEM), (), (), (), 0, 0, NEVER),

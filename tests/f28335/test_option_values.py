@@ -12,6 +12,7 @@ import pytest
 from periph_sim.core.options import Value, options_from
 from periph_sim.f28335.i2c.options import I2cOptions
 from periph_sim.f28335.sci.options import SciOptions
+from periph_sim.f28335.spi.options import SpiOptions
 from periph_sim.f28335.system.options import SystemOptions
 
 # The first is the default.
@@ -39,6 +40,10 @@ ANSWERS: dict[type, dict[str, tuple[Value, ...]]] = {
         "fftxdly_max": (255, 256),
         "idle_before_first_frame": (True, False),
     },
+    SpiOptions: {
+        "swreset_clears_fifos": (False, True),
+        "spirst_clears_fifos": (True, False),
+    },
     I2cOptions: {
         "emdr_present": (True, False),
         "bcm_reset": (1, 0),
@@ -64,6 +69,7 @@ RANGES = [
     (SystemOptions, "pf2_read_ws", 2, 0, 15),
     (SystemOptions, "pf2_write_ws", 0, 0, 15),
     (SciOptions, "rx_int_extra", 3, 0, 16),
+    (SpiOptions, "input_latency", 0, 0, 16),
     (I2cOptions, "sda_setup_before_scl_release", 1, 0, 255),
     (I2cOptions, "event_to_isrc_delay", 2, 0, 64),
     (I2cOptions, "scl_sync_cycles", 0, 0, 16),

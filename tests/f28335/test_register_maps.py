@@ -15,6 +15,7 @@ from periph_sim.f28335.cpu import pie_map, xint_map
 from periph_sim.f28335.gpio import register_map as gpio_map
 from periph_sim.f28335.i2c import register_map as i2c_map
 from periph_sim.f28335.sci import register_map as sci_map
+from periph_sim.f28335.spi import register_map as spi_map
 from periph_sim.f28335.system import clocks_map
 from periph_sim.f28335.system import cpu_timer_map as timer_map
 
@@ -22,6 +23,7 @@ MAPS: dict[str, RegisterMap] = {
     "system control": clocks_map.MAP,
     "PIE": pie_map.MAP,
     "SCI": sci_map.SCI_MAP,
+    "SPI": spi_map.SPI_MAP,
     "I2C": i2c_map.I2C_MAP,
     "GPIO": gpio_map.GPIO,
     "XINT": xint_map.XINT,
@@ -91,6 +93,22 @@ MANUAL = {
             RXFFIENA 5, RXFFIL 4:0 =1F
         0C SCIFFCT: ABD 15 R, ABDCLR 14 W1, CDC 13, FFTXDLY 7:0
         0F SCIPRI: SOFT 4, FREE 3
+    """,
+    "SPI": """
+        00 SPICCR: SPISWRESET 7, CLKPOLARITY 6, SPILBK 4, SPICHAR 3:0
+        01 SPICTL: OVERRUNINTENA 4, CLK_PHASE 3, MASTER_SLAVE 2, TALK 1, SPIINTENA 0
+        02 SPISTS: OVERRUN_FLAG 7 R/W1C, INT_FLAG 6 R, BUFFULL_FLAG 5 R
+        04 SPIBRR: BIT_RATE 6:0
+        06 SPIRXEMU: ERXB 15:0 R
+        07 SPIRXBUF acts: RXB 15:0 R
+        08 SPITXBUF: TXB 15:0
+        09 SPIDAT: SDAT 15:0
+        0A SPIFFTX: SPIRST 15 =1, SPIFFENA 14, TXFIFO 13 =1, TXFFST 12:8 R, TXFFINT 7 R, TXFFINTCLR 6 W1, TXFFIENA 5,
+            TXFFIL 4:0
+        0B SPIFFRX: RXFFOVF 15 R, RXFFOVFCLR 14 W1, RXFIFORESET 13 =1, RXFFST 12:8 R, RXFFINT 7 R, RXFFINTCLR 6 W1,
+            RXFFIENA 5, RXFFIL 4:0 =1F
+        0C SPIFFCT: TXDLY 7:0
+        0F SPIPRI: SOFT 5, FREE 4
     """,
     "I2C": """
         00 I2COAR: OAR 9:0
@@ -237,7 +255,7 @@ def test_register_map(module: str):
 
 BASES = """
     PIE 0CE0   TIMER0 0C00   TIMER1 0C08   TIMER2 0C10   GPIO 6F80    SYS 7010   XINT 7070
-    SCI-A 7050 SCI-B 7750    SCI-C 7770    I2C-A 7900
+    SCI-A 7050 SCI-B 7750    SCI-C 7770    I2C-A 7900    SPI-A 7040
 """
 
 
@@ -250,6 +268,7 @@ def test_base_addresses():
         "XINT": xint_map.BASE,
         **sci_map.BASES,
         "I2C-A": i2c_map.BASE,
+        "SPI-A": spi_map.BASE,
     }
     words = BASES.split()
     assert {name: f"{base:04X}" for name, base in found.items()} == dict(zip(words[::2], words[1::2], strict=True))

@@ -28,6 +28,7 @@ UNRECORDED = {
         "stop_vote_samples",
     },  # each frame
     "f28335/sci/lines.py": {"rx_sync_stages"},  # each frame
+    "f28335/spi/lines.py": {"input_latency"},  # each edge of SPICLK
     "f28335/system/cpu_timer.py": {"timer_tif_point"},  # TIF
     "f28335/system/memory_map.py": {"pf1_back_to_back_write", "pf2_read_ws", "pf2_write_ws"},  # each access
     "processor/bus.py": {"write_lands"},  # the write that is foreseen

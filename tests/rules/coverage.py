@@ -21,8 +21,8 @@ from tests.rules.texts import texts
 ROOT = Path(__file__).parents[2]
 OUTCOMES = ROOT / "build" / "rules.json"
 TABLE = ROOT / "build" / "rules.md"
-FAMILIES = ("I2C", "SCI", "SYS")
-NOT_MODELLED = re.compile(r"^\| ((?:I2C|SCI|SYS)-\d{3}) \| (.+) \|$", re.MULTILINE)
+FAMILIES = ("I2C", "SCI", "SPI", "SYS")
+NOT_MODELLED = re.compile(r"^\| ((?:I2C|SCI|SPI|SYS)-\d{3}) \| (.+) \|$", re.MULTILINE)
 
 
 @dataclass

@@ -7,11 +7,12 @@ from dataclasses import fields
 
 from periph_sim.f28335.i2c.options import I2cOptions
 from periph_sim.f28335.sci.options import SciOptions
+from periph_sim.f28335.spi.options import SpiOptions
 from periph_sim.f28335.system.options import SystemOptions
 from tests.rules.coverage import Named, gaps, named_rules, not_modelled, table
 from tests.rules.texts import texts
 
-COUNTS = {"I2C": 342, "SCI": 212, "SYS": 153}
+COUNTS = {"I2C": 342, "SCI": 212, "SPI": 86, "SYS": 153}
 
 
 def proved() -> dict[str, Named]:
@@ -69,6 +70,6 @@ def test_only_what_passed_counts_case_by_case():
 
 
 def test_options_that_sources_name_exist():
-    known = {one.name for kind in (I2cOptions, SciOptions, SystemOptions) for one in fields(kind)}
+    known = {one.name for kind in (I2cOptions, SciOptions, SpiOptions, SystemOptions) for one in fields(kind)}
     named = {option for _, source in texts().values() for option in re.findall(r"`(\w+)`", source)}
     assert len(named) > 50 and named - known == set()

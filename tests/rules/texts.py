@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 FOLDER = Path(__file__).parent
-LISTS = ("i2c", "sci", "system")
+LISTS = ("i2c", "sci", "spi", "system")
 
 
 class Rule(NamedTuple):

@@ -1,0 +1,1 @@
+"""SPI module: master and slave, FIFOs, loop-back and interrupts."""

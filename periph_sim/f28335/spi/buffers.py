@@ -1,0 +1,152 @@
+"""Buffers of the SPI beside SPIDAT: SPITXBUF, SPIRXBUF, their flags in SPISTS, and the choice of the FIFOs.
+
+    write --> SPITXBUF or transmit FIFO --take--> SPIDAT --deliver--> SPIRXBUF or receive FIFO --read-->
+                  |                                          |
+                  +--> BUFFULL_FLAG, TXFFST, TXFFINT         +--> INT_FLAG, OVERRUN_FLAG, RXFFST, RXFFINT, RXFFOVF
+
+Chosen, where the manual is silent:
+- SPITXBUF reads as it was last written, whether or not the word was taken.
+- SPITXBUF and the FIFOs keep their words when SPIFFENA changes; only the selected one is used.
+- A word read from the receive FIFO stays in SPIRXBUF.
+- Setting an enable while its flag is set requests at once.
+
+Source: TI SPRUEU3 sections 1.3.2, 1.4, 1.5, 2.1.3, 2.1.6 and 2.1.7.
+"""
+
+from __future__ import annotations
+
+from operator import ge, le
+
+from .interrupt_fifo import InterruptFifo
+from .options import SpiOptions
+from .register_map import SPI_MAP
+
+OVERRUN_FLAG = SPI_MAP["SPISTS"]["OVERRUN_FLAG"].mask
+INT_FLAG = SPI_MAP["SPISTS"]["INT_FLAG"].mask
+BUFFULL_FLAG = SPI_MAP["SPISTS"]["BUFFULL_FLAG"].mask
+
+
+class TransmitBuffer:
+    """txbuf: SPITXBUF. full: it holds a character that waits. lost: texts of notes, for the owner to clear."""
+
+    def __init__(self, options: SpiOptions, touched: set[str]) -> None:
+        self.options = options
+        self.touched = touched
+        self.fifo = InterruptFifo(SPI_MAP["SPIFFTX"], le, options, touched)
+        self.txbuf = 0
+        self.full = False
+        self.lost: list[str] = []
+
+    @property
+    def waiting(self) -> bool:
+        """True if a word waits for SPIDAT."""
+        return bool(self.fifo.words) if self.fifo.on else self.full
+
+    def write(self, value: int, enabled: bool) -> None:
+        """SPITXBUF. enabled: neither SW RESET nor SPIRST is 0."""
+        before, self.txbuf = self.txbuf, value
+        if self.fifo.on:
+            self._write_fifo(value)
+        elif not enabled:
+            self.lost.append(f"SPITXBUF was written {value:#06x} while a reset holds the SPI: the character is lost")
+        elif self.full:
+            self.lost.append(f"SPITXBUF was written {value:#06x} while BUFFULL_FLAG = 1: one character is lost")
+            if self.options.txbuf_write_when_full.assume(self.touched) == "ignored":
+                self.txbuf = before
+        else:
+            self.full = True
+
+    def _write_fifo(self, value: int) -> None:
+        if self.fifo.push(value):
+            return
+        if not self.fifo.accepts:
+            self.lost.append(f"SPITXBUF was written {value:#06x} while a reset holds the transmit FIFO: it is lost")
+            return
+        self.lost.append(f"SPITXBUF was written {value:#06x} while TXFFST = 16: one word is lost")
+        if self.options.txfifo_write_when_full.assume(self.touched) == "overwrites_last":
+            self.fifo.words[-1] = value
+
+    def take(self) -> int:
+        """The next word for SPIDAT, taken out."""
+        if self.fifo.on:
+            return self.fifo.pop()
+        self.full = False
+        return self.txbuf
+
+    def show_status(self) -> int:
+        """BUFFULL_FLAG in its place."""
+        return BUFFULL_FLAG if self.full and not self.fifo.on else 0
+
+    def reset(self) -> None:
+        """XRS."""
+        self.fifo.reset()
+        self.txbuf = 0
+        self.full = False
+
+
+class ReceiveBuffer:
+    """status: INT_FLAG and OVERRUN_FLAG in their places. enables: those of them that request RXINT.
+
+    request: RXINT was asked for by these flags since the owner last set this to False.
+    loaded: SPIRXBUF took another word, or an equal one, since the owner last set this to False.
+    """
+
+    def __init__(self, options: SpiOptions, touched: set[str]) -> None:
+        self.options = options
+        self.touched = touched
+        self.fifo = InterruptFifo(SPI_MAP["SPIFFRX"], ge, options, touched)
+        self.rxbuf = 0
+        self.status = 0
+        self.enables = 0
+        self.request = False
+        self.loaded = False
+
+    def deliver(self, word: int) -> None:
+        """A character is complete."""
+        if self.fifo.on:
+            self.loaded = self.fifo.push_over(word) or self.loaded
+            if self.options.status_in_fifo_mode.assume(self.touched) == "stays_0":
+                return
+        else:
+            self.rxbuf = word
+            self.loaded = True
+        self._set_flags(INT_FLAG | OVERRUN_FLAG if self.status & INT_FLAG else INT_FLAG)
+
+    def _set_flags(self, flags: int) -> None:
+        rising = flags & ~self.status
+        self.status |= flags
+        if not self.fifo.on and (rising & self.enables or self._repeats()):
+            self.request = True
+
+    def _repeats(self) -> bool:
+        """True if a character requests RXINT although INT_FLAG is set already."""
+        return self.enables & INT_FLAG > 0 and self.options.int_request.assume(self.touched) == "every_character"
+
+    def show(self) -> int:
+        """SPIRXBUF, without the effects of reading it."""
+        if self.fifo.on and self.fifo.words:
+            return self.fifo.words[0]
+        if self.fifo.on and self.options.rxfifo_read_when_empty.assume(self.touched) == "zero":
+            return 0
+        return self.rxbuf
+
+    def read(self) -> int:
+        """SPIRXBUF as the CPU reads it: the character is taken."""
+        word = self.show()
+        if self.fifo.on and self.fifo.words:
+            self.rxbuf = self.fifo.pop()
+            self.loaded = bool(self.fifo.words)
+        self.status &= ~INT_FLAG
+        return word
+
+    def set_enables(self, enables: int) -> None:
+        """SPIINTENA and OVERRUNINTENA, each at the place of its flag."""
+        if enables & ~self.enables & self.status and not self.fifo.on:
+            self.request = True
+        self.enables = enables
+
+    def reset(self) -> None:
+        """XRS."""
+        self.fifo.reset()
+        self.rxbuf = self.status = self.enables = 0
+        self.request = self.loaded = False

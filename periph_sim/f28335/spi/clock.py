@@ -1,0 +1,65 @@
+"""Timer of the SPI master: LSPCLK edges to wait for go in; the cycle of the event comes out.
+
+    SYSCLKOUT --/divider--> LSPCLK: edges at cycles = phase mod divider --> n-th edge from now = event
+
+Source: TI SPRUEU3 section 1.4.3; SPRUFB0D section 5.1 for LSPCLK.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import NEVER
+
+
+class LspclkTimer:
+    """Counts LSPCLK edges to one event. Stopped at first.
+
+    at: cycle of the event; NEVER without one, and while the clock is stopped.
+    divider: an LSPCLK cycle in SYSCLKOUT cycles.
+    """
+
+    def __init__(self) -> None:
+        self.running = False
+        self.at = NEVER
+        self.divider = 4
+        self._phase = 0
+        self._left = 0  # while stopped: LSPCLK edges to the event; 0 without one
+
+    def plan(self, now: int, edges: int) -> None:
+        """Plan the event for the `edges`-th LSPCLK edge after `now`."""
+        self._left = edges
+        self.at = self._edge_after(now) + (edges - 1) * self.divider if self.running else NEVER
+
+    def cancel(self) -> None:
+        """Plan no event."""
+        self._left = 0
+        self.at = NEVER
+
+    def edges_to_multiple(self, now: int, edges: int) -> int:
+        """Return the number of LSPCLK edges to the next one whose number is a multiple of `edges`."""
+        return edges - (now - self._phase) // self.divider % edges
+
+    def stop(self, now: int) -> None:
+        """Stop the clock; the event keeps its distance in LSPCLK edges."""
+        if self.running:
+            self.running = False
+            if self.at < NEVER:
+                self._left = 1 + (self.at - self._edge_after(now)) // self.divider
+                self.at = NEVER
+
+    def start(self, now: int) -> None:
+        """Let the clock run."""
+        if not self.running:
+            self.running = True
+            if self._left:
+                self.plan(now, self._left)
+
+    def set_lspclk(self, now: int, divider: int, phase: int) -> None:
+        """Set the period of LSPCLK and the phase of its edges, both in SYSCLKOUT cycles."""
+        was_running = self.running
+        self.stop(now)
+        self.divider, self._phase = divider, phase % divider
+        if was_running:
+            self.start(now)
+
+    def _edge_after(self, now: int) -> int:
+        return now + self.divider - (now - self._phase) % self.divider

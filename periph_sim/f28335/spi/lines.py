@@ -1,0 +1,368 @@
+"""The SPI module between its pins: inputs, clocks and debugger stops go in; outputs, requests, what is due come out.
+
+    master, CLKPOLARITY = 0, two bits; h: second half of a bit, the longer one where SPIBRR + 1 is odd
+
+    STE    1 0 . . . . . . 1           CLK_PHASE = 0: data change with the leading edge, are latched with the trailing
+    CLK    0 . 1 . 0 . 1 . 0           edge; STE rises half a bit after the last of them
+    SIMO       b15 . . b14             CLK_PHASE = 1: data change half a bit before the leading edge and with the
+           |<h>|                       trailing edges, are latched with the leading ones; STE rises with the last edge
+
+A master counts LSPCLK edges from one edge of SPICLK to the next (`LspclkTimer`); a slave follows the pins. The CPU's
+side is in `module`.
+
+`out` has 1 for a pin that the module does not drive, so that outputs that are joined on a wire which is 0 if any of
+them is 0 act as push-pull outputs with enables do. `driven` tells which pins are driven.
+
+Chosen, where the manual is silent:
+- Words follow each other without a gap; a word that is written later than that begins as after idle.
+- A slave loads the next word with the last edge of the one before; TXDLY is for masters only.
+- An edge of SPICLK counts that comes in the cycle in which SPISTE rises, not one in which it falls.
+- SIMO and SOMI keep the last level put out; it is 0 after reset.
+- A master that is made a slave, or the reverse, drops its character.
+- SOFT = 1: a stop waits for all words that were written, where SPICLK has made its first edge before; a slave's
+  character has begun with its first latched bit.
+- Loop-back shows on the pins too, and has no effect on a slave.
+
+Source: TI SPRUEU3 sections 1.3.2, 1.4.3, 1.5, 2.1.9 and 2.1.10; SPRS439M, SPI timing, for SPISTE of a master;
+SPRUFB0D section 5.1 for the clock gate.
+"""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+
+from ...core.chip import ALL, LATER, NEVER, NOTHING, Chip, Note
+from ...core.options import TextOption
+from .buffers import ReceiveBuffer, TransmitBuffer
+from .clock import LspclkTimer
+from .options import SpiOptions
+from .register_map import SPI_MAP
+from .shift_register import SpiShifter
+
+RXINT = 1
+TXINT = 2
+
+# Bits of pin levels.
+SIMO, SOMI, CLK, STE = 1, 2, 4, 8
+PINS = ("SIMO", "SOMI", "CLK", "STE")
+
+SPICCR = SPI_MAP["SPICCR"]
+SPISWRESET = SPICCR["SPISWRESET"].mask
+CLKPOLARITY = SPICCR["CLKPOLARITY"].mask
+SPILBK = SPICCR["SPILBK"].mask
+SPICTL = SPI_MAP["SPICTL"]
+CLK_PHASE = SPICTL["CLK_PHASE"].mask
+MASTER_SLAVE = SPICTL["MASTER_SLAVE"].mask
+TALK = SPICTL["TALK"].mask
+SPIRST = SPI_MAP["SPIFFTX"]["SPIRST"].mask
+SOFT = SPI_MAP["SPIPRI"]["SOFT"].mask
+FREE = SPI_MAP["SPIPRI"]["FREE"].mask
+
+RECEIVED = 1 << SPI_MAP["SPIRXBUF"].offset | 1 << SPI_MAP["SPIRXEMU"].offset
+
+
+class Step(Enum):
+    """Event for which the timer of a master waits."""
+
+    IDLE = auto()  # nothing
+    BEGIN = auto()  # the LSPCLK edge with which a transfer begins
+    LEADING = auto()
+    TRAILING = auto()
+    DELAY = auto()  # the end of TXDLY
+    RELEASE = auto()  # the rise of SPISTE
+
+
+class SpiLines(Chip):
+    """name: the module's name in notes. options: answers to open questions. driven: bit i: OUTPUTS[i] is driven."""
+
+    MAP = SPI_MAP
+    INPUTS: tuple[str, ...] = PINS
+    OUTPUTS: tuple[str, ...] = PINS
+    LINES: tuple[str, ...] = ("RXINT", "TXINT")
+
+    def __init__(self, name: str = "SPI-A", options: SpiOptions = SpiOptions()) -> None:  # noqa: B008 (frozen)
+        self.name = name
+        self.options = options
+        self.next_wake = NEVER
+        self.out = SIMO | SOMI | CLK | STE
+        self.driven = 0
+        self.requests = 0
+        self.held = 0
+        self.loaded = 0
+        self.notes: list[Note] = []
+        self.touched: set[str] = set()
+        self.filter_width = self._latency = options.input_latency.unrecorded()  # each edge records it
+        self._shifter = SpiShifter()
+        self._tx = TransmitBuffer(options, self.touched)
+        self._rx = ReceiveBuffer(options, self.touched)
+        self._timer = LspclkTimer()
+        self._step = Step.IDLE
+        self._begun = False  # a master has made the first edge of SPICLK and not yet released SPISTE
+        self._clk_active = False  # SPICLK of a master is at its active level
+        self._ste = STE  # of a master
+        self._levels = SIMO | SOMI | CLK | STE  # of the pins, `_latency` ago
+        self._inputs: list[tuple[int, int]] = []  # (cycle, levels) to come
+        self._last_leading = -NEVER  # edge of SPICLK that came to a slave
+        self._gated = True  # the clock gate is off
+        self._suspended = False
+        self._finishing = False  # suspended, but words are sent to their end
+        self._ccr = self._ctl = self._brr = self._ffct = self._pri = 0
+
+    # State ------------------------------------------------------------------
+
+    @property
+    def _is_master(self) -> bool:
+        return self._ctl & MASTER_SLAVE > 0
+
+    @property
+    def _enabled(self) -> bool:
+        """True if neither SW RESET nor SPIRST holds the module."""
+        return self._ccr & SPISWRESET > 0 and self._tx.fifo.control & SPIRST > 0
+
+    @property
+    def _halves(self) -> tuple[int, int]:
+        """LSPCLK cycles of SPICLK at its active and at its idle level."""
+        period = self._brr + 1 if self._brr >= 3 else 4
+        return period // 2, period - period // 2
+
+    # Inputs: pins, time, clock, debugger --------------------------------------
+
+    def pins(self, now: int, levels: int) -> int:
+        if self._latency:
+            self._inputs = [(at, before) for at, before in self._inputs if at != now + self._latency]
+            self._inputs.append((now + self._latency, levels))
+            self._schedule()
+            return LATER
+        if self.next_wake < now:
+            self._run(now - 1)
+        changed = self._levels != levels
+        self._take_inputs(now, levels)
+        return ALL if changed else NOTHING
+
+    def wake(self, now: int) -> int:
+        self._run(now)
+        return ALL
+
+    def gate(self, now: int, on: bool) -> None:
+        """The module's bit in PCLKCR0."""
+        self._run(now)
+        self._gated = not on
+        self._set_clock(now)
+
+    def set_lspclk(self, now: int, divider: int, phase: int) -> None:
+        """LSPCLK has a period of `divider` SYSCLKOUT cycles, with edges at cycles = phase mod divider."""
+        if divider not in (1, 2, 4, 6, 8, 10, 12, 14):
+            raise ValueError(f"LSPCLK is SYSCLKOUT / 1, 2, 4, 6, 8, 10, 12 or 14, not / {divider}")
+        self._run(now)
+        self._timer.set_lspclk(now, divider, phase)
+        self._schedule()
+
+    def suspend(self, now: int, on: bool) -> None:
+        """A debugger stops the CPU, or lets it run again."""
+        self._run(now)
+        was_stopped = self._is_stopped
+        self._suspended = on
+        self._finishing = on and (self._begun or self._shifter.bits > 0) and self._pri & SOFT > 0
+        if was_stopped and self._cuts(self.options.bits_after_suspend, "whole_character"):
+            self._shifter.bits = 0
+        self._set_clock(now)
+
+    @property
+    def _is_stopped(self) -> bool:
+        return self._suspended and not self._finishing and not self._pri & FREE
+
+    def _set_clock(self, now: int) -> None:
+        if self._gated or self._is_stopped:
+            self._timer.stop(now)
+        else:
+            self._timer.start(now)
+        self._schedule()
+
+    # What is due ------------------------------------------------------------
+
+    def _run(self, now: int) -> None:
+        """Do everything due up to `now`, in order of time; inputs of a cycle come before the timer's event."""
+        while self.next_wake <= now:
+            at = self.next_wake
+            if self._inputs and self._inputs[0][0] <= at:
+                self._take_inputs(at, self._inputs.pop(0)[1])
+            if self._timer.at <= at:
+                self._advance(at)
+                self._show(at)
+
+    def _schedule(self) -> None:
+        self.next_wake = min(self._timer.at, self._inputs[0][0]) if self._inputs else self._timer.at
+
+    def _show(self, now: int) -> None:
+        """Bring outputs, requests, notes and the next wake-up up to date."""
+        if self._finishing and not (self._begun or self._shifter.busy or self._tx.waiting):
+            self._finishing = False
+            self._set_clock(now)
+        for source, line in ((self._rx, RXINT), (self._rx.fifo, RXINT), (self._tx.fifo, TXINT)):
+            if source.request:
+                source.request = False
+                self.requests |= line
+        if self._rx.loaded:
+            self._rx.loaded = False
+            self.loaded |= RECEIVED
+        for text in self._tx.lost:
+            self._note("lost", text, "SPRUEU3 §2.1.7, §2.1.9")
+        self._tx.lost.clear()
+        self._set_outputs()
+        self._schedule()
+
+    def _set_outputs(self) -> None:
+        levels = self._ste | (SIMO | SOMI if self._shifter.level else 0)
+        if bool(self._ccr & CLKPOLARITY) != self._clk_active:
+            levels |= CLK
+        if self._is_master:
+            self.driven = CLK | STE | (SIMO if self._ctl & TALK else 0)
+        else:
+            self.driven = SOMI if self._ctl & TALK and not self._levels & STE else 0
+        self.out = levels & self.driven | (SIMO | SOMI | CLK | STE) & ~self.driven
+
+    def _note(self, code: str, text: str, source: str) -> None:
+        self.notes.append(Note(code, f"{self.name}: {text}", source))
+
+    # Slave --------------------------------------------------------------------
+
+    def _take_inputs(self, now: int, levels: int) -> None:
+        """Apply these levels of the pins to the shift register."""
+        before, self._levels = self._levels, levels
+        selected = not (self._is_master or before & STE or self._gated or self._is_stopped) and self._enabled
+        if selected and (before ^ levels) & CLK:
+            leading = bool(levels & CLK) != bool(self._ccr & CLKPOLARITY)
+            if leading:
+                self._check_rate(now)
+            self._clock_edge(leading)
+        if selected and levels & STE and self._cuts(self.options.ste_high_mid_character, "restarts"):
+            self._shifter.bits = 0
+        self._show(now)
+
+    def _check_rate(self, now: int) -> None:
+        """Note a leading edge of SPICLK that comes too early for a slave."""
+        period, self._last_leading = now - self._last_leading, now
+        if period < 4 * self._timer.divider:
+            text = (
+                f"a slave had an SPICLK period of {period} SYSCLKOUT cycles; at least four LSPCLK cycles are expected"
+            )
+            self._note("duty", text, "SPRUEU3 §1.3.2, §2.1.4")
+
+    def _cuts(self, option: TextOption, answer: str) -> bool:
+        """True if a character is under way that this answer would cut off."""
+        return self._shifter.bits > 0 and option.assume(self.touched) == answer
+
+    # Both ---------------------------------------------------------------------
+
+    def _clock_edge(self, leading: bool) -> bool:
+        """Make an edge of SPICLK. Return True if the character is over."""
+        shifter = self._shifter
+        if self._is_master and self._ccr & SPILBK:
+            data = shifter.level
+        else:
+            self.options.input_latency.assume(self.touched)
+            data = int(self._levels & (SOMI if self._is_master else SIMO) > 0)
+        shifter.edge(leading, data)
+        if not shifter.complete:
+            return False
+        if leading == (shifter.delayed and self.options.int_flag_point.assume(self.touched) == "latch_edge"):
+            self._rx.deliver(shifter.dat)
+        if leading:
+            return False
+        shifter.finish()
+        if not self._is_master:
+            self._load_next()
+        return True
+
+    def _load_next(self) -> None:
+        if self._tx.waiting:
+            self._shifter.load(self._tx.take())
+            self._shifter.present()
+
+    # Master -------------------------------------------------------------------
+
+    def _wait(self, now: int, step: Step, edges: int) -> None:
+        self._step = step
+        self._timer.plan(now, edges)
+
+    def _fill(self, now: int) -> None:
+        """Load a word that waits into SPIDAT if it is free; a master begins a transfer."""
+        if not self._enabled or self._shifter.busy or not self._tx.waiting or self._step is Step.DELAY:
+            return
+        if not self._is_master:
+            self._load_next()
+        elif self._delay and self.options.txdly_first_word.assume(self.touched) == "delay":
+            self._wait(now, Step.DELAY, self._delay)
+        else:
+            self._shifter.load(self._tx.take())
+            self._begin(now)
+
+    @property
+    def _delay(self) -> int:
+        """TXDLY in LSPCLK cycles."""
+        return self._ffct * sum(self._halves) if self._tx.fifo.on else 0
+
+    def _begin(self, now: int) -> None:
+        """Begin a transfer unless one is under way."""
+        if self._step in (Step.IDLE, Step.DELAY, Step.RELEASE):
+            aligned = self.options.start_point.assume(self.touched) == "bit_clock"
+            edges = self._timer.edges_to_multiple(now, sum(self._halves)) if aligned else 1
+            self._wait(now, Step.BEGIN, edges)
+
+    def _advance(self, at: int) -> None:
+        """Do what the timer of a master waited for."""
+        step, self._step = self._step, Step.IDLE
+        self._timer.cancel()
+        active, idle = self._halves
+        if step is Step.BEGIN:
+            lead = 0
+            if self._ste and self.options.ste_lead.assume(self.touched) == "three_half_bits":
+                lead = active + idle
+            self._ste = 0
+            self._shifter.present()
+            self._wait(at, Step.LEADING, lead + idle)
+        elif step is Step.LEADING:
+            self._begun = self._clk_active = True
+            self._clock_edge(True)
+            self._wait(at, Step.TRAILING, active)
+        elif step is Step.TRAILING:
+            self._clk_active = False
+            if self._clock_edge(False):
+                self._follow(at)
+            else:
+                self._wait(at, Step.LEADING, idle)
+        elif step is Step.DELAY:
+            self._ste = 0
+            self._load_next()
+            self._wait(at, Step.LEADING, idle)
+        elif step is Step.RELEASE:
+            self._release()
+
+    def _follow(self, at: int) -> None:
+        """Go on with the next character, or end the transfer."""
+        if not self._tx.waiting:
+            if self._shifter.delayed:
+                self._release()
+            else:
+                self._wait(at, Step.RELEASE, self._halves[1])
+        elif self._delay:
+            if self.options.ste_in_txdly.assume(self.touched) == "high":
+                self._ste = STE
+            self._wait(at, Step.DELAY, self._delay)
+        else:
+            self._load_next()
+            self._wait(at, Step.LEADING, self._halves[1])
+
+    def _release(self) -> None:
+        """End the transfer of a master."""
+        self._begun = False
+        self._ste = STE
+
+    def _halt(self) -> None:
+        """Drop the character; SPICLK and SPISTE of a master become inactive."""
+        self._timer.cancel()
+        self._step = Step.IDLE
+        self._clk_active = False
+        self._release()
+        self._shifter.finish()
+        self._tx.full = False

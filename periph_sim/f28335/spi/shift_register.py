@@ -1,0 +1,71 @@
+"""SPIDAT and its bit counter: words and edges of SPICLK go in; the data output and complete characters come out.
+
+    word --load--> SPIDAT: bit 15 --> level        CLK_PHASE   leading edge   trailing edge
+    data input --> bit 0                           0           output         latch
+                                                   1           latch          output (first bit: before, `present`)
+
+The leading edge leaves the idle level of SPICLK, the trailing edge returns to it.
+
+Source: TI SPRUEU3 sections 1.4.2, 1.4.3 and 2.1.8.
+"""
+
+from __future__ import annotations
+
+
+class SpiShifter:
+    """Shift register of both directions.
+
+    dat: SPIDAT.
+    level: the serial data output.
+    bits: latched bits of the character under way.
+    loaded: SPIDAT holds a character to send.
+    length: bits of a character.
+    delayed: CLK_PHASE.
+    """
+
+    def __init__(self) -> None:
+        self.dat = self.level = 0
+        self.length = 1
+        self.delayed = False
+        self.bits = 0
+        self.loaded = False
+
+    @property
+    def busy(self) -> bool:
+        """True if the next character has to wait for this one."""
+        return self.loaded or self.bits > 0
+
+    @property
+    def complete(self) -> bool:
+        """True if all bits of the character have been latched."""
+        return self.bits >= self.length
+
+    def load(self, word: int) -> None:
+        """Take a character to send."""
+        self.dat = word
+        self.loaded = True
+
+    def present(self) -> None:
+        """Put out the first bit before the first edge, if CLK_PHASE = 1."""
+        if self.delayed:
+            self.level = self.dat >> 15
+
+    def edge(self, leading: bool, data: int) -> None:
+        """Shift at an edge of SPICLK, with the level at the data input."""
+        if leading == self.delayed:
+            self.dat = (self.dat << 1 | data) & 0xFFFF
+            self.bits += 1
+        else:
+            self.level = self.dat >> 15
+
+    def finish(self) -> None:
+        """End the character; what was shifted in stays in SPIDAT."""
+        self.bits = 0
+        self.loaded = False
+
+    def reset(self) -> None:
+        """Return to the state after construction."""
+        self.dat = self.level = 0
+        self.length = 1
+        self.delayed = False
+        self.finish()

@@ -1,0 +1,301 @@
+"""The SPI's two FIFOs: counts, levels, interrupts, overflow, resets and the delay between words."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.f28335.spi_rig import BIT, FIFO, HALF, MASTER, SLAVE, SpiRig
+from tests.waves import play, tidy
+
+LOOP = {"SPICHAR": 3, "SPILBK": 1}
+
+
+def send(rig: SpiRig, *words: int) -> None:
+    """Four-bit characters through the loop-back, one after the other, until all have come."""
+    for word in words:
+        rig.write("SPITXBUF", word << 12)
+        rig.wait(6)
+
+
+@pytest.mark.rule("SPI-058", "SPI-059", "SPI-060", "SPI-075", "SPI-084", "SPI-085")
+def test_words_are_counted_out_and_in():
+    diagram = """
+        > SPITXBUF  .  1  2  3 . . .  . . . .  . . . .  .
+        < TXFFST    0  .  1  2 . 1 .  . . 0 .  . . . .  .
+        < RXFFST    0  .  .  . . 1 .  . . 2 .  . . 3 .  .
+        < STE       1  0  .  . . . .  . . . .  . . 1 .  .
+        < INT_FLAG  0  .  .  . . . .  . . . .  . . . .  .
+    """
+    rig = SpiRig(fifo=True, **LOOP)
+    assert play(diagram, rig, BIT, rig.now) == tidy(diagram)
+    assert [word & 0xF for word in rig.received()] == [1, 2, 3]
+
+
+@pytest.mark.rule("SPI-058")
+def test_fifo_mode_can_be_left_and_entered_again():
+    rig = SpiRig(fifo=True, **LOOP)
+    send(rig, 1, 2)
+    rig.set(SPIFFENA=0)
+    send(rig, 3)
+    assert rig.flags("RXFFST", "INT_FLAG") == {"RXFFST": 2, "INT_FLAG": 1}
+    assert rig.read("SPIRXBUF") & 0xF == 3
+    rig.set(SPIFFENA=1)
+    assert [word & 0xF for word in rig.received()] == [1, 2]
+
+
+@pytest.mark.rule("SPI-059", "SPI-061")
+def test_sixteen_words_fit_beside_the_one_in_spidat():
+    rig = SpiRig(fifo=True)
+    for word in range(18):
+        rig.write("SPITXBUF", word << 8)
+    assert rig.get("TXFFST") == 16
+    assert rig.notes("lost") == ["SPI-A: SPITXBUF was written 0x1100 while TXFFST = 16: one word is lost"]
+    rig.set(TXFIFO=0)
+    rig.write("SPITXBUF", 0x5500)
+    assert (rig.get("TXFFST"), rig.notes("lost")[1:]) == (
+        0,
+        ["SPI-A: SPITXBUF was written 0x5500 while a reset holds the transmit FIFO: it is lost"],
+    )
+    rig.wait(10)
+    rig.set(TXFIFO=1)
+    for word in range(3):
+        rig.write("SPITXBUF", word << 8)
+    assert rig.get("TXFFST") == 2
+
+
+@pytest.mark.rule("SPI-061")
+def test_txfifo_0_leaves_the_character_that_is_being_sent():
+    rig = SpiRig(fifo=True, **LOOP)
+    rig.write("SPITXBUF", 0x5000)
+    rig.wait(2)
+    rig.set(TXFIFO=0)
+    rig.wait(4)
+    assert [word & 0xF for word in rig.received()] == [5]
+
+
+@pytest.mark.rule("SPI-062", "SPI-063", "SPI-064")
+def test_txffint_comes_as_the_fifo_runs_down():
+    diagram = """
+        > SPITXBUF    .  1  2  3 . . . . . . . . . . . .  .
+        > TXFFINTCLR  .  .  .  . 1 . . . . . . 1 . . . .  .
+        < TXFFST      0  .  1  2 . 1 . . . 0 . . . . . .  .
+        < TXFFINT     1  .  .  . 0 1 . . . . . . . . . .  .
+        < TXINT       0  .  .  . . 1 . . . . . 2 . . . .  .
+        < RXINT       0  .  .  . . . . . . . . . . . . .  .
+    """
+    rig = SpiRig(fifo=True, **LOOP, TXFFIL=1, TXFFIENA=1, SPIINTENA=1)
+    rig.asked["TXINT"].clear()  # requested as the empty FIFO was turned on
+    assert play(diagram, rig, BIT, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SPI-062", "SPI-064")
+@pytest.mark.parametrize("level", [0, 1, 7, 16, 31])
+def test_txffint_by_level(level):
+    rig = SpiRig(fifo=True, TXFFIL=level)
+    seen = []
+    for word in range(17):
+        rig.write("SPITXBUF", word)
+        rig.set(TXFFINTCLR=1)
+        seen.append(rig.flags("TXFFST", "TXFFINT"))
+    assert seen == [{"TXFFST": n, "TXFFINT": int(n <= level)} for n in range(17)]
+    assert rig.asked["TXINT"] == []
+    rig.set(TXFFIENA=1)
+    assert len(rig.asked["TXINT"]) == (level >= 16)
+
+
+@pytest.mark.rule("SPI-064")
+def test_txffiena_that_comes_with_spiffena_requests_at_once():
+    rig = SpiRig()
+    rig.write("SPIFFTX", 0xE020)
+    assert len(rig.asked["TXINT"]) == 1
+
+
+@pytest.mark.rule("SPI-064", "SPI-069")
+@pytest.mark.parametrize(("register", "line", "value"), [("SPIFFTX", "TXINT", 0xA020), ("SPIFFRX", "RXINT", 0x2021)])
+def test_fifo_mode_entered_with_a_flag_and_its_enable_requests(register, line, value):
+    rig = SpiRig(fifo=True, **LOOP, RXFFIL=1)
+    send(rig, 1)
+    rig.set(SPIFFENA=0)
+    rig.write(register, value)
+    assert rig.asked[line] == []
+    rig.set(SPIFFENA=1)
+    assert rig.asked[line] == [rig.now]
+
+
+@pytest.mark.rule("SPI-065", "SPI-067", "SPI-068", "SPI-069", "SPI-073")
+def test_rxffint_comes_as_the_fifo_fills():
+    diagram = """
+        > SPITXBUF    1  .....  2  .....  .  .  3  .....  .
+        > RXFFINTCLR  .  .....  .  .....  .  .  .  .....  1
+        > READ        .  .....  .  .....  1  1  .  .....  .
+        < RXFFST      0  ...1.  .  ...2.  1  0  .  ...1.  .
+        < RXFFINT     0  .....  .  ...1.  .  .  .  .....  0
+        < RXINT       0  .....  .  ...1.  .  .  .  .....  .
+    """
+    rig = SpiRig(fifo=True, **LOOP, RXFFIL=2, RXFFIENA=1, SPIINTENA=1, OVERRUNINTENA=1)
+    assert play(diagram, rig, BIT, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SPI-067")
+@pytest.mark.parametrize("level", [0, 1, 5, 16, 17, 31])
+def test_rxffint_by_level(level):
+    rig = SpiRig(fifo=True, **LOOP, RXFFIL=level)
+    seen = []
+    for word in range(17):
+        rig.set(RXFFINTCLR=1)
+        seen.append(rig.flags("RXFFST", "RXFFINT"))
+        if word < 16:
+            send(rig, word)
+    assert seen == [{"RXFFST": n, "RXFFINT": int(n >= level)} for n in range(17)]
+    assert rig.asked["RXINT"] == []
+    rig.set(RXFFIENA=1)
+    assert len(rig.asked["RXINT"]) == (level <= 16)
+
+
+@pytest.mark.rule("SPI-065", "SPI-070", "SPI-071")
+def test_the_first_word_is_lost_when_a_seventeenth_comes():
+    rig = SpiRig(fifo=True, **LOOP)
+    send(rig, *range(16))
+    assert rig.flags("RXFFST", "RXFFOVF") == {"RXFFST": 16, "RXFFOVF": 0}
+    rig.chip.loaded = 0
+    send(rig, 5)
+    assert rig.chip.loaded == 7 << 6
+    rig.write("SPIFFRX", 0x201F)
+    assert rig.flags("RXFFST", "RXFFOVF") == {"RXFFST": 16, "RXFFOVF": 1}
+    rig.set(RXFFOVFCLR=1)
+    assert rig.get("RXFFOVF") == 0
+    assert [word & 0xF for word in rig.received()] == [*range(1, 16), 5]
+
+
+@pytest.mark.rule("SPI-072")
+def test_an_overflow_requests_rxint():
+    rig = SpiRig(fifo=True, **LOOP, RXFFIENA=1)
+    send(rig, *range(16))
+    assert rig.asked["RXINT"] == []
+    send(rig, 5)
+    assert len(rig.asked["RXINT"]) == 1
+
+
+@pytest.mark.rule("SPI-066")
+def test_rxfiforeset_0_holds_the_receive_fifo_empty():
+    rig = SpiRig(fifo=True, **LOOP, RXFFIL=0)
+    send(rig, 1, 2)
+    rig.set(RXFIFORESET=0)
+    rig.set(RXFFINTCLR=1)
+    rig.chip.loaded = 0
+    send(rig, 3)
+    assert rig.flags("RXFFST", "RXFFINT") == {"RXFFST": 0, "RXFFINT": 0}
+    assert rig.chip.loaded == 1 << 8
+    rig.set(RXFIFORESET=1)
+    send(rig, 4)
+    assert rig.get("RXFFINT") == 1
+    assert [word & 0xF for word in rig.received()] == [4]
+
+
+@pytest.mark.rule("SPI-065")
+def test_spirxemu_shows_the_oldest_word_and_takes_none():
+    rig = SpiRig(fifo=True, **LOOP)
+    send(rig, 1, 2)
+    assert [rig.read("SPIRXEMU") & 0xF for _ in range(3)] == [1, 1, 1]
+    assert [rig.read("SPIRXBUF") & 0xF for _ in range(2)] == [1, 2]
+    assert rig.read("SPIRXEMU") & 0xF == 2  # the last word
+
+
+@given(st.lists(st.tuples(st.sampled_from(["write", "wait", "read"]), st.integers(0, 15)), max_size=60))
+@pytest.mark.rule("SPI-059", "SPI-060", "SPI-065", "SPI-085")
+def test_no_word_is_lost_or_doubled(steps):
+    """A list is the FIFO: what is written and not lost comes back in order."""
+    rig = SpiRig(fifo=True, **LOOP)
+    written: list[int] = []
+    read: list[int] = []
+    for step, n in steps:
+        if step == "write":
+            full = rig.get("TXFFST") == 16
+            rig.write("SPITXBUF", n << 12)
+            written += [] if full else [n]
+        elif step == "wait":
+            rig.wait(n)
+        elif rig.get("RXFFST"):
+            read.append(rig.read("SPIRXBUF") & 0xF)
+        under_way = len(written) - len(read) - rig.get("TXFFST") - rig.get("RXFFST")
+        assert rig.get("RXFFOVF") or under_way in (0, 1)
+    rig.wait(4 * 18)
+    if not rig.get("RXFFOVF"):
+        assert read + [word & 0xF for word in rig.received()] == written
+
+
+# TXDLY.
+
+
+def gaps(rig: SpiRig) -> list[int]:
+    """Bits between the last edge of a character and the first of the next, half a bit taken off."""
+    edges = [time for (_, before), (time, after) in pairwise(rig.edges) if (before ^ after) & 4]
+    return [(after - before - HALF) // BIT for before, after in pairwise(edges) if after - before > HALF]
+
+
+@pytest.mark.rule("SPI-074", "SPI-075")
+@pytest.mark.parametrize("delay", [0, 1, 5, 255])
+def test_txdly_keeps_words_apart(delay):
+    rig = SpiRig(fifo=True, **LOOP, TXDLY=delay)
+    for word in (1, 2, 3):
+        rig.write("SPITXBUF", word << 12)
+    rig.wait(3 * 4 + 2 * delay + 2)
+    assert gaps(rig) == ([delay] * 2 if delay else [])
+    assert [word & 0xF for word in rig.received()] == [1, 2, 3]
+    assert rig.show("STE") == 1
+
+
+@pytest.mark.rule("SPI-074")
+@pytest.mark.parametrize("phase", [0, 1])
+def test_a_word_stays_in_the_fifo_until_txdly_is_over(phase):
+    diagram = {
+        0: """
+            > SPITXBUF  8  c . . . . . . . . .  .
+            < CLK       0  1 0 1 0 . . 1 0 1 0  .
+            < SIMO      0  1 . 0 . . . 1 . . .  .
+            < TXFFST    0  1 . . . . 0 . . . .  .
+            < STE       0  . . . . . . . . . .  1
+        """,
+        1: """
+            > SPITXBUF  8  c . . . . . . . . .  .
+            < CLK       0  1 0 1 0 . . 1 0 1 0  .
+            < SIMO      1  . 0 . . . 1 . . . 0  .
+            < TXFFST    0  1 . . . . 0 . . . .  .
+            < STE       0  . . . . . . . . . 1  .
+        """,
+    }[phase]
+    rig = SpiRig(fifo=True, SPICHAR=1, CLK_PHASE=phase, TXDLY=1)
+    rig.pin(rig.now, SOMI=0)
+    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+
+
+def test_txdly_has_no_effect_without_fifos():
+    rig = SpiRig(**LOOP, SPIFFCT=9)
+    for word in (1, 2):
+        rig.write("SPITXBUF", word << 12)
+    rig.wait(9)
+    assert (gaps(rig), rig.get("OVERRUN_FLAG")) == ([], 1)
+
+
+def test_txdly_has_no_effect_on_a_slave():
+    rig = SpiRig({}, {**SLAVE, **FIFO, "SPIFFCT": 9})
+    rig.pin(rig.now, CLK=0)
+    rig.select()
+    for word in (0x1200, 0x3400):
+        rig.write("SPITXBUF", word)
+    assert [rig.get("TXFFST"), rig.exchange(0), rig.exchange(0), rig.get("TXFFST")] == [1, 0x12, 0x34, 0]
+
+
+def test_words_written_to_the_fifo_during_spiswreset_are_sent_after_it():
+    rig = SpiRig({}, {**MASTER, **FIFO, **LOOP, "SPISWRESET": 0})
+    for word in (1, 2):
+        rig.write("SPITXBUF", word << 12)
+    rig.wait(10)
+    assert rig.flags("TXFFST", "RXFFST") == {"TXFFST": 2, "RXFFST": 0}
+    rig.set(SPISWRESET=1)
+    rig.wait(9)
+    assert [word & 0xF for word in rig.received()] == [1, 2]

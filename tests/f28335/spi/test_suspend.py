@@ -1,0 +1,147 @@
+"""What a stop of the debugger does to the SPI, by SOFT and FREE; and what the clock gate does to a transfer."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.f28335.spi_rig import HALF, SLAVE, SpiRig
+from tests.waves import play, tidy
+
+FOUR = {"SPICHAR": 3, "SPILBK": 1}
+
+
+@pytest.mark.rule("SPI-078", "SPI-079")
+def test_soft_0_free_0_freezes_a_character_and_a_whole_one_follows():
+    """Two of four bits are sent, then the third, and three beside it."""
+    diagram = """
+        > SPITXBUF  .  5  . . . .  . . . . .  . . . . . . . .  .
+        > SUSPEND   .  .  . . . .  1 . . . 0  . . . . . . . .  .
+        < STE       1  0  . . . .  . . . . .  . . . . . . . 1  .
+        < CLK       0  .  1 0 1 0  . . . . 1  0 1 0 1 0 1 0 .  .
+        < SIMO      0  .  . . 1 .  . . . . 0  . 1 . 0 . . . .  .
+        < INT_FLAG  0  .  . . . .  . . . . .  . . . . . . 1 .  .
+    """
+    rig = SpiRig(SPICHAR=3)
+    rig.pin(rig.now, SOMI=0)
+    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SPI-078")
+def test_soft_0_free_0_freezes_a_slave():
+    rig = SpiRig({"bits_after_suspend": "remainder"}, SLAVE)
+    rig.pin(rig.now, CLK=0)
+    rig.select()
+    rig.clock("1010")
+    rig.chip.suspend(rig.now, True)
+    rig.clock("111111")
+    rig.chip.suspend(rig.now, False)
+    rig.clock("0110")
+    assert (rig.get("INT_FLAG"), rig.read("SPIRXBUF")) == (1, 0xA6)
+
+
+@pytest.mark.rule("SPI-080")
+@pytest.mark.parametrize("soft", [0, 1])
+def test_a_transfer_does_not_begin_before_the_stop_is_over(soft):
+    diagram = """
+        > SPITXBUF  .  5  . . . . .  . . . . . . . .  . .
+        > SUSPEND   .  .  1 . . . 0  . . . . . . . .  . .
+        < STE       1  0  . . . . .  . . . . . . . 1  . .
+        < CLK       0  .  . . . . 1  0 1 0 1 0 1 0 .  . .
+    """
+    rig = SpiRig(**FOUR, SOFT=soft)
+    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SPI-081")
+@pytest.mark.parametrize("phase", [0, 1])
+def test_soft_1_sends_the_character_and_the_one_that_waits(phase):
+    rig = SpiRig(**FOUR, CLK_PHASE=phase, SOFT=1, SPIINTENA=1)
+    for word in (5, 6):
+        rig.write("SPITXBUF", word << 12)
+    rig.wait(1.2)
+    rig.chip.suspend(rig.now, True)
+    rig.look()
+    rig.wait(12)
+    assert rig.flags("SPIRXBUF", "OVERRUN_FLAG") == {"SPIRXBUF": 6, "OVERRUN_FLAG": 1}
+    assert (rig.show("STE"), rig.show("CLK")) == (1, 0)
+    rig.write("SPITXBUF", 0x7000)  # by the debugger: it waits
+    edges = len(rig.edges)
+    rig.wait(12)
+    assert len(rig.edges) == edges
+    rig.chip.suspend(rig.now, False)
+    rig.wait(12)
+    assert rig.show("SPIRXBUF") == 7
+
+
+@pytest.mark.rule("SPI-082")
+@pytest.mark.parametrize("at", [1.2, 4.7, 6.0])
+def test_soft_1_sends_the_fifo_to_its_end(at):
+    """The stop comes within the first word, between two, or within TXDLY."""
+    rig = SpiRig(**FOUR, fifo=True, SOFT=1, SPIFFCT=0 if at < 5 else 3)
+    for word in range(5):
+        rig.write("SPITXBUF", word << 12)
+    rig.wait(at)
+    rig.chip.suspend(rig.now, True)
+    rig.wait(5 * 7)
+    assert [word & 0xF for word in rig.received()] == [0, 1, 2, 3, 4]
+
+
+def test_soft_1_lets_a_slave_finish_its_character():
+    rig = SpiRig({}, SLAVE, SOFT=1)
+    rig.pin(rig.now, CLK=0)
+    rig.select()
+    rig.clock("101")
+    rig.chip.suspend(rig.now, True)
+    rig.clock("00101")
+    assert rig.peek("SPIRXBUF") == 0xA5
+    rig.clock("11111111")
+    assert rig.flags("SPIDAT", "OVERRUN_FLAG") == {"SPIDAT": 0xA5, "OVERRUN_FLAG": 0}
+
+
+def test_soft_1_stops_a_slave_between_characters_at_once():
+    rig = SpiRig({}, SLAVE, SOFT=1)
+    rig.pin(rig.now, CLK=0)
+    rig.select()
+    rig.chip.suspend(rig.now, True)
+    rig.clock("11111111")
+    assert rig.get("INT_FLAG") == 0
+
+
+@pytest.mark.rule("SPI-083")
+@pytest.mark.parametrize("soft", [0, 1])
+def test_free_1_runs_on(soft):
+    rig = SpiRig(**FOUR, fifo=True, SOFT=soft, FREE=1)
+    for word in range(3):
+        rig.write("SPITXBUF", word << 12)
+    rig.wait(1.2)
+    rig.chip.suspend(rig.now, True)
+    rig.write("SPITXBUF", 0x7000)
+    rig.wait(17)
+    assert [word & 0xF for word in rig.received()] == [0, 1, 2, 7]
+
+
+@pytest.mark.rule("SPI-009")
+def test_the_clock_gate_freezes_a_transfer():
+    diagram = """
+        > SPITXBUF  .  5  . . . .  . . . . .  . . . .  .
+        > GATE      1  .  . . . .  0 . . . 1  . . . .  .
+        < STE       1  0  . . . .  . . . . .  . . . 1  .
+        < CLK       0  .  1 0 1 0  . . . . 1  0 1 0 .  .
+        < SIMO      0  .  . . 1 .  . . . . 0  . 1 . .  .
+        < INT_FLAG  0  .  . . . .  . . . . .  . . 1 .  .
+    """
+    rig = SpiRig(SPICHAR=3)
+    rig.pin(rig.now, SOMI=0)
+    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SPI-009")
+def test_a_slave_without_a_clock_sees_no_edges():
+    rig = SpiRig({}, SLAVE)
+    rig.pin(rig.now, CLK=0)
+    rig.select()
+    rig.chip.gate(rig.now, False)
+    rig.clock("1111")
+    rig.chip.gate(rig.now, True)
+    rig.clock("00000000")
+    assert (rig.get("INT_FLAG"), rig.read("SPIRXBUF")) == (1, 0)

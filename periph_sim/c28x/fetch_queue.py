@@ -12,13 +12,14 @@ Source: SPRU430F 4.2, 4.3; SPRUFB0D 2.2 (flash).
 from __future__ import annotations
 
 DEPTH = 4  # units: the queue's; of flash with its prefetch two of 64 bits, and what the queue holds of a third
+PACKED = 6 + DEPTH
 LONG_AGO = 1 << 7  # cycles: nothing waits for what was then; a full queue takes 4 * 17 at most
 
 
 class FetchQueue:
     """expected: where the next instruction would stand without a discontinuity."""
 
-    __slots__ = ("_bits", "_consumed", "_cycles", "_issued", "_newest", "_place", "_ready", "expected")
+    __slots__ = ("_bits", "_consumed", "_cycles", "_issued", "_newest", "_place", "_ready", "expected", "packed_queue")
 
     def __init__(self) -> None:
         self._consumed = [0] * DEPTH  # when each unit's place was free again
@@ -29,13 +30,16 @@ class FetchQueue:
         self._cycles = 1  # that a unit takes
         self._issued = 0  # when the last instruction was taken out of the queue
         self.expected = -1
+        self.packed_queue = [0] * PACKED
 
-    def state(self, cycle: int) -> tuple[object, ...]:
-        """What is in the queue, with times counted from this cycle; what is past counts no more."""
-        ages = [max(self._ready - cycle, -LONG_AGO), max(self._issued - cycle, -LONG_AGO)]
+    def pack(self, cycle: int) -> None:
+        """Write to `packed_queue` what is in the queue, with times counted from this cycle; the past counts no more."""
+        self.packed_queue[0], self.packed_queue[1] = self.expected, self._newest
+        self.packed_queue[2], self.packed_queue[3] = self._bits, self._cycles
+        self.packed_queue[4] = max(self._ready - cycle, -LONG_AGO)
+        self.packed_queue[5] = max(self._issued - cycle, -LONG_AGO)
         for place in range(DEPTH):
-            ages.append(max(self._consumed[place] - cycle, -LONG_AGO))
-        return self.expected, self._newest, self._bits, self._cycles, tuple(ages)
+            self.packed_queue[6 + place] = max(self._consumed[place] - cycle, -LONG_AGO)
 
     def begin(self, cycle: int, address: int, bits: int, first: int, later: int, depth: int) -> None:
         """A discontinuity, in memory whose units have 2**bits words. first, later: wait states of the units.

@@ -20,18 +20,20 @@ LANE = 10  # bits
 REGISTERS, ONCE_EACH = 0x3FF, 0x100401  # a lane; bit 0 of each
 BEHIND = 3  # cycles that the next instruction waits
 STORES = 4  # that are remembered; a cycle has one, an instruction two at most
+PACKED = 1 + 3 * STORES
 
 
 class Pipeline:
     """clock: cycles that have been issued. until: behind this one no read waits for a word."""
 
-    __slots__ = ("_at", "_first", "_last", "_ready", "clock", "enabled", "pending", "until")
+    __slots__ = ("_at", "_first", "_last", "_ready", "clock", "enabled", "packed_stores", "pending", "until")
 
     def __init__(self) -> None:
         self.enabled = True
         self._first = [0] * STORES
         self._last = [0] * STORES
         self._ready = [0] * STORES
+        self.packed_stores = [0] * PACKED
         self.clock = self._at = 0
         self.drain()
 
@@ -40,13 +42,18 @@ class Pipeline:
         self.pending = 0
         self.until = self.clock
 
-    def state(self) -> tuple[object, ...]:
-        """What is under way, with times counted from now."""
-        stores = []
+    def pack(self) -> None:
+        """Write to `packed_stores` what is under way, with times counted from now."""
+        self.packed_stores[0] = self.pending
+        place = 1
         for at in range(STORES):
             if self._ready[at] > self.clock:
-                stores.append((self._first[at], self._last[at], self._ready[at] - self.clock))
-        return self.pending, tuple(stores)
+                self.packed_stores[place] = self._first[at]
+                self.packed_stores[place + 1] = self._last[at]
+                self.packed_stores[place + 2] = self._ready[at] - self.clock
+                place += 3
+        for rest in range(place, PACKED):
+            self.packed_stores[rest] = 0
 
     def stall(self, f: Operation, arp: int) -> int:
         """An instruction enters D2: the cycles that it waits there for registers."""

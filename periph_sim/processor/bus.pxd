@@ -32,11 +32,17 @@ cdef class Bus:
     cdef CpuTime _time
     cdef object _name, _place, _subjects, _waits
     cdef bint _read_listed, _records_access, _write_listed
-    cdef dict _operands, _named
+    cdef dict _named
+    cdef list _words, _pairs
+    cdef Operand _nothing
     cdef Posted _posted, _posted_last
     cdef IntOption _write_lands, _pf1_back_to_back_write, _pf2_read_ws, _pf2_write_ws
     cdef long long _last_pf1_write
     cpdef Operand operand(self, object place, object register, long long words, object field=*)
+    @cython.locals(found=Operand)
+    cpdef Operand find(self, long long address, long long width)
+    @cython.locals(found=Operand)
+    cdef Operand _looked_up(self, long long address, long long width)
     cpdef Operand at(self, long long address, long long width)
     cpdef Operand naming(self, Operand operand, long long mask)
     cdef bint _wanted(self, object register)
@@ -44,9 +50,12 @@ cdef class Bus:
     cpdef long long writes_at(self, long long cycle, long long address, long long width=*)
     cpdef long long read(self, long long at, long long address, long long width=*)
     cpdef void write(self, long long at, long long address, long long value, long long width=*)
+    cpdef long long load(self, long long at, Operand operand, long long width)
+    cpdef void save(self, long long at, Operand operand, long long value, long long width)
     cpdef void note_width(self, long long cycle, Operand operand)
     cpdef long long read_waits(self, Operand operand)
     cpdef long long free(self, Operand operand)
+    cpdef long long fetches_at(self, long long cycle, Operand operand)
     cpdef long long fetch(self, long long at, Operand operand)
     cpdef void tell_look(self, long long at, Operand operand, long long value, object where)
     cdef long long _recorded(self, long long at, Operand operand, object where)

@@ -32,6 +32,8 @@ from .firmware_notes import FirmwareNotes
 from .operand import Operand
 from .source_location import SourceLocation
 
+REGISTERS_END = 0x8000  # no register lies above
+
 
 class Posted:
     """A write on its way. where, cause: of the instruction that issued it; where is None where nobody wants to know.
@@ -63,7 +65,8 @@ class Bus:
         "_name",
         "_named",
         "_notes",
-        "_operands",
+        "_nothing",
+        "_pairs",
         "_pf1_back_to_back_write",
         "_pf2_read_ws",
         "_pf2_write_ws",
@@ -76,6 +79,7 @@ class Bus:
         "_subjects",
         "_time",
         "_waits",
+        "_words",
         "_write_lands",
         "_write_listed",
         "free_from",
@@ -118,7 +122,9 @@ class Bus:
         self._pf2_read_ws, self._pf2_write_ws = options.pf2_read_ws, options.pf2_write_ws
         self._write_lands = options.write_lands
         self._read_listed = self._write_listed = False  # an access in frame 2
-        self._operands: dict[tuple[int, int], Operand] = {}  # by address and width
+        self._words: list[Operand | None] = []  # by address, once an address was accessed
+        self._pairs: list[Operand | None] = []  # those of 32 bits
+        self._nothing: Operand = Operand.__new__(Operand)  # in their place where no register is
         self._named: dict[tuple[Operand, int], Operand] = {}  # by what is read, and the bits of it that count
         self._posted: Posted | None = None  # the first of a chain,
         self._posted_last: Posted | None = None  # and its last
@@ -135,15 +141,36 @@ class Bus:
             operand.record(reads, recorder.topic(kind, self._name, f"W {operand.name}"))
         return operand
 
-    def at(self, address: int, width: int) -> Operand:
-        """The register behind an address, 32 bits from an even one on. NoSuchAddress where no register is."""
+    def find(self, address: int, width: int) -> Operand | None:
+        """Return the register at an address, 32 bits from an even one on; None if no register is there."""
+        if not 0 <= address < REGISTERS_END:
+            return None
+        if not self._words:
+            self._words, self._pairs = [None] * REGISTERS_END, [None] * REGISTERS_END
         if width == 32:
             address &= ~1
-        found = self._operands.get((address, width))
+            found = self._pairs[address]
+        else:
+            found = self._words[address]
         if found is None:
-            place, register, half = self.map.find(address)
-            words = BOTH if width == 32 else HIGH if half else LOW
-            found = self._operands[address, width] = self.operand(place, register, words)
+            found = self._looked_up(address, width)
+        return None if found is self._nothing else found
+
+    def _looked_up(self, address: int, width: int) -> Operand:
+        """Return the entry of the tables for an address that is accessed for the first time, and make it."""
+        at, found = self.map.at(address), self._nothing
+        if at is not None:
+            place, register, half = at
+            found = self.operand(place, register, BOTH if width == 32 else HIGH if half else LOW)
+        table = self._pairs if width == 32 else self._words
+        table[address] = found
+        return found
+
+    def at(self, address: int, width: int) -> Operand:
+        """Return the same. NoSuchAddress if no register is there."""
+        found = self.find(address, width)
+        if found is None:
+            raise self.map.refusal(address & ~1 if width == 32 else address)
         return found
 
     def naming(self, operand: Operand, mask: int) -> Operand:
@@ -178,8 +205,7 @@ class Bus:
         block = block_at(address)
         if block is not None:
             return cycle + block.read_waits
-        operand = self.at(address, width)
-        return max(cycle, self.free(operand)) + self.read_waits(operand)
+        return self.fetches_at(cycle, self.at(address, width))
 
     def writes_at(self, cycle: int, address: int, width: int = 16) -> int:
         """The cycle in which a write issued in `cycle` is posted. NoSuchAddress where nothing answers."""
@@ -190,7 +216,10 @@ class Bus:
         """What a 16- or 32-bit read of an address sees in cycle `at`."""
         if block_at(address) is not None:
             return self.ram.word32(address) if width == 32 else self.ram.word(address)
-        operand = self.at(address, width)
+        return self.load(at, self.at(address, width), width)
+
+    def load(self, at: int, operand: Operand, width: int) -> int:
+        """Return what a read of a register in cycle `at` brings, which is 0 for 32 bits in frame 2."""
         if width == 32 and operand.frame2:
             self.note_width(at, operand)
             return 0
@@ -200,17 +229,20 @@ class Bus:
         """A 16- or 32-bit write to an address. Memory takes it at once; to a register it is posted."""
         block = block_at(address)
         if block is None:
-            operand = self.at(address, width)
-            if width == 32 and operand.frame2:
-                self.note_width(at, operand)
-            else:
-                self.store(at, operand, value << operand.shift)
+            self.save(at, self.at(address, width), value, width)
         elif block.protected and not self._core.eallow:
             self._ignored(at, f"{address:#06x} of {block.name}")
         elif width == 32:
             self.ram.put_word32(address, value)
         else:
             self.ram.put(address, value)
+
+    def save(self, at: int, operand: Operand, value: int, width: int) -> None:
+        """Post a write to a register in cycle `at`; 32 bits in frame 2 are ignored."""
+        if width == 32 and operand.frame2:
+            self.note_width(at, operand)
+        else:
+            self.store(at, operand, value << operand.shift)
 
     def note_width(self, cycle: int, operand: Operand) -> None:
         """Frame 2 has 16-bit accesses only: a wider one is not performed, and noted."""
@@ -230,6 +262,10 @@ class Bus:
     def free(self, operand: Operand) -> int:
         """Write-to-read protection: from this cycle on a read need not wait for writes to the block or the register."""
         return self.free_from if operand.block else self.free_of.get(operand.address, 0)
+
+    def fetches_at(self, cycle: int, operand: Operand) -> int:
+        """Return the cycle in which a read of a register that is issued in `cycle` has its value."""
+        return max(cycle, self.free(operand)) + self.read_waits(operand)
 
     def fetch(self, at: int, operand: Operand) -> int:
         """The value of these words of the register in cycle `at`, each in its place."""

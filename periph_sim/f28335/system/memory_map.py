@@ -80,22 +80,38 @@ class AddressMap:
                 raise ValueError(f"{place.name} at {place.base:#06x} overlaps {other.name} at {other.base:#06x}")
         self.places[place.name] = place
 
-    def find(self, address: int) -> tuple[ModuleRange, Register, int]:
-        """(module, register, which 16-bit half of it) at an address. NoSuchAddress otherwise."""
-        for place in self.places.values():
+    def at(self, address: int) -> tuple[ModuleRange, Register, int] | None:
+        """Return (module, register, which 16-bit half of it) at an address; None if no register is there."""
+        place = self._place(address)
+        if place is not None:
             offset = address - place.base
-            if 0 <= offset < place.size:
-                for back in (0, 1):
-                    register = place.socket.chip.MAP.at(offset - back)
-                    if register is not None and register.width > 16 * back:
-                        return place, register, back
-                last = place.base + place.size - 1
-                raise NoSuchAddress(
-                    f"{address:#06x} is not a register of {place.name} ({place.base:#06x} to {last:#06x}); "
-                    f"the nearest are {nearest(place, offset)}"
-                )
-        here = ", ".join(f"{p.name} {p.base:#06x}" for p in self.places.values())
-        raise NoSuchAddress(f"{address:#06x} belongs to no module of this scene, which has {here}")
+            for back in (0, 1):
+                register = place.socket.chip.MAP.at(offset - back)
+                if register is not None and register.width > 16 * back:
+                    return place, register, back
+        return None
+
+    def _place(self, address: int) -> ModuleRange | None:
+        return next((place for place in self.places.values() if 0 <= address - place.base < place.size), None)
+
+    def find(self, address: int) -> tuple[ModuleRange, Register, int]:
+        """Return the same. NoSuchAddress if no register is there."""
+        found = self.at(address)
+        if found is None:
+            raise self.refusal(address)
+        return found
+
+    def refusal(self, address: int) -> NoSuchAddress:
+        """Return the error for an address without a register, with the nearest registers, or else all modules."""
+        place = self._place(address)
+        if place is None:
+            here = ", ".join(f"{p.name} {p.base:#06x}" for p in self.places.values())
+            return NoSuchAddress(f"{address:#06x} belongs to no module of this scene, which has {here}")
+        last = place.base + place.size - 1
+        return NoSuchAddress(
+            f"{address:#06x} is not a register of {place.name} ({place.base:#06x} to {last:#06x}); "
+            f"the nearest are {nearest(place, address - place.base)}"
+        )
 
     def named(self, text: str) -> tuple[ModuleRange, Register]:
         """The register that "I2C-A.I2CSTR" names. NoSuchAddress otherwise, with the nearest right name."""

@@ -7,6 +7,7 @@ reads no register, and has a way out, waits for memory: its words come out by th
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 from ...c28x import flow
@@ -49,7 +50,7 @@ def awaited(
     if not operands and not elsewhere:
         names = [_name(image, address) for address in _memory_read(cpu, loop)] if _may_end(cpu, loop) else None
         return Awaited([] if names is None else names or [MEMORY], "", names is not None)
-    mask = mask_of(cpu, loop)
+    mask = mask_of(loop.first, _words(cpu, loop))
     texts = [f"{operand.name}.{fields_of(operand.register, mask)}" for operand in operands]
     names = list(dict.fromkeys(f"{full_name(address)} & {mask:#06x}" for address in elsewhere))
     unanswered = _unanswered(cpu, elsewhere, unit) if elsewhere else ""
@@ -78,9 +79,10 @@ def fields_of(register: Register, mask: int) -> str:
     return "+".join(field.name for field in register.fields if field.mask & mask) or "all"
 
 
-def mask_of(cpu: ImageCpu, loop: LoopRange) -> int:
-    """The bits that the loop looks at."""
-    for one in _loop(cpu, loop):
+@lru_cache(maxsize=256)
+def mask_of(first: int, words: tuple[int, ...]) -> int:
+    """Return the bits that a loop of these words looks at. first: where it begins."""
+    for one in _instructions(first, words):
         mnemonic, values = one.encoding.mnemonic, one.values
         if mnemonic == "TBIT" and "b" in values:
             return 1 << values["b"]
@@ -89,19 +91,27 @@ def mask_of(cpu: ImageCpu, loop: LoopRange) -> int:
     return ALL
 
 
-def _loop(cpu: ImageCpu, loop: LoopRange) -> Iterator[Instruction]:
-    address = loop.first
-    while address <= loop.branch < address + LONGEST:
-        found = decode_at(address, cpu.word_at(address), cpu.word_at(address + 1))
+def _words(cpu: ImageCpu, loop: LoopRange) -> tuple[int, ...]:
+    """Return the words of a loop, and one more; none of a long one."""
+    if loop.branch - loop.first >= LONGEST:
+        return ()
+    return tuple([cpu.word_at(address) for address in range(loop.first, loop.branch + 2)])
+
+
+def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
+    """Yield the instructions in these words; the last word only completes an instruction."""
+    at = 0
+    while at < len(words) - 1:
+        found = decode_at(first + at, words[at], words[at + 1])
         if found is None:
             return
         yield found
-        address += found.words
+        at += found.words
 
 
 def _may_end(cpu: ImageCpu, loop: LoopRange) -> bool:
     """Whether the loop has a branch out; one without is how programs end."""
-    for one in _loop(cpu, loop):
+    for one in _instructions(loop.first, _words(cpu, loop)):
         goal = flow.target(one)
         if goal is None or flow.is_call(one) or not flow.goes_on(one):
             continue
@@ -115,7 +125,7 @@ def _memory_read(cpu: ImageCpu, loop: LoopRange) -> list[int]:
     found: list[int] = []
     dp: int | None = cpu.dp
     changed: set[str] = set()  # registers that are no longer as they are at its start
-    for one in _loop(cpu, loop):
+    for one in _instructions(loop.first, _words(cpu, loop)):
         field, dp_written = one.values.get("l", -1), "DP" in _places(one.encoding.writes)
         if "r" in one.encoding.accesses:
             address = _address(cpu, field, dp, changed)

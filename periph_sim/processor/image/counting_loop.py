@@ -66,6 +66,7 @@ FORMS: Mapping[str, str] = {
     **{f"MOVL_loc32_XAR{n}": f"loc = XAR{n}" for n in range(8)},
 }
 ACC = ("AL", "AH")
+COUNTERS = 9  # of a state: ACC and XAR0 to XAR7 come first
 XAR = tuple((f"AR{n}", f"AR{n}H") for n in range(8))
 AX_FIELDS = {0xA8: ("AH",), 0xA9: ("AL",)}  # operand fields of 16 bits
 ACC_FIELDS = (0xA8, 0xA9)  # and of 32 bits
@@ -195,7 +196,7 @@ class CountingLoop(InstructionWatch):
     def passes(self, changed: Mapping[int, int]) -> int:
         """How many passes behind this one only count. changed: words of memory that differ, as they were before it."""
         before, after = self._state, self._cpu.state()
-        self.does_more = (before[1:3], before[4:]) != (after[1:3], after[4:])
+        self.does_more = before[COUNTERS:] != after[COUNTERS:]
         if self.does_more:
             return 0
         counters = dict(self._counters(changed))
@@ -215,8 +216,7 @@ class CountingLoop(InstructionWatch):
 
     def _counters(self, changed: Mapping[int, int]) -> Iterable[tuple[Place, Number]]:
         """Words that this pass has changed, as they were before it."""
-        acc, xars = self._state[0], self._state[3]
-        assert isinstance(acc, int) and isinstance(xars, tuple)
+        acc, xars = self._state[0], self._state[1:COUNTERS]
         pairs: list[tuple[Place, int, int]] = [
             ("AL", acc & M16, self._cpu.acc & M16),
             ("AH", acc >> 16, self._cpu.acc >> 16),

@@ -26,11 +26,12 @@ from ...c28x.execution.registers import (
     IllegalOperation,
     Operation,
 )
+from ...c28x.fetch_queue import PACKED as QUEUE_PACKED
+from ...c28x.pipeline import PACKED as STORES_PACKED
 from ...core.chip import Note
 from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
 from ...f28335.cpu.pie_map import VECTOR_TABLE
 from ...f28335.system.address_space import Content, area_at
-from ...f28335.system.memory_map import NoSuchAddress
 from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import Ram, block_at
 from ..processor import Processor
@@ -43,6 +44,8 @@ RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, but for M0 and M1 below
 LOW_RAM = 0x800
 STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # operand fields *-SP[n]
 PUSHES, POPS = 0xBD, 0xBE  # *SP++, *--SP
+TIMING = 38  # of a state: where the pipeline's part begins
+PACKED = TIMING + STORES_PACKED + QUEUE_PACKED
 WAITED_FROM = 0xC000  # L4 to L7, as program memory
 L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # where L0 to L3 are once more
 MIRROR = L0_AGAIN - 0x8000
@@ -81,6 +84,8 @@ class ImageCpu(Engine):
         self._decoding = False
         self._tested = 0  # bits that the present instruction looks at in its operand
         self._written = [0] * RAM_TO  # 1 for a word that somebody wrote
+        self._packed = [0] * PACKED  # see `state`
+        self._kept = [0] * PACKED  # it, as of the last call of `is_as_before`
         self.watched: VariableRecords | None = None
         self.polls = Polls(self._time, self._core, skip_polls)
         self.reads_unwritten: UnwrittenReads | None = None
@@ -131,26 +136,23 @@ class ImageCpu(Engine):
         return self._load(address, 32)
 
     def _load(self, address: int, width: int) -> int:
-        if block_at(address) is not None:
-            return self._bus.read(self._time.cycle, address, width)
-        if L0_AGAIN <= address < L4_AGAIN:
-            return self.load16(address - MIRROR) if width == 16 else self.load32(address - MIRROR)
-        cycle, polls = self._time.cycle, self.polls
+        bus, cycle, polls = self._bus, self._time.cycle, self.polls
+        operand = bus.find(address, width)
+        if operand is None:
+            if block_at(address) is not None:
+                return bus.read(cycle, address, width)
+            if L0_AGAIN <= address < L4_AGAIN:
+                return self.load16(address - MIRROR) if width == 16 else self.load32(address - MIRROR)
         if polls.replaying and polls.answer(cycle):
             return polls.answered()
-        if address >= RAM_TO:
-            return self._load_elsewhere(address, width)
-        try:
-            operand = self._bus.at(address, width)
-        except NoSuchAddress:
+        if operand is None:
             return self._load_elsewhere(address, width)
         if operand.meets:
             self._time.meet()
         if operand.recorded and self._tested and width == 16:
-            named = self._bus.naming(operand, self._tested)
-            value = self._bus.fetch(cycle, named) >> operand.shift
+            value = bus.fetch(cycle, bus.naming(operand, self._tested)) >> operand.shift
         else:
-            value = self._bus.read(cycle, address, width)
+            value = bus.load(cycle, operand, width)
         if polls.tracking:
             polls.note(operand, value)
         return value
@@ -210,15 +212,17 @@ class ImageCpu(Engine):
 
     def _store(self, address: int, value: int, width: int) -> None:
         self.polls.soil()
-        if L0_AGAIN <= address < L4_AGAIN:
+        operand = self._bus.find(address, width)
+        if operand is not None:
+            self._bus.save(self._time.cycle, operand, value, width)
+        elif L0_AGAIN <= address < L4_AGAIN:
             if width == 16:
                 self.store16(address - MIRROR, value)
             else:
                 self.store32(address - MIRROR, value)
-            return
-        try:
+        elif block_at(address) is not None:
             self._bus.write(self._time.cycle, address, value, width)
-        except NoSuchAddress:
+        else:
             self._keep(address, value & 0xFFFF)
             if width == 32:
                 self._keep(address + 1, value >> 16)
@@ -307,15 +311,13 @@ class ImageCpu(Engine):
         return cycle
 
     def _access_at(self, cycle: int, address: int, reads: bool, wide: bool) -> int:
-        width = 32 if wide else 16
-        if address >= RAM_TO:
-            return self._read_elsewhere_at(cycle, address) if reads else cycle
-        try:
-            if reads:
-                return self._bus.reads_at(cycle, address, width)
-            return self._bus.writes_at(cycle, address, width)
-        except NoSuchAddress:
-            return self._read_elsewhere_at(cycle, address) if reads else cycle
+        operand = self._bus.find(address, 32 if wide else 16)
+        if operand is not None:
+            return self._bus.fetches_at(cycle, operand) if reads else self._bus.posts_at(cycle, operand)
+        block = block_at(address)
+        if block is not None:
+            return cycle + (block.read_waits if reads else block.write_waits)
+        return self._read_elsewhere_at(cycle, address) if reads else cycle
 
     def _read_elsewhere_at(self, cycle: int, address: int) -> int:
         waits = self.elsewhere.read_waits(address)
@@ -369,13 +371,40 @@ class ImageCpu(Engine):
         else:
             core.st1 &= ~(mask & ~INTM)
 
-    def state(self) -> tuple[object, ...]:
-        """All that a next instruction depends on, but for memory and the chip."""
-        return (
-            self.acc, self.p, self.xt, tuple(self.xar), self.dp, self.sp, self.rpc, self.st0(), self.whole_st1(),
-            self._core.ier, self.dbgier, self.dbgstat, tuple(self.r), self.stf, tuple(self.shadow_r), self.shadow_stf,
-            self.rb, self.timing.state(self._time.cycle),
-        )  # fmt: skip
+    def state(self) -> tuple[int, ...]:
+        """Return all that a next instruction depends on, but for memory and the chip: ACC, XAR0 to XAR7, others.
+
+        From TIMING on: what is under way in the pipeline and in the fetch queue.
+        """
+        self._pack()
+        return tuple(self._packed)
+
+    def is_as_before(self) -> bool:
+        """Return True if the state is that of the last call."""
+        self._pack()
+        same = True
+        for place in range(PACKED):
+            if self._kept[place] != self._packed[place]:
+                self._kept[place] = self._packed[place]
+                same = False
+        return same
+
+    def _pack(self) -> None:
+        """Write the state to `_packed`."""
+        self._packed[0] = self.acc
+        for n in range(8):
+            self._packed[1 + n], self._packed[9 + n], self._packed[17 + n] = self.xar[n], self.r[n], self.shadow_r[n]
+        self._packed[25], self._packed[26], self._packed[27], self._packed[28] = self.p, self.xt, self.dp, self.sp
+        self._packed[29], self._packed[30], self._packed[31] = self.rpc, self.st0(), self.whole_st1()
+        self._packed[32], self._packed[33], self._packed[34] = self._core.ier, self.dbgier, self.dbgstat
+        self._packed[35], self._packed[36], self._packed[37] = self.stf, self.shadow_stf, self.rb
+        pipeline, queue = self._pipeline, self.timing.queue
+        pipeline.pack()
+        for place in range(STORES_PACKED):
+            self._packed[TIMING + place] = pipeline.packed_stores[place]
+        queue.pack(self._time.cycle)
+        for place in range(QUEUE_PACKED):
+            self._packed[TIMING + STORES_PACKED + place] = queue.packed_queue[place]
 
     # Control ------------------------------------------------------------------------
 

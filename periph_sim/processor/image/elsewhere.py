@@ -34,12 +34,13 @@ ENPIPE = 1  # of FOPT
 PAGEWAIT = 8  # bit of FBANKWAIT; RANDWAIT is at bit 0
 ADC_CAL, LRETR = 0x38_0080, 0x0006  # start-up code calls it
 PARTID, CLASSID, F28335 = 0x38_0090, 0x0882, 0x00EF
-FIXED = {ADC_CAL: LRETR, PARTID: F28335, CLASSID: F28335}
-FLASH_RESET = {0x0A84: 0x01FF, 0x0A85: 0x01FF, FBANKWAIT: 0x0F0F, FOTPWAIT: 0x001F}
+FRAME_RESET = {0x0A84: 0x01FF, 0x0A85: 0x01FF, FBANKWAIT: 0x0F0F, FOTPWAIT: 0x001F, CLASSID: F28335}
 FLASH_COMMANDS = range(0x0A88, 0x0AE0)  # behind what SPRUFB0D documents: TI's flash API alone writes there
 MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
 BOOT_ROM = range(0x3F_E000, 0x40_0000)
 FLASH_API_CHECK = 0x3F_FFB9  # whether the silicon is one that TI's flash API knows
+FRAMES_END = 0x8000  # all frames, and XINTF zone 0, lie below
+SEEN, STUBBED, PROTECTED, REGISTER = 1, 2, 4, 8  # bits of `_states`
 NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not modelled"
 
 
@@ -50,7 +51,11 @@ class Elsewhere:
         self.changed: Callable[[], None] | None = None
         self._core = core
         self._notes = notes
-        self._stored = FIXED | FLASH_RESET
+        self._frames = [0] * FRAMES_END  # words of frames and of XINTF zone 0
+        self._states = [0] * FRAMES_END  # what is known of them; SEEN: an access has no effect but on the word itself
+        self._stored = {PARTID: F28335, ADC_CAL: LRETR}  # words above
+        for address, value in FRAME_RESET.items():
+            self._frames[address] = value
         self._noted: set[str] = set()
         self._stubs: dict[int, int] = {}  # by address
         self._to_come: list[int] = []  # addresses that a stub answers later
@@ -58,11 +63,16 @@ class Elsewhere:
 
     def fill(self, address: int, value: int) -> None:
         """A word that is there before the program begins."""
-        self._stored[address] = value
+        if address < FRAMES_END:
+            self._frames[address] = value
+        else:
+            self._stored[address] = value
 
     def answer(self, address: int, value: int) -> None:
         """From now on a read of this word brings this value."""
         self._stubs[address] = value
+        if address < FRAMES_END:
+            self._states[address] |= STUBBED
         if address in self._to_come:
             self._to_come.remove(address)
         if self.changed is not None:
@@ -82,6 +92,8 @@ class Elsewhere:
 
     def read(self, cycle: int, address: int) -> int:
         """A word. IllegalOperation where the chip has nothing, or what nobody can answer."""
+        if address < FRAMES_END and self._states[address] & (SEEN | STUBBED) == SEEN:
+            return self._frames[address]
         if FLASH <= address < FLASH_END:
             return self._stored.get(address, ERASED)
         area = self._area(address, "read")
@@ -90,17 +102,24 @@ class Elsewhere:
         if address == FLASH_API_CHECK:
             raise IllegalOperation(f"{address:#08x} of the boot ROM is read: {NO_FLASH_API}")
         self._note(cycle, address, area)
+        self._mark(address, area)
         stub = self._stubs.get(address)
         if stub is not None:
             return stub
+        if address < FRAMES_END:
+            return self._frames[address]
         return self._stored.get(address, ERASED if area.content in (Content.FLASH, Content.OTP) else 0)
 
     def peek(self, address: int) -> int:
         """What was loaded there."""
-        return self._stored.get(address, ERASED)
+        return self._frames[address] if address < FRAMES_END else self._stored.get(address, ERASED)
 
     def write(self, cycle: int, address: int, value: int) -> bool:
         """A word. True if it is kept."""
+        known = self._states[address] if address < FRAMES_END else 0
+        if known & SEEN and (self._core.eallow or not known & PROTECTED):
+            self._frames[address] = value
+            return True
         area = self._area(address, "written")
         if address in FLASH_COMMANDS:
             raise IllegalOperation(f"{full_name(address)} is written: {NO_FLASH_API}")
@@ -111,13 +130,26 @@ class Elsewhere:
             text = f"{full_name(address)} was written without EALLOW; the write is ignored"
             self._notes.note(cycle, Note("duty", text, "SPRUFB0D section 7.2"))
             return False
-        self._stored[address] = value
+        self._mark(address, area)
+        if address >= FRAMES_END:
+            self._stored[address] = value
+            return True
+        self._frames[address] = value
         if address in (FOPT, FBANKWAIT):
             self._flash = self._fetches(Content.FLASH)
         return True
 
+    def _mark(self, address: int, area: Area) -> None:
+        """Keep what is known of a word, which has been noted, so that its next access looks nothing up."""
+        if address < FRAMES_END and address not in (FOPT, FBANKWAIT) and address not in FLASH_COMMANDS:
+            registers = area.content is Content.REGISTERS
+            known = SEEN | PROTECTED * is_protected(address) | REGISTER * registers
+            self._states[address] |= known
+
     def read_waits(self, address: int) -> int:
         """Wait states of a read of data."""
+        if address < FRAMES_END and self._states[address] & REGISTER:
+            return FRAME_READ_WAITS
         if address in PASSWORD:
             return PASSWORD_WAITS
         if FLASH <= address < FLASH_END:
@@ -125,11 +157,10 @@ class Elsewhere:
         area = area_at(address)
         if area is None:
             return 0
-        match area.content:
-            case Content.REGISTERS:
-                return FRAME_READ_WAITS
-            case Content.RAM:
-                return 0
+        if area.content is Content.REGISTERS:
+            return FRAME_READ_WAITS
+        if area.content is Content.RAM:
+            return 0
         return self._waits(area.content)[0]
 
     def fetches(self, address: int) -> tuple[int, int, int]:
@@ -144,16 +175,16 @@ class Elsewhere:
 
     def _fetches(self, content: Content) -> tuple[int, int, int]:
         first, later = self._waits(content)
-        wide = content is Content.FLASH and self._stored.get(FOPT, 0) & ENPIPE
+        wide = content is Content.FLASH and self._frames[FOPT] & ENPIPE
         return 2 if wide else 1, first, later
 
     def _waits(self, content: Content) -> tuple[int, int]:
         """Wait states of a first access, and of those behind it."""
         if content is Content.FLASH:
-            waits = self._stored[FBANKWAIT]
+            waits = self._frames[FBANKWAIT]
             return max(waits & 0xF, 1), max(waits >> PAGEWAIT & 0xF, 1)
         if content is Content.OTP:
-            waits = max(self._stored[FOTPWAIT] & 0x1F, 1)
+            waits = max(self._frames[FOTPWAIT] & 0x1F, 1)
             return waits, waits
         waits = EXTERNAL_WAITS if content is Content.EXTERNAL else ROM_WAITS
         return waits, waits

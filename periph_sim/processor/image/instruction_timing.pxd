@@ -5,6 +5,7 @@ from ...c28x.fetch_queue cimport FetchQueue
 from ...c28x.pipeline cimport Pipeline
 from ...core.options cimport BoolOption
 from ...f28335.cpu.interrupts cimport CpuInterrupts
+from .elsewhere cimport Elsewhere
 
 
 @cython.final
@@ -12,8 +13,9 @@ cdef class InstructionTiming:
     cdef public Pipeline pipeline
     cdef public long long late
     cdef CpuInterrupts _core
-    cdef FetchQueue _queue
-    cdef object _options, _elsewhere
+    cdef public FetchQueue queue
+    cdef object _options
+    cdef Elsewhere _elsewhere
     cdef public bint conflicts
     cdef BoolOption _shared
     cdef long long _ahead

@@ -28,18 +28,19 @@ WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000
 
 
 class InstructionTiming:
-    """pipeline: stalls between instructions. late: cycles that the present instruction takes in addition.
+    """pipeline: stalls between instructions. queue: instructions that memory brings.
 
+    late: cycles that the present instruction takes in addition.
     conflicts: `conflict` is called for accesses to the block of memory from which the program is fetched.
     """
 
-    __slots__ = ("_ahead", "_core", "_elsewhere", "_options", "_queue", "_shared", "conflicts", "late", "pipeline")
+    __slots__ = ("_ahead", "_core", "_elsewhere", "_options", "_shared", "conflicts", "late", "pipeline", "queue")
 
     def __init__(self, core: CpuInterrupts, options: SystemOptions, elsewhere: Elsewhere) -> None:
         self.pipeline = Pipeline()
         self.pipeline.enabled = options.stalls.unrecorded()
         self.late = 0
-        self._queue = FetchQueue()
+        self.queue = FetchQueue()
         self._core = core
         self._options = options
         self.conflicts = True
@@ -52,11 +53,7 @@ class InstructionTiming:
     def drain(self) -> None:
         """The program goes on elsewhere, by an interrupt or a return from one."""
         self.pipeline.drain()
-        self._queue.expected = -1
-
-    def state(self, cycle: int) -> tuple[object, ...]:
-        """What is under way, with times counted from this cycle."""
-        return (self.pipeline.state(), self._queue.state(cycle))
+        self.queue.expected = -1
 
     def prepare(self, f: Operation) -> None:
         """An instruction was decoded: what is known of its time, and of the bits that it looks at, once and for all."""
@@ -110,7 +107,7 @@ class InstructionTiming:
         Only in flash, from where fetches go on meanwhile.
         """
         if address in ALL_FLASH and code in ALL_FLASH and self._shared.assume(self._core.touched):
-            return self._queue.read(cycle, waits)
+            return self.queue.read(cycle, waits)
         return 0
 
     def repeats(self, count: int) -> int:
@@ -120,12 +117,12 @@ class InstructionTiming:
         return count & (1 << self._options.rptc_width.assume(self._core.touched)) - 1
 
     def _fetch(self, f: Operation, cycle: int) -> int:
-        if f.address != self._queue.expected:
+        if f.address != self.queue.expected:
             bits, first, later = self._elsewhere.fetches(f.address)
             if bits == PREFETCHED:
                 self._options.flash_model.assume(self._core.touched)
-            self._queue.begin(cycle, f.address, bits, first, later, self._ahead if bits == PREFETCHED else DEPTH)
-        return self._queue.wait(cycle, f.address, f.next)
+            self.queue.begin(cycle, f.address, bits, first, later, self._ahead if bits == PREFETCHED else DEPTH)
+        return self.queue.wait(cycle, f.address, f.next)
 
 
 def has_waits(address: int) -> bool:

@@ -14,7 +14,7 @@ cdef class Polls:
     cdef public dict changed
     cdef dict _failed
     cdef list _values
-    cdef object _before
+    cdef bint _compared
     cdef CpuInterrupts _core
     cdef CpuTime _time
     cdef Lease _lease
@@ -23,7 +23,7 @@ cdef class Polls:
     cpdef void forget(self)
     cpdef bint again(self, long long branch, long long cycle)
     @cython.locals(cycle=cython.longlong, period=cython.longlong, equal=cython.bint, seen=cython.bint)
-    cpdef bint comes_out_alike(self, object state)
+    cpdef bint comes_out_alike(self, bint as_before)
     cpdef bint may_be_alike(self)
     cdef void _later(self)
     @cython.locals(cycle=cython.longlong)

@@ -37,7 +37,7 @@ class Polls:
     """
 
     __slots__ = (
-        "_before", "_branch", "_core", "_failed", "_lease", "_look_at", "_most", "_next", "_outer_branch",
+        "_branch", "_compared", "_core", "_failed", "_lease", "_look_at", "_most", "_next", "_outer_branch",
         "_outer_since", "_passes", "_period", "_since", "_spin", "_started", "_step", "_time", "_values", "asleep",
         "changed", "clean", "counting", "elsewhere", "live_from", "replaying", "routines", "skips", "tracking",
     )  # fmt: skip
@@ -51,7 +51,7 @@ class Polls:
         self._values: list[int] = []
         self.changed: dict[int, int] = {}
         self._failed: dict[int, int] = {}  # by branch: how often its loop turned out to do more than count
-        self._before: object = None
+        self._compared = False  # the state was kept at the begin of the last pass
         self._branch = -1
         self._spin = Spin(0)
         self.forget()
@@ -90,7 +90,7 @@ class Polls:
         if self.tracking:
             self._later()
         else:
-            self._before = None
+            self._compared = False
             self._begin()
         return False
 
@@ -100,15 +100,18 @@ class Polls:
         self._look_at = self._passes + self._step
         self.tracking = False
 
-    def comes_out_alike(self, state: object) -> bool:
-        """At the begin of a pass that may be: whether two clean ones behind it had this state before and after them."""
+    def comes_out_alike(self, as_before: bool) -> bool:
+        """At the begin of a pass that may be: whether two clean ones behind it had this state before and after them.
+
+        as_before: the state is that of the last call.
+        """
         cycle = self._time.cycle
-        period, equal = cycle - self._started, state == self._before
+        period, equal = cycle - self._started, as_before and self._compared
         seen = equal and period == self._period
-        if self._before is not None and not equal:
+        if self._compared and not equal:
             self._later()
             return False
-        self._before, self._started, self._period = state, cycle, period if equal else 0
+        self._compared, self._started, self._period = True, cycle, period if equal else 0
         if not seen:
             self._begin()
         return seen

@@ -255,7 +255,7 @@ class ImageProgram(Program):
         self._counted = self.instructions
         if polls.counting:
             spin = self._sleeps_counting()
-        elif polls.may_be_alike() and polls.comes_out_alike(self.cpu.state()):
+        elif polls.may_be_alike() and polls.comes_out_alike(self.cpu.is_as_before()):
             self._counting = None
             spin = polls.sleep()
         else:

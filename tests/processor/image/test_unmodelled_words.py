@@ -1,0 +1,69 @@
+"""Words of frames that nothing models: the first access looks up what a word is, later ones only read or write it."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from periph_sim.f28335.system.memory_map import AddressMap
+from periph_sim.processor.error_origin import FirmwareLost
+from periph_sim.processor.image import elsewhere
+from tests.processor.image.rig import HEAD, Rig
+
+LOOP = """
+ MOVW DP,#0x6800 >> 6
+ MOVB XAR0,#49
+loop: INC @0x6809
+ MOVL ACC,@0x680A
+ ADDB ACC,#2
+ MOVL @0x680A,ACC
+ BANZ loop,AR0--
+ ESTOP0
+"""  # 50 passes; ePWM1
+
+
+def test_a_loop_over_words_that_nothing_models_looks_each_of_them_up_once(monkeypatch: pytest.MonkeyPatch):
+    found, looked = Counter[int](), Counter[int]()
+    at, area_at = AddressMap.at, elsewhere.area_at
+    monkeypatch.setattr(AddressMap, "at", lambda memory, address: (found.update([address]), at(memory, address))[1])
+    monkeypatch.setattr(AddressMap, "refusal", None)
+    monkeypatch.setattr(elsewhere, "area_at", lambda address: (looked.update([address]), area_at(address))[1])
+    rig = Rig(HEAD + LOOP).run()
+    assert rig.program.returned_at is not None
+    assert rig.cpu.acc == 100
+    assert rig.cpu.elsewhere.read(0, 0x6809) == 50
+    assert found[0x6809] == 1 and found[0x680A] == 1
+    assert max(looked[address] for address in (0x6809, 0x680A, 0x680B)) <= 3  # its wait states, its read and its write
+
+
+def test_a_protected_word_is_kept_with_eallow_only_each_time():
+    """0x0B35 of XINTF: written with EALLOW, then twice without, then with it again."""
+    kept = " MOVW DP,#0x0B35 >> 6\n EALLOW\n MOV @0x0B35,#1\n EDIS\n"
+    ignored = " MOV @0x0B35,#2\n MOV @0x0B35,#3\n MOV AL,@0x0B35\n"
+    again = " EALLOW\n MOV @0x0B35,#4\n EDIS\n MOV AH,@0x0B35\n ESTOP0"
+    rig = Rig(HEAD + kept + ignored + again).run()
+    assert rig.cpu.acc == 0x0004_0001
+    counts = rig.dsp.processor.notes.counts
+    assert [count for note, count in counts.items() if "without EALLOW" in note.text] == [2]
+
+
+def test_a_command_of_the_flash_api_is_refused_though_its_word_was_read_before():
+    read = " MOVW DP,#0x0A90 >> 6\n MOV AL,@0x0A90\n MOV AL,@0x0A90\n EALLOW\n MOV @0x0A90,#1\n ESTOP0"
+    with pytest.raises(FirmwareLost, match=r"flash control \+ 0x10 is written: erasing and programming flash"):
+        Rig(HEAD + read).run()
+
+
+def test_a_stub_answers_for_a_word_that_was_read_and_written_before():
+    rig = Rig(HEAD + LOOP).run()
+    assert rig.cpu.elsewhere.read(0, 0x6809) == 50
+    rig.cpu.elsewhere.answer(0x6809, 7)
+    assert rig.cpu.elsewhere.read(0, 0x6809) == 7
+    rig.cpu.elsewhere.write(0, 0x6809, 8)
+    assert rig.cpu.elsewhere.read(0, 0x6809) == 7
+
+
+def test_each_write_of_the_flashs_wait_states_counts():
+    writes = "".join(f" MOV @0x0A86,#{waits:#06x}\n" for waits in (0x0505, 0x0304))
+    rig = Rig(f"{HEAD} MOVW DP,#0x0A86 >> 6\n EALLOW\n{writes} ESTOP0").run()
+    assert rig.cpu.elsewhere.fetches(0x33_0000) == (1, 4, 3)

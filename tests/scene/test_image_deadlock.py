@@ -179,6 +179,36 @@ def test_a_poll_hangs_where_a_service_routine_restarts_the_watchdog(tmp_path: Pa
     )  # fmt: skip
 
 
+@pytest.mark.parametrize("wdcr", [ENABLED, DISABLED])
+def test_a_poll_that_restarts_the_watchdog_itself_hangs(tmp_path: Path, wdcr: int):
+    result = ran(tmp_path, f"{RESTART}\n {UNMODELLED}", wdcr=wdcr, us=12_000)
+    (told,) = result.stuck
+    assert re.match(
+        r"dsp waits for ADC\.ADCST & 0x0004 at _c_int00 \(waits\.asm:23, 0x009017\) since 4\.933 us and ", told
+    )
+    assert result.counts["resets"] == 0
+
+
+def test_a_loop_that_restarts_the_watchdog_and_does_more_is_no_poll(tmp_path: Path):
+    more = "MOVW DP,#_flag >> 6\n INC @_flag\n "
+    assert ran(tmp_path, f"{RESTART}\n {more}{UNMODELLED}", us=2000).stuck == []
+
+
+def test_a_poll_that_restarts_the_watchdog_and_reads_a_running_timer_may_end(tmp_path: Path):
+    timer = "MOVW DP,#TIMER0TCR >> 6\n MOV AH,@TIMER0TCR\n"
+    assert ran(tmp_path, f"{RESTART}\n {timer} {UNMODELLED}", RUNS, us=2000).stuck == []
+
+
+def test_a_loop_that_counts_and_restarts_the_watchdog_makes_each_pass(tmp_path: Path):
+    result = ran(tmp_path, f"MOVL XAR2,#9999\nspend: {RESTART}\n BANZ spend,AR2--", wdcr=ENABLED, us=6000)
+    assert result.counts["resets"] == 0
+
+
+def test_a_poll_that_restarts_the_watchdog_is_over_once_a_stub_answers(tmp_path: Path):
+    stub = [{"register": "ADC.ADCST", "value": 4, "after": "0.4 ms"}]
+    assert ran(tmp_path, f"{RESTART}\n {UNMODELLED}\nends: SB ends,UNC", stub=stub).stuck == []
+
+
 def test_a_loop_over_memory_that_an_unmodelled_module_was_to_end(tmp_path: Path):
     (told,) = ran(tmp_path, FLAG, PIE + DMA).stuck
     assert told.endswith(

@@ -31,6 +31,7 @@ from ...c28x.pipeline import PACKED as STORES_PACKED
 from ...core.chip import Note
 from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
 from ...f28335.cpu.pie_map import VECTOR_TABLE
+from ...f28335.system import clocks_map
 from ...f28335.system.address_space import Content, area_at
 from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import Ram, block_at
@@ -40,6 +41,7 @@ from .instruction_timing import InstructionTiming
 from .polls import Polls
 from .variable_records import VariableRecords
 
+WATCHDOG_KEY = clocks_map.BASE + clocks_map.WDKEY.offset
 RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, but for M0 and M1 below
 LOW_RAM = 0x800
 STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # operand fields *-SP[n]
@@ -211,7 +213,10 @@ class ImageCpu(Engine):
                 self.reads_unwritten.read_unwritten(address)
 
     def _store(self, address: int, value: int, width: int) -> None:
-        self.polls.soil()
+        if address == WATCHDOG_KEY:
+            self.polls.restart()
+        else:
+            self.polls.soil()
         operand = self._bus.find(address, width)
         if operand is not None:
             self._bus.save(self._time.cycle, operand, value, width)

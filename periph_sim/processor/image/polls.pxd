@@ -8,7 +8,7 @@ from ..polling cimport Lease, Spin
 
 @cython.final
 cdef class Polls:
-    cdef public bint asleep, clean, counting, replaying, skips, tracking
+    cdef public bint asleep, clean, counting, replaying, restarts, skips, tracking
     cdef public long long live_from, routines
     cdef public list elsewhere
     cdef public dict changed
@@ -25,7 +25,7 @@ cdef class Polls:
     @cython.locals(cycle=cython.longlong, period=cython.longlong, equal=cython.bint, seen=cython.bint)
     cpdef bint comes_out_alike(self, bint as_before)
     cpdef bint may_be_alike(self)
-    cdef void _later(self)
+    cpdef void look_later(self)
     @cython.locals(cycle=cython.longlong)
     cpdef bint may_count(self)
     @cython.locals(cycle=cython.longlong, alike=cython.bint)
@@ -35,6 +35,7 @@ cdef class Polls:
     cdef void _begin(self)
     cpdef void note(self, Operand operand, long long value)
     cpdef void note_elsewhere(self, long long address, long long value)
+    cpdef void restart(self)
     cpdef void soil(self)
     @cython.locals(time=CpuTime, lease=Lease, spin=Spin, until=cython.longlong)
     cpdef Spin sleep(self, long long most=?)

@@ -34,12 +34,14 @@ class Polls:
     skips: passes that come out alike are skipped; else they are executed, and only the times are noted at which the
     program would have begun to sleep and been woken. asleep: between these. replaying: reads are answered as they were
     up to the cycle `live_from`. elsewhere: words read that nothing models. routines: service routines under way.
+    restarts: the pass restarts the watchdog, so that no further one is skipped.
     """
 
     __slots__ = (
         "_branch", "_compared", "_core", "_failed", "_lease", "_look_at", "_most", "_next", "_outer_branch",
         "_outer_since", "_passes", "_period", "_since", "_spin", "_started", "_step", "_time", "_values", "asleep",
-        "changed", "clean", "counting", "elsewhere", "live_from", "replaying", "routines", "skips", "tracking",
+        "changed", "clean", "counting", "elsewhere", "live_from", "replaying", "restarts", "routines", "skips",
+        "tracking",
     )  # fmt: skip
 
     def __init__(self, time: CpuTime, core: CpuInterrupts, skips: bool) -> None:
@@ -60,6 +62,7 @@ class Polls:
         """The program begins anew, or is over."""
         self._lease.end()
         self.asleep = self.tracking = self.clean = self.counting = self.replaying = False
+        self.restarts = False
         self.live_from = self.routines = 0
         self._branch = self._outer_branch = -1
         self._outer_since = 0
@@ -88,13 +91,13 @@ class Polls:
         if self.tracking and self.clean:
             return True
         if self.tracking:
-            self._later()
+            self.look_later()
         else:
             self._compared = False
             self._begin()
         return False
 
-    def _later(self) -> None:
+    def look_later(self) -> None:
         """Look again later, and ever less often."""
         self._step = min(2 * self._step, LONGEST)
         self._look_at = self._passes + self._step
@@ -109,7 +112,7 @@ class Polls:
         period, equal = cycle - self._started, as_before and self._compared
         seen = equal and period == self._period
         if self._compared and not equal:
-            self._later()
+            self.look_later()
             return False
         self._compared, self._started, self._period = True, cycle, period if equal else 0
         if not seen:
@@ -136,7 +139,7 @@ class Polls:
         alike = self.clean and cycle - self._started == self._period
         self._started = cycle
         self.counting = False
-        self._later()
+        self.look_later()
         return alike
 
     def fails(self) -> None:
@@ -144,9 +147,19 @@ class Polls:
         self._failed[self._branch] = self._failed.get(self._branch, 0) + 1
 
     @property
+    def reads_modules(self) -> bool:
+        """True if the pass reads a register of a module."""
+        return self._spin.made > 0
+
+    @property
     def reads(self) -> bool:
         """Whether the pass reads what may change: the loop is a wait."""
-        return self._spin.made > 0 or len(self.elsewhere) > 0
+        return self.reads_modules or len(self.elsewhere) > 0
+
+    @property
+    def since(self) -> int:
+        """The cycle at which the first pass of the loop ended."""
+        return self._since
 
     def changes(self, address: int, before: int) -> None:
         """The pass changes a word of memory."""
@@ -158,6 +171,7 @@ class Polls:
     def _begin(self) -> None:
         """Look at the pass that begins now."""
         self.tracking = self.clean = True
+        self.restarts = False
         self.elsewhere.clear()
         self._values.clear()
         self._spin.begin_pass(self._time.cycle)
@@ -178,6 +192,12 @@ class Polls:
         """The pass reads a word that nothing models."""
         self.elsewhere.append(address)
         self._values.append(value)
+
+    def restart(self) -> None:
+        """The pass writes a key of the watchdog."""
+        self.restarts = True
+        if self.counting:
+            self.clean = False
 
     def soil(self) -> None:
         """The pass does what the next one may not do again."""

@@ -23,6 +23,7 @@ cdef class ImageProgram(Program):
     cdef long long _jumped
     cdef object _clock, _functions, _calls, _waits, _watch, _counting, _unmodelled
     cdef bint _sleeps(self)
+    cdef void _keep_unmodelled(self, long long since)
     cdef object _sleeps_counting(self)
     cdef void _follow_wait(self)
     cdef void _woken(self, long long cycle)

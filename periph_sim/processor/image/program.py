@@ -257,6 +257,10 @@ class ImageProgram(Program):
             spin = self._sleeps_counting()
         elif polls.may_be_alike() and polls.comes_out_alike(self.cpu.is_as_before()):
             self._counting = None
+            if polls.restarts:
+                self._keep_unmodelled(polls.since)
+                polls.look_later()
+                return False
             spin = polls.sleep()
         else:
             if polls.may_count():
@@ -272,13 +276,19 @@ class ImageProgram(Program):
             return True  # it is no wait: nothing can end it before
         self.spin = spin
         self._unmodelled = None
-        if self._counting is None and polls.elsewhere and not spin.made:
-            loop, cpu = LoopRange(self.cpu.pc, self._at), self.cpu
-            self._unmodelled = UnmodelledWait(spin.since, loop, cpu.sp, polls.routines, list(polls.elsewhere))
+        if self._counting is None:
+            self._keep_unmodelled(spin.since)
         self._asleep_at = self._clock.tick(polls.began)
         if self._waits is not None:
             self._waits.begins(self.waits_for(), self._processor.time.cycle, self.place() or "")
         return True
+
+    def _keep_unmodelled(self, since: int) -> None:
+        """Passes come out alike: remember the loop if they read only what nothing models."""
+        polls, cpu = self.cpu.polls, self.cpu
+        if polls.elsewhere and not polls.reads_modules:
+            loop = LoopRange(cpu.pc, self._at)
+            self._unmodelled = UnmodelledWait(since, loop, cpu.sp, polls.routines, list(polls.elsewhere))
 
     def _sleeps_counting(self) -> Spin | None:
         """At the end of a pass that was taken apart: sleep through those that only count, if there are some."""

@@ -24,7 +24,8 @@ class Desk:
         self.falls: list[int] = []
         wire = Wire(self.kernel, "RX", recorder)
         wire.watch(lambda tick, level: self.falls.append(tick) if not level else None)
-        self.host = Host(self.kernel, UartSender(self.kernel, recorder, wire, Fraction(BIT)), schedule, seed=seed)
+        self.sender = UartSender(self.kernel, recorder, wire, Fraction(BIT))
+        self.host = Host(self.kernel, self.sender, schedule, seed=seed)
         self.sent: list[tuple[int, tuple[int, ...], int]] = []
         self.host.sent.append(lambda number, values, tick: self.sent.append((number, values, tick)))
 
@@ -53,6 +54,7 @@ def test_frames_come_every_period_and_are_told_with_the_end_of_their_last_stop_b
     desk = Desk(HostSchedule(first=500, period=2000, frames=3))
     assert desk.run(20_000) == [(n, ramp(n), 500 + 2000 * n + FRAME) for n in range(3)]
     assert (desk.host.frames, desk.host.bytes, desk.host.late) == (3, 36, 0)
+    assert desk.host.who == desk.sender.who
 
 
 def test_a_lost_byte_shortens_its_frame_only():

@@ -45,28 +45,29 @@ class Blink:
         self._after = place.start + place.ticks(settings.after)
         first = settings.after + 2 * period if settings.first is None else settings.first
         self._first = place.start + place.ticks(first)
-        self._rose = -1
+        self._rose: int | None = None  # tick of the last rise
 
     def edge(self, now: int, level: int) -> None:
         rose = self._rose
         if now <= self._after:
             return
         if level:
-            if rose >= 0:
+            if rose is not None:
                 self._place.take(abs(now - rose - self._period), rose)
             self._rose = now
-        elif rose >= 0 and self._on is not None:
+        elif rose is not None and self._on is not None:
             self._place.take(abs(now - rose - self._on), rose)
 
     def finish(self, now: int) -> None:
         place = self._place
-        if self._rose < 0 and now > self._first:
-            place.refute(f"{place.wire} did not rise by {place.at(self._first)}", self._first)
-        elif self._rose >= 0 and now > self._rose + self._period + place.tolerance:
+        if self._rose is None:
+            if now > self._first:
+                place.refute(f"{place.wire} did not rise by {place.at(self._first)}", self._first)
+        elif now > self._rose + self._period + place.tolerance:
             place.refute(f"{place.wire} stopped: its last rise was at {place.at(self._rose)}", self._rose)
 
     def missing(self) -> str:
-        rises = "no rise" if self._rose < 0 else "one rise"
+        rises = "no rise" if self._rose is None else "one rise"
         return f"{rises} of {self._place.wire} came, and a period is from one to the next; let the run last longer"
 
 

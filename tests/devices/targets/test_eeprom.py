@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.devices.targets.eeprom import part_of
+from periph_sim.devices.targets.memory_image import image
 from tests.devices.targets.bus_of import Bus
 
 MS = 10**6  # ticks
@@ -140,3 +141,45 @@ def test_contents_come_from_files_beside_the_case(tmp_path: Path):
     assert bus.do("50 W 00 00 Sr 50 R 3").endswith("01 02 ff")
     assert bus.do("51 W 00 10 Sr 51 R 5").endswith("01 02 03 04 ff")
     assert bus.do("51 W ff fe Sr 51 R 2").endswith("09 ff")
+
+
+def record(kind: int, address: int, *data: int) -> str:
+    """A line of Intel HEX."""
+    raw = bytes([len(data), *address.to_bytes(2, "big"), kind, *data])
+    return f":{raw.hex()}{-sum(raw) & 0xFF:02X}"
+
+
+END = record(1, 0)
+
+
+@pytest.mark.parametrize(
+    ("records", "memory"),
+    [
+        (["", record(0, 2, 0x11, 0x22), "", END], b"\xff\xff\x11\x22"),
+        ([record(0, 2, 0x11), record(0, 0, 0x33, 0x44, 0x55), END], b"\x33\x44\x55"),  # the later one counts
+        ([record(5, 0, 0, 0, 1, 0), record(3, 0, 0, 1, 0, 0), record(0, 0, 0x11), END], b"\x11"),  # start addresses
+        ([record(4, 0, 0, 1), record(0, 1, 0x11), END], bytes([0xFF]) * 0x10001 + b"\x11"),
+        ([record(2, 0, 0, 1), record(0, 1, 0x11), END, "anything"], bytes([0xFF]) * 0x11 + b"\x11"),
+        ([record(4, 0, 0, 0xFF), record(0, 0xFFFF, 0x11), END], bytes([0xFF]) * 0xFFFFFF + b"\x11"),
+    ],
+)
+def test_records_of_intel_hex(records: list[str], memory: bytes, tmp_path: Path):
+    (tmp_path / "a.hex").write_text("\n".join(records))
+    assert image(tmp_path / "a.hex") == memory
+
+
+@pytest.mark.parametrize(
+    ("records", "sentence"),
+    [
+        ([record(4, 0, 0, 0xFF), record(0, 0xFFFF, 0x11, 0x22), END], "line 2: address 0xffffff is beyond any serial"),
+        ([END[1:]], "line 1: '00000001FF' is no record of Intel HEX, as :02000000ABCD86 is one"),
+        ([":0000"], "line 1: ':0000' is no record"),
+        ([":00000001"], "line 1: ':00000001' is no record"),
+        ([":01000001FE"], "line 1: ':01000001FE' is no record"),
+        (["", END[:-1] + "E"], "line 2: its checksum is 0xfe, but 0xff belongs there"),
+    ],
+)
+def test_records_that_are_none(records: list[str], sentence: str, tmp_path: Path):
+    (tmp_path / "a.hex").write_text("\n".join(records))
+    with pytest.raises(ValueError, match=f"a.hex, {sentence}"):
+        image(tmp_path / "a.hex")

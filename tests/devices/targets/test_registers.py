@@ -114,6 +114,42 @@ def test_a_register_that_the_pointer_stays_on_is_read_anew_each_time(width: int,
     assert len(set(words)) == len(words)
 
 
+@pytest.mark.parametrize("width", [8, 16])
+@pytest.mark.parametrize("key", ["reset", "read_only", "write_1_clears", "read_clears", "values", "updates"])
+def test_a_number_of_a_register_has_no_more_bits_than_it(width: int, key: str):
+    def given(value: int) -> dict[str, Any]:
+        more = {"values": {"every": "1 ms", "values": [value]}, "updates": {"updates": [["1 ms", value]]}}
+        return {"name": "R", "at": 0, "width": width, **more.get(key, {key: value})}
+
+    full = (1 << width) - 1
+    device(given(full))
+    with pytest.raises(BadCase, match=f"{full:#x}" if width == 8 else "expected 0 to 65535"):
+        device(given(full + 1))
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"every": "1 ms"}, "R: every goes with values or step"),
+        ({"values": [1]}, "R: every goes with values or step"),
+        ({"step": 1}, "R: every goes with values or step"),
+        ({"every": "1 ms", "values": [1], "step": 1}, "R has more than one of updates, values and step; keep one"),
+        ({"every": "1 ms", "step": 1, "updates": [["1 ms", 1]]}, "R has more than one of updates, values and step"),
+        ({"first": "1 ms"}, "R: first belongs to every; give every, or leave it out"),
+        ({"every": "0 s", "step": 1}, "R: every must be longer than 0"),
+        ({"read_only": 3, "write_1_clears": 2}, "bits of R are both read_only and write_1_clears"),
+        ({"read_only": 2, "write_1_clears": 1}, ""),
+        ({"every": "1 ms", "step": 1, "first": "0 s"}, ""),
+    ],
+)
+def test_keys_that_contradict_each_other(given: dict[str, Any], said: str):
+    if not said:
+        device({"name": "R", "at": 0, **given})
+        return
+    with pytest.raises(BadCase, match=re.escape(said)):
+        device({"name": "R", "at": 0, **given})
+
+
 @pytest.mark.parametrize(
     ("value", "said"),
     [

@@ -205,6 +205,17 @@ def test_a_master_names_the_statement_that_wrote_its_byte_or_address():
         assert text in source[number - 1]
 
 
+def test_a_master_names_the_statement_that_was_executed_where_only_its_time_differs():
+    (timing,) = (
+        I2cMasterReplay(
+            load(TIMING / "captured_master.toml"), reads((OWN, 0xA5, 0)), "SCL", "SDA", tolerance=Fraction(0)
+        )
+        .run()
+        .divergences
+    )
+    assert timing.kind == "timing" and timing.cause.startswith("the firmware was at captured_master.py:")
+
+
 def test_an_image_names_file_line_and_address():
     """It serves zeros, since no host frame has come; and it is not ready when the capture asks first."""
     first = round_of("imu_hil_image.toml", I2cReplay).divergences[0]

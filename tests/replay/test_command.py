@@ -97,6 +97,8 @@ def test_a_divergence_is_exit_status_1_and_tells_where(call, tens):
     status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--format", "7n1")
     assert status == 1 and "FAIL" in out and "0 of " in out
     assert "first wrong byte" in out and "expected 00 FE at 0.000300 s" in out and "found 00 at" in out
+    notes = json.loads(call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--format", "7n1", "--json")[1])
+    assert notes["notes"][0].startswith("read at 115200 baud, 7n1, ") and len(notes["notes"]) > 1
     line = TENS.splitlines().index("            sci.SCIRXBUF.all") + 1
     assert f"the firmware was at tens.py:{line}, in main" in out
 

@@ -10,13 +10,16 @@ import pytest
 
 from periph_sim.replay import BadReplay
 from periph_sim.replay.i2c_setup import Played, played
+from periph_sim.replay.session import SessionReplay
 from periph_sim.replay.time_base import check_length, rate_of
 from periph_sim.replay.uart import UartReplay
 from periph_sim.scene.case.load import load
+from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from tests.replay.test_as_master import wave_of
 from tests.scene.runs import TIMING
 from tests.traces.decode.drawing import of_bytes
+from tests.traces.formats.make_traces import FOLDER
 
 
 def part(text: str, half: int = 20, first: int | None = None) -> Played:
@@ -60,8 +63,11 @@ def test_a_day_is_replayed_and_no_longer():
     check_length(capture, 864_000)
     with pytest.raises(BadReplay, match=r"long: at 10 Hz there are 24 hours to play; expected at most 24; state the"):
         check_length(capture, 864_001)
-    line = of_bytes(b"\x01", ("RX",), 10).channels
+    serial = replace(capture, length=864_001, channels=of_bytes(b"\x01", ("RX",), 10).channels)
+    bus = formats.read(FOLDER / "imu_session.sr")
     with pytest.raises(BadReplay, match="long: at 10 Hz there are 24 hours to play"):
-        UartReplay(load(TIMING / "uart_logger.toml"), replace(capture, length=864_001, channels=line), "RX")
+        UartReplay(load(TIMING / "uart_logger.toml"), serial, "RX")
+    with pytest.raises(BadReplay, match="long: at 10 Hz there are 24 hours to play"):
+        SessionReplay(load(TIMING / "imu_hil_published.toml"), bus, "SCL", "SDA", serial, "RX")
     with pytest.raises(BadReplay, match="a replay needs a time base and the file states no rate"):
         rate_of(replace(capture, rate=None))

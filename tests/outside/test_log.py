@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -54,3 +55,32 @@ def test_a_session_that_is_refused_before_time_passes_leaves_the_log_of_the_last
         session.serial("scia")
         session.advance(1)
         assert log.read_text().startswith('{"format": "periph-sim outside"') and log.read_text().count("\n") == 2
+
+
+def test_the_head_of_a_log_names_the_case_its_changes_and_the_wires(tmp_path: Path) -> None:
+    log = tmp_path / "logs" / "live.jsonl"
+    log.parent.mkdir()
+    with Session(case_for_line(written(tmp_path), "scia", ("duration=2 s",)), log=log) as session:
+        session.serial("scia")
+        session.finish()
+    head, *rows = map(json.loads, log.read_text().splitlines())
+    assert head == {
+        "format": "periph-sim outside",
+        "version": 1,
+        "case": "echo",
+        "ticks_per_second": session.ticks_per_second,
+        "wires": ["RX"],
+        "file": "../echo.toml",
+        "set": ["duration=2 s"],
+    }
+    assert rows == [{"serial": "RX"}, {"end": 0}]
+
+
+def test_the_lines_of_a_party_are_added_to_those_of_the_case(tmp_path: Path) -> None:
+    case = written(tmp_path)
+    case.write_text(case.read_text().replace("[unit.dsp]", '[outside]\nwires = ["TX"]\n[unit.dsp]'))
+    for port in ("scia", "SCI-A", "dsp.SCI-A"):
+        ready = case_for_line(case, port)
+        assert ready.outside is not None and ready.outside.wires == ("TX", "RX")
+    with pytest.raises(OutsideError, match=r"no case was given; f28335://PATH/OF/CASE.toml\?port=scia"):
+        case_for_line("", "scia")

@@ -9,9 +9,12 @@ import pytest
 from periph_sim.core.records import UNHEARD, Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.devices.sensor_rounds import Round
+from periph_sim.outside import Session
+from periph_sim.outside.live.pacing import Pacer
 from periph_sim.outside.live.view.last_round import LastRound
 from periph_sim.outside.live.view.status import Status
-from tests.outside.live.view.imu import FRAME, Imu
+from tests.outside.live.view.imu import FRAME, Clock, Imu
+from tests.outside.sessions import case
 
 BUDGETS = [
     {"name": "round", "measure": "round", "max": "3 ms"},
@@ -83,16 +86,18 @@ def test_budgets_and_lateness_so_far() -> None:
 
 def test_rates_are_those_of_the_last_two_seconds_and_sentences_the_last_three() -> None:
     """A snapshot each second of the clock, half a second of the session; 100 bytes are sent in the first."""
-    imu, shown = Imu(), []
-    imu.line.write(bytes(100))
+    session, clock, shown = Session(case("uart_logger", ("SCI-A",)), ("RX",)), Clock(), []
+    clock.session, line = session, session.serial("scia")
+    status = Status(session, line, Pacer(session.ticks_per_second, clock=clock), clock=clock)
+    line.write(bytes(100))
     for number in range(6):
-        imu.status.say(f"{number}")
-        shown.append(imu.status.snapshot())
-        imu.passes("500 ms")
+        status.say(f"{number}")
+        shown.append(status.snapshot())
+        session.advance(session.now + session.ticks("500 ms"))
     rates = [one["rates"].get("SCI bytes in") for one in shown]
     assert rates == [None, 200.0, 100.0, 0.0, 0.0, 0.0]
     assert [one["said"] for one in shown[2:4]] == [["0", "1", "2"], ["1", "2", "3"]]
-    assert imu.status.snapshot(over=True)["over"]
+    assert status.snapshot(over=True)["over"] and shown[0]["lateness"] is None
 
 
 def test_a_percentile_is_looked_at_every_ten_seconds() -> None:
@@ -183,9 +188,6 @@ def test_without_rounds_it_is_what_the_serial_lines_did() -> None:
 
 
 def test_a_case_without_bus_or_sensors_has_neither_readings_nor_attitude() -> None:
-    from periph_sim.outside import Session
-    from tests.outside.sessions import case
-
     session = Session(case("uart_logger", ("SCI-A",)), ("RX",))
     imu = Imu()
     told = Status(session, session.serial("scia"), imu.pacer).snapshot()

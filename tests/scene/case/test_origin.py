@@ -1,0 +1,94 @@
+"""Places of a case as people find them: the line of a key, the change that made it, its name for `--set`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.scene.case.origin import Place, Source, key_of, line_of
+
+TEXT = """\
+name = "x"
+# duration = "2 s"
+"duration" = "1 s"
+
+[unit.dsp]  # the emulator
+modules = ["I2C-A"]
+settings.byte = 3
+[ unit . "left.hand" ]
+modules = []
+[[budget]]
+name = "first"
+max = 1
+[[budget]]
+name = "second"
+max = 2
+[budget.more]
+deep = 1
+[[fault]]
+kind = "hold"
+"""
+
+
+@pytest.mark.parametrize(
+    ("place", "line"),
+    [
+        (("name",), 1),
+        (("duration",), 3),
+        (("unit",), 5),
+        (("unit", "dsp"), 5),
+        (("unit", "dsp", "modules"), 6),
+        (("unit", "dsp", "modules", 0), 6),
+        (("unit", "dsp", "settings"), 5),
+        (("unit", "dsp", "settings", "byte"), 7),
+        (("unit", "dsp", "settings", "word"), 5),  # which is not there: its table is
+        (("budget", 0, "max"), 12),
+        (("budget", 1, "max"), 15),
+        (("budget", 1, "min"), 13),
+        (("budget", 2, "max"), 0),
+        (("fault", 0, "kind"), 19),
+        (("nothing",), 0),
+    ],
+)
+def test_the_line_of_a_key_or_of_its_table(place: Place, line: int):
+    assert line_of(TEXT, place) == line
+
+
+@pytest.mark.parametrize(
+    ("place", "where"),
+    [
+        (("name",), "case.toml, line 1"),
+        (("nothing",), "case.toml"),
+        (("unit", "dsp", "modules"), "case.toml, --set 'unit.dsp.modules=[]'"),
+        (("unit", "dsp", "modules", 0), "case.toml, --set 'unit.dsp.modules=[]'"),
+        (("unit", "dsp"), "case.toml, line 5 with --set 'unit.dsp.modules=1'"),
+        (("more", "deep"), "case.toml, --set 'more.deep=1'"),
+        (("more",), "case.toml with --set 'more.deep=1'"),
+    ],
+)
+def test_a_place_is_a_line_or_the_last_change_that_made_it(place: Place, where: str):
+    """Of several changes inside a table the first is named."""
+    modules = ("unit", "dsp", "modules")
+    changes = (
+        ("unit.dsp.modules=1", modules),
+        ("unit.dsp.modules=[]", modules),
+        ("more.deep=1", ("more", "deep")),
+    )
+    assert Source(Path("case.toml"), TEXT, changes).where(place) == where
+
+
+@pytest.mark.parametrize(
+    ("place", "key"),
+    [
+        (("duration",), "duration"),
+        (("budget", 0, "max"), "budget.first.max"),
+        (("budget", 1, "max"), "budget.1.max"),  # two have that name
+        (("budget", 3, "max"), "budget.3.max"),
+        (("budget", 9, "max"), "budget.9.max"),
+        (("unit", "dsp", "modules", 0), "unit.dsp.modules.0"),
+    ],
+)
+def test_a_place_as_set_has_it(place: Place, key: str):
+    budgets = [{"name": "first"}, {"name": "twice"}, {"name": "twice"}, {}]
+    assert key_of(place, {"budget": budgets, "unit": {"dsp": {"modules": ["I2C-A"]}}}) == key

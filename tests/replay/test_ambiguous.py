@@ -101,6 +101,26 @@ def test_a_rejected_start_of_a_quarter_bit_may_be_a_frame_and_a_shorter_one_is_n
     assert judged([short, *events], 0xFF, 0x55) == (["55"], ["FF", "55"], 0)
 
 
+@given(
+    line=st.builds(Line, st.just(100_000), st.sampled_from([5, 8]), st.sampled_from(["none", "even"])),
+    unsure=st.sets(st.sampled_from([*range(8), "parity", "stop"]), min_size=1, max_size=2),
+    flipped=st.sets(st.sampled_from([*range(8), "parity", "stop"]), max_size=2),
+)
+@settings(max_examples=80, deadline=None)
+def test_a_word_fits_a_frame_if_only_what_a_glitch_left_open_differs(line: Line, unsure: set, flipped: set):
+    """The place of a bit in a frame: start, data, parity, stop. A data bit that is open leaves the parity open, too."""
+    places = ["start", *range(line.bits), *["parity"] * (line.parity != "none"), "stop"]
+    unsure, flipped = unsure & set(places), flipped & {*places, "parity"}
+    if not unsure:
+        return
+    mask = sum(1 << places.index(bit) for bit in unsure)
+    value = sum(1 << bit for bit in flipped - {"parity", "stop"})
+    word = Word(value, "stop" in flipped, "parity" in flipped, Fraction(0))
+    found = settled([frame(0, 0, mask)], line, Fraction(10**6), [word])
+    is_open = unsure | ({"parity"} if unsure - {"parity", "stop"} else set())
+    assert bool(found.ambiguous) == (flipped <= is_open)
+
+
 # On the SCI ---------------------------------------------------------------------------
 
 

@@ -91,7 +91,8 @@ def test_words_agree_up_to_the_next_unsure_start_whatever_was_read_there():
 
 
 def test_of_words_that_repeat_those_are_taken_that_end_with_the_line():
-    assert judged([frame(0, 0x55, unsure=1), frame(1000, 0x55)], 0x55, 0x55) == (["55"], ["55"], 1)
+    for words in ([0x55, 0x55], [0x55, 0x55, 0x55]):
+        assert judged([frame(0, 0x55, unsure=1), frame(1000, 0x55)], *words) == (["55"], ["55"], 1)
 
 
 def test_a_rejected_start_of_a_quarter_bit_may_be_a_frame_and_a_shorter_one_is_none():

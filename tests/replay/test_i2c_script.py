@@ -155,6 +155,14 @@ def test_the_usual_hold_is_the_controllers_median_and_half_a_position_where_it_n
     read_registers(wave, 0x53, 0x32, (0xFB,))
     assert usual_hold(i2c.transfers(capture_of(wave))) == 7
     assert usual_hold([]) == Fraction(1, 2)
+    wave = I2cWave(20, 7)
+    wave.idle(10)
+    wave.start()
+    wave.byte(0xA7)
+    wave.hold = 11
+    for _ in range(3):
+        wave.byte(0x55)
+    assert usual_hold(i2c.transfers(capture_of(wave))) == 7, "what targets send has another hold"
 
 
 # Both halves ----------------------------------------------------------------------
@@ -198,6 +206,19 @@ def test_both_halves_of_a_capture_that_ends_within_a_byte():
         wave.bit(0)
         wave.samples += bytes([0b00]) * ending
         again(capture_of(wave))
+
+
+@pytest.mark.parametrize(("ending", "last"), [([0b00], (54, "scl 0")), ([], (50, "scl 1"))])
+def test_the_last_fall_of_scl_is_an_edge_where_the_capture_shows_it(ending: list[int], last: tuple[int, str]):
+    """START at 10, SCL falls at 14, and rises at 18 and every 8 positions from there; five bits."""
+    wave = I2cWave(4, 1)
+    wave.idle(10)
+    wave.start()
+    for bit in (0, 1, 0, 1, 0):
+        wave.bit(bit)
+    wave.samples += bytes(ending)
+    found = [edge for edge in edges_of(capture_of(wave)) if edge[1].startswith("scl")]
+    assert found[-1] == last
 
 
 @settings(max_examples=60, deadline=None)

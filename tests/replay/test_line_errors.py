@@ -95,6 +95,13 @@ def test_breaks_are_no_errors_of_the_line(behind: list[int]):
     assert any(note.startswith("low for a frame or longer, 13.0 bits at most: ") for note in report.notes)
 
 
+def test_flags_of_the_receiver_are_counted():
+    """A break is one to the SCI ten bits behind its missing stop bit."""
+    for bits, found in ((15, 0), (25, 1)):
+        report = replay(sent([0] * bits + [1, 1] + frame_bits(0x55), pause=60))
+        assert report.errors == {"FE": 1, "PE": 0, "BRKDT": found, "OE": 0, "RXFFOVF": 0}
+
+
 def test_a_capture_that_is_cut_within_a_frame_says_so():
     line = sent(*text())
     start = int(40 + 43 * 12 * BIT)

@@ -110,3 +110,42 @@ def test_why_counts_in_the_clock_of_the_unit_that_is_asked_about():
     told = [text(why(both, f"{name}@2.2us")) for name in ("left.I2CA.I2CSTR.RRDY", "right.I2CA.I2CSTR.RRDY", "SCL")]
     assert ["2 us (200 cycles) before" in told[0], "2 us (300 cycles) before" in told[1]] == [True, True]
     assert "2 us before" in told[2] and "cycle" not in told[2]
+
+
+THREE = ClockHistory((0, 100, 400), (Fraction(10), Fraction(20), Fraction(5)))
+
+
+def test_cycles_are_numbered_through_the_changes_of_a_clock():
+    """Ten of 10 ticks, fifteen of 20, then of 5."""
+    begins = [*range(0, 100, 10), *range(100, 400, 20), *range(400, 450, 5)]
+    assert [THREE.tick(number) for number in range(len(begins))] == begins
+    assert THREE.numbers(np.array(begins)).tolist() == [*range(len(begins))]
+    near = THREE.numbers(np.array([4, 5, 109, 110, 391, 402, 403])).tolist()
+    assert near == [0, 1, 10, 11, 25, 25, 26]
+    assert THREE.of_distances(np.array([14, 15, 29, 30, 12, 13]), np.array([0, 99, 100, 399, 400, 999])).tolist() == [
+        1, 2, 1, 2, 2, 3
+    ]  # fmt: skip
+    assert THREE.ticks_of(3, np.array([0, 99, 100, 399, 400])).tolist() == [30, 30, 60, 60, 15]
+    assert [THREE.at(tick) for tick in (-1, 0, 99, 100, 399, 400)] == [10, 10, 10, 20, 20, 5]
+    assert [THREE.cycles(*ends) for ends in ((0, 400), (400, 0), (90, 120), (100, 100), (399, 405))] == [
+        25,
+        -25,
+        2,
+        0,
+        1,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("clocks", "said"),
+    [
+        (1, "100 MHz"),
+        (2, "100 MHz, from 0.000 ms on 50 MHz"),
+        (3, "100 MHz, from 0.000 ms on 50 MHz, from 0.000 ms on 200 MHz"),
+        (4, "40 MHz at last, changed 3 times"),
+    ],
+)
+def test_up_to_three_clocks_are_told(clocks: int, said: str):
+    periods = (*THREE.periods, Fraction(25))[:clocks]
+    found = ClockHistory((0, 100, 400, 500)[:clocks], periods)
+    assert found.in_words(Fraction(1_000_000_000)) == said

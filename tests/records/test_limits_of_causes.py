@@ -58,6 +58,16 @@ def test_a_walk_says_why_it_goes_no_further(monkeypatch: pytest.MonkeyPatch):
     assert ends(*three_before, counted(2000, 4)) == "its routine had read nothing before it"
 
 
+@pytest.mark.parametrize(("others", "found"), [(9_999, True), (10_000, False)])
+def test_ten_thousand_accesses_before_a_write_are_searched_for_a_look(others: int, found: bool):
+    writes = [count(20 + n) for n in range(others + 1)]
+    run = by_hand(flag(5, "SCD", 1), read(10, SCD, "SCD"), *writes, counted(20 + others, 3 + others), end=20_000)
+    answer = why(run, "ICDC@120us", 2)
+    assert [step.record.number for step in answer.back] == [4 + others, 3 + others, *([2] if found else [])]
+    more = "its routine read nothing else in the 10000 accesses before it; no more were searched"
+    assert answer.ends == ("2 causes were asked for; --depth gives more" if found else more)
+
+
 @pytest.mark.parametrize(("others", "found"), [(7, True), (8, False)])
 def test_the_last_eight_looks_are_looked_through(others: int, found: bool):
     """The first one saw SCD rise; the others saw nothing."""

@@ -525,6 +525,33 @@ def test_a_loop_that_reads_two_registers_is_a_wait_too(text: str, end: int, said
     assert waits(text, end) == expected
 
 
+def loop(begin: int, reads: int, passes: int) -> list[str]:
+    """Lines of passes that read so many registers, 10 cycles from one to the next."""
+    registers = ("I2CSTR", "I2CMDR", "I2CCNT", "I2CSAR", "I2CPSC")[:reads] * passes
+    return [f"{begin + 10 * n} R {name} 0 f:{n % reads}" for n, name in enumerate(registers)]
+
+
+@pytest.mark.parametrize(("reads", "found_"), [(1, True), (2, True), (3, True), (4, True), (5, False)])
+def test_a_pass_of_a_loop_makes_up_to_four_reads(reads: int, found_: bool):
+    names = ("I2CSTR", "I2CMDR", "I2CCNT", "I2CSAR")[:reads]
+    said = f"polls {' and '.join(f'I2C-A.{name}' for name in names)} for up to 200 ns (30 cycles), until the end"
+    told = waits("\n".join(loop(100, reads, 3)), 130)
+    assert [(cycle, text[: len(said)]) for cycle, text in told] == [(100, said)] * found_
+
+
+def test_of_the_waits_of_a_loop_the_longest_is_told_and_a_unit_without_accesses_has_none():
+    lines = [*loop(100, 2, 2), "150 W I2CCNT 1 g:1", *loop(1000, 2, 5), "1200 W I2CCNT 1 g:1", *loop(2000, 2, 3)]
+    told = found("spin-without-bound", "\n".join([*lines, "2100 W I2CCNT 1 g:1"]), Options(Fraction(1, 10**7)))
+    assert told == [
+        (at, "polls I2C-A.I2CSTR and I2C-A.I2CMDR for up to 1.333 us (200 cycles)") for at in (100, 1000, 2000)
+    ]
+    run = by_hand(*_rows("\n".join(lines)), end=2100)  # the last one is cut
+    (fault,) = all_lints()["spin-without-bound"].faults(run, Options(Fraction(1, 10**7)))
+    assert fault.text.endswith(" for up to 1.333 us (200 cycles), the last until the end of the run")
+    assert fault.source == "SPRUG03B table 10"  # of the first register
+    assert found("spin-without-bound", "5 flag I2CSTR.BB 1") == []
+
+
 def test_findings_are_one_a_place_in_the_order_of_their_first_times():
     of = f"{ON}20 W I2CDXR 1 b:1\n30 W I2CPSC 9 c:1\n30 flag I2CPSC.IPSC 9 <3\n"
     of += "40 W I2CCNT 6 a:1\n50 W I2CCNT 6 a:1\n60 W I2CCNT 6 d:1"

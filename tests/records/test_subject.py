@@ -65,6 +65,10 @@ def test_of_many_that_are_meant_eight_are_told(count: int, more: str):
             "qqqqqqq@1us",
             "the run: nothing in the run is called 'qqqqqqq'; it has fields of dsp.I2C-A, dsp.SYS, dsp.PIE; wires SCL",
         ),
+        (  # a wire has no part before its name
+            "x.SCL@1us",
+            "the run: nothing in the run is called 'x.SCL'; it has fields of dsp.I2C-A, dsp.SYS, dsp.PIE; wires SCL",
+        ),
         ("SCL", "'SCL': expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us"),
         (" @1us", "' @1us': expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us"),
         ("SCL@67us", "the run: 67us is outside the run, which goes from 0 to 0.066667 ms"),
@@ -113,6 +117,12 @@ def test_of_two_changes_around_a_time_the_nearer_one_is_meant():
     run = by_hand(flag(1499, "SCD", 1), flag(1501, "SCD", 0))  # 9.99333 and 10.00667 us
     assert asked(run, "I2CSTR.SCD@9.99 us")[1] == 1499 * CYCLE
     assert asked(run, "I2CSTR.SCD@10.01 us")[1] == 1501 * CYCLE
+
+
+@pytest.mark.parametrize(("cycle", "meant"), [(36, True), (38, False)])
+def test_a_change_is_meant_up_to_half_of_the_last_digit(cycle: int, meant: bool):
+    """At 240 and 253 1/3 ns; 0.2 us is written for 150 to 250 ns."""
+    assert asked(by_hand(flag(cycle, "SCD", 1)), "I2CSTR.SCD@0.2us")[1] == (cycle * CYCLE if meant else 600)
 
 
 def test_a_microsecond_is_the_coarsest_digit_that_may_mean_a_change():

@@ -22,8 +22,6 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
         for vector, (group, _) in LINES.items():
             rows = run.rows(Kind.IRQ, unit, vector)
             entries, ends = rows[run.table.value[rows] != 0], rows[run.table.value[rows] == 0]
-            if not len(ends):
-                continue
             of_group = acknowledges[run.table.value[acknowledges] >> group - 1 & 1 == 1]
             unanswered = entries[entries > of_group.max(initial=-1)]
             left = np.array([entry for entry in unanswered.tolist() if (ends > entry).any()], np.int64)

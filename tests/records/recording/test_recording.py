@@ -43,8 +43,8 @@ def test_jsonl_is_one_record_a_line_with_its_cause(tmp_path: Path):
     path = tmp_path / "run.jsonl"
     record(path)
     head, *rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
-    assert head["ticks_per_second"] == 3_000_000_000
-    assert head["columns"] == ["number", "tick", "kind", "where", "what", "value", "text", "cause", "field"]
+    columns = ["number", "tick", "kind", "where", "what", "value", "text", "cause", "field"]
+    assert head == {"periph-sim": 2, "ticks_per_second": 3_000_000_000, "columns": columns}
     assert rows[0] == [1, 300, "edge", "SDA", "level", 0, "controller", 0, ""]
     assert rows[1] == [2, 330, "flag", "dsp.I2C-A", "I2CSTR.BB", 1, "", 1, ""]
     assert [row[0] for row in rows] == list(range(1, 14))

@@ -165,6 +165,19 @@ def test_the_last_of_several_changes_in_one_tick_counts():
     assert (sda.initial, sda.edges.tolist()) == (0, [60])
 
 
+def test_a_run_is_as_long_as_its_last_change_and_a_tick_at_least():
+    run = RunSignals(Timebase(150_000_000), {})
+    recorder = Recorder()
+    recorder.subscribe(KINDS, run.write)
+    assert [run.lines(end).length for end in (0, 1, 2)] == [1, 1, 2]
+    recorder.emit(5, Kind.EDGE, "SDA", "level", 0)
+    assert [run.lines(end).length for end in (3, 6, 7)] == [6, 6, 7]
+    made = run.bits(1)
+    assert (made.rate, made.sampled, made.notes, made.exact) == (Timebase(150_000_000).per_second, False, (), True)
+    names = [channel.name for channel in made.channels]
+    assert [name for name in names if ".byte" in name] == [f"bus.I2C.byte[{bit}]" for bit in range(7, -1, -1)]
+
+
 # Files, as their readers see them -------------------------------------------------------
 
 

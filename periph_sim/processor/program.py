@@ -30,8 +30,8 @@ class Stop(Enum):
     ENDED = "nothing is left to execute"
 
 
-class InterruptedWait(NamedTuple):
-    """A wait that service routines interrupt. since: the cycle at which it began. what, unanswered: see `Program`."""
+class UnansweredWait(NamedTuple):
+    """A wait for what nothing models. since: the cycle at which it began. what, unanswered: see `Program`."""
 
     since: int
     what: str
@@ -72,8 +72,8 @@ class Program:
         """What it waits for that nothing models, and how the case can answer; "" if it does not."""
         return ""
 
-    def interrupted_wait(self) -> InterruptedWait | None:
-        """Return the wait for what nothing models that a service routine interrupts, or has just interrupted."""
+    def unanswered_wait(self) -> UnansweredWait | None:
+        """Return the wait for nothing but what nothing models, even if a service routine interrupts it."""
         return None
 
     def waits_for_memory(self) -> bool:

@@ -56,9 +56,9 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 
     may_move: whether the named parties, who are not of this unit, may ever move the wire. instant: a tick for people.
     """
-    interrupted = dsp.program.interrupted_wait()
-    if interrupted is not None:
-        return "" if watchdog_ends(dsp, interrupted.since) else interrupted.unanswered
+    wait = dsp.program.unanswered_wait()
+    if wait is not None:
+        return "" if watchdog_ends(dsp, wait.since) else wait.unanswered
     if not dsp.processor.time.waits_for_input and not polls_for_input(dsp):
         return ""
     if dsp.core.idlestat:
@@ -72,8 +72,6 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
             return ""  # an endless loop of the program's own
         if not takes_interrupts(dsp):
             return f"only a service routine could change that, and {OFF[bool(dsp.core.intm)]}; {ENABLE}"
-    if unanswered and not spin.polls:
-        return "" if watchdog_ends(dsp, spin.since) else unanswered
     modules = [module for module in signals_behind(dsp, spin) if has_clock(dsp, module)]
     if spin.polls and not modules and not unanswered:
         return f"PCLKCR gives {' and '.join(dict.fromkeys(poll.place.name for poll in spin.polls))} no clock"

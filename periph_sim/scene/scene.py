@@ -459,7 +459,7 @@ class Scene:
 
     def _wait(self, dsp: Dsp) -> str:
         """The wait that a unit is in or that a service routine interrupts, as a phrase."""
-        found = dsp.program.interrupted_wait()
+        found = dsp.program.unanswered_wait()
         if found is None:
             return self.doing(dsp)
         return waits(found.what, found.place, self._instant(dsp.clock.tick(found.since)))

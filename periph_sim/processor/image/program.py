@@ -24,7 +24,7 @@ from ..error_origin import FirmwareLost, InterruptFault
 from ..instruction_location import instruction_location
 from ..polling import Spin
 from ..processor import Processor
-from ..program import InterruptedWait, Program, Stop
+from ..program import Program, Stop, UnansweredWait
 from ..source_location import SourceLocation
 from .awaited import Awaited, LoopRange, awaited
 from .call_stack import CallListener, CallStack
@@ -353,13 +353,13 @@ class ImageProgram(Program):
         operands, loop = [] if self.spin is None else self.spin.polls, LoopRange(self.cpu.pc, self._at)
         return awaited(self.cpu, loop, operands, self.cpu.polls.elsewhere, self._processor.name, self.image)
 
-    def interrupted_wait(self) -> InterruptedWait | None:
-        """See `Program.interrupted_wait`."""
+    def unanswered_wait(self) -> UnansweredWait | None:
+        """See `Program.unanswered_wait`."""
         wait = self._unmodelled
-        if self.spin is not None or wait is None or not wait.goes_on(self.cpu):
+        if wait is None or not wait.goes_on(self.cpu):
             return None
         found = awaited(self.cpu, wait.loop, [], wait.addresses, self._processor.name, self.image)
-        return InterruptedWait(wait.since, " and ".join(found.texts), self.place_at(wait.loop.branch), found.unanswered)
+        return UnansweredWait(wait.since, " and ".join(found.texts), self.place_at(wait.loop.branch), found.unanswered)
 
     def _slept(self) -> bool:
         """IDLE: over once an interrupt comes that IER enables."""

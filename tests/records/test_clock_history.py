@@ -30,6 +30,12 @@ def test_each_setting_has_its_clock():
     assert history(SECOND, SET_UP, [400, 8400, 50_400, 50_440, 50_480, 50_500]) == CLOCKS
 
 
+def test_of_two_settings_in_one_tick_the_last_one_counts():
+    both = [(100_000, "PLLCR.DIV", 5), (100_000, "PLLSTS.DIVSEL", 1)]  # 75 MHz for no time, then 37.5 MHz
+    expected = ClockHistory((*CLOCKS.begins, 100_000), (*CLOCKS.periods, Fraction(80)))
+    assert history(SECOND, [*SET_UP, *both], [400, 100_080]) == expected
+
+
 @pytest.mark.parametrize("tick", [600, 50_430, 50_490])
 def test_accesses_off_the_grid_are_of_another_clock(tick: int):
     assert history(SECOND, SET_UP, [400, 50_400, 50_480, tick]) is None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from periph_sim.form import PACKAGE
-from periph_sim.form.build import modules_of
+from periph_sim.form.sources import Sources
 from tests.interpreted import TESTS, folders, main
 
 
@@ -22,7 +22,7 @@ def test_a_room_without_tests_of_its_own_is_tested_by_the_one_around_it() -> Non
 
 
 def test_each_module_that_is_compiled_has_tests_there() -> None:
-    modules = modules_of(PACKAGE)
+    modules = Sources(PACKAGE).compiled()
     found = folders(modules)
     assert found and all((TESTS.parent / one).is_dir() for one in found)
     assert [m for m in modules if not any(f"tests/{m.replace('.', '/')}".startswith(f"{one}/") for one in found)] == []

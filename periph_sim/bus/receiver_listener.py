@@ -1,5 +1,7 @@
 """Who listens to an SCI's receiver: words that wait in it, characters lost and received, as they change."""
 
+# core: compiled
+
 from __future__ import annotations
 
 

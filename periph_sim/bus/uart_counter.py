@@ -6,10 +6,13 @@
 It needs no event of its own: when the line is free again is known from the begin.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from typing import final
 
 from ..core.time import NO_TIME
 from ..core.wire import Wire, watch
@@ -18,6 +21,7 @@ from .uart.reader import Line
 from .uart.whole_frames import FrameParty
 
 
+@final
 class UartCounter(FrameParty):
     """line: as of a `UartReader`. told: each character's start bit, when the next one begins or as the run ends."""
 

@@ -9,17 +9,25 @@ may take its turn between two fetches.
 Source: SPRU430F 4.2, 4.3; SPRUFB0D 2.2 (flash).
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import Annotated, final
 
 DEPTH = 4  # units: the queue's; of flash with its prefetch two of 64 bits, and what the queue holds of a third
 PACKED = 6 + DEPTH
 LONG_AGO = 1 << 7  # cycles: nothing waits for what was then; a full queue takes 4 * 17 at most
 
 
+@final
 class FetchQueue:
     """expected: where the next instruction would stand without a discontinuity."""
 
     __slots__ = ("_bits", "_consumed", "_cycles", "_issued", "_newest", "_place", "_ready", "expected", "packed_queue")
+
+    packed_queue: Annotated[list[int], PACKED]
+    _consumed: Annotated[list[int], DEPTH]
 
     def __init__(self) -> None:
         self._consumed = [0] * DEPTH  # when each unit's place was free again

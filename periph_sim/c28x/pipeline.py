@@ -11,7 +11,11 @@ Time is counted here without wait states of memory, which stop writer and reader
 Source: SPRU430F 4.4.1, 4.4.2 with example 4-5; TI wiki "C28x Pipeline Conflicts".
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import Annotated, final
 
 from .execution.registers import Operation
 from .hazards import BY_ARP
@@ -23,10 +27,16 @@ STORES = 4  # that are remembered; a cycle has one, an instruction two at most
 PACKED = 1 + 3 * STORES
 
 
+@final
 class Pipeline:
     """clock: cycles that have been issued. until: behind this one no read waits for a word."""
 
     __slots__ = ("_at", "_first", "_last", "_ready", "clock", "enabled", "packed_stores", "pending", "until")
+
+    packed_stores: Annotated[list[int], PACKED]
+    _first: Annotated[list[int], STORES]
+    _last: Annotated[list[int], STORES]
+    _ready: Annotated[list[int], STORES]
 
     def __init__(self) -> None:
         self.enabled = True
@@ -45,7 +55,7 @@ class Pipeline:
     def pack(self) -> None:
         """Write to `packed_stores` what is under way, with times counted from now."""
         self.packed_stores[0] = self.pending
-        place = 1
+        place: int = 1
         for at in range(STORES):
             if self._ready[at] > self.clock:
                 self.packed_stores[place] = self._first[at]
@@ -64,7 +74,7 @@ class Pipeline:
         if not needs * ONCE_EACH & pending:
             return 0
         if needs << 2 * LANE & pending:
-            waits = 3
+            waits: int = 3
         elif needs << LANE & pending:
             waits = 2
         else:
@@ -88,6 +98,7 @@ class Pipeline:
     def read(self, address: int, words: int) -> int:
         """The present instruction reads these words: the cycles that it waits for earlier writes of any of them."""
         waits = 0
+        at: int
         for at in range(STORES):
             if self._first[at] < address + words and address <= self._last[at]:
                 more = self._ready[at] - self.clock

@@ -7,6 +7,8 @@ own SYSCLKOUT cycles. Whoever owns it (`core.socket`, or a test) calls `wake` wh
 `next_wake` has come, and looks at the outputs after every input.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Iterable

@@ -1,10 +1,13 @@
 """What a chip was given: a cycle and a record go in; its place in the order in which inputs act comes out."""
 
+# core: compiled
+
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, final
 
 
+@final
 class Input:
     """What a chip was given. cycle: from which on it has effect. cause: the record. following: the next one."""
 

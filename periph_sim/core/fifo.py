@@ -1,8 +1,13 @@
 """A queue of fixed depth that says when it had no room."""
 
+# core: compiled
+
 from __future__ import annotations
 
+from typing import final
 
+
+@final
 class Fifo:
     """depth: how many words fit. `words` holds them, oldest first."""
 

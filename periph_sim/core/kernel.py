@@ -16,10 +16,13 @@ What nobody can tell from its end may pass at once, without its events (`Shortcu
 looks or meddles in the middle, says so before (`catch_up`): the events are then done up to now, in their order.
 """
 
+# core: compiled without checks for None
+
 from __future__ import annotations
 
 from collections.abc import Callable
 from operator import attrgetter
+from typing import final
 
 from .chip import NEVER
 
@@ -59,6 +62,7 @@ class Agent:
         raise NotImplementedError(f"{type(self).__name__} watches who pulls lines and does not say what it does then")
 
 
+@final
 class Call(Agent):
     """An agent that calls a function; what is not asked for often needs no class of its own."""
 
@@ -71,7 +75,8 @@ class Call(Agent):
         self.action()
 
 
-class Event:
+@final
+class Event:  # core: freelist 16
     """What an agent asked for. rank: orders what comes at one time, by phase, then by number. queued: still to come.
 
     plain: the agent calls a function. following: what comes next after it.
@@ -138,6 +143,7 @@ class Shortcut:
         raise NotImplementedError
 
 
+@final
 class Kernel:
     """shortcut: what passes at once now, if anything does. events: how many were done, cancelled ones not counted; the
     measure of cost.
@@ -189,7 +195,7 @@ class Kernel:
 
     def event(self, agent: Agent, phase: int = TIMER) -> Event:
         """What `renew` makes a promise of."""
-        event = Event.__new__(Event)
+        event: Event = Event.__new__(Event)
         event.agent = agent
         event.phase = phase
         event.queued = False

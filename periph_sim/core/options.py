@@ -12,12 +12,14 @@ through `assume`, which it calls where the answer decides its behaviour. `unreco
 and for values that are kept until they decide something; tests/options/test_unrecorded.py lists its callers.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Hashable
 from functools import cache
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar, cast, final
 
 from .suggest import did_you_mean
 
@@ -49,6 +51,7 @@ class Option:
         self._answer: Any = answer
 
 
+@final
 class TextOption(Option):
     __slots__ = ()
 
@@ -66,6 +69,7 @@ class TextOption(Option):
         return BoolOption(self.name, self._answer == answer)
 
 
+@final
 class IntOption(Option):
     __slots__ = ()
 
@@ -79,6 +83,7 @@ class IntOption(Option):
         return answer
 
 
+@final
 class BoolOption(Option):
     __slots__ = ()
 
@@ -95,7 +100,7 @@ class BoolOption(Option):
 KINDS: dict[type, type[TextOption | IntOption | BoolOption]] = {str: TextOption, int: IntOption, bool: BoolOption}
 
 
-class Answers:
+class Answers:  # core: python
     """One answer to each question of a subclass, which is a dataclass; nothing changes them.
 
     What a frozen dataclass would have is written here once: generating it for each class takes milliseconds at import.

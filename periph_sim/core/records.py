@@ -13,12 +13,16 @@ Records of one kind, place and thing are a topic. A listener is asked once for e
 so that no record has to be looked at by those who have none.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from enum import Enum
 from functools import partial
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, final
+
+from ..form.c_types import BigInt, Text
 
 
 class Kind(Enum):
@@ -92,11 +96,12 @@ class Keeper:
         """
         return EVERYWHERE
 
-    def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
+    def keep(self, tag: int, number: int, tick: int, value: int, text: Text, cause: int, field: Text) -> None:
         """A record was made of what got this tag."""
         raise NotImplementedError
 
 
+@final
 class _ListenerEntry:
     """One entry in a topic's chain of listeners. following: the next entry."""
 
@@ -107,6 +112,7 @@ class _ListenerEntry:
     following: _ListenerEntry | None
 
 
+@final
 class _KeeperEntry:
     """One entry in a topic's chain of keepers. following: the next entry."""
 
@@ -120,6 +126,7 @@ class _KeeperEntry:
 _NO_SINKS: list[Any] = []  # stays empty
 
 
+@final
 class Topic:
     """All records of one kind, place and thing.
 
@@ -198,7 +205,7 @@ class Topic:
         self.heard = self.told_whole = False
         self.places = NOWHERE
 
-    def emit(self, tick: int, value: int = 0, text: str = "", field: str = "") -> int:
+    def emit(self, tick: int, value: int = 0, text: Text = "", field: Text = "") -> int:
         """The number of the new record; its cause is the record being worked under."""
         recorder = self._recorder
         recorder.number = number = recorder.number + 1
@@ -219,6 +226,7 @@ class Topic:
         return number
 
 
+@final
 class Recorder:
     """Numbers records and hands each to those who asked for its kind and have a use for it.
 
@@ -300,7 +308,7 @@ class Recorder:
         self.cause = outer
 
     def emit(
-        self, tick: int, kind: Kind, where: str, what: str, value: int = 0, text: str = "", field: str = ""
+        self, tick: int, kind: Kind, where: Text, what: Text, value: BigInt = 0, text: Text = "", field: Text = ""
     ) -> int:
         """The number of the new record of a topic."""
         return self.topic(kind, where, what).emit(tick, value, text, field)

@@ -3,6 +3,8 @@
 whole bytes of a bus, whole frames of each line --> Shortcuts --> Kernel.shortcut
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .kernel import Kernel, Shortcut
@@ -40,6 +42,7 @@ class Shortcuts(Shortcut):
     def catch_up(self) -> None:
         if self._first is None:
             return
+        shortcut: Shortcut
         for shortcut in (self._first, *self._others):
             if self.passes(shortcut):  # it may have ended with one before
                 shortcut.catch_up()

@@ -5,9 +5,12 @@
 Every path into a chip ends in `publish`, so no output, request or wake-up is forgotten.
 """
 
+# core: compiled without checks for None
+
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING, final
 
 from .chip import ALL, LATER, NEVER, OUTPUTS, Chip, Note
 from .chip_input import Input, Marks
@@ -17,6 +20,9 @@ from .shortcuts import Untold
 from .time import Clock
 from .watched_register import WatchedRegister
 from .wire import BITS, MOST, Pin, Sampler
+
+if TYPE_CHECKING:
+    from .watched_register import WatchedField
 
 MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has no use for more
 
@@ -51,6 +57,7 @@ class Onlooker:
         raise NotImplementedError
 
 
+@final
 class Socket(Agent):
     """One chip on its clock. name: the module's, as in "I2C-A".
 
@@ -99,6 +106,10 @@ class Socket(Agent):
         "untold",
         "watchers",
     )
+
+    traces: bool
+    _some_data: bool
+    _mid_byte: int
 
     def __init__(
         self,
@@ -315,6 +326,7 @@ class Socket(Agent):
         chip = self.chip
         if self.after is not None:
             self.after(cycle)
+        watcher: Onlooker
         for watcher in self.watchers:
             watcher.look(cycle)
         if self._watched:
@@ -373,6 +385,7 @@ class Socket(Agent):
             elif self.release.holds_back():
                 return
         pins = self.pins[index]
+        pin: Pin
         for pin in pins:
             pin.wire.pull(pin.mask, level)
 
@@ -422,6 +435,7 @@ class Socket(Agent):
         if len(touched) != len(self._touched):  # it grows, but for what looking adds
             self._touched = frozenset(touched)
         moved = False
+        register: WatchedRegister
         for register in self._looked:
             register.was = register.value
             register.value = chip.peek(cycle, register.offset)
@@ -442,11 +456,13 @@ class Socket(Agent):
         if not self._look(cycle) and not loaded:
             return
         tick = self._clock.tick(cycle)
+        register: WatchedRegister
         for register in self._looked:
-            changed = register.was ^ register.value
+            changed: int = register.was ^ register.value
             if register.data and loaded >> register.offset & 1:
                 changed |= register.data
             if changed:
+                field: WatchedField
                 for field in register.fields:
                     if changed & field.mask:
                         field.topic.emit(tick, (register.value & field.mask) >> field.lsb)

@@ -5,12 +5,15 @@ is 1/3 ns, a cycle 20 ticks. A clock that does not divide (a ppm error, a 24 MHz
 maps its n-th edge by one exact rational rounded down to a tick, so it never drifts.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from fractions import Fraction
 from math import floor, lcm
-from typing import Literal
+from typing import Literal, final
 
+from ..form.c_types import BigInt, Text
 from .chip import NEVER
 from .exact_number import SHOWN, exact_number
 from .shorten import shorten
@@ -41,7 +44,7 @@ class TimeError(ValueError):
     """A time that is not on the grid, or a text that is not a time."""
 
 
-def round_ratio(value: Fraction, rounding: Rounding) -> int:
+def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
     """A whole number near `value`; with "exact" it must be whole. TimeError otherwise."""
     if value.denominator == 1:
         return value.numerator
@@ -54,7 +57,7 @@ def round_ratio(value: Fraction, rounding: Rounding) -> int:
     raise TimeError(f"{value} does not fall on the grid; name a rounding: down, up or nearest")
 
 
-def seconds(text: str) -> Fraction:
+def seconds(text: Text) -> Fraction:
     """Return the length of "250 us" or "1.5 ms" in seconds, exactly. TimeError if it is none, or too long."""
     quoted = shorten(repr(text), SHOWN)
     number, _, unit = text.strip().replace("\u00b5", "u").replace("\u03bc", "u").partition(" ")  # micro sign, mu
@@ -75,7 +78,7 @@ def seconds(text: str) -> Fraction:
     return length
 
 
-class Timebase:
+class Timebase:  # core: python
     """How long a tick is. per_second: ticks in a second."""
 
     def __init__(self, *clocks_hz: int) -> None:
@@ -130,12 +133,19 @@ def days(length: Fraction) -> str:
     return f"{float(Fraction(floor(value * 10), 10)):g} {unit}" if value < 100_000 else f"{float(value):.3g} {unit}"
 
 
+@final
 class Clock:
     """One clock's cycles on the common grid: cycle n begins at tick(n).
 
     hz may be any positive rational. `retune` changes it from a cycle on: what came before
     keeps its ticks, so cycle counts never jump.
     """
+
+    hz: Fraction
+    _wide: bool
+    _num: int
+    _den: int
+    _near: int
 
     def __init__(self, timebase: Timebase, hz: Fraction | int, *, tick0: int = 0, cycle0: int = 0) -> None:
         self.timebase = timebase
@@ -184,12 +194,12 @@ class Clock:
         whole = left // num
         return self._cycle0 - whole * self._den - (left - whole * num) * self._den // num
 
-    def _wide_ticks(self, cycles: int) -> int:
+    def _wide_ticks(self, cycles: BigInt) -> BigInt:
         """Where products do not fit 64 bits: Python's own integers."""
         num, den = self._exact
         return cycles * num // den
 
-    def _wide_cycles(self, ticks: int) -> int:
+    def _wide_cycles(self, ticks: BigInt) -> BigInt:
         num, den = self._exact
         return ticks * den // num
 

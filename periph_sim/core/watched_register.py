@@ -1,11 +1,16 @@
 """A register that somebody wants the fields of: it goes in; its value as seen last, and a topic a field, come out."""
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from .records import Kind, Recorder, Topic
 from .registers import Register
 
 
+@final
 class WatchedField:
     """A field of a register that somebody wants."""
 
@@ -16,11 +21,16 @@ class WatchedField:
     topic: Topic
 
 
+@final
 class WatchedRegister:
     """A register that somebody wants. value: as it was seen last; was: before. upper: of 32 bits, the upper half's
     offset. data: the bits of its field that takes a word at a time; 0 without one."""
 
     __slots__ = ("data", "fields", "offset", "upper", "value", "was")
+
+    offset: int
+    upper: int
+    data: int
 
     def __init__(self, register: Register, recorder: Recorder, name: str) -> None:
         self.offset = register.offset

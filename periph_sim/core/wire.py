@@ -7,10 +7,13 @@ when all parties of an instant have acted, whatever their order, and a level tha
 is never seen. Whoever looks at several wires is told once of all that moved together.
 """
 
+# core: compiled without checks for None
+
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from operator import attrgetter
+from typing import final
 
 from .kernel import BY_WIRE, NOT_DUE, Agent, Kernel, Samples, Settles
 from .records import Kind, Recorder, Topic
@@ -28,6 +31,7 @@ class TooManyParties(ValueError):
     """One more party than a wire can have; one sentence."""
 
 
+@final
 class _Told(Agent):
     """Hands what is sampled to a function."""
 
@@ -46,6 +50,8 @@ class Wire(Settles):
     pulling: who pulls it low in the settled state; bit i is party i. attached: how many parties there are. version:
     another one whenever a party comes, or one who listens comes or goes. tape: keeps the numbers of its records.
     """
+
+    _records_holds: bool
 
     def __init__(self, kernel: Kernel, name: str, recorder: Recorder) -> None:
         self.name = name
@@ -147,7 +153,8 @@ class Wire(Settles):
             self.pulling = self._pulling
             if self._pull_watches is not None:
                 self._tell_pulled(self._pull_watches)
-        level = 0 if self.pulling else 1
+        level: int = 0 if self.pulling else 1
+        moved: bool
         self._moved = moved = level != self.level
         self.level = level
         if self.recorded:
@@ -281,6 +288,7 @@ class Wire(Settles):
         self.version += 1
 
 
+@final
 class Tape:
     """numbers: of the records made of some wires. again: of those that come once more, as what was is played again."""
 
@@ -291,6 +299,7 @@ class Tape:
         self.again: list[int] = []
 
 
+@final
 class PullWatch:
     """Who is told of who pulls a wire, and what that wire is to it; or its sampler. following: the next one."""
 
@@ -303,6 +312,7 @@ class PullWatch:
         self.following: PullWatch | None = None
 
 
+@final
 class _Watch:
     """One party's look at a wire: which bit of its levels the wire is. following: the next one's."""
 
@@ -314,6 +324,7 @@ class _Watch:
         self.following: _Watch | None = None
 
 
+@final
 class Pin:
     """One party's hold on a wire."""
 
@@ -328,6 +339,7 @@ class Pin:
         self.wire.pull(self.mask, level)
 
 
+@final
 class _Line:
     """A line of a sampler by its bit: a wire, or None where its owner puts the level."""
 
@@ -338,6 +350,7 @@ class _Line:
         self.wire: Wire | None = None
 
 
+@final
 class Sampler(Samples):
     """The lines that one party looks at: bit i of `levels` is line i. It is told once an instant in which any moved.
 
@@ -414,6 +427,7 @@ class Sampler(Samples):
 
     def _moved_under(self, moved: int) -> int:
         """The record under which the first of these lines has moved."""
+        line: _Line
         for line in self._lines:
             if moved & line.bit:
                 return self._put_under if line.wire is None else line.wire.cause
@@ -422,8 +436,10 @@ class Sampler(Samples):
     def _leave(self, number: int) -> _Line:
         """The line of this number, which is no wire any more."""
         bit = BITS[number]
+        line: _Line
         for line in self._lines:
             if line.bit == bit:
+                wire: Wire | None
                 wire, line.wire = line.wire, None
                 if wire is not None:
                     wire.remove(self, bit)

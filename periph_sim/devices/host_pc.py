@@ -6,6 +6,8 @@ Values are those of a ramp that tells frames apart, or of a motion (`host_frame`
 encoding open: low byte first is a choice of ours. Nothing in a frame marks its start.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from array import array
@@ -72,6 +74,11 @@ class HostSchedule(msgspec.Struct, frozen=True):
 
 class Host(Agent):
     """sent: told (number, values, end of its last stop bit) of each frame, of one that is sent twice both times."""
+
+    _random: Random
+    _period: Fraction
+    _due: array[int]
+    _first: int
 
     def __init__(
         self,

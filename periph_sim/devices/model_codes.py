@@ -5,17 +5,20 @@
 The way of the bytes is the controller's (`sensor_head.CHIPS`), so that firmware which packs them otherwise is wrong.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from typing import Any
+from typing import Any, final
 
 from msgspec import Struct
 
 from ..sensors.host_frame import ACCELERATION, ANGLE
-from ..sensors.models.imu import State
+from ..sensors.models.imu import Imu, State
 from ..sensors.models.parameters import ImuParameters
+from ..sensors.numeric.arithmetic import Arithmetic
 from ..sensors.shared_models import ModelNoise, model_of
 from .sensor_rounds import CHIPS, ChipData
 
@@ -32,6 +35,7 @@ class Computed(Struct, frozen=True):
     noise_seed: int | None = None
 
 
+@final
 class Shown:
     """What the chips show after a run of the models, each worked out when it is first asked for: often one is enough.
 
@@ -56,8 +60,13 @@ class Shown:
         return register_bytes(chip, (0, 0, 0) if self._codes is None else self._codes.of_chip(name, self._inputs))
 
 
+@final
 class ModelCodes:
     """at_rest: before the first run, while the chips show zeros."""
+
+    _model: Imu[Any]
+    _a: Arithmetic[Any]
+    _noise: ModelNoise
 
     def __init__(self, computed: Computed) -> None:
         self._model = model_of(computed.arithmetic, computed.parameters)
@@ -95,7 +104,7 @@ class ModelCodes:
             return computed(*inputs)
 
 
-def register_bytes(chip: ChipData, xyz: tuple[Any, Any, Any]) -> bytes:
+def register_bytes(chip: ChipData, xyz: tuple[Any, Any, Any]) -> bytes:  # core: python
     """The six bytes of three values, as the chip keeps them. OverflowError for one that does not fit 16 bits."""
     first, second, third = chip.order
     try:

@@ -11,6 +11,8 @@ Before the first round it may set its chips up as their drivers do: read who the
 Source: the dissertation's section 3.4.2 and Figure A.2 (order, period).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
@@ -31,6 +33,11 @@ class SensorHead(Agent):
 
     on_missed: told of a round that was due and could not begin. Both are given the time at which it was due.
     """
+
+    _random: Random
+    _period: Fraction
+    _first: int
+    _due: int
 
     def __init__(
         self,

@@ -14,7 +14,7 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from importlib.machinery import (
     EXTENSION_SUFFIXES,
     SOURCE_SUFFIXES,
@@ -43,18 +43,15 @@ note = ""  # why a build that is there does not run
 def digest(package: Path, modules: Sequence[str]) -> str:
     """One digest of what these modules ("core.kernel") are compiled from, and of the Python that they are for."""
     found = hashlib.sha256(SUFFIX.encode())
-    for path in (*sources(package, modules), *sorted(Path(__file__).parent.glob("*.py"))):
+    for path in (*(source_of(package, module) for module in modules), *sorted(Path(__file__).parent.glob("*.py"))):
         found.update(path.name.encode())
         found.update(path.read_bytes())
     return found.hexdigest()
 
 
-def sources(package: Path, modules: Sequence[str]) -> Iterator[Path]:
-    """The files that these modules are compiled from: each .py and the .pxd beside it."""
-    for module in modules:
-        path = package.joinpath(*module.split("."))
-        yield path.with_suffix(".py")
-        yield path.with_suffix(".pxd")
+def source_of(package: Path, module: str) -> Path:
+    """The file of a module."""
+    return package.joinpath(*module.split(".")).with_suffix(".py")
 
 
 def symbol(module: str) -> str:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-ARRAY = re.compile(r"^    cdef (?:public )?[\w ]+?(?:\[(\d+)\] ([\w, ]+)|(\w+)\[(\d+)\])$", re.MULTILINE)
+ARRAY = re.compile(r"^    cdef (?:public )?[\w ]+\[(\d+)\] (\w+)$", re.MULTILINE)
 CHECK = """\
 #ifndef PERIPH_SIM_INDEX
 #include <stdio.h>
@@ -36,11 +36,9 @@ BEGIN = "/* Module declarations from "  # behind what Cython defines for itself,
 def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
     """The lengths of the arrays that these .pxd files declare, by name. ValueError if two of one name differ."""
     found: dict[str, int] = {}
-    for first, names, name, second in (one for pxd in pxds for one in ARRAY.findall(pxd)):
-        for each in (names or name).split(","):
-            length = int(first or second)
-            if found.setdefault(each.strip(), length) != length:
-                raise ValueError(f"two arrays are called {each.strip()!r}, of different lengths; rename one of them")
+    for length, name in (one for pxd in pxds for one in ARRAY.findall(pxd)):
+        if found.setdefault(name, int(length)) != int(length):
+            raise ValueError(f"two arrays are called {name!r}, of different lengths; rename one of them")
     return found
 
 

@@ -1,11 +1,11 @@
-"""Compiles the core: Python sources and the .pxd files beside them go in; one library and a manifest come out.
+"""Compiles the core: Python sources that say so go in; one library and a manifest come out.
 
 python -m periph_sim.form.build [--hard] [PREFIX ...]
 
-    core/kernel.py, core/kernel.pxd --Cython--> C --compiler--> objects/core.kernel.o --+--> compiled/core.SUFFIX
-    core/wire.py, core/wire.pxd ------ ... -------------------> objects/core.wire.o ----+    compiled/manifest.json
+    core/kernel.py --declarations--> kernel.pxd --Cython--> C --compiler--> core.kernel.o --+--> compiled/core.SUFFIX
+    core/wire.py --- ... ------------------------------------------------> core.wire.o ----+    compiled/manifest.json
 
-Needs Cython (the extra `core`) and a C compiler. What is compiled: each module that has a .pxd file beside it, if its
+Needs Cython (the extra `core`) and a C compiler. What is compiled: each module with the line `# core: compiled`, if its
 object file is not in the last build already, made of the same. With prefixes ("core", "f28335.i2c") only the modules
 whose names begin so, and those that they need.
 
@@ -38,15 +38,15 @@ from pathlib import Path
 from subprocess import run
 from typing import NamedTuple
 
-from . import BUILT, HARD_BUILT, LIBRARY, MANIFEST, PACKAGE, digest, sources, symbol, usable
+from . import BUILT, HARD_BUILT, LIBRARY, MANIFEST, PACKAGE, digest, source_of, symbol, usable
 from .arrays import CHECK, arrays_of, with_index_checks
+from .declarations import declarations, used_by
 from .directives import disobeyed
 from .fold import declared, folded
-from .freelists import with_freelists
-from .functions import by_name, cimported, without_imports
 from .members import with_members_bound
-from .outcome import resultless, returning, telling
 from .setters import REFUSAL, never_none, with_none_refused
+from .source_copy import prepared
+from .sources import UNCHECKED, BadDeclaration, Sources, header_of
 
 DIRECTIVES = {
     "annotation_typing": False,  # types are the .pxd's business: annotations are mypy's
@@ -63,9 +63,7 @@ DIRECTIVES = {
 FOR_ALL_CLASSES = {"trashcan": True}
 # Modules that run several times in each event: checks of attributes for None would take a tenth of their instructions.
 # What Python can hand to them is checked on the way in: arguments by Cython, attributes in their setters.
-WITHOUT_NONE_CHECKS = ("bus.i2c.controller", "core.kernel", "core.socket", "core.wire", "f28335.i2c.module")
 NEVER_NONE = "self"  # no method runs with None as `self`: its caller has checked the object whose method it calls
-CLASS = re.compile(r"^cdef class (\w+)", re.MULTILINE)
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
 FLAGS = ("-c", "-O2", "-DNDEBUG", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-ffunction-sections", "-w")
@@ -107,11 +105,6 @@ class NoBuild(Exception):
     """The core cannot be compiled here; the message says what is missing, or what the compiler said."""
 
 
-def modules_of(package: Path) -> list[str]:
-    """The modules that have a .pxd file beside them."""
-    return sorted(".".join(path.relative_to(package).with_suffix("").parts) for path in package.rglob("*.pxd"))
-
-
 def compiler() -> str:
     """The C compiler's command. NoBuild if there is none, or no Cython."""
     if find_spec("Cython") is None:
@@ -132,20 +125,17 @@ def jobs() -> int:
     return int(said)
 
 
-def shadow(package: Path, modules: list[str], folder: Path) -> None:
-    """The sources as they are compiled, in `folder`: with their constants in place, and results that tell of errors."""
+def shadow(package: Path, sources: Sources, modules: Sequence[str], folder: Path) -> None:
+    """Write the sources as they are compiled, and their declarations, into `folder`."""
     for module in modules:
         names = vars(import_module(f"{package.name}.{module}"))
-        source, types = sources(package, [module])
-        pxd = types.read_text("utf-8")
-        text = folded(source.read_text("utf-8"), names, CLASS.findall(pxd))
-        text = returning(by_name(text, pxd), resultless(types_of(module, package).values()))
-        text = with_members_bound(without_imports(text, cimported(pxd)), names)
-        text = with_freelists(text, pxd)
-        copy = folder / package.name / source.relative_to(package)
+        pxd = declarations(sources[module])
+        text = folded(prepared(sources[module]), names)
+        text = with_members_bound(text, names)
+        copy = source_of(folder / package.name, module)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_text(text, "utf-8")
-        copy.with_suffix(".pxd").write_text(telling(declared(text, pxd)), "utf-8")
+        copy.with_suffix(".pxd").write_text(declared(text, pxd), "utf-8")
     for room in [folder / package.name, *(path for path in (folder / package.name).rglob("*") if path.is_dir())]:
         (room / "__init__.py").touch()
 
@@ -176,12 +166,6 @@ def compile_one(
     raise NoBuild(f"{module} does not compile; {command[0]} says:\n{done.stderr or done.stdout}")
 
 
-def attributes_always_set(module: str, package: Path) -> list[tuple[str, str]]:
-    """Return class and name of each public attribute of a module that is never None."""
-    source, types = (path.read_text("utf-8") for path in sources(package, [module]))
-    return never_none(types, source)
-
-
 def require_directives(pxd: str, c_file: Path) -> None:
     """NoBuild if a directive of the .pxd file did not reach the C code, or if Cython calls a method wrongly there."""
     text = c_file.read_text("utf-8")
@@ -210,24 +194,24 @@ def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
     """
     leave_out_checks_of_self()
     cython = import_module("Cython.Compiler.Main")
-    c_file = Path(f"{module}.c")
+    c_file, source = Path(f"{module}.c"), source_of(Path(package), module)
     options = cython.CompilationOptions(
         output_file=str(c_file),
         module_name=f"{package}.{module}",
         language_level=3,
-        compiler_directives=directives(module, kind),
+        compiler_directives=directives(source.read_text("utf-8"), kind),
     )
     options.compiler_directives.update(FOR_ALL_CLASSES)
     with redirect_stderr(StringIO()) as said:
-        result = cython.compile_single(str(Path(package, *module.split(".")).with_suffix(".py")), options, None)
+        result = cython.compile_single(str(source), options, None)
     if result.num_errors:
         raise NoBuild(f"{module} does not compile; Cython says:\n{said.getvalue()}")
     return c_file
 
 
-def directives(module: str, kind: Kind = NORMAL) -> dict[str, bool]:
-    """Return Cython's directives for a module."""
-    return {**DIRECTIVES, "nonecheck": module not in WITHOUT_NONE_CHECKS, **kind.directives}
+def directives(text: str, kind: Kind = NORMAL) -> dict[str, bool]:
+    """Return Cython's directives for a module with this source."""
+    return {**DIRECTIVES, "nonecheck": header_of(text) != UNCHECKED, **kind.directives}
 
 
 @cache
@@ -255,7 +239,7 @@ def types_of(module: str, folder: Path) -> dict[str, str]:
     while waiting:
         one = waiting.pop()
         if one not in found:
-            found[one] = folder.joinpath(*one.split(".")).with_suffix(".pxd").read_text("utf-8")
+            found[one] = source_of(folder, one).with_suffix(".pxd").read_text("utf-8")
             for dots, name in CIMPORT.findall(found[one]):
                 waiting.append(".".join([*one.split(".")[: -len(dots)], name]))
     return found
@@ -265,12 +249,12 @@ def fingerprint(
     module: str, folder: Path, cc: str, kind: Kind = NORMAL, always_set: Sequence[tuple[str, str]] = ()
 ) -> str:
     """Equal for equal object files. folder: the package as it is compiled."""
-    source = folder.joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8")
+    source = source_of(folder, module).read_text("utf-8")
     types = sorted(types_of(module, folder).items())
     made_of = [
         source,
         types,
-        directives(module, kind),
+        directives(source, kind),
         NEVER_NONE,
         (REFUSAL, always_set),
         FOR_ALL_CLASSES,
@@ -295,29 +279,29 @@ def last_build(built: Path) -> dict[str, str]:
         return {}
 
 
-def needed(prefixes: Sequence[str], package: Path) -> list[str]:
-    """The modules with these prefixes and those that their .pxd files name; without prefixes, all modules."""
-    found = modules_of(package)
+def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
+    """The modules with these prefixes and those whose types they use; without prefixes, all modules."""
+    found = sources.compiled()
     chosen = [one for one in found if any(f"{one}.".startswith(f"{prefix}.") for prefix in prefixes)]
     if prefixes and not chosen:
         raise NoBuild(f"no compiled module's name begins with {' or '.join(map(repr, prefixes))}")
-    return sorted({more for one in chosen for more in types_of(one, package)}) if prefixes else found
+    return sorted({more for one in chosen for more in used_by(sources, one)}) if prefixes else found
 
 
 def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: Sequence[str] = ()) -> None:
-    """Compile what has a .pxd file; `built` is replaced only when all of it is done, and left alone if it may run."""
-    cc, modules, last = compiler(), needed(prefixes, package), last_build(built)
+    """Compile the modules that say so. `built` is replaced when all of it is done, and left alone if it may run."""
+    sources = Sources(package)
+    cc, modules, last = compiler(), needed(prefixes, sources), last_build(built)
     made_of = digest(package, modules)
     if usable(package, built)[0] == modules:
         print(NOTHING_TO_DO, flush=True)
         return
     with tempfile.TemporaryDirectory() as name, ProcessPoolExecutor(jobs, None, os.chdir, (name,)) as pool:
         folder = Path(name)
-        shadow(package, modules, folder)
-        always_set = {module: attributes_always_set(module, package) for module in modules}
-        prints = {
-            module: fingerprint(module, folder / package.name, cc, kind, always_set[module]) for module in modules
-        }
+        shadow(package, sources, modules, folder)
+        copied = folder / package.name
+        always_set = {module: never_none(sources[module]) for module in modules}
+        prints = {module: fingerprint(module, copied, cc, kind, always_set[module]) for module in modules}
         anew = [module for module in modules if last.get(module) != prints[module]]
         for module in set(modules).difference(anew):
             shutil.copy(built / OBJECTS / f"{module}.o", folder)
@@ -347,7 +331,12 @@ def main(options: Sequence[str] = ()) -> int:
     prefixes, hard = [one for one in options if one != "--hard"], "--hard" in options
     try:
         build(PACKAGE, HARD_BUILT if hard else BUILT, jobs(), HARD if hard else NORMAL, prefixes)
-    except (NoBuild, OSError, BrokenExecutor) as why:  # the last: a process was killed, as where memory is short
+    except (
+        NoBuild,
+        BadDeclaration,
+        OSError,
+        BrokenExecutor,
+    ) as why:  # the last: a process was killed, as where memory is short
         print(f"the core stays interpreted: {why}", file=sys.stderr)
         return 1
     return 0

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from types import ModuleType
 
 LITERAL = 2**31 - 1  # what is more becomes an object in C, unless a declaration says how wide it is
@@ -32,27 +32,16 @@ def declared(source: str, pxd: str) -> str:
     return f'{pxd}\n\ncdef extern from *:\n    """\n{defines}\n    """\n{names}\n'
 
 
-def folded(source: str, names: Mapping[str, object], typed: Collection[str]) -> str:
-    """names: the module's globals, as they are after its import. typed: classes whose attributes a .pxd file types."""
+def folded(source: str, names: Mapping[str, object]) -> str:
+    """names: the module's globals, as they are after its import."""
     lines = source.split("\n")
     tree = ast.parse(source)
-    for row in _bare_annotations(tree, typed):
-        lines[row] = f"{' ' * (len(lines[row]) - len(lines[row].lstrip()))}pass"
     for node, value in sorted(_constants(tree, names), key=lambda one: _place(one[0]), reverse=True):
         row, start, end = _place(node)
         text = lines[row].encode()
         literal = wide_name(value) if value > LITERAL else f"({value})" if value < 0 else f"{value}"
         lines[row] = (text[:start] + literal.encode() + text[end:]).decode()
     return "\n".join(lines)
-
-
-def _bare_annotations(tree: ast.Module, typed: Collection[str]) -> Iterator[int]:
-    """Rows of `name: type` in the bodies of classes that have their types from elsewhere."""
-    for one in tree.body:
-        if isinstance(one, ast.ClassDef) and one.name in typed:
-            for statement in one.body:
-                if isinstance(statement, ast.AnnAssign) and statement.value is None:
-                    yield statement.lineno - 1
 
 
 def _place(node: ast.expr) -> tuple[int, int, int]:

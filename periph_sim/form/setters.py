@@ -3,8 +3,8 @@
     cdef public Kernel kernel    -->  `wire.kernel = None` and `del wire.kernel` are TypeErrors
     cdef public Event following  -->  as before, since the source assigns None to it, or says `Event | None`
 
-Cython lets None into an attribute of any compiled class. Modules without checks for None (`build.WITHOUT_NONE_CHECKS`)
-rely on these setters, and mypy holds the package's own code to the same.
+Cython lets None into an attribute of any compiled class. Modules that are compiled without checks for None rely on
+these setters, and mypy holds the package's own code to the same.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import ast
 import re
 from collections.abc import Iterable, Iterator
 
-CLASS = re.compile(r"^cdef class (\w+)")
-TYPED = re.compile(r"^    cdef public (_?[A-Z]\w*) ([\w, ]+)$")
+from .sources import Source
+
 REFUSAL = """\
   if (unlikely(!v || v == Py_None)) {{
     PyErr_SetString(PyExc_TypeError, "{name} cannot be None, nor be deleted");
@@ -23,10 +23,11 @@ REFUSAL = """\
 """
 
 
-def never_none(pxd: str, source: str) -> list[tuple[str, str]]:
-    """Return class and name of each public attribute of a compiled class that the source never sets to None."""
-    optional = set(_optional(ast.parse(source)))
-    return [one for one in _typed(pxd.splitlines()) if one[1] not in optional]
+def never_none(source: Source) -> list[tuple[str, str]]:
+    """Return class and name of each attribute of a compiled class that the source never sets to None."""
+    optional = set(_optional(source.tree))
+    typed = [(one.name, name, of) for one in source.classes.values() for name, of in one.attributes.items()]
+    return [(owner, name) for owner, name, of in typed if of.kind and name not in optional]
 
 
 def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str:
@@ -37,15 +38,6 @@ def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str
         if found != 1:
             raise ValueError(f"{kind}.{name} has {found} setters in C; expected one")
     return c_text
-
-
-def _typed(lines: Iterable[str]) -> Iterator[tuple[str, str]]:
-    kind = ""
-    for line in lines:
-        if found := CLASS.match(line):
-            kind = found[1]
-        elif found := TYPED.match(line):
-            yield from ((kind, name.strip()) for name in found[2].split(","))
 
 
 def _optional(tree: ast.Module) -> Iterator[str]:

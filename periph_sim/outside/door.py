@@ -6,14 +6,20 @@
 All lines of an instant move together, whoever said them first. What the outside holds is not shown back to it.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, final
 
 from ..core.chip import NEVER
 from ..core.kernel import Agent, Event, Kernel
 from ..core.wire import Wire
+from ..form.c_types import Text
+
+if TYPE_CHECKING:
+    from ..core.wire import Pin
 
 WHO = "outside"  # in records, and where somebody asks who holds a line
 
@@ -26,6 +32,7 @@ class Change(NamedTuple):
     level: int
 
 
+@final
 class Door(Agent):
     """told: with each instant in which the outside moved lines, in order of time: tick, levels by line."""
 
@@ -44,7 +51,7 @@ class Door(Agent):
         for line, wire in enumerate(wires.values()):
             wire.watch_pulls(self, line)
 
-    def put(self, at: int, name: str, level: int) -> None:
+    def put(self, at: int, name: Text, level: int) -> None:
         """A line moves at tick `at`, which is not past. What was put later for one line and tick counts."""
         self._put.setdefault(at, {})[name] = level
 
@@ -75,12 +82,14 @@ class Door(Agent):
             self._drive(name, level)
         self._event = self._kernel.ask(min(self._put), self) if self._put else None
 
-    def _drive(self, name: str, level: int) -> None:
-        pin = self._pins[name]
+    def _drive(self, name: Text, level: int) -> None:
+        pin: Pin = self._pins[name]
         pin.drive(level)
 
-    def held(self, name: str) -> int:
+    def held(self, name: Text) -> int:
         """The level of our own hold on a line."""
+        wire: Wire
+        pin: Pin
         wire, pin = self._wires[name], self._pins[name]
         return int(not wire.pulling & ~pin.mask)
 

@@ -9,12 +9,15 @@ they come far enough apart, and SDA moves as SCL is low, there is no answer to t
 answer at once. What a program does moves a pin once a write of it has reached a register.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from bisect import insort
 from collections.abc import Sequence
 from fractions import Fraction
 from operator import itemgetter
+from typing import TYPE_CHECKING, final
 
 from ..core.chip import NEVER
 from ..core.kernel import Agent, Event
@@ -24,17 +27,28 @@ from ..core.wire import Pin, Sampler
 from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import SCL
 from ..f28335.sci.module import Sci
+from ..form.c_types import Text
 from ..processor.pin_router import BETWEEN, Router
 from ..processor.processor import Processor
 from ..scene.scene import Scene
+
+if TYPE_CHECKING:
+    from ..core.kernel import Kernel
+    from ..core.wire import Wire
 
 LONG_AGO = -NEVER
 REMEMBERED = 64  # edges, where nobody asks
 _tick = itemgetter(0)
 
 
+@final
 class Reaction(Agent):
     """Ticks are the kernel's. lines: that lead outside."""
+
+    _kernel: Kernel
+    _mark: Event
+    _levels: dict[str, int]
+    _seen: dict[str, int]
 
     def __init__(self, scene: Scene, lines: Sequence[str]) -> None:
         case = scene.case
@@ -70,7 +84,7 @@ class Reaction(Agent):
         self._scl_moved = LONG_AGO  # behind all that was put,
         self._scl_done = LONG_AGO  # and up to now
 
-    def put(self, tick: int, line: str, level: int) -> None:
+    def put(self, tick: int, line: Text, level: int) -> None:
         """The outside moves a line at `tick`."""
         if self._put and tick < self._put[-1][0]:
             insort(self._put, (tick, line, level), key=_tick)
@@ -111,7 +125,9 @@ class Reaction(Agent):
 
     def _pass(self, most: int) -> None:
         """Of what was put, what is done is the lines' levels; `most` of it."""
-        done = 0
+        done: int = 0
+        tick: int
+        level: int
         for tick, line, level in self._put:
             if tick >= self._now or done == most:
                 break
@@ -126,12 +142,15 @@ class Reaction(Agent):
         self._pass(len(self._put))
         self._seen = self._levels.copy()
         self._scl_moved = self._scl_done
+        tick: int
+        level: int
         for tick, line, level in self._put:
             self._weigh(tick, line, level)
 
     def _listeners(self) -> None:
         """Who listens now: pins are routed anew as firmware sets them up."""
-        version = 0
+        version: int = 0
+        wire: Wire
         for wire in self._wires:
             version += wire.version
         if version != self._version:
@@ -185,21 +204,23 @@ class Reaction(Agent):
         """Before this tick no pin moves by an event."""
         agent = event.agent
         if isinstance(agent, Socket):
-            socket = agent
+            socket: Socket = agent
             if event.tag == WAKE and isinstance(socket.chip, I2c):
                 return _tick_of(self._clocks[socket], socket.chip.next_output() + socket.out_delay)
         elif isinstance(agent, Processor):
+            processor: Processor
             processor, chips = agent, self._chips[agent]
+            chip: I2c
             for chip in chips:
                 if chip.target.pulls & SCL or chip.master.active:  # which a read may end, and that acts at once
                     return event.time
-            clock = self._cpu_clocks[processor]
+            clock: Clock = self._cpu_clocks[processor]
             return _tick_of(clock, processor.next_output(clock.cycle_at(event.time)))
         elif isinstance(agent, Router) and event.tag == BETWEEN and not self._at_once:
             return self._answer(event.time)
         return event.time
 
-    def _weigh(self, tick: int, line: str, level: int) -> None:
+    def _weigh(self, tick: int, line: Text, level: int) -> None:
         """What was put may be answered, or not."""
         if level == self._seen[line]:
             return
@@ -222,12 +243,14 @@ class Reaction(Agent):
 
     def _answer(self, tick: int) -> int:
         """The first tick at which a line that moves at `tick` is answered."""
-        first = NEVER
+        first: int = NEVER
+        chip: I2c
         for _, chip in self._modules:
             if chip.master.active:
                 return tick
+        socket: Socket
         for socket in self._listening:
-            clock = self._clocks[socket]
+            clock: Clock = self._clocks[socket]
             first = min(first, clock.tick(clock.cycle_at(tick) + socket.chip.filter_width + socket.out_delay))
         return max(tick, first)
 

@@ -8,16 +8,20 @@
 calls of `apply` give the same records, however time was stepped in between.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 from ..core.chip import NEVER
 from ..core.input_files import inputs_of_one_command
 from ..core.settings import duration
 from ..core.suggest import did_you_mean
+from ..form.c_types import BigInt, Text
 from ..records.recording import Subscribe
 from ..scene.case.load import load
 from ..scene.case.model import BadCase, Case
@@ -32,6 +36,9 @@ from .log import LogWriter
 from .reaction import Reaction
 from .serial_line import SerialLine, serial_line
 
+if TYPE_CHECKING:
+    from ..core.kernel import Kernel
+
 
 class Session:
     """Steps a case whose lines `outside` are moved by others.
@@ -43,6 +50,12 @@ class Session:
     Times are ticks (`ticks_per_second`), counted from the begin of the case. A session is a context manager; left
     without `finish`, its log has no end.
     """
+
+    scene: Scene
+    ticks_per_second: int
+    _kernel: Kernel
+    _start: int
+    _log: LogWriter | None
 
     def __init__(
         self,
@@ -89,11 +102,11 @@ class Session:
         """The tick that comes next; all before it is done."""
         return self._now
 
-    def ticks(self, length: str) -> int:
+    def ticks(self, length: Text) -> int:
         """A length of time, "5 us", in ticks to the nearest. ValueError if it is none."""
         return self.scene.timebase.ticks(duration(length), "nearest")
 
-    def advance(self, until: int) -> list[Change]:
+    def advance(self, until: BigInt) -> list[Change]:
         """Do what comes before tick `until`; how our own hold on lines moved meanwhile. OutsideError for the past."""
         self._open()
         self._check_tick(until)
@@ -120,7 +133,7 @@ class Session:
 
     # Lines -----------------------------------------------------------------------
 
-    def apply(self, at: int, levels: Mapping[str, int]) -> None:
+    def apply(self, at: BigInt, levels: Mapping[str, int]) -> None:
         """The outside pulls lines low (0) or lets go (1) at tick `at`, all of them together.
 
         For one line and tick the last call counts. OutsideError for the past, for a line that does not lead outside,
@@ -141,13 +154,13 @@ class Session:
             self._door.put(tick, name, int(level))
             self._reaction.put(tick, name, int(level))
 
-    def pulls(self, line: str) -> bool:
+    def pulls(self, line: Text) -> bool:
         """Whether our side pulls a line low, whatever the outside does. OutsideError for a line that is not outside."""
         if line not in self.lines:
             raise OutsideError(f"line {line!r} does not lead outside; {did_you_mean(line, self.lines)}")
         return not self._door.held(line)
 
-    def level(self, line: str) -> int:
+    def level(self, line: Text) -> int:
         """The level of a wire of the case, with what both sides hold, at the end of the last tick that is done."""
         if line not in self.scene.wires:
             raise OutsideError(f"there is no wire {line!r}; {did_you_mean(line, self.scene.wires)}")
@@ -162,7 +175,7 @@ class Session:
             self._master = Master(self)
         return self._master
 
-    def serial(self, port: str, baud: int = 115_200, form: str = "8n1") -> SerialLine:
+    def serial(self, port: Text, baud: BigInt = 115_200, form: Text = "8n1") -> SerialLine:
         """What is at the other end of an SCI's lines: "scia", "SCI-A" or "dsp.SCI-A". OutsideError if there is none."""
         name, line = serial_line(self, port, baud, form)
         if name in self._serial:

@@ -15,9 +15,12 @@ Source: SPRS439M Table 3-5 (wait states); SPRU430E sections 4.1, 4.4.1, 4.5 (pip
 sections 7.2, 7.4.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING, final
 
 from ..core.chip import NEVER, Note
 from ..core.records import NOWHERE, Kind, Recorder
@@ -32,10 +35,14 @@ from .firmware_notes import FirmwareNotes
 from .operand import Operand
 from .source_location import SourceLocation
 
+if TYPE_CHECKING:
+    from ..core.options import IntOption
+
 REGISTERS_END = 0x8000  # no register lies above
 
 
-class Posted:
+@final
+class Posted:  # core: freelist 4
     """A write on its way. where, cause: of the instruction that issued it; where is None where nobody wants to know.
 
     following: what lands after it.
@@ -51,6 +58,7 @@ class Posted:
     following: Posted | None
 
 
+@final
 class Bus:
     """map: the modules by address. ram: memory without registers.
 
@@ -88,6 +96,13 @@ class Bus:
         "map",
         "ram",
     )
+
+    _subjects: frozenset[str] | None
+    _waits: WaitStates
+    _write_lands: IntOption
+    _pf1_back_to_back_write: IntOption
+    _pf2_read_ws: IntOption
+    _pf2_write_ws: IntOption
 
     def __init__(
         self,
@@ -147,6 +162,7 @@ class Bus:
             return None
         if not self._words:
             self._words, self._pairs = [None] * REGISTERS_END, [None] * REGISTERS_END
+        found: Operand | None
         if width == 32:
             address &= ~1
             found = self._pairs[address]
@@ -333,7 +349,7 @@ class Bus:
         if operand.protected and not self._core.eallow:
             self._ignored(at, f"{operand.register.name} of {operand.place.name}")
         else:
-            posted = Posted.__new__(Posted)
+            posted: Posted = Posted.__new__(Posted)
             posted.lands, posted.operand, posted.value, posted.where = lands, operand, value, where
             posted.cause = self._recorder.cause
             posted.following = None

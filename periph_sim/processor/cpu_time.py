@@ -7,13 +7,18 @@ As long as nothing else can act (`Kernel.quiet_until`: a lease) the CPU moves it
 an event. Here nothing is called that could read, write or take an interrupt.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ..core.chip import NEVER
 from ..core.kernel import CPU, Agent, Event, Kernel
 from ..core.time import LAST_TICK, Clock
 
 
+@final
 class CpuTime:
     """cycle: how many SYSCLKOUT cycles have passed for this CPU.
 

@@ -1,17 +1,22 @@
 """What is told about the firmware of one CPU: notes go in; records, counts, and with `strict` an error come out."""
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import final
 
 from ..core.chip import Note
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
 from ..core.time import Clock
+from ..form.c_types import Text
 from .error_origin import FirmwareError
 from .source_location import SourceLocation
 
 
+@final
 class FirmwareNotes:
     """counts: how often each note was made. first_at: the tick of the first. places: where it was first, if known.
 
@@ -71,11 +76,11 @@ class FirmwareNotes:
         if self._recorder.wants(Kind.NOTE):
             self._recorder.emit(tick, Kind.NOTE, self._name, note.code, self.counts[note], note.text)
 
-    def insist(self, note: Note, who: str) -> None:
+    def insist(self, note: Note, who: Text) -> None:
         """With `strict` a duty that the firmware breaks ends the run: FirmwareError. who: noted it, now."""
         self._insist(note, who, self._kernel.now)
 
-    def _insist(self, note: Note, who: str, tick: int) -> None:
+    def _insist(self, note: Note, who: Text, tick: int) -> None:
         if self.strict and note.code == "duty":
             at = self._clock.timebase.show(tick)
             where = self._place()

@@ -7,7 +7,11 @@
 See `bus.i2c.whole_bytes`; what the module is as a slave, `i2c_slave_bytes`.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ..bus.i2c.bit_times import CycleTimes
 from ..bus.i2c.edge_play import BITS, FALL, FOLLOW, RISE, EdgePlay
@@ -30,6 +34,7 @@ SCL_INDEX, SDA_INDEX = 0, 1  # among the module's outputs
 WHOLE = BITS + 1
 
 
+@final
 class MasterPlay(EdgePlay):
     """Moves the module's outputs as the module would, in cycles."""
 
@@ -98,6 +103,8 @@ class I2cMasterBytes(Release):
         "asks",
     )
 
+    _play: MasterPlay | None
+
     def __init__(
         self, kernel: Kernel, scl: Wire, sda: Wire, socket: Socket, chip: I2c, clock: Clock, party: ByteParty
     ) -> None:
@@ -142,7 +149,7 @@ class I2cMasterBytes(Release):
 
     def _passes(self, whole_bytes: WholeBytes) -> bool:
         master, chip, delay = self._master, self._chip, self._socket.out_delay
-        late = chip.options.scl_sync_cycles.assume(chip.touched) * chip.state.tm if delay else 0
+        late: int = chip.options.scl_sync_cycles.assume(chip.touched) * chip.state.tm if delay else 0
         release = self._release = master._let_go_at
         self._low, self._high = master.low(), delay + late + master.high()
         self._in, self._sampled = master._in, master._sampled

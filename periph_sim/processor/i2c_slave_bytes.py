@@ -3,7 +3,12 @@
 See `bus.i2c.whole_bytes`. A slave, or one who is not meant; what it is as the master is in `i2c_master_bytes`.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING, final
 
 from ..bus.i2c.edge_play import BITS, SdaFollows
 from ..bus.i2c.whole_bytes import ONES, ByteParty
@@ -17,9 +22,13 @@ from ..f28335.i2c.register_map import MDR_DLB, MDR_FDF, SCL, SDA
 from ..f28335.i2c.slave_transmitter import LISTENS, TRANSMIT
 from .i2c_master_bytes import SDA_INDEX, I2cMasterBytes
 
+if TYPE_CHECKING:
+    from ..core.wire import Pin
+
 MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
 
 
+@final
 class I2cSlaveEdges(SdaFollows):
     """Moves the module's SDA as the module would, and tells its socket what it would work under."""
 
@@ -50,6 +59,8 @@ class I2cSlaveBytes(ByteParty):
 
     __slots__ = ("_calm", "_calm_for", "_chip", "_clock", "_exact", "_hz", "_mover", "_socket", "_target", "master")
 
+    _hz: Fraction
+
     def __init__(
         self, kernel: Kernel, socket: Socket, chip: I2c, clock: Clock, scl: Wire, sda: Wire, exact: bool
     ) -> None:
@@ -65,7 +76,8 @@ class I2cSlaveBytes(ByteParty):
         self._hz = clock.hz  # and this
 
     def pulls(self, line: int) -> int:
-        mask = 0
+        mask: int = 0
+        pin: Pin
         for pin in self._socket.pins[0 if line == SCL else 1]:
             mask |= pin.mask
         return mask
@@ -133,7 +145,7 @@ class I2cSlaveBytes(ByteParty):
 
     def stand(self, shown: int, bit: int, fell: int) -> None:
         chip, target = self._chip, self._target
-        levels = SDA if shown >> (BITS - bit) & 1 else 0
+        levels: int = SDA if shown >> (BITS - bit) & 1 else 0
         chip._pins = chip.master.lines = levels
         chip._lines.settle(levels)
         if target.phase == TRANSMIT:

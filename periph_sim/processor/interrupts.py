@@ -10,9 +10,12 @@ kept of an interrupt but what is in memory, so that firmware may return through 
 Source: SPRU430F section 3.4, Table 3-4 (context); SPRUFB0D sections 8.1 to 8.5, Table 112 (vectors).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import final
 
 from ..core.chip import NEVER
 from ..core.records import Kind, Recorder
@@ -21,6 +24,7 @@ from ..f28335.cpu.interrupts import CONTEXT_WORDS, IER_WORD, ST1_WORD, CpuInterr
 from ..f28335.cpu.pie import Pie
 from ..f28335.cpu.pie_map import GROUPS, VECTOR_TABLE, VECTORS
 from ..f28335.system.ram import Ram, block_at
+from ..form.c_types import Text
 from .cpu_time import CpuTime
 from .error_origin import InterruptFault
 from .firmware_notes import FirmwareNotes
@@ -29,6 +33,7 @@ NAME_OF = {address: name for name, address in VECTORS.items()}
 CODE_ADDRESS = 0x3F_FFFF  # bits of a vector that count
 
 
+@final
 class Interrupts:
     """core: masks, flags and timing. taken: the vector of the interrupt taken last, by name."""
 
@@ -115,7 +120,7 @@ class Interrupts:
         self.taken = NAME_OF.get(address, self.taken)
         return self._ram.word32(address) & CODE_ADDRESS
 
-    def entered(self, cycle: int, where: str) -> None:
+    def entered(self, cycle: int, where: Text) -> None:
         """The service routine's first instruction begins. where: the routine does."""
         self._causes.append((self.taken, self._recorder.cause))
         if self._records_irq:

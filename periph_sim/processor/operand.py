@@ -3,14 +3,23 @@
 An instruction that names the same register each time is resolved once, not at each pass.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import TYPE_CHECKING, final
 
 from ..core.records import NOWHERE, OF_MODIFIES, Topic
 from ..core.registers import Field, Register
 from ..f28335.cpu.pie_map import PIEACK
 from ..f28335.system.memory_map import BOTH, HIGH, LOW, WORDS_MASK, ModuleRange, WaitStates
 
+if TYPE_CHECKING:
+    from ..core.chip import Chip
+    from ..core.socket import Socket
 
+
+@final
 class Operand:
     """words: of the register, that move. field: that the program named; None: all of these words.
 
@@ -53,6 +62,25 @@ class Operand:
         "writes",
     )
 
+    socket: Socket
+    chip: Chip
+    name: str
+    named: str
+    address: int
+    lsb: int
+    mask: int
+    offset: int
+    read_waits: int
+    shift: int
+    write_waits: int
+    block: bool
+    frame1: bool
+    frame2: bool
+    harmless: bool
+    looks: bool
+    meets: bool
+    protected: bool
+    steady: bool
     reads: Topic
     writes: Topic
 

@@ -7,6 +7,8 @@ An asynchronous pin costs nothing here: its wire is an input of its peripheral (
 machine is told of it only when somebody reads it.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -21,6 +23,7 @@ from ..f28335.cpu.xint import Xint
 from ..f28335.gpio.module import Gpio
 from ..f28335.gpio.pin_mux_table import OUTPUTS
 from ..f28335.gpio.register_map import BIT
+from ..form.c_types import BigInt
 
 Port = tuple[Socket, int]  # a peripheral and the index of one of its pins
 
@@ -36,6 +39,9 @@ class Pads(NamedTuple):
 
 class Router(Agent):
     """inputs, outputs: signal of the pin table -> the peripheral's pin."""
+
+    _wires: dict[int, Wire]
+    _unheard: BigInt
 
     def __init__(
         self,
@@ -143,10 +149,12 @@ class Router(Agent):
         self._between_at = NO_TIME
         cycle, levels = self._clock.cycle_at(self._kernel.now), self._levels_of(self._pads.levels)
         self._tell(cycle, levels, exact=False)
+        socket: Socket
+        index: int
         for n, (socket, index) in self._feeds.items():
             socket.inputs.put(index, levels >> n & 1)
 
-    def _levels_of(self, lines: int) -> int:
+    def _levels_of(self, lines: int) -> BigInt:
         """The sampler's lines as levels of pads."""
         levels = 0
         for n, line in self._line.items():
@@ -154,7 +162,7 @@ class Router(Agent):
                 levels |= BIT[n]
         return levels
 
-    def _tell(self, cycle: int, levels: int, exact: bool = True) -> int:
+    def _tell(self, cycle: int, levels: BigInt, exact: bool = True) -> BigInt:
         """The GPIO machine is told of the pads that it hears of; those that moved for it."""
         gpio = self._gpio
         levels = levels & ~self._unheard | gpio.pads & self._unheard
@@ -177,8 +185,9 @@ class Router(Agent):
         gpio.moved_before(unheard)
         return value
 
-    def _levels_on_wires(self) -> int:
+    def _levels_on_wires(self) -> BigInt:
         levels = 0
+        wire: Wire
         for n, wire in self._wires.items():
             if wire.level:
                 levels |= BIT[n]
@@ -186,18 +195,18 @@ class Router(Agent):
 
     # Edges that pass untold ------------------------------------------------------
 
-    def pads_of(self, wire: Wire) -> int:
+    def pads_of(self, wire: Wire) -> BigInt:
         """Mask of the pads on a wire."""
         return sum(BIT[n] for n, other in self._wires.items() if other is wire)
 
-    def only_shows(self, pads: int) -> bool:
+    def only_shows(self, pads: BigInt) -> bool:
         """Whether an edge at these pads does nothing before somebody reads their level."""
         for n in self._feeds:
             if pads >> n & 1:
                 return False
         return not self._gpio_socket.looked_at() and self._gpio.only_shows(pads)
 
-    def moved(self, tick: int, pads: int, level: int) -> None:
+    def moved(self, tick: int, pads: BigInt, level: int) -> None:
         """These pads, which only show, moved at `tick`, not long ago."""
         gpio, clock = self._gpio, self._clock
         if bool(gpio.pads & pads) == bool(level):
@@ -248,6 +257,8 @@ class Router(Agent):
         self._tell_all_pads(cycle)
         self._straight.clear()
         self._feeds.clear()
+        socket: Socket
+        index: int
         for signal, (socket, index) in self._inputs.items():
             pad = gpio.source(signal)
             if pad in self._wires and gpio.seen_at(cycle, pad, exact=True) == cycle:
@@ -271,6 +282,8 @@ class Router(Agent):
         self._kernel.catch_up()
         for signal in OUTPUTS:
             if signal in self._outputs:
+                socket: Socket
+                index: int
                 socket, index = self._outputs[signal]
                 pins = [self._pins[n] for n in self._gpio.sink(signal) if n in self._pins]
                 socket.connect(index, pins)
@@ -279,5 +292,6 @@ class Router(Agent):
     def _drive(self) -> None:
         """Pads that GPIO drives; all others but those of peripherals are let go."""
         driven, high = self._gpio.driven, self._gpio.driven_high
+        pin: Pin
         for n, pin in self._let_go.items():
             pin.drive(high >> n & 1 if driven >> n & 1 else self._undriven[n])

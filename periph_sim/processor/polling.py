@@ -3,7 +3,11 @@
 A pass whose reads have no side effect cannot come out otherwise before a bit that it looked at changes.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ..core.chip import NEVER
 from ..core.socket import Onlooker, Socket
@@ -13,6 +17,7 @@ from .operand import Operand
 from .source_location import SourceLocation
 
 
+@final
 class Poll:
     """A read of a pass: of what, and the value that came. before: the value that came in the pass that is replayed.
 
@@ -27,6 +32,7 @@ class Poll:
     where: SourceLocation | None
 
 
+@final
 class Spin:
     """A wait in progress. since: the cycle at which it began. made: reads that the present pass has made.
 
@@ -77,6 +83,8 @@ class Spin:
 
     def unchanged(self, cycle: int) -> bool:
         """True if such a pass would still read what the last one read."""
+        operand: Operand
+        value: int
         for operand, value in self.last:
             if (operand.see(cycle) ^ value) & operand.mask:
                 return False
@@ -90,8 +98,9 @@ class Spin:
 
     def take_length(self, cycle: int) -> None:
         """The reads of the present pass are over at this cycle."""
+        place: int
         for place in range(self.made):
-            read = self.reads[place]
+            read: Poll = self.reads[place]
             cycle -= read.operand.read_waits + 1
         self.bare = cycle == self.start + (self.made - 1) * cpu_costs.SB_NOT_TAKEN
 
@@ -99,7 +108,7 @@ class Spin:
         """The present pass has read this, in this place if that is known."""
         if self.made == len(self.reads):
             self.reads.append(Poll())
-        read = self.reads[self.made]
+        read: Poll = self.reads[self.made]
         read.operand, read.value, read.where = operand, value, where
         self.made += 1
         if not operand.steady:
@@ -107,13 +116,14 @@ class Spin:
 
     def answer(self) -> int:
         """What the next read of the present pass brings, as it is a replay."""
-        read = self.reads[self.made]
+        read: Poll = self.reads[self.made]
         return read.before
 
     def answer_before(self, cycle: int) -> None:
         """The next pass is a replay of the present one as far as its reads lie before this cycle."""
         if self.made < len(self.reads):
             del self.reads[self.made :]
+        read: Poll
         for read in self.reads:
             read.before = read.value
         if cycle > self.live_from:
@@ -135,6 +145,7 @@ class Spin:
 NO_SOCKETS: list[Socket] = []  # never added to
 
 
+@final
 class Lease(Onlooker):
     """As long as no bit that a pass looked at has changed, every further pass comes out the same."""
 
@@ -155,10 +166,11 @@ class Lease(Onlooker):
         """Whether a pass begun at `cycle` could come out otherwise."""
         spin = self._spin
         assert spin is not None
+        place: int
         for place in range(spin.made):
-            read = spin.reads[place]
-            operand = read.operand
-            value = operand.chip.see(cycle, operand.offset) if operand.looks else operand.see(cycle)
+            read: Poll = spin.reads[place]
+            operand: Operand = read.operand
+            value: int = operand.chip.see(cycle, operand.offset) if operand.looks else operand.see(cycle)
             if (value ^ read.value) & operand.mask:
                 return True
         return False
@@ -167,9 +179,10 @@ class Lease(Onlooker):
         """From now on the modules that were read wake the sleeping CPU when a bit changes."""
         spin = self._spin
         assert spin is not None
+        place: int
         for place in range(spin.made):
-            read = spin.reads[place]
-            socket = read.operand.socket
+            read: Poll = spin.reads[place]
+            socket: Socket = read.operand.socket
             if not self._sockets:
                 self._sockets = [socket]
                 socket.watch(self)
@@ -179,6 +192,7 @@ class Lease(Onlooker):
 
     def end(self) -> None:
         sockets, self._sockets = self._sockets, NO_SOCKETS
+        socket: Socket
         for socket in sockets:
             socket.unwatch(self)
 

@@ -7,7 +7,11 @@ What takes time is asked for here. The answer True says that it is done, and the
 False it stops, the rest is done when the kernel wakes this CPU, and then the program is run again.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ..core.kernel import Agent, Kernel
 from ..core.records import Recorder
@@ -27,6 +31,7 @@ from .source_location import SourceLocation
 NONE, FETCHES, ENTERS, RETURNS = range(4)  # what is under way: the vector's fetch, the entry, IRET
 
 
+@final
 class Processor(Agent):
     """stopped: why the program stopped last; None where none has run."""
 

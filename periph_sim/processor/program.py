@@ -9,6 +9,8 @@ asks at each boundary between two instructions whether an interrupt is due. It k
 registers and the access that is still to be made.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -16,6 +18,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from ..f28335.cpu.interrupts import CONTEXT_WORDS
+from ..form.c_types import Text
 from .polling import Spin
 from .source_location import SourceLocation
 
@@ -80,7 +83,7 @@ class Program:
         """Whether the wait in progress reads no register, so that only a service routine can end it."""
         return False
 
-    def ending(self, at: str) -> str:
+    def ending(self, at: Text) -> str:
         """What a note says of a program that is over. at: `returned_at` as a time."""
         return f"main returned at {at}; from then on only service routines run"
 
@@ -88,7 +91,7 @@ class Program:
         """The statement that is executed, or goes on next; None where nobody knows."""
         raise NotImplementedError
 
-    def enter(self, vector: int) -> str:
+    def enter(self, vector: int) -> Text:
         """A service routine is entered at its vector, a code address. Returns where it begins, "" if nobody knows.
 
         FirmwareError if there is nothing.

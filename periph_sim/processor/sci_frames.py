@@ -7,9 +7,12 @@
 See `bus.uart.whole_frames`.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import final
 
 from ..bus.uart.whole_frames import FrameParty, FrameSender, WholeFrames
 from ..core.kernel import CHIP, TIMER, Kernel
@@ -17,11 +20,13 @@ from ..core.socket import Release, Socket
 from ..core.time import Clock
 from ..core.wire import Pin, Wire
 from ..f28335.sci.module import Sci
+from ..form.c_types import BigInt
 from .pin_router import Router
 
 TXD_INDEX = 0  # among the module's outputs
 
 
+@final
 class SciHears(FrameParty):
     """socket: of the module. clock: SYSCLKOUT."""
 
@@ -43,10 +48,13 @@ class SciHears(FrameParty):
         self._socket.untold = frames
 
 
+@final
 class PadsHear(FrameParty):
     """The GPIO machine of a unit, to whose pads a wire comes: it is told as a frame ends, or somebody is to look."""
 
     __slots__ = ("_level", "_pads", "_router", "_tick")
+
+    _pads: BigInt
 
     def __init__(self, router: Router, wire: Wire) -> None:
         self._router = router
@@ -90,10 +98,11 @@ class SciSends(FrameSender):
         if not coming or len(pins) != 1:
             return
         pin: Pin = pins[0]
-        frames = self._lines.get(pin.wire.name)
+        frames: WholeFrames | None = self._lines.get(pin.wire.name)
         if frames is None:
             return
         now = clock.cycle_at(self._kernel.now)
+        last: int
         cycles, last = coming[:-1], coming[-1]
         delay = self._socket.out_delay
         if (cycles or coming)[0] <= now:
@@ -119,7 +128,7 @@ class SciSends(FrameSender):
         now = clock.cycle_at(kernel.now)
         if clock.tick(now) > kernel.now or kernel._phase <= CHIP:
             now -= 1
-        made = on_wire
+        made: int = on_wire
         while made < len(self._cycles) and self._cycles[made] <= now:
             made += 1
             socket.move(self._cycles[made - 1], TXD_INDEX, made & 1)
@@ -128,6 +137,7 @@ class SciSends(FrameSender):
         socket.reclock()
 
 
+@final
 class SciPin(Release):
     """TXD's pin."""
 

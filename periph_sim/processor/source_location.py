@@ -3,6 +3,8 @@
 Records show it as text. Who has the record of a running scene, and not of a file, can ask for the file, too.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 import os
@@ -10,6 +12,7 @@ import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 from types import CodeType, FrameType
+from typing import final
 
 from .. import __file__ as package_file
 
@@ -35,6 +38,7 @@ class SourceLocation(str):
         return f"line {self.line} of {Path(self.path).name}"
 
 
+@final
 class SourceLocator:
     """The places that one program was seen at, each made once."""
 

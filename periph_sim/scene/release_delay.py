@@ -4,6 +4,8 @@ Copy to I2CXSR unless BCM does that at the write, SDA set up before SCL, pin out
 of SYSCLKOUT; the tick of the write goes in, ticks come out.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ..core.kernel import Kernel
@@ -19,6 +21,9 @@ IPSC_PLACE = I2C_MAP["I2CPSC"]["IPSC"].lsb
 
 
 class ReleaseDelay:
+    _setup: int
+    _pin: int
+
     def __init__(self, kernel: Kernel, clock: Clock, socket: Socket, i2c: I2cOptions, system: SystemOptions) -> None:
         self._kernel = kernel
         self._clock = clock

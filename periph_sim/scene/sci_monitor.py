@@ -1,11 +1,19 @@
 """Looks at an SCI receiver: a unit goes in; words waiting, overruns and characters received come out as they change."""
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from ..bus.receiver_listener import ReceiverListener
 from ..core.socket import Onlooker
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
+
+if TYPE_CHECKING:
+    from ..core.socket import Socket
+    from ..core.time import Clock
 
 SCIFFRX, SCIRXST = SCI_MAP["SCIFFRX"].offset, SCI_MAP["SCIRXST"].offset
 RXFFST, RXFFST_PLACE = SCI_MAP["SCIFFRX"]["RXFFST"].mask, SCI_MAP["SCIFFRX"]["RXFFST"].lsb
@@ -18,6 +26,9 @@ class SciMonitor(Onlooker):
 
     A character raises RXFFST, without FIFO RXRDY, or an overrun flag.
     """
+
+    _socket: Socket
+    _clock: Clock
 
     def __init__(self, dsp: Dsp, module: str) -> None:
         self._socket = dsp.socket(module)
@@ -32,15 +43,17 @@ class SciMonitor(Onlooker):
         fifo = self._socket.chip.peek(cycle, SCIFFRX)
         status = self._socket.chip.peek(cycle, SCIRXST)
         words = (fifo & RXFFST) >> RXFFST_PLACE
-        waiting = words or int(status & RXRDY > 0)
-        overrun = fifo & RXFFOVF > 0 or status & OE > 0
+        waiting: int = words or int(status & RXRDY > 0)
+        overrun: bool = fifo & RXFFOVF > 0 or status & OE > 0
         if words == self._words and waiting == self._waiting and overrun == self._overrun:
             return
+        lost: bool
         tick, lost = self._clock.tick(cycle), overrun and not self._overrun
-        came = waiting - self._waiting
+        came: int = waiting - self._waiting
         if lost and came < 1:
             came = 1
         if words != self._words or overrun != self._overrun:
+            listener: ReceiverListener
             for listener in self.listeners:
                 listener.changed(tick, words, lost)
         self._words, self._waiting, self._overrun = words, waiting, overrun

@@ -11,6 +11,8 @@ hash of seed and name. Only the random walk is a sum and has to be run up to n.
 Terms as in IEEE Std 952 annex C: N (white), B (bias instability), K (random walk); dissertation section 4.3.4.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from array import array
@@ -23,6 +25,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from msgspec import Struct
 from msgspec.structs import asdict
 
+from ..form.c_types import BigInt
 from .near_gaussian import FEW, NEAR, first_of
 
 if TYPE_CHECKING:
@@ -44,6 +47,8 @@ class BadNoise(ValueError):
 class Gaussian:
     """Independent standard normal values, each found by its number 0, 1, 2 ..."""
 
+    key: BigInt
+
     def __init__(self, seed: int, name: str) -> None:
         self.key = int.from_bytes(blake2b(f"{seed}/{name}".encode(), digest_size=16).digest(), "little")
         self._block: int | None = None  # the one that is kept, for those who go sample by sample
@@ -61,6 +66,7 @@ class Gaussian:
 
     def at(self, number: int) -> float:
         """One value; quick where the numbers rise."""
+        place: int
         block, place = number // BLOCK, number % BLOCK
         if block != self._block:
             _not_negative(number, 1)
@@ -76,7 +82,7 @@ class Gaussian:
         return _drawn(self.key, block)
 
 
-def _drawn(key: int, block: int) -> Floats:
+def _drawn(key: BigInt, block: int) -> Floats:
     import numpy as np
 
     # The block's number is the counter's second word: a block may draw 2**64 times before it meets the next.
@@ -104,6 +110,10 @@ class NoiseTerms(Struct, frozen=True):
 
 class AxisNoise:
     """The noise of one axis, sampled every `period` seconds; `stream` names it, as in "gyroscope/x"."""
+
+    _step: float
+    _white_sigma: float
+    _octave_sigma: float
 
     def __init__(self, terms: NoiseTerms, period: float, seed: int, stream: str) -> None:
         if not isfinite(period) or period <= 0:
@@ -134,6 +144,7 @@ class AxisNoise:
         noise = self._white.at(number) * self._white_sigma
         if self._octaves:
             total = 0.0
+            octave: Gaussian
             for k, octave in enumerate(self._octaves):
                 total += octave.at(_hold(octave, k, number))
             noise += total * self._octave_sigma
@@ -200,12 +211,16 @@ class SensorNoise:
 
     def at(self, number: int) -> tuple[float, float, float]:
         """One sample of the three axes; the same bits as in `values`."""
+        x: AxisNoise
+        y: AxisNoise
+        z: AxisNoise
         x, y, z = self._axes
         return x.at(number), y.at(number), z.at(number)
 
     def near(self, number: int) -> list[tuple[float, float]] | None:
         """One sample of the three axes, each with how far off it may be, without numpy; None where it takes numpy."""
         told = []
+        axis: AxisNoise
         for axis in self._axes:
             value = axis.near(number)
             if value is None:

@@ -1,13 +1,18 @@
 """Budgets: limits and measures go in, verdicts with worst case, margin and time come out."""
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
+from typing import final
 
 from msgspec import Struct
 
 from ..core.time import NO_TIME, Timebase
+from ..form.c_types import BigInt
 from .budget_plan import PER_MILLE, BudgetPlan
 from .budget_schema import Budget
 from .measures.measure import MILLIONTHS, Measure
@@ -24,12 +29,19 @@ class _Seen(Struct, frozen=True):
     slack: int
 
 
+@final
 class BudgetJudge:
     """One budget with its measure in a scene; `verdict` after the run. others: the judges before it, of the scene.
 
     joined: one for each condition that is joined to it. same_as: the one whose measure it looks at, too.
     own_measures: those that it, and no other budget, has listen to a run.
     """
+
+    same_as: BudgetJudge | None
+    own_measures: list[Measure]
+    _given: dict[str, str | int]
+    _limits: dict[str, int]
+    _coverage_of: Fraction
 
     def __init__(
         self, budget: Budget, timebase: Timebase, plan: BudgetPlan, others: Sequence[BudgetJudge] = ()
@@ -100,7 +112,7 @@ class BudgetJudge:
         words = [part._judge(0).verdict for part in parts]
         return next((parts[words.index(word)] for word in (FAIL, NOT_JUDGED) if word in words), self)
 
-    def _judge(self, start: int) -> Verdict:
+    def _judge(self, start: BigInt) -> Verdict:
         measure = self.measure
         limits = [(key, limit) for key, limit in self._limits.items() if self._can_judge(key, limit)]
         silent = measure.silent or not limits
@@ -141,7 +153,7 @@ class BudgetJudge:
             until_s=None if until < 0 else (until - start) / self._timebase.per_second,
         )
 
-    def _can_judge(self, which: str, limit: int) -> bool:
+    def _can_judge(self, which: str, limit: BigInt) -> bool:
         """What the end of the run cut off has come to so much at least: it says when that is too much, and no more."""
         measure = self.measure
         if measure.count > measure.cut_off or not measure.series:
@@ -174,7 +186,7 @@ class BudgetJudge:
         at = "" if verdict.at_s is None else f" at {verdict.at_s:.6f} s"
         return f"{self.budget.measure} {value}{at} ({verdict.which} {self._given[verdict.which]})"
 
-    def _beside(self, which: str, limit: int) -> _Seen:
+    def _beside(self, which: str, limit: BigInt) -> _Seen:
         measure = self.measure
         if which == "max":
             return _Seen(which, limit, measure.worst, measure.worst_at, limit - measure.worst)
@@ -188,7 +200,7 @@ class BudgetJudge:
         value, at = measure.percentile(PER_MILLE[which])
         return _Seen(which, limit, value, at, limit - value)
 
-    def show(self, value: int) -> float | int:
+    def show(self, value: BigInt) -> float | int:
         """A value of the measure in the unit of verdicts."""
         if self.measure.unit == "%":
             return value * 100 / MILLIONTHS

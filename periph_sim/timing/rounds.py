@@ -13,6 +13,8 @@ When rounds are due: an agent has a schedule. A firmware, or a capture, has a cl
 period after the begin of the one before, and missed if it has not begun half a period later.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
@@ -125,6 +127,11 @@ class BusRounds:
     completed, missed: rounds so far.
     """
 
+    _startup: list[Transfer]
+    _requests: tuple[Transfer, ...]
+    _late: int
+    _ack_polling: bool
+
     def __init__(self, asked: Asked | None, begun_at: Callable[[], int]) -> None:
         self.on_transfer: list[Callable[[Transfer], None]] = []
         self.on_round: list[Callable[[Round], None]] = []
@@ -150,14 +157,14 @@ class BusRounds:
         self._over_with(transfer)
 
     def _over_with(self, transfer: Transfer) -> None:
-        first = transfer.phases[0]
+        first: Phase = transfer.phases[0]
         if self._ack_polling and not first.read and not first.data:
             self._tell(transfer)
             return
         if self._startup and may_be(first, self._startup[0]):
             self._tell(asked_for(transfer, self._startup.pop(0)))
             return
-        place = self._made
+        place: int = self._made
         while place < len(self._requests) and not may_be(first, self._requests[place]):
             place += 1
         if place < len(self._requests):
@@ -189,8 +196,8 @@ class BusRounds:
 
     def _request(self, transfer: Transfer, place: int) -> None:
         """Of the round's requests it is the one at a place; those up to it that were not made yet are passed over."""
-        phase = transfer.phases[0]
-        start = phase.start_at
+        phase: Phase = transfer.phases[0]
+        start: int = phase.start_at
         current = self._round or self._begin(start)
         made = asked_for(transfer, self._requests[place])
         if place > self._made and current.transfers == self._made:  # the first that lacks
@@ -240,9 +247,10 @@ class BusRounds:
 def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
     """The transfer with what was asked: its name, bytes to read, what is expected, and phases that were never begun."""
     phases = transfer.phases[: len(request.phases)]
-    place = 0
+    place: int = 0
+    phase: Phase
     for phase in phases:
-        asked = request.phases[place]
+        asked: Phase = request.phases[place]
         phase.count = asked.count
         if phase.expect is None:
             phase.expect = asked.expect
@@ -258,7 +266,7 @@ def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
 
 def may_be(made: Phase, request: Transfer) -> bool:
     """Whether a transfer that begins with this phase may be the one that was asked for."""
-    asked = request.phases[0]
+    asked: Phase = request.phases[0]
     if made.address != asked.address or made.read != asked.read:
         return False
     return made.data.startswith(asked.data) or asked.data.startswith(made.data)

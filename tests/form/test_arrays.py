@@ -14,26 +14,30 @@ import pytest
 from periph_sim import form
 from periph_sim.form import build
 from periph_sim.form.arrays import CHECK, arrays_of, with_index_checks
+from periph_sim.form.declarations import declarations
+from periph_sim.form.sources import Sources
 
 PXD = """
 cdef class Ring:
-    cdef public long long[8] low, high
-    cdef unsigned char seen[4]
+    cdef public long long[8] low
+    cdef public long long[8] high
+    cdef unsigned char[4] seen
     cdef long long _at
 """
 
 
-def test_arrays_are_read_from_a_pxd_file_in_both_spellings():
+def test_arrays_are_read_from_a_pxd_file():
     assert arrays_of([PXD]) == {"low": 8, "high": 8, "seen": 4}
 
 
 def test_arrays_of_one_name_and_two_lengths_are_refused():
     with pytest.raises(ValueError, match="two arrays are called 'seen', of different lengths; rename one of them"):
-        arrays_of([PXD, "    cdef unsigned char seen[5]\n"])
+        arrays_of([PXD, "    cdef unsigned char[5] seen\n"])
 
 
 def test_every_array_declaration_of_the_package_is_read():
-    texts = [path.read_text("utf-8") for path in form.PACKAGE.rglob("*.pxd")]
+    package = Sources(form.PACKAGE)
+    texts = [declarations(package[module]) for module in package.compiled()]
     declared = [line for text in texts for line in text.split("\n")]
     declared = [
         line
@@ -53,18 +57,15 @@ def test_indices_are_checked_but_for_numbers():
 
 
 SOURCE = """
+# core: compiled
 class Ring:
+    low: "Annotated[list[int], 8]"
     def __init__(self):
         self.low = [0] * 8
-    def put(self, at, value):
+    def put(self, at: int, value: int) -> None:
         self.low[at] = value
-    def get(self, at):
+    def get(self, at: int) -> int:
         return self.low[at]
-"""
-TYPES = """cdef class Ring:
-    cdef long long low[8]
-    cpdef void put(self, long long at, long long value)
-    cpdef long long get(self, long long at)
 """
 CALL = """
 import sys
@@ -90,7 +91,6 @@ def test_an_index_outside_of_its_array_ends_the_process_with_a_sentence(
     package.mkdir()
     (package / "__init__.py").touch()
     (package / "ring.py").write_text(SOURCE)
-    (package / "ring.pxd").write_text(TYPES)
     monkeypatch.syspath_prepend(tmp_path)
     build.build(package, tmp_path / "built", 1)
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(form.PACKAGE.parent), *sys.path])}

@@ -83,28 +83,27 @@ def test_what_does_not_compile_is_told_with_the_compilers_words_and_the_last_bui
     package, built = tmp_path / "own", tmp_path / "built"
     package.mkdir()
     (package / "__init__.py").touch()
-    (package / "one.py").write_text("class One:\n    pass\n")
-    (package / "one.pxd").write_text("cdef class One:\n    cdef public no_such_type here\n")
+    (package / "one.py").write_text("# core: compiled\nclass One:\n    here: 'Annotated[list[One], 4]'\n")
     built.mkdir()
     (built / "kept").touch()
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(build, "compiler", lambda: "cc")
-    with pytest.raises(build.NoBuild, match=r"(?s)one does not compile; .*'no_such_type' is not a type identifier"):
+    with pytest.raises(build.NoBuild, match=r"(?s)one does not compile; .*Invalid type"):
         build.build(package, built, 1)
     assert [path.name for path in built.iterdir()] == ["kept"]
 
 
 ONE = """
+# core: compiled
 from . import NAME
 
 class One:
     def __init__(self):
         self.count = 0
-    def more(self, by):
+    def more(self, by: int) -> object:
         self.count += by
         return NAME, self.count
 """
-TYPES = "cdef class One:\n    cdef long long count\n    cpdef object more(self, long long by)\n"
 
 
 @pytest.mark.skipif(find_spec("Cython") is None or which("cc") is None, reason="Cython or a C compiler is missing")
@@ -114,7 +113,6 @@ def test_modules_of_one_name_are_apart_in_the_library_and_only_what_changed_is_c
         (package / room).mkdir(parents=True)
         (package / room / "__init__.py").write_text(f"NAME = {room!r}\n")
         (package / room / "one.py").write_text(ONE)
-        (package / room / "one.pxd").write_text(TYPES)
     (package / "__init__.py").touch()
     monkeypatch.syspath_prepend(tmp_path)
     imported = ["rooms", "rooms.left", "rooms.left.one", "rooms.right", "rooms.right.one"]
@@ -168,8 +166,8 @@ def test_the_compiler_is_told_that_tracebacks_are_rare(tmp_path: Path, monkeypat
     package = tmp_path / "rooms"
     package.mkdir()
     (package / "__init__.py").touch()
-    (package / "one.py").write_text(ONE)
-    (package / "one.pxd").write_text(TYPES)
+    (package / "one.py").write_text("def more(count):\n    return count + 1\n")
+    (package / "one.pxd").write_text("")
     monkeypatch.chdir(tmp_path)
     build.compile_one("one", "rooms", compiler_that(tmp_path, "cp one.c kept.c"))
     c_text = (tmp_path / "kept.c").read_text()
@@ -192,12 +190,6 @@ def test_a_compiler_that_is_killed_is_told(monkeypatch, capsys):
     assert capsys.readouterr().err.startswith("the core stays interpreted: A process in the process pool was term")
 
 
-def test_each_module_that_is_compiled_has_its_source():
-    modules = build.modules_of(PACKAGE)
-    assert "core.kernel" in modules
-    assert [m for m in modules if not PACKAGE.joinpath(*m.split(".")).with_suffix(".py").is_file()] == []
-
-
 @pytest.mark.long
 @pytest.mark.skipif(find_spec("Cython") is None or which("cc") is None, reason="Cython or a C compiler is missing")
 def test_clocks_convert_the_same_in_both_forms(tmp_path: Path):
@@ -209,9 +201,9 @@ def test_clocks_convert_the_same_in_both_forms(tmp_path: Path):
         copy(PACKAGE / name, package / name)
     for copied in (PACKAGE / "form").glob("*.py"):
         copy(copied, package / "form")
-    for module in SMALL:
-        path = Path(*module.split(".")).with_suffix(".pxd")
-        copy(PACKAGE / path, package / path)
+    for path in (package / "core").glob("*.py"):
+        if f"core.{path.stem}" not in SMALL:
+            path.write_text(re.sub("^# core: .*$", "", path.read_text("utf-8"), flags=re.MULTILINE), "utf-8")
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
 
     def run(*given: str, form: str = "") -> str:
@@ -231,19 +223,15 @@ def test_clocks_convert_the_same_in_both_forms(tmp_path: Path):
     assert run("-m", "periph_sim.form.build") == "1/1 core.fifo\n"
 
 
-def test_a_module_is_built_anew_where_types_change_that_it_uses(tmp_path: Path):
-    """core.clock uses the types of core.time, which uses those of core.chip; core.fifo uses none of them."""
-    (tmp_path / "core").mkdir()
-    types = {"chip": "", "time": "from .chip cimport Chip\n", "clock": "from ..core.time cimport Clock\n", "fifo": ""}
-    for name, text in types.items():
-        tmp_path.joinpath("core", f"{name}.pxd").write_text(text)
-    found = {name: set(build.types_of(f"core.{name}", tmp_path)) for name in types}
-    assert found == {
-        "chip": {"core.chip"},
-        "time": {"core.time", "core.chip"},
-        "clock": {"core.clock", "core.time", "core.chip"},
-        "fifo": {"core.fifo"},
-    }
+def test_a_source_without_declarations_is_told_in_a_line(monkeypatch, capsys, tmp_path: Path):
+    (tmp_path / "one.py").write_text("# core: compiled\nclass One:\n    def set(self, it):\n        self.it = it.it\n")
+    monkeypatch.setattr(build, "PACKAGE", tmp_path)
+    monkeypatch.setattr(build, "BUILT", tmp_path / "built")
+    monkeypatch.setattr(build, "compiler", lambda: "cc")
+    monkeypatch.setattr(build, "import_module", lambda name: build)
+    assert build.main() == 1
+    said = "one.py:4: nothing says the type of One.it; annotate it in the class"
+    assert capsys.readouterr().err == f"the core stays interpreted: {said}\n"
 
 
 @pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")

@@ -27,7 +27,6 @@ def package(tmp_path: Path, monkeypatch) -> Path:
     (package / "core").mkdir(parents=True)
     for name in ("one", "two"):
         (package / "core" / f"{name}.py").write_text(f"NAME = '{name}'\n")
-        (package / "core" / f"{name}.pxd").write_text("")
     built = tmp_path / "built"
     built.mkdir()
     (built / LIBRARY).touch()
@@ -39,7 +38,7 @@ def test_a_build_of_these_sources_runs(package: Path):
     assert usable(package, package.parent / "built") == (MODULES, "")
 
 
-@pytest.mark.parametrize("file", ["one.py", "two.pxd"])
+@pytest.mark.parametrize("file", ["one.py", "two.py"])
 def test_a_build_of_other_sources_is_told_and_never_used(package: Path, file: str):
     with (package / "core" / file).open("a") as source:
         source.write("\n")

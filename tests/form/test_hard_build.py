@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from importlib.util import find_spec
 from pathlib import Path
 from shutil import which
@@ -11,6 +10,7 @@ from shutil import which
 import pytest
 
 from periph_sim.form import PACKAGE, build
+from periph_sim.form.sources import UNCHECKED
 from tests import hard
 
 pytestmark = [
@@ -19,13 +19,15 @@ pytestmark = [
 ]
 
 SOURCE = """
+# core: compiled
 class Node:
+    row: "Annotated[list[int], 4]"
     def __init__(self):
         self.value = 1
         self.row = [0] * 4
 
 class Holder:
-    def __init__(self, node):
+    def __init__(self, node: Node):
         self.node = node
 
 class Faults:
@@ -57,7 +59,7 @@ cdef extern from *:
 
 cdef class Node:
     cdef public long long value
-    cdef long long row[4]
+    cdef long long[4] row
 
 cdef class Holder:
     cdef public Node node
@@ -106,12 +108,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (made / "planted").mkdir()
     (made / "planted" / "__init__.py").touch()
     (made / "planted" / "faults.py").write_text(SOURCE)
-    (made / "planted" / "faults.pxd").write_text(TYPES)
-    sys.path.insert(0, str(made))
-    try:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(build, "declarations", lambda source: TYPES)  # a function in C is planted, too
+        patch.syspath_prepend(made)
         build.build(made / "planted", made / "built", 1, build.HARD)
-    finally:
-        sys.path.remove(str(made))
     return made
 
 
@@ -128,4 +128,5 @@ def test_a_planted_fault_ends_the_process(folder: Path, fault: str):
 def test_flags_that_hide_faults_are_left_out():
     assert not {"-fwrapv", "-DNDEBUG", "-w"} & {*build.HARD.flags}
     assert {"-fwrapv", "-DNDEBUG", "-w"} <= {*build.NORMAL.flags}
-    assert all(build.directives(one, build.HARD)["nonecheck"] for one in build.WITHOUT_NONE_CHECKS)
+    unchecked = f"# core: {UNCHECKED}"
+    assert build.directives(unchecked, build.HARD)["nonecheck"] and not build.directives(unchecked)["nonecheck"]

@@ -1,6 +1,6 @@
 """No public call of a compiled class takes None into C: it is an exception or has no effect, in either form.
 
-All classes of the .pxd files are called in one process. A crash ends it, and its last line is the call that did it.
+All compiled classes are called in one process. A crash ends it, and its last line is the call that did it.
 """
 
 from __future__ import annotations
@@ -12,16 +12,15 @@ import pytest
 
 from periph_sim import form
 from periph_sim.core.kernel import Agent, Kernel
-from periph_sim.form.build import modules_of
+from periph_sim.form.sources import Sources
 
-MODULES = modules_of(form.PACKAGE)
+MODULES = Sources(form.PACKAGE).compiled()
 
 CALL = """
-import inspect, re, sys
+import inspect, sys
 from importlib import import_module
-from pathlib import Path
-import periph_sim
-from periph_sim.form.build import WITHOUT_NONE_CHECKS
+from periph_sim.form import PACKAGE
+from periph_sim.form.sources import UNCHECKED, Sources
 
 MOST = 9  # arguments
 
@@ -33,7 +32,7 @@ def attempt(text, call, *given):
         pass  # the other tests of this file name the exception
 
 def objects_of(kind):
-    if kind.__module__.removeprefix("periph_sim.") not in WITHOUT_NONE_CHECKS:
+    if sources[kind.__module__.removeprefix("periph_sim.")].header != UNCHECKED:
         yield kind.__new__(kind)
     for count in range(MOST):
         try:
@@ -41,10 +40,10 @@ def objects_of(kind):
         except Exception:
             pass
 
+sources = Sources(PACKAGE)
 for name in sys.argv[1:]:
     module = import_module(f"periph_sim.{name}")
-    pxd = Path(periph_sim.__file__).parent.joinpath(*name.split(".")).with_suffix(".pxd").read_text("utf-8")
-    for kind in [getattr(module, found) for found in re.findall(r"^cdef class (\\w+)", pxd, re.MULTILINE)]:
+    for kind in [getattr(module, found) for found in sources[name].classes]:
         for one in objects_of(kind):
             for attribute in dir(kind):
                 if attribute.startswith("__"):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from periph_sim import form
@@ -9,30 +11,30 @@ from periph_sim.core.kernel import Agent, Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.wire import Wire
 from periph_sim.form.setters import never_none, with_none_refused
+from periph_sim.form.sources import Source, Sources
 
-TYPES = """
-cdef class Party:
-    cdef public Wire wire, spare
-    cdef public Party following, found, last
-    cdef public list notes
-    cdef Wire _hidden
-    cdef public long long level
-"""
 SOURCE = """
+# core: compiled
+class Wire:
+    pass
+
 class Party:
     found: Party | None
+    notes: list
+    level: int
 
     def __init__(self, wire: Wire, last: Party | None) -> None:
         self.wire = wire
-        self.spare = wire
-        self.following, self.level = None, 0
+        self._spare = wire
+        self.following: Party | None = None
+        self.level, self.notes = 0, []
         self.last = last
 """
 SETTER = "static int __pyx_setprop_4room_5Party_{}(PyObject *o, PyObject *v, CYTHON_UNUSED void *x) {{\n  if (v) {{\n"
 
 
-def test_attributes_that_the_source_sets_to_none_may_be_none():
-    assert never_none(TYPES, SOURCE) == [("Party", "wire"), ("Party", "spare")]
+def test_attributes_that_the_source_sets_to_none_may_be_none(tmp_path: Path):
+    assert never_none(Source(Sources(tmp_path), "room", SOURCE)) == [("Party", "wire"), ("Party", "_spare")]
 
 
 def test_a_setter_refuses_none_and_removal_before_anything_else():

@@ -5,7 +5,11 @@ SCL  _|~|_|~|_ ... _|~|_
         1   2  falls  7
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.time import NO_TIME, Clock
 
@@ -28,6 +32,7 @@ class BitTimes:
         return self.rise(number - 1) + self.high
 
 
+@final
 class CycleTimes(BitTimes):
     """Of one who clocks in cycles of its own: since, low and high are such."""
 

@@ -5,6 +5,8 @@ RELEASE --edge by edge--> BIT_END ...
    +----EIGHTH --> NINTH --> next byte, STOP or START            ByteLevel
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .byte_level import ByteLevel

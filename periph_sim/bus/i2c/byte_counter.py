@@ -3,6 +3,8 @@
 For scenes in which no agent is the controller and so nobody else counts.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...core.wire import Wire, watch

@@ -11,6 +11,8 @@ which it would sample them; their effects can be seen from the step on, so by up
 what comes with SCL's ninth rise, such as NACK, when that clock is over.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -59,6 +61,7 @@ class ByteLevel(WholeBytes):
         """
         now, shown, last, high = self._kernel.now, self._shown, self._sda.pulling, self._steady.high
         assert self._controller is not None
+        party: ByteParty
         for party in self._parties:
             party.heard(shown, self._steady)
         self._edge(now - high, 0, last)
@@ -89,7 +92,8 @@ class ByteLevel(WholeBytes):
     def _sda_pulls(self, controller: int) -> int:
         """Who pulls SDA. controller: the level it puts there."""
         assert self._controller is not None
-        pulling = 0 if controller else self._controller.pulls(SDA)
+        pulling: int = 0 if controller else self._controller.pulls(SDA)
+        party: ByteParty
         for party in self._parties:
             if party.pulls_sda():
                 pulling |= party.pulls(SDA)
@@ -99,6 +103,7 @@ class ByteLevel(WholeBytes):
         """The lines are pulled so from `tick` on, and each party hears of it."""
         self._scl.jump(scl)
         self._sda.jump(sda)
-        levels = (0 if scl else SCL) | (0 if sda else SDA)
+        levels: int = (0 if scl else SCL) | (0 if sda else SDA)
+        party: ByteParty
         for party in self._parties:
             party.edge(tick, levels)

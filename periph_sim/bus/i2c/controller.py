@@ -10,9 +10,12 @@ rose. SDA is read at the end of the high phase. Two or three events a bit.
 Source: UM10204 sections 3.1.1 to 3.1.10 (bus protocol), Table 10 (times).
 """
 
+# core: compiled without checks for None
+
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from ...core.kernel import Event, Kernel
 from ...core.records import Kind, Recorder, Topic
@@ -22,6 +25,9 @@ from .bus_clear import BusClear
 from .line_events import EVENTS, IDLE, NOTHING, SCL, SDA, START, STOP
 from .transfer import BusTiming, Phase, Transfer
 from .whole_bytes import ByteParty
+
+if TYPE_CHECKING:
+    from ...core.wire import Sampler
 
 # What an event is for.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
@@ -90,6 +96,14 @@ class I2cController(ByteParty):
         "timing",
         "who",
     )
+
+    _recorder: Recorder | None
+    _sampler: Sampler
+    _clear: BusClear
+    _low_time: int
+    _hold: int
+    _filter: int
+    _high: int
 
     def __init__(
         self,
@@ -417,7 +431,7 @@ class I2cController(ByteParty):
     def _mark(self, what: str, value: int) -> None:
         if self._recorder is None or (self.beside_others and what not in OF_AGENT):
             return
-        topic = self._topics.get(what)
+        topic: Topic | None = self._topics.get(what)
         if topic is None:
             topic = self._topics[what] = self._recorder.topic(Kind.BUS, self.who, what)
         topic.emit(self._kernel.now, value, self._transfer.name)

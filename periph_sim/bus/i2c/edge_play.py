@@ -7,7 +7,11 @@ Each pull comes at the tick and in the phase in which its party would make it, s
 all others. What the chips do with an edge is left out.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.kernel import TIMER, Agent, Event, Kernel
 from ...core.wire import Wire
@@ -19,6 +23,7 @@ BITS = 7  # that pass at once
 RISE, FALL, FOLLOW = range(3)
 
 
+@final
 class Deaf(Agent):
     """Stands in for one to whom edges do nothing meanwhile."""
 

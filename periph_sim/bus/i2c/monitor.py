@@ -10,9 +10,12 @@ an agent, a firmware and a capture are heard alike.
 Source: UM10204 sections 3.1.4 to 3.1.10, Table 10 (tSP).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import final
 
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
@@ -25,6 +28,7 @@ from .whole_bytes import ByteParty
 BITS = 9  # of a byte, its ACK included
 
 
+@final
 class I2cMonitor(ByteParty):
     """told: given each transfer with its STOP. names: what to call a transfer, by address.
 

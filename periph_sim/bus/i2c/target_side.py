@@ -9,6 +9,8 @@ the reply says so, or who answers calls `hold_clock` meanwhile.
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable

@@ -4,7 +4,11 @@ BusTiming                 how a controller clocks
 Transfer --> Phases       START to STOP, and what lies between two STARTs
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from msgspec import Struct
 
@@ -24,6 +28,7 @@ class BusTiming(Struct, frozen=True):
     filter: int = 0
 
 
+@final
 class Phase:
     """One addressed part of a transfer: START or repeated START, address, bytes.
 
@@ -51,6 +56,8 @@ class Phase:
         "start_at",
         "stretch",
     )
+
+    got: bytearray
 
     def __init__(
         self,
@@ -82,6 +89,7 @@ class Phase:
         self.stretch = stretch
 
 
+@final
 class Transfer:
     """What happens between a START and its STOP, and what came of it. lost: arbitration."""
 
@@ -110,6 +118,7 @@ class Transfer:
     def all_acked(self) -> bool:
         """As `acked`, to be called."""
         acked = not self.lost
+        phase: Phase
         for phase in self.phases:
             acked = acked and phase.acked
         return acked

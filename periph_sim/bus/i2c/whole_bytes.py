@@ -10,9 +10,12 @@ records alone (`edge_play`); where a line may be held, the byte passes edge by e
 played again up to now (`catch_up`).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from ...core.kernel import Agent, Event, Kernel, Shortcut
 from ...core.shortcuts import shortcuts_of
@@ -21,6 +24,9 @@ from ...core.wire import PullWatch, Sampler, Tape, Wire
 from .bit_times import BitTimes
 from .edge_play import BITS, Deaf, EdgePlay, SdaFollows
 from .line_events import SCL, SDA
+
+if TYPE_CHECKING:
+    from ...core.shortcuts import Shortcuts
 
 ONES = 0xFF
 
@@ -125,6 +131,8 @@ class WholeBytes(Shortcut):
         "passed",
     )
 
+    _shortcuts: Shortcuts
+
     def __init__(
         self, kernel: Kernel, scl: Wire, sda: Wire, controller: ByteParty | None, stand_in: Mapping[Agent, ByteParty]
     ) -> None:
@@ -175,7 +183,9 @@ class WholeBytes(Shortcut):
         self._eighth = self._kernel.ask(self._ends, controller, tag)
         return True
 
-    def pass_of(self, party: ByteParty, times: BitTimes, fell: int, ends: int, play: EdgePlay | None) -> bool:
+    def pass_of(  # core: C only
+        self, party: ByteParty, times: BitTimes, fell: int, ends: int, play: EdgePlay | None
+    ) -> bool:
         """The same of one who clocks in cycles and not in ticks; it sees itself to what comes at `ends`.
 
         fell: the tick at which SCL fell last. Where edges are recorded, and so there is a `play`, it begins that now.
@@ -212,8 +222,10 @@ class WholeBytes(Shortcut):
 
     def _end_play(self) -> None:
         """They are told again."""
+        sampler: Sampler
         for place, sampler in enumerate(self._samplers):
             sampler.agent = self._told[place]
+        watch: PullWatch
         for place, watch in enumerate(self._pull_watches, len(self._samplers)):
             watch.agent = self._told[place]
         self._scl.tape = self._sda.tape = None
@@ -230,7 +242,8 @@ class WholeBytes(Shortcut):
             self._look()
         if not self._known or scl.pulling != controller.pulls(SCL):
             return -1
-        shown = ONES
+        shown: int = ONES
+        party: ByteParty
         for party in self._parties:
             if not party.ready(low, high, hold, each):
                 return -1
@@ -239,12 +252,15 @@ class WholeBytes(Shortcut):
 
     def _apart(self, times: BitTimes) -> bool:
         """Whether each party tells the moves of SDA, by others, from the falls of SCL before them."""
+        sender: ByteParty
         for sender in self._parties:
-            byte = sender.byte()
+            byte: int = sender.byte()
+            number: int
             for number in range(1, BITS + 1):
                 if 0 < byte >> (BITS - number) & 3 < 3:
                     fall = times.fall(number)
-                    moved = sender.follow_at(fall)
+                    moved: int = sender.follow_at(fall)
+                    party: ByteParty
                     for party in self._parties:
                         if party is not sender and not party.apart(fall, moved):
                             return False
@@ -276,6 +292,7 @@ class WholeBytes(Shortcut):
             self.passed += 1
             if self._play is not None:
                 self._end_play()
+            party: ByteParty
             for party in self._parties:
                 party.heard(self._shown, self._times)
         self._since = NO_TIME
@@ -294,6 +311,7 @@ class WholeBytes(Shortcut):
             self._replay(controller)
             return
         self._play.stop()
+        mover: SdaFollows
         for mover in self._movers:
             mover.stop()
         self._end_play()
@@ -314,7 +332,8 @@ class WholeBytes(Shortcut):
         recorder.cause = outer
 
     def _stand(self, bit: int, fell: int) -> None:
-        pulling = 0
+        pulling: int = 0
+        party: ByteParty
         for party in self._parties:
             if not party.byte() >> (BITS - bit) & 1:
                 pulling |= party.pulls(SDA)

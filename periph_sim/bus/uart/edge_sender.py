@@ -4,6 +4,8 @@ A frame begins with a fall and ends with a rise. Before the fall it is asked whe
 `whole_frames`).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...core.kernel import Event, Kernel
@@ -61,10 +63,11 @@ class EdgeSender(FrameSender):
 
     def _begin_frame(self) -> None:
         edges = self._edges
+        left: int
         left = self._left = self._counts.pop() - 1
         if self.whole_frames is None:
             return
-        behind = len(edges) - left + 1  # the edges up to the last of this frame begin there
+        behind: int = len(edges) - left + 1  # the edges up to the last of this frame begin there
         between = edges[behind:]
         between.reverse()
         if self.whole_frames.passes(self, self._mask, between, edges[behind - 1]):

@@ -7,6 +7,8 @@ What a frame carries is read in the middle of each bit. It ends with its last st
 next one if that comes first.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -49,6 +51,8 @@ class UartReader(FrameParty):
         "on_begin",
         "on_end",
     )
+
+    _format: UartFormat
 
     def __init__(self, kernel: Kernel, wire: Wire, line: Line) -> None:
         self.on_begin: list[Callable[[int], None]] = []
@@ -111,9 +115,12 @@ class UartReader(FrameParty):
         self._ending = None
         form, edges = self._format, self._edges
         levels = []
+        passed: int
+        level: int
         passed, level = 0, 1  # edges so far, and the level behind them
+        bit: int
         for bit in range(self._length):
-            middle = self._start + self._halves[2 * bit + 1]
+            middle: int = self._start + self._halves[2 * bit + 1]
             while passed < len(edges) and edges[passed] <= middle:
                 passed += 1
                 level ^= 1

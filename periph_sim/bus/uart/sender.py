@@ -4,15 +4,19 @@ The k-th bit of a burst of bytes begins at an exact rational of the rate, rounde
 a tick, so a long burst does not drift.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
+from typing import final
 
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
 from ...core.wire import Wire
+from ...form.c_types import BigInt
 from .edge_sender import EDGE, EdgeSender
 from .frame_format import UartFormat
 
@@ -23,6 +27,7 @@ def _known_edges(frame_format: UartFormat) -> dict[int, list[int]]:
     return {}
 
 
+@final
 class UartSender(EdgeSender):
     """bit: length of one bit in ticks, exact. Sends one burst at a time."""
 
@@ -39,6 +44,11 @@ class UartSender(EdgeSender):
         "_wire",
         "who",
     )
+
+    _recorder: Recorder | None
+    _length: int
+    _format: UartFormat
+    _edges_of: dict[int, list[int]]
 
     def __init__(
         self,
@@ -81,11 +91,13 @@ class UartSender(EdgeSender):
         self._measure(len(data), gap)
         edges, counts = [], []
         first = 0  # the first bit of the frame
+        byte: int
         for byte in data:
             if self._recorder is not None:
                 self._kernel.ask(start + self._begins[first], self, byte)
             bits = self._edges_in(byte)
             counts.append(len(bits))
+            bit: int
             for bit in bits:
                 edges.append(start + self._begins[first + bit])
             first += self._length + 1
@@ -119,6 +131,7 @@ class UartSender(EdgeSender):
             return
         parts, pause = gap.denominator, gap.numerator  # a bit has `parts` parts, so that every instant is whole
         num, den = self._bit.numerator, self._bit.denominator * parts
+        frame: BigInt
         for frame in range(known, frames):
             at = frame * (self._length * parts + pause)
             self._begins += [(at + bit * parts) * num // den for bit in range(self._length + 1)]

@@ -10,13 +10,19 @@ somebody looks or meddles after all (`catch_up`), the edges up to now are told, 
 by edge.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from typing import TYPE_CHECKING
 
 from ...core.kernel import TIMER, Agent, Kernel
 from ...core.shortcuts import Untold, shortcuts_of
 from ...core.wire import Sampler, Wire
+
+if TYPE_CHECKING:
+    from ...core.shortcuts import Shortcuts
 
 
 class FrameParty(Agent):
@@ -74,6 +80,8 @@ class WholeFrames(Untold):
         "passed",
     )
 
+    _shortcuts: Shortcuts
+
     def __init__(
         self, kernel: Kernel, wire: Wire, known: Collection[str], stand_in: Mapping[Agent, FrameParty]
     ) -> None:
@@ -106,7 +114,8 @@ class WholeFrames(Untold):
         if not self._known or mask != self._mask:
             return False
         now = self._kernel.now
-        second = between[0] if between else last
+        second: int = between[0] if between else last
+        party: FrameParty
         for party in self._parties:
             if not party.hears_whole(now, second, last):
                 return False
@@ -123,6 +132,7 @@ class WholeFrames(Untold):
             self._end()
 
     def settle(self) -> None:
+        count: int
         between, count = self._between, len(self._between)
         if self._told == count or between[self._told] > self._kernel.now:
             return
@@ -130,8 +140,9 @@ class WholeFrames(Untold):
         outer, recorder.cause = recorder.cause, 0  # whoever looks is not why the line moved
         now = self._kernel.now if self._kernel._phase > self._phase else self._kernel.now - 1
         while self._told < count and between[self._told] <= now:
-            tick = between[self._told]
+            tick: int = between[self._told]
             self._told += 1
+            party: FrameParty
             for party in self._parties:
                 party.hears(tick, self._told & 1)
         recorder.cause = outer
@@ -152,6 +163,7 @@ class WholeFrames(Untold):
         self.settle()
         self._sender = None
         self._shortcuts.end(self)
+        party: FrameParty
         for party in self._parties:
             party.untold(None)
 

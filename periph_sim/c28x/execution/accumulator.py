@@ -3,9 +3,13 @@
 Source: SPRU430F chapter 6; sections 2.3 (flags) and 2.2 (OVC).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .registers import M32, SIGN32, Cpu, Operation, s32
+
+__all__ = ("bind",)  # the instructions and what they share are called from C only
 
 
 def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> int:

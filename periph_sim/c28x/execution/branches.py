@@ -3,9 +3,13 @@
 One that falls through costs what the table says for that: `cycles` is set here. Source: SPRU430F chapter 6.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .registers import CODE, M16, M32, Cpu, Operation
+
+__all__ = ("bind",)  # the instructions and what they share are called from C only
 
 PMA = 0x3F_0000
 

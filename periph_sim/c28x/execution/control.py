@@ -4,9 +4,13 @@ What stops a program, or enters and leaves a service routine, is `Cpu`'s to do: 
 it. Source: SPRU430F chapters 3 and 6, SPRUEO2A chapter 4 (RPTB).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .registers import M16, Cpu, IllegalOperation, Operation
+
+__all__ = ("bind",)  # the instructions and what they share are called from C only
 
 INTM, DBGM, PAGE0, VMAP = 1 << 0, 1 << 1, 1 << 2, 1 << 3  # ST1
 EALLOW_BIT, AMODE, OBJMODE, M0M1MAP, XF = 1 << 6, 1 << 8, 1 << 9, 1 << 11, 1 << 12

@@ -7,8 +7,13 @@ RPT makes the next instruction several passes with no boundary between them; RPT
 end. What is written over code is decoded anew. Source: SPRU430F chapters 4 and 6 (RPT), SPRUEO2A (RPTB).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
+from typing import Annotated
+
+from ...form.c_types import UInt8
 from ..decoder import decode_at, other_unit
 from .control import RA, RC, RE, RSIZE
 from .operations import operation
@@ -21,6 +26,8 @@ PAGES, PAGE_SIZE, IN_PAGE = CODE + 1 >> PAGE, 1 << PAGE, (1 << PAGE) - 1
 
 class Engine(Cpu):
     """left: passes that RPT still wants of the instruction at `pc`; 0 between instructions."""
+
+    _code: Annotated[list[UInt8], PAGES]
 
     def __init__(self) -> None:
         super().__init__()
@@ -129,7 +136,7 @@ class Engine(Cpu):
     def _forget(self, address: int) -> None:
         page = self._decoded[address >> PAGE]
         if page is not None:
-            found = page[address & IN_PAGE]
+            found: Operation | None = page[address & IN_PAGE]
             if found is not None:
                 found.place = GONE
                 page[address & IN_PAGE] = None

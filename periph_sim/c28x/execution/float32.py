@@ -5,6 +5,8 @@ counts as infinity; overflow gives infinity. A result is the 32 bits, and above 
 SPRUEO2A section 2.3; what it leaves open is chosen so.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 SIGN, EXPONENT, FRACTION = 1 << 31, 0xFF, 0x7F_FFFF
@@ -20,15 +22,15 @@ UNDERFLOW, OVERFLOW = 1 << 32, 1 << 33
 TOP, TOP_BIT = 1 << 62, 62  # a compiled `1 << n` has 32 bits
 
 
-def is_zero(bits: int) -> bool:
+def is_zero(bits: int) -> bool:  # core: noexcept
     return not bits >> 23 & EXPONENT
 
 
-def is_infinite(bits: int) -> bool:
+def is_infinite(bits: int) -> bool:  # core: noexcept
     return bits >> 23 & EXPONENT == EXPONENT
 
 
-def mantissa_of(bits: int) -> int:
+def mantissa_of(bits: int) -> int:  # core: noexcept
     """Of a finite number: 24 bits and a sign; 0 of zeros and denormals."""
     if not bits >> 23 & EXPONENT:
         return 0
@@ -36,12 +38,12 @@ def mantissa_of(bits: int) -> int:
     return -mantissa if bits & SIGN else mantissa
 
 
-def exponent_of(bits: int) -> int:
+def exponent_of(bits: int) -> int:  # core: noexcept
     """The power of two that such a mantissa counts."""
     return (bits >> 23 & EXPONENT) - BIAS
 
 
-def width(value: int) -> int:
+def width(value: int) -> int:  # core: noexcept
     """Bits of a number that is more than 0, up to 63."""
     bits = 1
     if value >> 32:
@@ -148,7 +150,7 @@ def fraction(bits: int) -> int:
     return rounded(-size if mantissa < 0 else size, exponent, True)
 
 
-def order(bits: int) -> int:
+def order(bits: int) -> int:  # core: noexcept
     """A number that compares as the float does: zeros and denormals alike, NaN as infinity."""
     if is_zero(bits):
         return 0

@@ -4,6 +4,8 @@ Results are written at once, as a program sees them that keeps the delay slots; 
 Source: SPRUEO2A chapter 4.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .float32 import (
@@ -25,6 +27,8 @@ from .float32 import (
     to_integer,
 )
 from .registers import LUF, LVF, M16, M32, NF, NI, RND32, TF, ZF, ZI, Cpu, Operation, s16, s32
+
+__all__ = ("bind",)  # the instructions and what they share are called from C only
 
 UNCF = 15
 

@@ -3,11 +3,15 @@
 Source: SPRUEO2A chapter 4.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ..operands import FPU_APART, FPU_FIRST
 from .fpu import UNCF, condition, moved
 from .registers import HIGH16, LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF, ZI, Cpu, IllegalOperation, Operation
+
+__all__ = ("bind",)  # the instructions and what they share are called from C only
 
 WINDOW, WINDOW_END = 0x0F00, 0x0F30  # where R0H to R7H stand for moves that name an address
 MEMORY = -1

@@ -7,9 +7,13 @@
 LUF and LVF come with the result. Operations that nobody has made `delay` write at once. Source: SPRUEO2A 3.1, 3.2.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .registers import LUF, LVF, Cpu, Operation
+
+__all__ = ("arrive", "delay")
 
 
 def delay(f: Operation) -> None:
@@ -25,6 +29,7 @@ def delayed(cpu: Cpu, f: Operation) -> None:
         f.plain(cpu, f)
         return
     raised = cpu.stf
+    number: int
     for number in range(8):
         cpu.before_r[number] = cpu.r[number]
     f.plain(cpu, f)
@@ -43,6 +48,7 @@ def delayed(cpu: Cpu, f: Operation) -> None:
 
 def arrive(cpu: Cpu) -> None:
     """What is due arrives: something else than the next instruction comes."""
+    number: int
     for number in range(8):
         if cpu.due >> number & 1:
             cpu.r[number] = cpu.due_r[number]

@@ -3,9 +3,13 @@
 Source: SPRU430F chapter 6. V is only set here, never cleared, as Table 2-7 says.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .registers import M16, SIGN16, Cpu, Operation, mirrored, s16
+
+__all__ = ("bind",)  # the instructions and what they share are called from C only
 
 
 def sum16(cpu: Cpu, a: int, b: int) -> int:

@@ -3,9 +3,13 @@
 Source: SPRU430F chapter 6; section 5.8 (which addresses step under RPT).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .registers import HIGH16, M16, M32, Cpu, Operation, s16
+
+__all__ = ("bind",)  # the instructions and what they share are called from C only
 
 PMA = 0x3F_0000
 

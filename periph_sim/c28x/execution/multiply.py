@@ -3,10 +3,14 @@
 Source: SPRU430F chapter 6; section 5.8 (which program addresses step under RPT).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .accumulator import add, difference_ovcu, logic, subtract, sum_ovcu
 from .registers import M32, Cpu, Operation, s16, s32
+
+__all__ = ("bind",)  # the instructions and what they share are called from C only
 
 PMA = 0x3F_0000
 

@@ -3,6 +3,8 @@
 Source: SPRU430F Table 5-1 and section 5.10 (which forms take bytes).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 import re

@@ -7,10 +7,13 @@
 Values are unsigned integers of their width. Source: SPRU430F chapters 2 and 5; SPRUEO2A chapter 2.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import Annotated
 
+from ...form.c_types import CFunction
 from ..encodings import Encoding
 
 M16, M32 = 0xFFFF, 0xFFFF_FFFF
@@ -32,6 +35,9 @@ SHDWS = 1 << 31
 
 READS, WRITES = 1, 2
 REGISTER = -1  # in place of an address: the field names a register
+
+
+Execute = CFunction[["Cpu", "Operation"], None]
 
 
 class IllegalOperation(Exception):
@@ -87,7 +93,7 @@ class Operation:
     byte: bool
     cycles: int
     encoding: Encoding
-    execute: Callable[[Cpu, Operation], None]
+    execute: Execute
     jumps: bool
     late: int
     loops: bool
@@ -98,7 +104,7 @@ class Operation:
     next: int
     not_taken: int
     place: int
-    plain: Callable[[Cpu, Operation], None]
+    plain: Execute
     repeated: int
     tested: int
     waited: bool
@@ -112,6 +118,12 @@ class Cpu:
     cycles: of the present instruction; written_in: in which of them, from 1 on, what it writes leaves D2. repeat: how
     often the next one is repeated, -1 for not. due: see `fpu_pipeline`.
     """
+
+    xar: Annotated[list[int], 8]
+    r: Annotated[list[int], 8]
+    shadow_r: Annotated[list[int], 8]
+    before_r: Annotated[list[int], 8]
+    due_r: Annotated[list[int], 8]
 
     def __init__(self) -> None:
         self.acc = self.p = self.xt = 0
@@ -198,17 +210,17 @@ class Cpu:
     def and_ifr(self, mask: int) -> None:
         self.put_ifr(self.ifr & mask)
 
-    def put_ovc(self, value: int) -> None:
+    def put_ovc(self, value: int) -> None:  # core: C only
         """6 bits, signed."""
         self.ovc = ((value & 0x3F) ^ 0x20) - 0x20
 
-    def nz16(self, value: int) -> None:
+    def nz16(self, value: int) -> None:  # core: C only
         self.n, self.z = value >> 15, int(value == 0)
 
-    def nz32(self, value: int) -> None:
+    def nz32(self, value: int) -> None:  # core: C only
         self.n, self.z = value >> 31, int(value == 0)
 
-    def condition(self, code: int) -> bool:
+    def condition(self, code: int) -> bool:  # core: C only
         """COND of the table [SPRU430F Table 2-10]. Testing V clears it."""
         match code:
             case 0:
@@ -244,10 +256,10 @@ class Cpu:
 
     # Parts of registers -------------------------------------------------------------
 
-    def ax(self, x: int) -> int:
+    def ax(self, x: int) -> int:  # core: C only
         return self.acc >> 16 * x & M16
 
-    def put_ax(self, x: int, value: int) -> None:
+    def put_ax(self, x: int, value: int) -> None:  # core: C only
         self.acc = self.acc & M16 | value << 16 if x else self.acc & HIGH16 | value
 
     def t(self) -> int:
@@ -256,7 +268,7 @@ class Cpu:
     def put_t(self, value: int) -> None:
         self.xt = self.xt & M16 | value << 16
 
-    def put_ar(self, n: int, value: int) -> None:
+    def put_ar(self, n: int, value: int) -> None:  # core: C only
         """The lower half of XARn; the upper one is kept."""
         self.xar[n] = self.xar[n] & HIGH16 | value & M16
 
@@ -264,16 +276,16 @@ class Cpu:
         """ACC:P, signed."""
         return s32(self.acc) * ACC_UNIT | self.p
 
-    def put_acc_p(self, value: int) -> None:
+    def put_acc_p(self, value: int) -> None:  # core: C only
         """With its flags. What is beyond 64 bits is left out."""
         self.acc, self.p = value >> 32 & M32, value & M32
         self.n, self.z = self.acc >> 31, int(not self.acc | self.p)
 
-    def x16(self, value: int) -> int:
+    def x16(self, value: int) -> int:  # core: C only
         """16 bits extended to 32 as SXM says."""
         return value | HIGH16 if self.sxm and value & SIGN16 else value
 
-    def psh(self) -> int:
+    def psh(self) -> int:  # core: C only
         """P shifted by PM, to 32 bits."""
         if self.pm == 0:
             return self.p << 1 & M32
@@ -281,7 +293,7 @@ class Cpu:
 
     # Operands -----------------------------------------------------------------------
 
-    def locate(self, f: Operation) -> None:
+    def locate(self, f: Operation) -> None:  # core: C only
         """Find the operand of a field: `ea`, and the effects of its mode [SPRU430F Table 5-1]."""
         self.field = field = f.l
         self.high_byte = False
@@ -341,7 +353,7 @@ class Cpu:
             xar[6] = self.ea & HIGH16 | low
             self.arp = 6
 
-    def read16(self) -> int:
+    def read16(self) -> int:  # core: C only
         if self.ea >= 0:
             return self.load16(self.ea)
         field = self.field
@@ -360,7 +372,7 @@ class Cpu:
                 return self.xt >> 16
         return self.sp
 
-    def write16(self, value: int) -> None:
+    def write16(self, value: int) -> None:  # core: C only
         if self.ea >= 0:
             self.store16(self.ea, value)
             return
@@ -378,7 +390,7 @@ class Cpu:
         else:
             self.sp = value
 
-    def read32(self) -> int:
+    def read32(self) -> int:  # core: C only
         if self.ea >= 0:
             return self.load32(self.ea)
         field = self.field
@@ -386,7 +398,7 @@ class Cpu:
             return self.xar[field & 7]
         return self.acc if field < 0xAA else self.p if field < 0xAC else self.xt
 
-    def write32(self, value: int) -> None:
+    def write32(self, value: int) -> None:  # core: C only
         if self.ea >= 0:
             self.store32(self.ea, value)
             return
@@ -400,19 +412,19 @@ class Cpu:
         else:
             self.xt = value
 
-    def beside(self, words: int) -> int:
+    def beside(self, words: int) -> int:  # core: C only
         """The address so many words behind the operand's."""
         if self.ea < 0:
             raise IllegalOperation("an instruction that writes beside its operand has a register there")
         return self.ea + words & M32
 
-    def move16(self, value: int) -> None:
+    def move16(self, value: int) -> None:  # core: C only
         """Write the operand; N and Z where it is AL or AH (nz@AX)."""
         self.write16(value)
         if self.ea < 0 and self.field in (0xA8, 0xA9):
             self.nz16(value)
 
-    def move32(self, value: int) -> None:
+    def move32(self, value: int) -> None:  # core: C only
         """Write the operand; N and Z where it is ACC (nz@ACC)."""
         self.write32(value)
         if self.ea < 0 and self.field in (0xA8, 0xA9):
@@ -442,48 +454,48 @@ class Cpu:
 
     # The stack ----------------------------------------------------------------------
 
-    def push16(self, value: int) -> None:
+    def push16(self, value: int) -> None:  # core: C only
         self.store16(self.sp, value)
         self.sp = self.sp + 1 & M16
 
-    def pop16(self) -> int:
+    def pop16(self) -> int:  # core: C only
         self.sp = self.sp - 1 & M16
         return self.load16(self.sp)
 
-    def push32(self, value: int) -> None:
+    def push32(self, value: int) -> None:  # core: C only
         self.store32(self.sp, value)
         self.sp = self.sp + 2 & M16
 
-    def pop32(self) -> int:
+    def pop32(self) -> int:  # core: C only
         self.sp = self.sp - 2 & M16
         return self.load32(self.sp)
 
-    def push_pair(self, low: int, high: int) -> None:
+    def push_pair(self, low: int, high: int) -> None:  # core: C only
         """Two words where SP is, whatever its parity."""
         self.push16(low)
         self.push16(high)
 
-    def pop_pair(self) -> int:
+    def pop_pair(self) -> int:  # core: C only
         """Two words before SP, whatever its parity, the lower one first."""
         high = self.pop16()
         return self.pop16() | high << 16
 
 
-def s16(value: int) -> int:
+def s16(value: int) -> int:  # core: noexcept
     return (value ^ SIGN16) - SIGN16
 
 
-def s32(value: int) -> int:
+def s32(value: int) -> int:  # core: noexcept
     return (value ^ SIGN32) - SIGN32
 
 
-def reversed_carry(low: int, index: int, subtract: bool) -> int:
+def reversed_carry(low: int, index: int, subtract: bool) -> int:  # core: noexcept
     """16 bits added or subtracted with the carry running from bit 15 to bit 0."""
     first, second = mirrored(low), mirrored(index)
     return mirrored((first - second if subtract else first + second) & M16)
 
 
-def mirrored(value: int) -> int:
+def mirrored(value: int) -> int:  # core: noexcept
     """16 bits in the opposite order."""
     value = (value & 0x5555) << 1 | value >> 1 & 0x5555
     value = (value & 0x3333) << 2 | value >> 2 & 0x3333

@@ -3,11 +3,15 @@
 C is the last bit shifted out, 0 for a shift of 0. Source: SPRU430F chapter 6.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .accumulator import logic
 from .half_words import put
 from .registers import M16, M32, Cpu, Operation, s16, s32
+
+__all__ = ("bind",)  # the instructions and what they share are called from C only
 
 
 def left(cpu: Cpu, value: int, shift: int, bits: int) -> int:

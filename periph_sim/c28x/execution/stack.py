@@ -3,9 +3,13 @@
 A pair's second name is the lower half. POP ACC, PUSH XAR4 and their like are moves. Source: SPRU430F chapter 6.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .registers import CODE, HIGH16, M16, SPA, Cpu, Operation
+
+__all__ = ("bind",)  # the instructions and what they share are called from C only
 
 
 def _push_halves(cpu: Cpu, n: int, shift: int) -> None:

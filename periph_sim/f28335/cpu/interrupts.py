@@ -26,6 +26,8 @@ Chosen:
 - Real-time emulation mode is not modelled: DBGIER is only kept.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections import deque
@@ -101,6 +103,10 @@ class Context(NamedTuple):
 
 class CpuInterrupts:
     """Times are SYSCLKOUT cycles, never falling from call to call."""
+
+    entry_cycles: int
+    vector_delay: int
+    vector_waits: int
 
     def __init__(self, options: SystemOptions) -> None:
         latency = options.int_latency.unrecorded() - IFR_DELAY
@@ -224,10 +230,10 @@ class CpuInterrupts:
         self._options.vector_fetch_waits.assume(self.touched)
         if number > MASKABLE:
             self._nonmaskable &= ~(1 << number - EMUINT)
-            return self._save(number, now + self.entry_cycles)
+            return self.save(number, now + self.entry_cycles)
         bit = self._bit(number)
         self.ifr &= ~bit
-        context = self._save(number, now + self.entry_cycles)
+        context = self.save(number, now + self.entry_cycles)
         self.ier &= ~bit
         return context
 
@@ -236,18 +242,18 @@ class CpuInterrupts:
         self._sync(now)
         if not 0 <= number < 32:
             raise ValueError(f"there is no TRAP #{number}; expected 0 to 31")
-        return self._save(number, now + cpu_costs.TRAP + self._options.vector_fetch_waits.assume(self.touched))
+        return self.save(number, now + cpu_costs.TRAP + self._options.vector_fetch_waits.assume(self.touched))
 
     def intr(self, now: int, number: int) -> Context:
         """INTR: as the interrupt itself, but whatever the masks say. EMUINT and NMI act as TRAP."""
         self._sync(now)
         first = now + cpu_costs.INTR + self._options.vector_fetch_waits.assume(self.touched)
         if number in (EMUINT, NMI):
-            return self._save(number, first)
+            return self.save(number, first)
         bit = self._bit(number)
         if self.ifr & bit and self._options.intr_clears_ifr.assume(self.touched):
             self.ifr &= ~bit
-        context = self._save(number, first)
+        context = self.save(number, first)
         self.ier &= ~bit
         return context
 
@@ -357,7 +363,7 @@ class CpuInterrupts:
             self.ifr |= bit
             self.next_wake = self._coming[0][0] if self._coming else NEVER
 
-    def _save(self, number: int, first_instruction: int) -> Context:
+    def save(self, number: int, first_instruction: int) -> Context:
         context = Context(number, self.sp, self.st1, self.ier)
         self.nested += 1
         self.sp = self.sp + CONTEXT_SP & 0xFFFF

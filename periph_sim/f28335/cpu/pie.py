@@ -18,7 +18,11 @@ Chosen:
 - A request in the cycle of the vector fetch comes before it.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import NEVER, NOTHING, Chip, Note
 from ..system.options import SystemOptions
@@ -40,10 +44,16 @@ ENPIE = PIECTRL["ENPIE"].mask
 PIEVECT = PIECTRL["PIEVECT"].mask
 
 
+@final
 class Pie(Chip):
     """Groups are numbered 1 to 12, lines 1 to 8, as in the manual."""
 
     MAP = MAP
+    _as_reset: int
+    _lines_held: list[int]
+    _set_at: list[int]
+    _set_now: list[int]
+    _seen: list[int]
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
     LINES: tuple[str, ...] = ()

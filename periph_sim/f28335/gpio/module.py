@@ -32,11 +32,16 @@ Chosen:
 - GPIOLPMSEL and GPIOXNMISEL are only stored.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import TYPE_CHECKING, final
 
 from ...core import chip
 from ...core.chip import NEVER
 from ...core.registers import Register
+from ...form.c_types import BigInt
 from ..system.options import SystemOptions
 from . import register_map as at
 from .pin_mux_table import INPUTS
@@ -44,6 +49,9 @@ from .qualifier import Qualifier
 from .register_map import BIT, PINS
 from .routes import Routes
 from .settings import ALL, DIRECTIONS, PULL_UPS, GpioSettings
+
+if TYPE_CHECKING:
+    from ...core.options import IntOption
 
 CONFIGURATION_DELAY = 2  # cycles from a write to MUX or QSEL until it acts
 NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # GPIOINENCLK does not act on the I2C pins and port C
@@ -67,11 +75,29 @@ PADS = tuple(f"GPIO{n}" for n in range(PINS))
 HALF_AT = BIT[::16]  # the lowest pin of each half of a port
 
 
+@final
 class Gpio(GpioSettings):
     """pads: mask of the levels at the pads. watched: mask of the pins that feed an XINT line the owner listens to."""
 
     INPUTS = PADS
     OUTPUTS = PADS
+    pads: BigInt
+    watched: BigInt
+    driven: BigInt
+    driven_high: BigInt
+    gpio_out_delay: IntOption
+    _wired: BigInt
+    _before: BigInt
+    _qualified: BigInt
+    _latch: BigInt
+    _asynchronous: BigInt
+    _sampled: BigInt
+    _dead: BigInt
+    _pull_ups: BigInt
+    _outputs: BigInt
+    _settles: BigInt
+    _pads_then: BigInt
+    _qualified_then: BigInt
     LINES: tuple[str, ...] = ()
 
     def __init__(self, options: SystemOptions) -> None:
@@ -109,13 +135,13 @@ class Gpio(GpioSettings):
 
     # Pads and peripherals ----------------------------------------------------
 
-    def wire(self, pads: int) -> None:
+    def wire(self, pads: BigInt) -> None:
         """From now on the owner tells the levels of the pads in this mask. ValueError if there is no such pad."""
         if pads & ~ALL:
             raise ValueError(f"there is no GPIO{pads.bit_length() - 1}; the pins are GPIO0 to GPIO{PINS - 1}")
         self._wired |= pads
 
-    def edges(self, now: int, levels: int, exact: bool = True) -> None:
+    def edges(self, now: int, levels: BigInt, exact: bool = True) -> None:
         """The levels at all pads that are wired, in place of `pins`; `exact` if they changed on the SYSCLKOUT edge."""
         if self.next_wake < now:
             self._catch_up(now - 1)
@@ -123,11 +149,11 @@ class Gpio(GpioSettings):
         if moved:
             self._flip(now, moved, exact)
 
-    def only_shows(self, pads: int) -> bool:
+    def only_shows(self, pads: BigInt) -> bool:
         """Whether an edge at these pads is seen by who reads their level, and by nobody else."""
         return not pads & (self._sampled | self.watched)
 
-    def moved_before(self, pads: int) -> None:
+    def moved_before(self, pads: BigInt) -> None:
         """These pads, which only show, moved in a cycle before the present one."""
         self.pads ^= pads
         self._before ^= pads
@@ -152,7 +178,7 @@ class Gpio(GpioSettings):
         self._catch_up(now)
         return self._routes.level(signal, self._shown(now))
 
-    def pulled_up(self) -> int:
+    def pulled_up(self) -> BigInt:
         """Mask of the pins whose pull-up is on."""
         return self._pull_ups
 
@@ -250,6 +276,7 @@ class Gpio(GpioSettings):
 
     def _step(self, now: int) -> None:
         """Everything due in cycle `now`: samples, then outputs, then new settings."""
+        qualifier: Qualifier
         for pin, qualifier in self._qualifiers.items():
             if qualifier.due <= now:
                 qualifier.advance(now)
@@ -269,18 +296,19 @@ class Gpio(GpioSettings):
         self._plan()
 
     def _plan(self) -> None:
-        when = self._settle_at
+        when: int = self._settle_at
         if self._outs:
             when = min(when, self._outs[0][0])
         if self._waiting:
             when = min(when, self._waiting[0][0])
+        qualifier: Qualifier
         for qualifier in self._qualifiers.values():
             when = min(when, qualifier.due)
         self.next_wake = when
 
     # From pads to levels -----------------------------------------------------
 
-    def _flip(self, now: int, bits: int, exact: bool) -> None:
+    def _flip(self, now: int, bits: BigInt, exact: bool) -> None:
         """The pads in `bits` changed."""
         settling = self._settle_at <= now  # an edge of the cycle before, on whichever pin, shows now
         if not exact and self._edge_at == now:
@@ -297,16 +325,16 @@ class Gpio(GpioSettings):
         if settling or bits & self.watched:
             self._tell_xints(now)
 
-    def _sample(self, now: int, bits: int) -> None:
+    def _sample(self, now: int, bits: BigInt) -> None:
         for pin, qualifier in self._qualifiers.items():
             if bits >> pin & 1 and not self._dead >> pin & 1:
                 qualifier.edge(now, self.pads >> pin & 1)
         self._plan()
 
-    def _synchronised(self, now: int) -> int:
+    def _synchronised(self, now: int) -> BigInt:
         return self._before if self._edge_at == now else self.pads
 
-    def _shown(self, now: int) -> int:
+    def _shown(self, now: int) -> BigInt:
         """Mask of the levels behind synchroniser and qualifier in cycle `now`."""
         level = self._synchronised(now) & ~self._asynchronous | self.pads & self._asynchronous
         return (level & ~self._sampled | self._qualified & self._sampled) & ~self._dead
@@ -320,7 +348,7 @@ class Gpio(GpioSettings):
             self._words_then = [shown >> shift & 0xFFFF for shift in WORDS]
         return self._words_then
 
-    def _tell_signals(self, now: int, routes: Routes, shown: int) -> None:
+    def _tell_signals(self, now: int, routes: Routes, shown: BigInt) -> None:
         """Tell in `changed` which inputs differ from those of these routes with these levels at their pins."""
         shown_now = self._shown(now)
         if routes is self._routes and shown == shown_now:
@@ -371,15 +399,19 @@ class Gpio(GpioSettings):
         self._asynchronous = self._settings.asynchronous & ~self._routes.gpio
         self._level_then = None
         self._sampled = 0
+        pin: int
+        samples: int
         for pin, samples in self._settings.sampled:
             self._sampled |= BIT[pin]
             self._update_sampler(now, pin, samples, shown >> pin & 1)
         self._qualifiers = {pin: q for pin, q in self._qualifiers.items() if self._sampled >> pin & 1}
         self._qualified = 0
+        qualifier: Qualifier
         for pin, qualifier in self._qualifiers.items():
             if qualifier.qualified:
                 self._qualified |= BIT[pin]
         self.watched = 0  # mask: pins that feed a watched XINT line
+        line: int
         for line in range(len(at.XINT_SELECTS)):
             if self._watching >> line & 1:
                 self.watched |= BIT[self._xint_pin(line)]
@@ -393,7 +425,7 @@ class Gpio(GpioSettings):
         """The sampler of a pin with its settings in force; a dead pin's starts over from 0."""
         dead = self._dead >> pin & 1
         period, origin = self._periods[pin // 8], self._origins[pin // 8]
-        qualifier = self._qualifiers.get(pin)
+        qualifier: Qualifier | None = self._qualifiers.get(pin)
         if qualifier is None or dead:
             qualifier = Qualifier(now, 0 if dead else shown, period, samples, origin)
             self._qualifiers[pin] = qualifier
@@ -405,7 +437,7 @@ class Gpio(GpioSettings):
 
     # From latches to pads ----------------------------------------------------
 
-    def _write_data(self, offset: int, word: int) -> None:
+    def _write_data(self, offset: int, word: BigInt) -> None:
         """One half of DAT, SET, CLEAR or TOGGLE. offset: in the data registers."""
         port, place = divmod(offset, at.DATA_WORDS)
         which = place & ~1

@@ -20,13 +20,18 @@ Chosen:
   samples keeps the samples already taken.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import NEVER
 
 DEPTH = 6  # more samples than this are never asked for
 
 
+@final
 class Qualifier:
     """level: what it starts with, as if sampled for long. origin: a cycle in which the prescaler sampled."""
 

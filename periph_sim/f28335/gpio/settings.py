@@ -5,14 +5,17 @@
 Source: SPRUFB0D sections 6.4 to 6.6, Tables 42 to 49.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from functools import lru_cache
 
 from ...core.chip import Chip, Note
+from ...form.c_types import BigInt
 from . import register_map as at
 from .register_map import PINS
-from .routes import idle_level, note_for, routes_of
+from .routes import Routes, idle_level, note_for, routes_of
 
 ALL = (1 << PINS) - 1
 SYNCHRONISED_ONLY = 64  # from this pin on: port C has no QSEL
@@ -44,7 +47,7 @@ ASYNCHRONOUS = 3  # QSEL
 AT_RESET = {register.offset: register.reset for register in at.GPIO}
 
 
-class PinSettings:
+class PinSettings:  # core: python
     """What MUX and QSEL say: the values of CONFIGURED go in. mux: of each pin, 0 to 3.
 
     sampled: (pin, samples) of those that a sampler qualifies. asynchronous: mask of those that nothing does.
@@ -75,6 +78,11 @@ class GpioSettings(Chip):
 
     MAP = at.GPIO
     steady = STEADY
+
+    _periods: list[int]
+    _origins: list[int]
+    _settings: PinSettings
+    _routes: Routes
 
     def __init__(self) -> None:
         self.writes = 0
@@ -111,16 +119,18 @@ class GpioSettings(Chip):
                 self.notes.append(Note("duty", text, "SPRUFB0D section 6.5, Table 46"))
 
     def _take_periods(self, now: int) -> None:
+        port: int
         for port, offset in enumerate(CONTROLS):
-            control = self._active[offset]
+            control: int = self._active[offset]
             periods = [2 * (control >> 8 * i & 0xFF) or 1 for i in range(4)]
             if periods != self._periods[4 * port : 4 * port + 4]:
                 self._periods[4 * port : 4 * port + 4] = periods
                 self._origins[4 * port : 4 * port + 4] = [now] * 4
 
-    def _ports(self, offsets: tuple[int, ...]) -> int:
+    def _ports(self, offsets: tuple[int, ...]) -> BigInt:
         """One mask of all pins from a register of each port."""
         pins = 0
+        i: int
         for i, offset in enumerate(offsets):
             pins |= self._stored[offset] << 32 * i
         return pins & ALL

@@ -6,7 +6,11 @@
 Source: SPRUG03B sections 2.5, 5.8, Table 10 (AAS, AD0).
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from .register_map import MDR_XA
 from .registers import I2cRegisters
@@ -15,6 +19,7 @@ GENERAL_CALL, START_BYTE = 0, 1
 TEN_BIT = 0b11110
 
 
+@final
 class I2cAddress:
     """read: the byte looked at last asks us to send. selected: a 10-bit address matched in full in this transfer."""
 

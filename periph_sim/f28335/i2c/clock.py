@@ -8,6 +8,8 @@ A low that others lengthen delays the high phase, a low that others begin starts
 Source: SPRUG03B sections 2.3, 5.7, Table 15.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...core.chip import NEVER
@@ -101,7 +103,7 @@ class I2cClock:
         self._waits_for_rise = False
         self._high_phase = True
         self._rose_at = now
-        late = 0
+        late: int = 0
         if now > self._let_go_at:
             late = self.state.options.scl_sync_cycles.assume(self.state.touched) * self.state.tm
         self._at(now + late + self.high(), self._after_high)

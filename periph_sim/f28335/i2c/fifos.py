@@ -8,6 +8,8 @@ Chosen:
 - In FIFO mode XRDY says that the TX FIFO has room, RRDY that the RX FIFO holds something.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...core.fifo import Fifo

@@ -8,6 +8,8 @@ Chosen:
 - A request dropped before its code was loaded (its flag was cleared) is forgotten.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...core.chip import NEVER, Note
@@ -47,7 +49,7 @@ class I2cInterrupts:
 
     def reset_flags(self) -> None:
         """XRS."""
-        self.str = I2C_MAP["I2CSTR"].reset
+        self.str: int = I2C_MAP["I2CSTR"].reset
         self.ier = self.isrc_high = self.requests = self.held = 0
         self.wanted = False  # a transmitter is in a transfer: data requests make sense
         self.nack_as_slave = False

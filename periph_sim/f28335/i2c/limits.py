@@ -5,9 +5,12 @@ sent at each START. Times follow from the SYSCLKOUT that the owner tells. Source
 5.8, 5.9; SPRS439M Table 6-31.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import final
 
 from .register_map import I2C_MAP, MDR_FDF, MDR_IRS, MDR_MST, MDR_XA, STR_BB
 from .registers import I2cRegisters
@@ -19,8 +22,12 @@ BEYOND_7_BITS = 0x380
 BYTE_ENABLES = I2C_MAP["I2CIER"]["XRDY"].mask | I2C_MAP["I2CIER"]["RRDY"].mask
 
 
+@final
 class I2cLimits:
     """sysclk_hz: SYSCLKOUT."""
+
+    sysclk_hz: Fraction
+    _clock_within_hz: Fraction
 
     def __init__(self, state: I2cRegisters) -> None:
         self.sysclk_hz = Fraction(150_000_000)

@@ -13,7 +13,11 @@ Chosen:
 - In loopback the module acknowledges itself.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import NEVER
 from .clock import (
@@ -57,6 +61,7 @@ from .registers import I2cRegisters
 FIRST_BYTE = 0x01  # what a START byte is
 
 
+@final
 class I2cMaster(I2cMasterTransmitter):
     """active: this module has the bus. sees_idle: both lines are high behind the filter."""
 

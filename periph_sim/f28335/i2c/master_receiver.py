@@ -6,6 +6,8 @@ Sending is in `master_transmitter`, commands and conditions are in `master`. Sou
 5.7, Tables 5, 6.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...core.chip import NEVER

@@ -5,6 +5,8 @@
 In loopback the byte that was sent is received, a fixed time later. Source: SPRUG03B sections 2.3 to 2.8, Tables 5, 6.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from .clock import HELD_FOR_COMMAND, HELD_FOR_DATA

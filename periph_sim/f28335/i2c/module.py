@@ -14,6 +14,8 @@ Chosen:
 - A debugger halt as slave holds SCL low from the fall that ends the byte (or the transfer) on.
 """
 
+# core: compiled without checks for None
+
 from __future__ import annotations
 
 from fractions import Fraction

@@ -8,13 +8,18 @@ come in one cycle leave in one cycle, as one change. What the filter is made of,
 `noise_filter_cycles` and `unequal_arrival`.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import NEVER
 from ...core.options import BoolOption
 from .register_map import SCL, SDA
 
 
+@final
 class I2cNoiseFilter:
     """levels: behind the filter, SCL and SDA as bits. due: the cycle of their next change, or NEVER.
 

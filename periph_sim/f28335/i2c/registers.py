@@ -7,9 +7,14 @@ Knows no edge: the bit engines (`slave`, `master`) say what happened and when, a
 so could a coarser line side. Source: SPRUG03B sections 4 (reset), 5.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
+from typing import final
+
 from ...core.chip import Note
+from ...form.c_types import Text
 from . import register_map as i2c_map
 from .fifos import DEPTH, FFINT, FFRST, I2cFifos
 from .options import I2cOptions
@@ -33,6 +38,7 @@ COMMANDS = MDR_STT | MDR_STP | MDR_NACKMOD
 RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`
 
 
+@final
 class I2cRegisters(I2cFifos):
     """Everything of the module that is not bits on wires. Times are SYSCLKOUT cycles."""
 
@@ -58,6 +64,9 @@ class I2cRegisters(I2cFifos):
         "tm",
         "xsr",
     )
+
+    filter_width: int
+    sar: int
 
     def __init__(self, options: I2cOptions) -> None:
         super().__init__(options)
@@ -276,7 +285,7 @@ class I2cRegisters(I2cFifos):
         registers = self.dxr << 44 | self.code << 40 | self.drr << 32 | self.mdr << 16 | self.str
         if not self.fifo:
             return registers
-        levels = len(self.rx_fifo) << 5 | len(self.tx_fifo)
+        levels: int = len(self.rx_fifo) << 5 | len(self.tx_fifo)
         return (self.ffrx & FFINT) << 55 | levels << 52 | (self.fftx & FFINT) << 36 | registers
 
     def bits(self) -> int:
@@ -290,7 +299,7 @@ class I2cRegisters(I2cFifos):
         """Cycles from a bit on SDA to the release of SCL; never 0, both at once could be a START or a STOP."""
         return max(1, self.options.sda_setup_before_scl_release.assume(self.touched) * self.tm)
 
-    def nack_received(self, now: int, as_slave: bool, of: str) -> None:
+    def nack_received(self, now: int, as_slave: bool, of: Text) -> None:
         """of: what was refused, for people; "" where nothing was, and NACK is set all the same."""
         self.nack_as_slave = as_slave
         if not self.str & STR_NACK:

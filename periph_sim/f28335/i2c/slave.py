@@ -13,7 +13,11 @@ Chosen:
 - With `eager_reloaded_at_address` I2CXSR is loaded anew where the read address matches, at fall 8.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import NEVER
 from .address import START_BYTE
@@ -39,6 +43,7 @@ from .slave_transmitter import ADDRESS, ADDRESS_LOW, IGNORE, LISTENS, OFF, RECEI
 MANY = 1 << 30  # edges of a bus whose bytes are for others
 
 
+@final
 class I2cSlave(I2cSlaveTransmitter):
     """pulls: mask of the lines held low. due: when it must be called by itself (`timer`), or NEVER."""
 

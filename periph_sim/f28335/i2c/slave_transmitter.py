@@ -10,12 +10,19 @@ Chosen:
 - BCM = 0: the copy comes one module clock after the write, the release of SCL after the setup time.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from ...core.chip import NEVER
 from .address import I2cAddress
 from .register_map import MDR_MST, SCL, SDA, STR_AAS, STR_NACK, STR_XRDY, STR_XSMT
 from .registers import I2cRegisters
+
+if TYPE_CHECKING:
+    from ...core.options import TextOption
 
 OFF, IGNORE, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT = range(6)
 LISTENS = ADDRESS  # and in every phase behind it: what comes may be meant
@@ -24,6 +31,8 @@ ONES = 0xFF
 
 class I2cSlaveTransmitter:
     """pulls: mask of the lines held low. due: when it must be called by itself (`timer`), or NEVER."""
+
+    _copy_point: TextOption
 
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state

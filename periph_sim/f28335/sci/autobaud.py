@@ -12,13 +12,18 @@ rate, as breaks and errors. Any other character is lost.
 Source: TI SPRUFZ5A section 1.2.10.3, table 2-11.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import NEVER
 
 PLACES = {0x41: (0, 1, 2, 7, 8, 9), 0x61: (0, 1, 2, 6, 8, 9)}
 
 
+@final
 class SciAutobaud:
     """`due`: the cycle at which `character` counts, if the line stays high until then."""
 

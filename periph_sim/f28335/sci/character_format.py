@@ -6,7 +6,11 @@ Source: TI SPRUFZ5A sections 1.2.3 and 1.2.6, table 2-3; SPRZ272N figure 3-1 for
 erratum's early search.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from .options import SciOptions
 from .register_map import SCI_MAP
@@ -22,11 +26,26 @@ DUE = {"seven_eighths": 7, "drawing": 6, "stop_end": 8}  # SCICLK periods into t
 BREAK_TICKS = {"10": 80, "9.625": 77}
 
 
+@final
 class SciFormat:
     """Bits are numbered from the start bit, 0; ticks are counted from the start bit's first low sample.
 
     Options place the search, the votes and the break; the receiver records them where a frame depends on them.
     """
+
+    data_bits: int
+    data_mask: int
+    stops: int
+    extra_bits: int
+    stop_bit: int
+    bits: int
+    stop_at: int
+    vote_at: int
+    voted_at: int
+    due: int
+    end: int
+    hunt: int
+    break_at: int
 
     def __init__(self, sciccr: int, options: SciOptions) -> None:
         self.sciccr = sciccr

@@ -13,11 +13,16 @@ changed LSPCLK keeps the number of LSPCLK edges left to the next tick.
 Source: TI SPRUFZ5A sections 1.2.7 and 2.4; SPRUFB0D section 5.1.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import NEVER
 
 
+@final
 class SciClock:
     """Stopped at first. `period`: one SCICLK in cycles."""
 

@@ -18,6 +18,8 @@ Chosen, where the manual is silent:
 Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...core.chip import ALL, NEVER, NOTHING, OUTPUTS, Chip, Note
@@ -46,6 +48,7 @@ class SciLines(Chip):
     """name: as notes call the module. options: answers to open questions."""
 
     MAP = SCI_MAP
+    _sync: int
     INPUTS: tuple[str, ...] = ("RXD",)
     OUTPUTS: tuple[str, ...] = ("TXD",)
     LINES: tuple[str, ...] = ("RXINT", "TXINT")

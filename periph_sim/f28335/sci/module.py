@@ -10,6 +10,8 @@ Chosen, where the manual is silent:
 Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...core.chip import NEVER

@@ -20,7 +20,11 @@ Chosen, where the manual is silent:
 Source: TI SPRUFZ5A sections 1.2.4 to 1.2.10, tables 2-7, 2-8, 2-10.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.fifo import Fifo
 from .options import SciOptions
@@ -50,8 +54,11 @@ RXFFIL = SCIFFRX["RXFFIL"].mask  # from bit 0 on
 DEPTH = 16
 
 
+@final
 class SciRx:
     """`request`: RXINT was asked for since the owner last set this to False."""
+
+    sciffrx: int
 
     def __init__(self, options: SciOptions, touched: set[str]) -> None:
         self.options = options

@@ -23,7 +23,11 @@ Chosen, where the manual is silent:
 Source: TI SPRUFZ5A sections 1.2.5 to 1.2.8, table 2-7; SPRZ272N figure 3-1.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from .character_format import SciFormat
 from .options import SciOptions
@@ -39,6 +43,7 @@ IDLE_TICKS = 80  # ten bits
 VOTE = 0b11101000  # bit n: the majority of the three samples that are the bits of n
 
 
+@final
 class SciRxBits:
     """After `step` returned FRAME: `word` with its marks, and `address`, 1 for an address frame.
 
@@ -174,7 +179,7 @@ class SciRxBits:
         """Go through the runs up to `tick` until a start bit is accepted."""
         toggles = self._toggles
         while True:
-            end = toggles[0] if toggles else FAR
+            end: int = toggles[0] if toggles else FAR
             if self._level:
                 if not self._idle and self._high_from + IDLE_TICKS <= min(end, tick):
                     self._idle = True
@@ -198,6 +203,7 @@ class SciRxBits:
             self._low_from = tick
 
     def _end_break_on_high(self, tick: int) -> None:
+        t: int
         for t in self._toggles:
             if t > self._missing_stop:
                 if t <= min(tick, self._break_at):
@@ -217,8 +223,12 @@ class SciRxBits:
         start, frame = self._start, self._frame
         stop_at = frame.stop_at
         last = stop_at + 8
+        third: int
+        fourth: int
+        fifth: int
         third = fourth = fifth = 0  # bit n: sub-samples 4, 5 and 6 of the frame's bit n, those that are voted on
-        stop = 0  # bit n: the sample n ticks into the stop bit
+        stop: int = 0  # bit n: the sample n ticks into the stop bit
+        t: int
         for t in self._toggles:
             t -= start
             if t > last:
@@ -280,7 +290,8 @@ class SciRxBits:
     def _drop(self, tick: int) -> None:
         """Take the toggles up to `tick` as past."""
         toggles = self._toggles
-        passed = 0
+        passed: int = 0
+        t: int
         for t in toggles:
             if t > tick:
                 break
@@ -301,12 +312,13 @@ class SciRxBits:
         if not self._open:
             self.next_tick = FAR
             return
-        due = self._break_at
+        due: int = self._break_at
         if self.framed:
             self.next_tick = min(due, self._start + self._frame.due)
             return
         level, low_from, high_from = self._level, self._low_from, self._high_from
         watch = self.watch_idle and not self._idle
+        end: int
         for end in self._toggles:
             if level:
                 if watch and high_from + IDLE_TICKS <= end:

@@ -17,9 +17,11 @@ Chosen, where the manual is silent:
 Source: TI SPRUFZ5A sections 1.2.3 to 1.2.10, tables 2-4, 2-6, 2-9, 2-11.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, final
 
 from ...core.chip import NEVER
 from ...core.fifo import Fifo
@@ -59,12 +61,15 @@ class SentWord(NamedTuple):
     end: int
 
 
+@final
 class SciTx:
     """`request`: TXINT was asked for since the owner last set this to False.
 
     mark: the owner's number for a write of SCITXBUF to come. out_mark: that of the word whose bits TXD shows; 0 once
     it was cut off. The FIFO keeps marks above the eight bits of its words.
     """
+
+    scifftx: int
 
     def __init__(self, options: SciOptions, clock: SciClock, layout: SciFormat, touched: set[str]) -> None:
         self.options = options

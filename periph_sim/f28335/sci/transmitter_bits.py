@@ -8,11 +8,16 @@ meanwhile.
 Source: TI SPRUFZ5A sections 1.2.3 and 1.2.7.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from .receiver_bits import FAR
 
 
+@final
 class SciTxBits:
     """A bit is eight ticks. `level` is what TXD has, `next_tick` when it changes.
 

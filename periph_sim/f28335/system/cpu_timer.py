@@ -19,7 +19,11 @@ Chosen:
 - The timer does not know breakpoints; FREE and SOFT are only kept.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import ALL, NEVER, Chip, Note
 from .cpu_timer_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
@@ -32,10 +36,13 @@ TSS = TCR["TSS"].mask
 AT_TCR, AT_TIM, AT_TIMH, AT_PRD, AT_PRDH, AT_TPR, AT_TPRH = (r.offset for r in (TCR, TIM, TIMH, PRD, PRDH, TPR, TPRH))
 
 
+@final
 class CpuTimer(Chip):
     """number: 0, 1 or 2. Runs from reset, as the hardware does."""
 
     MAP = MAP
+    base: int
+    _tcr: int
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
     LINES: tuple[str, ...] = ("TINT",)

@@ -6,11 +6,14 @@ Flash, OTP and boot ROM are not here: nothing of this project runs from them yet
 Source: SPRS439M Figure 3-2 (map), Table 3-5 (wait states); SPRUFB0D Tables 86 (EALLOW), 112 (vectors).
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple, final
 
+from ...form.c_types import UInt16
 from ..cpu.pie_map import VECTOR_TABLE
 
 MEMORY = "memory"  # in records, in place of a module's name
@@ -56,19 +59,25 @@ def block_at(address: int) -> RamBlock | None:
     return BY_PAGE[address >> PAGE] if 0 <= address < END else None
 
 
+@final
 class HighRam:
     """The words of L0 to L7."""
 
     __slots__ = ("words",)
 
+    words: Annotated[list[UInt16], HIGH_WORDS]
+
     def __init__(self) -> None:
         self.words = [0] * HIGH_WORDS
 
 
+@final
 class Ram:
     """The words by address. Who uses an address makes sure that `block_at` knows it."""
 
     __slots__ = ("_high", "_low")
+
+    _low: Annotated[list[UInt16], LOW_WORDS]
 
     def __init__(self) -> None:
         self._low = [0] * LOW_WORDS

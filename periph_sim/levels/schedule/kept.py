@@ -7,9 +7,12 @@ So what the CPU does, in cycles from c on, is a function of two small numbers, w
 intervals between the parts r lies, and where in a pass of the polls the edge of AAS meets the firmware.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated, final
 
 from .kept_margins import KeptMargins
 
@@ -19,11 +22,14 @@ BUCKETS = 128  # in which intervals are looked for
 PLACES = 1 << 18  # that are kept at the most
 
 
+@final
 class Kept:
     """of: the clock that it was worked out for; 0: none. In cycles from c on, where it ends, and the marks of the code
     behind it. Of I2CSTR's writes and of waits for a START that is still to come, the largest and smallest part of a
     value, ceil((part - r) / den). landed: of a read, the cycles from c on in which its writes landed.
     """
+
+    landed: Annotated[list[int], BYTES]
 
     def __init__(self) -> None:
         self.of = self.end = self.off = self.ready = 0
@@ -36,8 +42,16 @@ class Kept:
 NOTHING = Kept()  # is never of any clock
 
 
+@final
 class Memory:
     """edges: ticks from a START. poll: cycles of a pass. whole, part: of each edge, with the clock that is set."""
+
+    whole: Annotated[list[int], EDGES]
+    part: Annotated[list[int], EDGES]
+    _edges: Annotated[list[int], 128]
+    _ends: Annotated[list[int], EDGES]
+    _buckets: Annotated[list[int], BUCKETS]
+    _phases: int
 
     def __init__(self, edges: Sequence[int], poll: int) -> None:
         assert len(edges) < EDGES  # the last interval ends after the last edge
@@ -56,13 +70,15 @@ class Memory:
             ticks = self._edges[place] * den
             self.whole[place] = ticks // num
             self.part[place] = ticks - self.whole[place] * num
+        end: int
         for place, end in enumerate(sorted([self.part[place] for place in range(count)])):
             self._ends[place] = end
         self._ends[count] = num
         self._shift = 0
         while num >> self._shift >= BUCKETS:
             self._shift += 1
-        interval = 0
+        interval: int = 0
+        bucket: int
         for bucket in range(BUCKETS):
             while interval < count and self._ends[interval] <= bucket << self._shift:
                 interval += 1
@@ -76,7 +92,7 @@ class Memory:
         interval = self._buckets[rest >> self._shift]
         while self._ends[interval] <= rest:
             interval += 1
-        found = self._kept[interval * self._phases + phase]
+        found: Kept | None = self._kept[interval * self._phases + phase]
         return self._new(interval * self._phases + phase) if found is None else found
 
     def _new(self, place: int) -> Kept:

@@ -6,12 +6,17 @@
 least one. `alone` asks for more than that: no other part within `den` of either.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from .one_lane import FAR, Lane
 from .value_range import ValueRange
 
 
+@final
 class KeptMargins:
     """most, least: the extreme parts. alone: True if no other part is within `den` of either.
 
@@ -30,7 +35,7 @@ class KeptMargins:
 
     def add(self, part: int, let_go: int, landed: int) -> None:
         """Add a byte; the largest part so far may lose its place, but stays close to the new one or far from it."""
-        near = -self._den < part - self.most < self._den or -self._den < part - self.least < self._den
+        near: bool = -self._den < part - self.most < self._den or -self._den < part - self.least < self._den
         if part > self.most:
             self.most = part
             self._most_let_go, self._most_landed = let_go, landed

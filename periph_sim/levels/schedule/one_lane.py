@@ -9,12 +9,16 @@ so a latch is worked out only where these bounds do not say on which side of an 
 wait moves the passes behind it by `service`, modulo a pass, wherever it comes: `wait_from_far` needs no more.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from array import array
+from typing import final
 
 import numpy as np
 
+from ...form.c_types import Buffer
 from .clock import Ints
 from .code import CodeTable
 from .receiver import Receiver
@@ -25,8 +29,18 @@ FAR_PART = 1 << 62  # more than any cycle * num
 UNKNOWN = -1  # a latch that is not worked out
 
 
+@final
 class Piece:
     """A `CodeTable` for one lane. first_marks, second_marks: by latch; calm_first, calm_second: of no interrupt."""
+
+    length: int
+    first: int
+    last: int
+    calm_first: int
+    calm_second: int
+    lengths: Buffer[int]
+    first_marks: Buffer[int]
+    second_marks: Buffer[int]
 
     def __init__(self, table: CodeTable) -> None:
         self.length, self.first, self.last = table.length, table.first, table.last
@@ -40,12 +54,23 @@ def _array(numbers: list[int]) -> array[int]:
     return array("q", numbers)
 
 
+@final
 class Lane:
     """One scenario's CPU. lowest: a lower bound of the next latch * num. number: of its frame; begun, before: ticks at
     which that frame begins, and the one before; first_begun: the first one.
 
     mark, second_mark: of the code that ran last. by_other: the last `split` ended by the other flag.
     """
+
+    service: int
+    waits: int
+    _ahead: int
+    _high: int
+    _margin: int
+    _edge: int
+    _sync: int
+    _period: int
+    _behind: int
 
     def __init__(self, terms: Terms, receiver: Receiver) -> None:
         self.service, self.waits = terms.service, terms.waits

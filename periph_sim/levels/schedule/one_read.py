@@ -3,7 +3,11 @@
 Wait by wait; or, where no interrupt comes in it, as it was kept of a read that was alike.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import Annotated, final
 
 from .kept import BYTES, EDGES, NOTHING, Memory
 from .kept_margins import KeptMargins
@@ -14,12 +18,26 @@ from .value_range import ValueRange
 AAS, AGAIN, RRDY, SDIR, NEEDS = range(5)  # places of the bus edges
 
 
+@final
 class OneRead:
     """The read of one chip. margins, cleared: take its values.
 
     After `work`: hung; stop, again: ticks of the STOP and the repeated START; end: of the code behind it, off, ready:
     as its marks; held, response: ticks. let_go: where it hangs, when SCL is let go for ever.
     """
+
+    poll: int
+    refused: int
+    eighth: int
+    _edges: Annotated[list[int], 128]
+    _let_gos: Annotated[list[int], BYTES]
+    _rises: Annotated[list[int], BYTES]
+    _landed: Annotated[list[int], BYTES]
+    _seen: int
+    _low: int
+    _poll_two: int
+    _second: int
+    _release: int
 
     def __init__(self, terms: Terms, number: int, lane: Lane, margins: ValueRange, cleared: ValueRange) -> None:
         bus, code = terms.bus[number], terms.reads[number]

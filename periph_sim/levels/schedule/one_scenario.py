@@ -4,7 +4,11 @@ The rules are those of `rounds`, which passes over arrays of all scenarios. Here
 where the module is compiled. A round without an interrupt comes to what it came to before, as `kept` has it.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from .clock import Ints
 from .kept import NOTHING, Kept, Memory
@@ -26,10 +30,31 @@ MISSED, NACKED, NACKED_ROUNDS, OVER, DUE, HELD, PHASES, HUNG_AT, REFUSED = range
 FOUND = COUNTS + 9
 
 
+@final
 class OneScenario:
     """costs, late, begins: draws of all seeds, those of a seed in a row; each empty where nothing is drawn. late: ticks
     by which frames are late; begins: by which rounds are.
     """
+
+    _response: ValueRange
+    _round: ValueRange
+    _slack: ValueRange
+    _age: ValueRange
+    _margin: ValueRange
+    _model: ValueRange
+    _asked: ValueRange
+    _cleared: ValueRange
+    _poll: int
+    _length: int
+    _low: int
+    _first_again: int
+    _last_again: int
+    _bytes: int
+    _free: int
+    _gap: int
+    _seen: int
+    _margin_cycles: int
+    _first_model: int
 
     def __init__(self, terms: Terms, receiver: Receiver, line_end: int, costs: Ints, late: Ints, begins: Ints) -> None:
         self._costs, self._begins = costs, begins
@@ -66,6 +91,7 @@ class OneScenario:
         count: rounds. jitter: ticks by which one may begin late. pause: as the host is paced. length: frames of each.
         """
         self._lane.hosts(self._late, len(self._late) > 0, pause, length)
+        row: int
         for row in range(len(given) // GIVEN):
             self._one(given, found, row, count, jitter)
 
@@ -73,6 +99,7 @@ class OneScenario:
         at, lane = row * GIVEN, self._lane
         if given[at + NUM] != lane.num or given[at + DEN] != lane.den or not self._clocks:
             self._of_clock(given[at + NUM], given[at + DEN])
+        range_: ValueRange
         for range_ in self._ranges:
             range_.clear()
         lane.host(given[at + HOST_FIRST], given[at + FRAME_NUM], given[at + FRAME_DEN], given[at + FRAMES_AT])
@@ -108,11 +135,13 @@ class OneScenario:
         lane.num, lane.den = num, den
         self._clocks += 1
         self._memory.of_clock(num, den)
+        read: OneRead
         for read in self._reads:
             read.of_clock(self._clocks)
         takes = self._margin_cycles * num
         self._margin.takes_least, self._margin.takes_most = takes // den, -(-takes // den)
         self._model.takes_most = 1  # floor(part / den), where the others are its ceiling
+        range_: ValueRange
         for range_ in self._ranges:
             range_.den = den
 
@@ -182,8 +211,11 @@ class OneScenario:
     def _by_reads(self, kept: Kept, start: int, cycle: int, rest: int) -> None:
         """One read after the other; they are kept where nothing comes between."""
         lane, number, chips = self._lane, self._lane.number, self._chips
+        plain: bool
         begun, first_rest, plain = cycle, rest, True
         first_start = start
+        cleared_most: int
+        cleared_least: int
         cleared_most, cleared_least, asked_most, asked_least = -FAR, FAR, -FAR, FAR
         self._unheard = False
         for chip in range(chips):
@@ -276,6 +308,7 @@ class OneScenario:
 
     def _tell(self, found: Ints, at: int) -> None:
         place = at
+        range_: ValueRange
         for range_ in self._ranges:
             found[place], found[place + 1], found[place + 2] = range_.worst, range_.least, range_.count
             place += 3

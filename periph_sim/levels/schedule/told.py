@@ -20,8 +20,8 @@ from ...core.records import Kind
 from ...core.time import NO_TIME
 from ...devices.sensor_rounds import Round
 from ...timing.measures.margin import Margin
-from ...timing.measures.measure import MODEL, Measure, SceneEvents
-from ...timing.measures.origins import BEFORE_ANY, Origin, Origins
+from ...timing.measures.measure import MODEL, Measure, ReadOrigins, SceneEvents
+from ...timing.measures.origins import BEFORE_ANY, Origin
 from ...timing.measures.span import SpanTime
 from ...timing.rounds import BusRounds
 from .inputs import Inputs
@@ -110,8 +110,8 @@ class Told:
         held = self._held()
         return NO_TIME if held is None else held
 
-    def origins(self) -> Origins:
-        return cast(Origins, self)
+    def origins(self) -> ReadOrigins:
+        return self
 
     def of(self, phase: Phase) -> Origin | None:
         """As origins of what a phase of the transfer that is just over has read."""

@@ -6,12 +6,17 @@ A value that is known as a fraction, ceil(part / den) less what is taken from it
     least  <=>  part <= below = (least + takes at the most - 1) * den
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 FAR = (1 << 63) - 1
 NO_VALUE = -FAR
 
 
+@final
 class ValueRange:
     """worst: NO_VALUE where there was no value; least: FAR then. count: of values."""
 

@@ -6,9 +6,11 @@
 Accesses are made in the present cycle: `access_at` says beforehand which cycle that is for an operand.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Annotated, Protocol, final
 
 from ...c28x.decoder import decode_at
 from ...c28x.delay_slots import late_results, not_kept
@@ -35,6 +37,7 @@ from ...f28335.system import clocks_map
 from ...f28335.system.address_space import Content, area_at
 from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import Ram, block_at
+from ...form.c_types import UInt8
 from ..processor import Processor
 from .elsewhere import BOOT_ROM, Elsewhere
 from .instruction_timing import InstructionTiming
@@ -59,10 +62,11 @@ class UnwrittenReads(Protocol):
     def read_unwritten(self, address: int) -> None: ...
 
 
-def in_plain_ram(address: int) -> bool:
+def in_plain_ram(address: int) -> bool:  # core: noexcept
     return address < LOW_RAM or RAM_FROM <= address < RAM_TO
 
 
+@final
 class ImageCpu(Engine):
     """watched: who is told of writes to some words of memory. reads_unwritten: and of reads of what nobody wrote.
 
@@ -70,6 +74,11 @@ class ImageCpu(Engine):
 
     returning, idling: IRET or IDLE was executed, which the program sees to.
     """
+
+    elsewhere: Elsewhere
+    _packed: Annotated[list[int], PACKED]
+    _kept: Annotated[list[int], PACKED]
+    _written: Annotated[list[UInt8], RAM_TO]
 
     def __init__(self, processor: Processor, options: SystemOptions, skip_polls: bool = True) -> None:
         self._core = processor.interrupts.core
@@ -387,7 +396,7 @@ class ImageCpu(Engine):
     def is_as_before(self) -> bool:
         """Return True if the state is that of the last call."""
         self._pack()
-        same = True
+        same: bool = True
         for place in range(PACKED):
             if self._kept[place] != self._packed[place]:
                 self._kept[place] = self._packed[place]

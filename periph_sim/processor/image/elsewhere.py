@@ -11,9 +11,12 @@
 Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW); SPRUI07 Table 2-19.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Annotated
 
 from ...c28x.execution.registers import IllegalOperation
 from ...core.chip import Note
@@ -21,6 +24,7 @@ from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.system.address_space import Area, Content, area_at
 from ...f28335.system.register_names import full_name, is_protected, register_name
 from ...f28335.unit_modules import MODULES
+from ...form.c_types import UInt8, UInt16
 from ..firmware_notes import FirmwareNotes
 
 ERASED = 0xFFFF
@@ -46,6 +50,9 @@ NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not mo
 
 class Elsewhere:
     """changed: called as a stub begins to answer something else."""
+
+    _frames: Annotated[list[UInt16], FRAMES_END]
+    _states: Annotated[list[UInt8], FRAMES_END]
 
     def __init__(self, core: CpuInterrupts, notes: FirmwareNotes) -> None:
         self.changed: Callable[[], None] | None = None
@@ -116,7 +123,7 @@ class Elsewhere:
 
     def write(self, cycle: int, address: int, value: int) -> bool:
         """A word. True if it is kept."""
-        known = self._states[address] if address < FRAMES_END else 0
+        known: int = self._states[address] if address < FRAMES_END else 0
         if known & SEEN and (self._core.eallow or not known & PROTECTED):
             self._frames[address] = value
             return True

@@ -7,7 +7,11 @@
 Rules whose numbers TI does not print are options. Source: SPRU430F 4.3, 4.4; SPRS439M Table 3-5; SPRUFB0D 2.2.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import TYPE_CHECKING, final
 
 from ...c28x import flow
 from ...c28x.execution.registers import Cpu, Operation
@@ -19,6 +23,9 @@ from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import block_at
 from .elsewhere import FLASH, FLASH_END, Elsewhere
 
+if TYPE_CHECKING:
+    from ...core.options import BoolOption
+
 UNC = 15
 BRANCHES = flow.RELATIVE | {"LB", "XB", "XBANZ"}
 PREFETCHED = 2  # address bits of a unit: flash with FOPT.ENPIPE
@@ -27,6 +34,7 @@ PUSH_FIELD = 0xBD  # *SP++
 WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3
 
 
+@final
 class InstructionTiming:
     """pipeline: stalls between instructions. queue: instructions that memory brings.
 
@@ -35,6 +43,9 @@ class InstructionTiming:
     """
 
     __slots__ = ("_ahead", "_core", "_elsewhere", "_options", "_shared", "conflicts", "late", "pipeline", "queue")
+
+    _shared: BoolOption
+    _ahead: int
 
     def __init__(self, core: CpuInterrupts, options: SystemOptions, elsewhere: Elsewhere) -> None:
         self.pipeline = Pipeline()
@@ -118,6 +129,9 @@ class InstructionTiming:
 
     def _fetch(self, f: Operation, cycle: int) -> int:
         if f.address != self.queue.expected:
+            bits: int
+            first: int
+            later: int
             bits, first, later = self._elsewhere.fetches(f.address)
             if bits == PREFETCHED:
                 self._options.flash_model.assume(self._core.touched)

@@ -12,7 +12,11 @@ A pass that counts, in a register or in memory, may be followed by others that o
 skipped in the same way, and the counters moved.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import NEVER
 from ...f28335.cpu.interrupts import CpuInterrupts
@@ -27,6 +31,7 @@ FEWEST = 8  # passes that are worth it
 TRIES = 3  # in turn, at a loop that does not only count
 
 
+@final
 class Polls:
     """tracking: a pass is looked at. clean: nothing in it but what every further pass would do again. counting: it may
     change words of memory, besides; changed: those, with what they held before.
@@ -109,8 +114,9 @@ class Polls:
         as_before: the state is that of the last call.
         """
         cycle = self._time.cycle
+        equal: bool
         period, equal = cycle - self._started, as_before and self._compared
-        seen = equal and period == self._period
+        seen: bool = equal and period == self._period
         if self._compared and not equal:
             self.look_later()
             return False
@@ -136,7 +142,7 @@ class Polls:
     def counted(self) -> bool:
         """At the begin of a pass: whether the one behind it, which was taken apart, took as long as the one before."""
         cycle = self._time.cycle
-        alike = self.clean and cycle - self._started == self._period
+        alike: bool = self.clean and cycle - self._started == self._period
         self._started = cycle
         self.counting = False
         self.look_later()

@@ -9,9 +9,12 @@ write-to-read protection of the bus.
 Source: SPRU430F chapters 3 and 4.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 from ...c28x.execution.registers import WRITES, IllegalOperation, Operation
 from ...c28x.operand_field import SP_FIELD
@@ -19,6 +22,7 @@ from ...core.chip import NEVER, Note
 from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.system.options import SystemOptions
+from ...form.c_types import Text
 from ...image.model import Image
 from ..error_origin import FirmwareLost, InterruptFault
 from ..instruction_location import instruction_location
@@ -42,6 +46,10 @@ LAST_JUMPS = 8  # that an error names; a power of two
 
 class ImageProgram(Program):
     """cpu: its registers. instructions: how many were executed."""
+
+    _jumps: Annotated[list[int], LAST_JUMPS]
+    _stack_begin: int
+    _stack_end: int
 
     def __init__(
         self, processor: Processor, clock: Clock, image: Image, entry: int, options: SystemOptions, skip_polls: bool
@@ -391,7 +399,7 @@ class ImageProgram(Program):
                 return Stop.WAITS
         return Stop.ENDED
 
-    def ending(self, at: str) -> str:
+    def ending(self, at: Text) -> str:
         """See `Program.ending`."""
         return f"ESTOP0 ended the program at {at}, in {self.place()}"
 
@@ -400,7 +408,7 @@ class ImageProgram(Program):
     def context(self) -> Sequence[int]:
         return self.cpu.context()
 
-    def enter(self, vector: int) -> str:
+    def enter(self, vector: int) -> Text:
         if not vector:
             taken = self._processor.interrupts.taken
             raise FirmwareLost(self._told(f"interrupt {taken} was taken, whose vector is 0"))

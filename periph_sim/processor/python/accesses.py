@@ -4,7 +4,11 @@ firmware --> wait for writes, wait states --> Bus --> value, or a write on its w
                                                 ^--- a replayed pass of a wait is answered by what was read before
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import Note
 from ...f28335.cpu import instruction_costs as cpu_costs
@@ -30,6 +34,7 @@ POLLING = Note(
 )
 
 
+@final
 class Accesses:
     """Each costs one cycle and the frame's wait states."""
 
@@ -44,6 +49,8 @@ class Accesses:
         "_reads_from",
         "_time",
     )
+
+    _between: int
 
     def __init__(
         self, processor: Processor, program: PythonProgram, instructions: Instructions, code: CodeCosts

@@ -1,14 +1,23 @@
 """Records of what Python firmware does besides its accesses: spans and waits go in; records, where wanted, come out."""
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import TYPE_CHECKING, final
 
 from ...core.records import Kind, Recorder, Topic
 from ...core.time import Clock
+from ...form.c_types import Text
 from ..operand import Operand
 from ..polling import Spin
 from .program import PythonProgram
 
+if TYPE_CHECKING:
+    from ..polling import Poll
 
+
+@final
 class Waited:
     """What the passes of a wait polled, in order, and the records of such waits. following: another kind of wait."""
 
@@ -24,19 +33,23 @@ class Waited:
         """Whether the present pass of this wait did."""
         if spin.made != len(self.polls):
             return False
+        place: int
         for place in range(spin.made):
-            read = spin.reads[place]
+            read: Poll = spin.reads[place]
             if read.operand is not self.polls[place]:
                 return False
         return True
 
 
+@final
 class CodeRecords:
     """spans, waits: whether anybody wants records of them. kept: whether anybody who is told of them, or of accesses,
     may keep a wait.
     """
 
     __slots__ = ("_clock", "_name", "_program", "_recorder", "_waited", "kept", "spans", "waits")
+
+    kept: bool
 
     def __init__(self, clock: Clock, recorder: Recorder, program: PythonProgram) -> None:
         self.spans = recorder.wants(Kind.SPAN)
@@ -48,12 +61,12 @@ class CodeRecords:
         self._program = program
         self._waited: Waited | None = None  # each kind of wait so far: the first of a chain
 
-    def span(self, cycle: int, name: str, begins: int) -> None:
+    def span(self, cycle: int, name: Text, begins: int) -> None:
         """A named stretch begins (1) or ends (0) at this cycle."""
         if self.spans:
             self.tell(self._recorder.topic(Kind.SPAN, self._name, name), cycle, begins)
 
-    def wait(self, cycle: int, what: str, begins: int) -> None:
+    def wait(self, cycle: int, what: Text, begins: int) -> None:
         """A wait for `what` begins (1) or ends (0)."""
         if self.waits:
             self.tell(self._recorder.topic(Kind.WAIT, self._name, what), cycle, begins)

@@ -4,7 +4,11 @@ i2c.I2CSTR.when(XRDY=1)                 i2c.I2CSTR.XRDY == 1
 i2c.I2CSTR.when(mask=0x18, value=0x8)   i2c.I2CSTR.all & 0x18 == 0x8
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ..error_origin import Misuse
 from ..operand import Operand
@@ -14,6 +18,7 @@ from .accesses import Accesses
 EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how the bits compare with the value
 
 
+@final
 class Condition:
     """Bits of a register that compare with a value: `holds` makes the read that a pass of a wait makes."""
 

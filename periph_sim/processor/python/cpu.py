@@ -3,6 +3,8 @@
 firmware --> Cpu --> Accesses, Waits --> Instructions --> Processor
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -12,6 +14,7 @@ from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.cpu.compiled_code_costs import BARE, CodeCosts
 from ...f28335.system.options import SystemOptions
+from ...form.c_types import Text
 from ..processor import Processor
 from .accesses import Accesses
 from .code_records import CodeRecords
@@ -62,7 +65,7 @@ class Cpu:
         self.program.begin(firmware, lambda: self._instructions.after_main())
         self.processor.start(self.program, delay)
 
-    def handle(self, vector: str, routine: Handler) -> None:
+    def handle(self, vector: Text, routine: Handler) -> None:
         """Make `routine` the service routine of a vector."""
         self.program.handle(vector, routine)
 
@@ -104,7 +107,7 @@ class Cpu:
         """One instruction, or an inseparable few: interrupts wait for its end."""
         self._instructions.instruction(cycles)
 
-    def compute(self, cycles: int, name: str = "") -> None:
+    def compute(self, cycles: int, name: Text = "") -> None:
         """A stretch of single-cycle instructions; interrupts cut in at any of them. A name makes it a span."""
         if name:
             self.mark_span(name, 1)

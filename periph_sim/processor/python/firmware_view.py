@@ -3,6 +3,8 @@
 `Dsp` builds the unit behind it.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 import operator
@@ -20,6 +22,7 @@ from ...f28335.cpu.interrupts import MASKABLE
 from ...f28335.system.clocks import SystemControl
 from ...f28335.system.memory_map import AddressMap
 from ...f28335.unit_modules import MODULES
+from ...form.c_types import BigInt, Text
 from ..error_origin import Misuse, flaw_of
 from .cpu import Cpu
 from .register_view import ModulePort
@@ -28,7 +31,7 @@ LONG = 1 << 31  # cycles: less surely fits whatever is made of it
 End = Literal["drawn", "least", "most"]  # which value of a `Spread` a computation takes
 
 
-class Span:
+class Span:  # core: python
     """A `with` statement's stretch. A class, since contextlib would stand between the firmware and its place."""
 
     def __init__(self, cpu: Cpu, name: str) -> None:
@@ -45,6 +48,7 @@ class Span:
 class FirmwareView:
     """One unit as its firmware sees it. end: which value of a `Spread` computations take."""
 
+    _random: Random
     name: str
     cpu: Cpu
     memory: AddressMap
@@ -57,10 +61,10 @@ class FirmwareView:
         self._ports: dict[str, ModulePort] = {}
         self._random = Random(f"{seed} {name} computations")
 
-    def has(self, module: str) -> bool:
+    def has(self, module: Text) -> bool:
         return module in self._sockets
 
-    def module(self, name: str) -> ModulePort:
+    def module(self, name: Text) -> ModulePort:
         """The registers of a module: "I2C-A", "SCI-A", "GPIO", "PIE", "SYS", "TIMER0". KeyError if it is not built."""
         if name not in self._sockets:
             way = f"name it in modules of [unit.{self.name}]" if name in MODULES else did_you_mean(name, self._sockets)
@@ -99,20 +103,20 @@ class FirmwareView:
             pass_cycles = self._pass("spin_either", pass_cycles)
         return self.cpu.spin_either(ready, over, pass_cycles)
 
-    def _pass(self, what: str, cycles: int) -> int:
+    def _pass(self, what: Text, cycles: BigInt) -> BigInt:
         """Misuse if a pass of a wait cannot take so many cycles."""
         if type(cycles) is not int or cycles < 1:
             raise Misuse(f"dsp.{what}: pass_cycles is {cycles!r}; expected a whole number of cycles above 0")
         return self._fitting(cycles, f"dsp.{what}: pass_cycles = {cycles}") if cycles > LONG else cycles
 
-    def compute(self, cost: Spread | Fraction | int, name: str = "") -> None:
+    def compute(self, cost: Spread | Fraction | int, name: Text = "") -> None:
         """Work that takes `cost`: a whole number of cycles, or seconds (rounded up to a cycle).
 
         Of a spread each occurrence takes a whole number of cycles, all of them equally likely.
         """
         self.cpu.compute(self._drawn(cost) if isinstance(cost, Spread) else self._cycles(cost), name)
 
-    def _cycles(self, cost: Fraction | int) -> int:
+    def _cycles(self, cost: Fraction | int) -> BigInt:
         if isinstance(cost, Fraction):
             hz = self.control.sysclk_hz
             cycles = -(-cost.numerator * hz.numerator // (cost.denominator * hz.denominator))
@@ -126,7 +130,7 @@ class FirmwareView:
             raise Misuse(f"a time of {cycles} cycles is negative; expected 0 or more")
         return self._fitting(cycles, f"a time of {cycles} cycles") if cycles > LONG else cycles
 
-    def _fitting(self, cycles: int, what: str) -> int:
+    def _fitting(self, cycles: BigInt, what: Text) -> BigInt:
         """So many, but not beyond the last tick. Misuse where not even a run from the first tick on has them."""
         time = self.cpu.time
         left = time.left()
@@ -134,34 +138,34 @@ class FirmwareView:
             raise Misuse(f"{what} is longer than any run, which has {left + time.cycle} at most")
         return min(cycles, left)
 
-    def _drawn(self, spread: Spread) -> int:
+    def _drawn(self, spread: Spread) -> BigInt:
         least, most = self._cycles(spread.least), self._cycles(spread.most)
         if self._end == "drawn":
             return self._random.randint(least, most)
         return most if self._end == "most" else least
 
-    def span(self, name: str) -> Span:
+    def span(self, name: Text) -> Span:
         """A named stretch of firmware, for budgets and recordings; costs no cycles. For a `with` statement."""
         if not isinstance(name, str) or not name:
             raise Misuse(f"dsp.span needs the name of the stretch, but got {name!r}")
         return Span(self.cpu, name)
 
-    def report_overflow(self, text: str) -> None:
+    def report_overflow(self, text: Text) -> None:
         """Report a result of fixed-point arithmetic that does not fit, for the notes of the run and `overflows`.
 
         text: which result, and what it does not fit.
         """
         self.cpu.processor.notes.note(self.cpu.time.cycle, Note("overflow", text, "IQmath guide V1.70"))
 
-    def set_pin(self, pin: int) -> None:
+    def set_pin(self, pin: BigInt) -> None:
         """GPxSET = bit: one whole-register write. Nothing where the scene has no GPIO."""
         self._write_pin("SET", pin)
 
-    def clear_pin(self, pin: int) -> None:
+    def clear_pin(self, pin: BigInt) -> None:
         """GPxCLEAR = bit."""
         self._write_pin("CLEAR", pin)
 
-    def _write_pin(self, what: str, pin: int) -> None:
+    def _write_pin(self, what: Text, pin: BigInt) -> None:
         if self.has("GPIO"):
             from ...f28335.gpio.register_map import PINS  # loaded where a scene names the GPIO module
 
@@ -180,12 +184,12 @@ class FirmwareView:
     def dint(self) -> None:
         self.cpu.dint()
 
-    def enable_interrupt(self, number: int) -> None:
+    def enable_interrupt(self, number: BigInt) -> None:
         """IER |= M_INTn. number: 1 to 14 for INT1 to INT14, 15 for DLOGINT, 16 for RTOSINT."""
         _require(number, range(1, MASKABLE + 1), "a CPU interrupt")
         self.cpu.or_ier(1 << (number - 1))
 
-    def handle(self, name: str, handler: Callable[[], None]) -> tuple[int, int]:
+    def handle(self, name: Text, handler: Callable[[], None]) -> tuple[int, int]:
         """Make `handler` the service routine of a vector; returns its PIE group and line ((n, 0) for INTn)."""
         _routine(name, handler)
         if name not in pie_map.VECTORS:
@@ -194,18 +198,18 @@ class FirmwareView:
         return pie_map.LINES[name] if name in pie_map.LINES else (pie_map.CPU_VECTORS[name], 0)
 
 
-def _require(number: int, numbers: range, what: str) -> None:
+def _require(number: BigInt, numbers: range, what: Text) -> None:
     """Misuse if this is not one of these numbers."""
     if type(number) is not int or number not in numbers:
         raise Misuse(f"{number!r} does not name {what}; expected a number from {numbers[0]} to {numbers[-1]}")
 
 
-def _no_condition(what: str, given: object) -> Misuse:
+def _no_condition(what: Text, given: object) -> Misuse:
     way = "write dsp.spin(lambda: ...), so that each pass looks again"
     return Misuse(f"dsp.{what} needs a function to call in each pass, but got {given!r}; {way}")
 
 
-def _routine(name: str, handler: Callable[[], None]) -> None:
+def _routine(name: Text, handler: Callable[[], None]) -> None:
     """Misuse if this cannot be a service routine."""
     if not callable(handler):
         raise Misuse(f"the routine of {name!r} is {handler!r}; give the function itself, without calling it")

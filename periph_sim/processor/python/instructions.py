@@ -6,7 +6,11 @@ A service routine is called on the firmware's own stack, where an instruction bo
 as on the chip.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.chip import NEVER
 from ...f28335.cpu import instruction_costs as cpu_costs
@@ -20,10 +24,14 @@ from .program import PythonProgram
 SLEEPS = Stop.SLEEPS
 
 
+@final
 class Instructions:
     """busy_cycles: spent in computations and service routines, not in waits."""
 
     __slots__ = ("_core", "_epilogue", "_processor", "_program", "_prologue", "_time", "busy_cycles")
+
+    _prologue: int
+    _epilogue: int
 
     def __init__(self, processor: Processor, program: PythonProgram, code: CodeCosts) -> None:
         self.busy_cycles = 0

@@ -7,13 +7,17 @@
 Each register has a class of ports, with a descriptor for each name; `register_view` makes it, once in a process.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from operator import index
+from typing import final
 
 from ...core.registers import Field, Register
 from ...core.suggest import did_you_mean
 from ...f28335.system.memory_map import HIGH, WORDS_MASK, ModuleRange
+from ...form.c_types import BigInt, Text
 from ..bus import Bus
 from ..error_origin import Misuse
 from ..operand import Operand
@@ -49,8 +53,8 @@ class Port:
         else:
             self._assign(name, value)
 
-    def _assign(self, name: str, value: int) -> None:
-        field = self._fields.get(name)
+    def _assign(self, name: Text, value: BigInt) -> None:
+        field: PortField | None = self._fields.get(name)
         if field is None:
             raise cannot_be_written(self.where, name, self.fields)
         field.assign(self, value)
@@ -86,12 +90,12 @@ class Port:
             f"{self.where}.when({given}): a wait reads one field; give when(mask={mask:#x}, value={value:#x})"
         )
 
-    def asked(self, name: str, number: int, test: int, where: SourceLocation | None) -> Condition | None:
+    def asked(self, name: Text, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
         """The condition that a field compares so with a number; None where `PortField.asked` has none."""
         found = self._fields.get(name)
         return None if found is None else found.asked(self, number, test, where)
 
-    def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:
+    def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:  # core: python
         """The port of the register's halves, which is made of this class once it is asked for."""
         if self._half is None:
             self._half = made(self._accesses, self._bus, self._place, fields)
@@ -101,10 +105,15 @@ class Port:
 STATE = frozenset(Port.__slots__)
 
 
+@final
 class PortField:
     """What a name stands for: a field, or whole words of the register. number: its place among the port's names."""
 
     __slots__ = ("_field", "_lsb", "_mask", "_most", "_register", "_where", "_words", "number")
+
+    _lsb: int
+    _mask: int
+    _most: BigInt
 
     def __init__(self, number: int, register: Register, words: int, field: Field | None, where: str) -> None:
         """words: that an access moves. where: the name in full, for messages."""
@@ -121,13 +130,13 @@ class PortField:
         return self._read(port)
 
     def _read(self, port: Port) -> int:
-        operand = port._operands[self.number] or self._operand(port)
+        operand: Operand = port._operands[self.number] or self._operand(port)
         return (port._accesses.read(operand) & self._mask) >> self._lsb
 
-    def assign(self, port: Port, value: int) -> None:
+    def assign(self, port: Port, value: BigInt) -> None:
         if type(value) is not int or not 0 <= value <= self._most:
             value = self._fitting(value)
-        operand = port._operands[self.number] or self._operand(port)
+        operand: Operand = port._operands[self.number] or self._operand(port)
         if self._field is None:
             port._accesses.write(operand, value << self._lsb)
         else:
@@ -142,14 +151,14 @@ class PortField:
     def mask(self) -> int:
         return self._mask
 
-    def in_place(self, number: object) -> int:
+    def in_place(self, number: object) -> BigInt:
         """The number as it stands in the register. Misuse where the field cannot have it."""
         return self._whole(f"{self._where} == {number!r} never holds", number, self._most) << self._lsb
 
-    def asked(self, port: Port, number: int, test: int, where: SourceLocation | None) -> Condition | None:
+    def asked(self, port: Port, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
         """That this field compares so with a number that it can have. where: in the firmware. None where a read of it
         is more than a look at the chip, or its record is to tell a place that is not known."""
-        operand = port._operands[self.number] or self._operand(port)
+        operand: Operand = port._operands[self.number] or self._operand(port)
         if not operand.placed:
             where = None
         elif where is None:
@@ -169,7 +178,7 @@ class PortField:
             raise Misuse(f"{where} never holds: {wanted & ~bits:#x} is outside of the mask {bits:#x}")
         return Condition(port._accesses, port._operands[self.number] or self._operand(port), bits, wanted)
 
-    def _whole(self, what: str, value: object, most: int) -> int:
+    def _whole(self, what: Text, value: object, most: BigInt) -> BigInt:
         """The value as a number of Python's. Misuse if it is none, or larger than these bits can be."""
         try:
             number = index(value)  # type: ignore[arg-type]
@@ -184,7 +193,7 @@ class PortField:
         port._operands[self.number] = operand
         return operand
 
-    def _fitting(self, value: object) -> int:
+    def _fitting(self, value: object) -> BigInt:
         """The value as a number of Python's, whatever whole number it is. Misuse if it is none, or does not fit."""
         most = self._most
         try:

@@ -9,6 +9,8 @@ the kernel was asked to run.
 Service routines have code addresses of their own, so that their vectors are words in the PIE's table as any others.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 import sys
@@ -16,6 +18,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from threading import get_ident, local
 from types import CodeType
+from typing import final
 from weakref import WeakSet
 
 from greenlet import GreenletExit, getcurrent, greenlet
@@ -23,6 +26,7 @@ from greenlet import GreenletExit, getcurrent, greenlet
 from ...core.chip import NEVER
 from ...core.kernel import Kernel
 from ...f28335.cpu.pie_map import VECTORS
+from ...form.c_types import BigInt, Text
 from ..error_origin import FirmwareError, FirmwareLost, FirmwareStalled, raised_at
 from ..processor import Processor
 from ..program import Program, Stop
@@ -35,7 +39,7 @@ ROUTINES = 0x30_0000  # service routines begin in flash, as far from its begin a
 Handler = Callable[[], None]
 
 
-class _ProgramsOfThread:
+class _ProgramsOfThread:  # core: python
     """The programs that a thread has begun: no other thread can run or end them.
 
     alive: all that still exist. They end with the thread, as its variables are deleted.
@@ -65,6 +69,7 @@ class _Threads(local):
 _threads = _Threads()
 
 
+@final
 class PythonProgram(Program):
     """handlers: service routines by vector. entered: the routine that is to be called now.
 
@@ -72,6 +77,12 @@ class PythonProgram(Program):
     placed: says where the firmware is, if its statements are none of Python's.
     thread: that runs the firmware, while it does.
     """
+
+    __weakref__: object
+    stall_limit: float
+    thread: BigInt
+    _watched: BigInt
+    _stops: list[int]
 
     def __init__(self, processor: Processor) -> None:
         super().__init__()
@@ -260,7 +271,7 @@ class PythonProgram(Program):
         """What `place` says as this line of a code runs; None where that is not known."""
         return None if self.placed is not None else self._places.of_line(code, line)
 
-    def handle(self, vector: str, routine: Handler) -> None:
+    def handle(self, vector: Text, routine: Handler) -> None:
         """Make `routine` the service routine of a vector: its address is stored in the PIE's table."""
         entry = VECTORS[vector]
         self.handlers[vector] = routine
@@ -271,7 +282,7 @@ class PythonProgram(Program):
         """Make `routine` what a code address stands for, which firmware stores as a vector by itself."""
         self._code[address] = routine
 
-    def enter(self, vector: int) -> str:
+    def enter(self, vector: int) -> Text:
         routine = self._code.get(vector)
         if routine is None:
             taken = self._processor.interrupts.taken

@@ -6,14 +6,17 @@ The first wait calls the function. Recognised is only a field of a register of a
 firmware could give another meaning. Where records of the read tell its place, that is the function's line.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 import sys
 from dis import get_instructions
 from functools import lru_cache
 from types import CodeType, FunctionType
-from typing import NamedTuple
+from typing import NamedTuple, final
 
+from ...form.c_types import BigInt
 from ..source_location import SourceLocation
 from .conditions import ABOVE, BELOW, EQUAL, UNEQUAL, Condition
 from .port_fields import Port, Registers
@@ -55,10 +58,13 @@ def asked_by(code: CodeType) -> Asked | None:
     return Asked(code.co_freevars.index(module), register, field, TESTS[test], number, line)
 
 
+@final
 class Question:
     """What a code asks. condition: about the module that the function named last."""
 
     __slots__ = ("code", "condition", "field", "known", "module", "number", "place", "register", "test", "where")
+
+    number: BigInt
 
     def __init__(self, code: CodeType) -> None:
         self.code = code  # kept, so that its id is nobody else's
@@ -89,6 +95,7 @@ class Question:
         return self.condition
 
 
+@final
 class Recogniser:
     """One CPU's: what was seen of its firmware's functions."""
 
@@ -105,7 +112,7 @@ class Recogniser:
         if type(function) is not FunctionType:
             return None
         code = function.__code__
-        question = self._latest
+        question: Question | None = self._latest
         if question is None or question.code is not code:
             question, self._earlier = self._earlier, question
             if question is None or question.code is not code:

@@ -8,9 +8,12 @@ timer.PRD.all = 30_000_000    one 32-bit write of PRD and PRDH, the `all` of TI'
 timer.PRD.half.MSW            16-bit read of PRDH
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import final
 
 from ...core.registers import Field, Register
 from ...core.suggest import did_you_mean
@@ -19,7 +22,7 @@ from .cpu import Cpu
 from .port_fields import Port, PortField, Registers, no_such_name
 
 
-class RegisterPort(Port):
+class RegisterPort(Port):  # core: python
     """One register of one module. Field names read and write; `all` is the whole register."""
 
     __slots__ = ()
@@ -34,7 +37,7 @@ Ports = tuple[Register, type[RegisterPort], dict[str, PortField]]
 _made: dict[str, Ports] = {}  # what the ports of a register have in common, by its name in full
 
 
-def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterPort:
+def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterPort:  # core: python
     """The port of one register."""
     where = f"{place.name}.{register.name}"
     found = _made.get(where)
@@ -70,8 +73,11 @@ def _class(where: str, names: tuple[str, ...], ports: Mapping[str, object]) -> t
     return type(where, (RegisterPort,), {"__slots__": (), "where": where, "fields": names, **ports})
 
 
+@final
 class ModulePort(Registers):
     """One module's registers by name. A port is made as it is first named: firmware uses a few of a hundred."""
+
+    __dict__: dict[str, RegisterPort]
 
     def __init__(self, cpu: Cpu, place: ModuleRange) -> None:
         self._cpu = cpu

@@ -11,9 +11,12 @@ A condition is a function, or a `Condition` on one register, which makes its pas
 recognised as one is taken for it.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING, final
 
 from ...core.chip import NEVER
 from ...core.options import IntOption
@@ -30,10 +33,15 @@ from .instructions import Instructions
 from .program import PythonProgram
 from .recognised import Recogniser
 
+if TYPE_CHECKING:
+    from ..operand import Operand
+    from ..polling import Poll
+
 NEITHER, READY, OVER = range(3)  # what ended a wait
 SLEEPS = Stop.SLEEPS
 
 
+@final
 class Waits:
     """skip_polls: False makes every pass of every spin for real (the brute force that the skipping is proven against).
 
@@ -55,6 +63,8 @@ class Waits:
         "_spare",
         "_time",
     )
+
+    _branch: int
 
     def __init__(
         self,
@@ -107,6 +117,8 @@ class Waits:
         spin = self._begun(pass_cycles, NEVER if timeout is None else time.cycle + timeout)
         outer, program.spin = program.spin, spin
         recogniser = self._recogniser
+        asked: Condition | None
+        asked_else: Condition | None
         asked = ready if isinstance(ready, Condition) else recogniser.condition(ready)
         asked_else = over if over is None or isinstance(over, Condition) else recogniser.condition(over)
         waited: Topic | None = None
@@ -193,10 +205,12 @@ class Waits:
         False: the pass is the condition's to make, from its start on; reads that were made are answered from memory.
         """
         time, instructions = self._time, self._instructions
+        cycle: int
         start = cycle = time.cycle
+        place: int
         for place in range(spin.made):
-            read = spin.reads[place]
-            operand = read.operand
+            read: Poll = spin.reads[place]
+            operand: Operand = read.operand
             if place:
                 cycle += cpu_costs.SB_NOT_TAKEN  # the test of the value before, in the same pass
                 if not self._passes(cycle):
@@ -207,7 +221,7 @@ class Waits:
             if cycle >= spin.live_from:
                 if cycle >= time.lease:
                     instructions.go_to(cycle)
-                value = operand.chip.see(cycle, operand.offset)
+                value: int = operand.chip.see(cycle, operand.offset)
                 if (value ^ read.value) & operand.mask:
                     break
                 if operand.recorded:

@@ -11,12 +11,15 @@ that what is lost to the format is lost here too. `bits`: fraction bits, 1 to 29
 what becomes of it is the caller's business.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from functools import cache
 from math import isqrt, pi
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ...form.c_types import BigInt
 from .tables import ARCTANGENT, COSINES, PARABOLAS, SINES, TURN
 
 if TYPE_CHECKING:
@@ -41,15 +44,15 @@ def sine_and_cosine(angle: I, bits: int, sines: Any, cosines: Any) -> tuple[I, I
     With x the rest of the angle beyond a step of the table, s and c what the table has there:
     s + x (c + x (-s/2 - x c/6)) and c + x (-s + x (-c/2 + x s/6)), all in Q30.
     """
-    exact = abs(angle) * STEPS_PER_RADIAN  # Q(bits + 24)
+    exact: I = abs(angle) * STEPS_PER_RADIAN  # Q(bits + 24)
     exact = exact >> (bits - 8) if bits >= 8 else exact << (8 - bits)  # Q32
-    k = (exact >> 32) & (TURN - 1)
-    x = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # radians, Q32
+    k: I = (exact >> 32) & (TURN - 1)
+    x: I = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # radians, Q32
     s: I = sines[k]
     c: I = cosines[k]
-    up = s + (x * (c + (x * ((-s >> 1) - (x * c >> 48) * SIXTH) >> 32)) >> 32) >> (30 - bits)
-    along = c + (x * ((x * ((-c >> 1) + (x * s >> 48) * SIXTH) >> 32) - s) >> 32) >> (30 - bits)
-    sign = angle >> 63  # -1 or 0: below it turns the sign without a branch, for ints and arrays alike
+    up: I = s + (x * (c + (x * ((-s >> 1) - (x * c >> 48) * SIXTH) >> 32)) >> 32) >> (30 - bits)
+    along: I = c + (x * ((x * ((-c >> 1) + (x * s >> 48) * SIXTH) >> 32) - s) >> 32) >> (30 - bits)
+    sign: I = angle >> 63  # -1 or 0: below it turns the sign without a branch, for ints and arrays alike
     return (up ^ sign) - sign, along
 
 
@@ -69,11 +72,11 @@ def quarter_turn(bits: int) -> int:
 def atan2_of(y: int, x: int, bits: int) -> int:
     """The angle of the point (x, y); 0 for the origin."""
     wide, high = abs(x), abs(y)
-    steep = wide < high
+    steep: bool = wide < high
     over, under = (wide, high) if steep else (high, wide)
     ratio = (over << bits) // under if under else 0
     index = ratio * PARABOLAS >> bits
-    angle = arctangent(ratio, index if index < PARABOLAS else PARABOLAS - 1, bits, A0, A1, A2)
+    angle: int = arctangent(ratio, index if index < PARABOLAS else PARABOLAS - 1, bits, A0, A1, A2)
     if steep:
         angle = quarter_turn(bits) - angle if x >= 0 else quarter_turn(bits) + angle
     elif x < 0:
@@ -81,7 +84,7 @@ def atan2_of(y: int, x: int, bits: int) -> int:
     return angle if y >= 0 else -angle
 
 
-def root_of(square: int) -> int:
+def root_of(square: BigInt) -> int:
     """The root of a whole number, rounded to nearest; 0 of a negative one."""
     if square <= 0:
         return 0
@@ -89,6 +92,6 @@ def root_of(square: int) -> int:
     return low + (square > low * low + low)
 
 
-def length_of(x: int, y: int) -> int:
+def length_of(x: BigInt, y: BigInt) -> int:
     """The root of x*x + y*y, in which no number is too large."""
     return root_of(x * x + y * y)

@@ -8,12 +8,15 @@ Overflow wraps, as additions and IQmpy do, or saturates, as with the overflow mo
 IQdiv, IQsqrt, IQmag always saturate; x/0 is the largest number, also for 0/0 and negative x; see iqmath.py.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from functools import lru_cache
 from math import floor, frexp, isnan, ldexp
 from typing import Literal
 
+from ...form.c_types import BigInt
 from .arithmetic import Rounding
 from .iqmath import COSINE, SINE, atan2_of, length_of, root_of, sine_and_cosine
 
@@ -28,7 +31,7 @@ class DoesNotFit(ValueError):
     """A constant that the format cannot hold; one sentence."""
 
 
-def nearest_in(value: float, bits: int) -> int:
+def nearest_in(value: float, bits: BigInt) -> BigInt:
     """The raw number nearest to a value. DoesNotFit if there is none."""
     if isnan(value):
         raise DoesNotFit(f"nan is no number; Q{bits} has none for it")
@@ -61,6 +64,7 @@ def name_of(bits: int, overflow: Overflow, product: Product) -> str:
 class Q:
     """One number at a time, T = int: value * 2**bits. Limits are written out where it is hot: names cost a tenth."""
 
+    name: str
     product: Product = "cut"
 
     def __init__(self, bits: int = 16, overflow: Overflow = "wrap") -> None:
@@ -73,10 +77,10 @@ class Q:
         self._factors: dict[float, tuple[int, int]] = {}
         self._one, self._half = 1 << bits, 1 << (bits - 1)
 
-    def constant(self, value: float) -> int:
+    def constant(self, value: float) -> BigInt:
         return constant_in(value, self.bits)
 
-    def nearest(self, value: float) -> int:
+    def nearest(self, value: float) -> BigInt:
         """As `constant`, of a value that hardly comes again."""
         return nearest_in(value, self.bits)
 
@@ -84,8 +88,10 @@ class Q:
         return x / self._one
 
     def scaled(self, count: int, lsb: float) -> int:
+        factor: int
+        shift: int
         factor, shift = self._factors.get(lsb) or self._factors.setdefault(lsb, factor_of(lsb, self.bits))
-        product = count * factor >> shift
+        product: int = count * factor >> shift
         return product if -0x80000000 <= product <= 0x7FFFFFFF else self._overflow(product)
 
     def add(self, x: int, y: int) -> int:
@@ -157,7 +163,13 @@ class Q:
         return self.add(self.add(self.mul(u[0], v[0]), self.mul(u[1], v[1])), self.mul(u[2], v[2]))
 
     def cross(self, u: Triple, v: Triple) -> Triple:
+        x: int
+        y: int
+        z: int
         x, y, z = u
+        p: int
+        q: int
+        r: int
         p, q, r = v
         return (
             self.sub(self.mul(y, r), self.mul(z, q)),

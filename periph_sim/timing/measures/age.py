@@ -8,6 +8,8 @@
 Every read has an age. Data that no frame comes for gets older and older, whoever is to blame for it.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...bus.i2c.transfer import Phase, Transfer
@@ -16,7 +18,7 @@ from ...core.records import UNHEARD, Kind
 from ...core.time import NO_TIME
 from ...devices.sensor_rounds import CHIPS
 from .bus import PhaseMeasure, begin_of
-from .measure import MODEL, READ, SceneEvents
+from .measure import MODEL, READ, ReadOrigins, SceneEvents
 
 
 class ReadMeasure(PhaseMeasure):
@@ -46,7 +48,7 @@ class ReadMeasure(PhaseMeasure):
     def phase(self, transfer: Transfer, phase: Phase) -> None:
         if not phase.read or self.first_frame == NO_TIME or phase.address not in self.addresses:
             return
-        begin = begin_of(transfer, phase)
+        begin: int = begin_of(transfer, phase)
         if self.first_frame <= begin:
             self.occasion(begin)
             if phase.got:
@@ -66,6 +68,8 @@ class Age(ReadMeasure):
     A read with values of no frame carries data as old as the last that was a frame's. Until a chip has shown any frame,
     the first one counts. Of several frames with the same values it is the youngest.
     """
+
+    _origins: ReadOrigins
 
     def listen(self, scene: SceneEvents) -> None:
         self._origins = scene.origins()

@@ -1,19 +1,21 @@
 """Measures of reads on the bus: transfers go in; answer times, stretching, refusals and wrong bytes come out."""
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.counted import counted
 from ...core.time import NO_TIME
 from ...devices.sensor_rounds import ADDRESSES
-from .measure import READ, Counter, Measure, SceneEvents
+from .measure import READ, Counter, Measure, ReadOrigins, SceneEvents
 
 
 def begin_of(transfer: Transfer, phase: Phase) -> int:
     """The tick of a phase's START; of its transfer's where the phase never began, since the one before was refused."""
     if phase.start_at != NO_TIME:
         return phase.start_at
-    first = transfer.phases[0]
+    first: Phase = transfer.phases[0]
     return first.start_at
 
 
@@ -52,6 +54,8 @@ class Stretch(PhaseMeasure):
     occurrence = READ
     asked = "addressed phases asked"
 
+    _held_since: int
+
     def listen(self, scene: SceneEvents) -> None:
         self._scene = scene
         super().listen(scene)
@@ -71,7 +75,7 @@ class Stretch(PhaseMeasure):
         return "SCL was still held low when the run ended"
 
 
-class Nacked(Counter):
+class Nacked(Counter):  # core: python
     """Requests whose address nobody acknowledged."""
 
     needs = "I2C-A"
@@ -103,6 +107,8 @@ class WrongBytes(PhaseMeasure):
     unit = "bytes"
     series = False
 
+    _origins: ReadOrigins | None
+
     def listen(self, scene: SceneEvents) -> None:
         self._origins = scene.origins() if scene.checks_host() else None
         self.where: dict[str, int] = {}  # "gyroscope byte 0" -> how often it was wrong
@@ -119,7 +125,7 @@ class WrongBytes(PhaseMeasure):
             self.occasion(begin_of(transfer, phase), max(phase.count, len(got)))
         if got:
             wanted = self._wanted(phase)
-            compared = min(len(got), len(wanted))
+            compared: int = min(len(got), len(wanted))
             if phase.expect is None and self._origins is not None and not self._is_judged(phase, compared):
                 return
             self.count += compared
@@ -164,7 +170,7 @@ class WrongBytes(PhaseMeasure):
         return b"" if origin is None else origin.wanted
 
 
-class Stuck(Counter):
+class Stuck(Counter):  # core: python
     """Times a line of the bus was held low longer than `stuck_after`."""
 
     needs = "I2C-A"

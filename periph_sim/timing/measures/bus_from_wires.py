@@ -8,6 +8,8 @@ sample: START and STOP are a change of SDA while SCL was high before and stays s
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...bus.i2c.bit_times import BitTimes
@@ -22,6 +24,8 @@ BITS = 9  # of a byte, its ACK included
 
 class BusFromWires(ByteParty):
     """unit: whose pins are ours, "" for none. Subclasses say what they do with what they hear."""
+
+    _unit: str
 
     def __init__(self, unit: str) -> None:
         self.address = 0

@@ -7,6 +7,8 @@
 Of two events at one time the one recorded first is the earlier one.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections import deque
@@ -89,6 +91,11 @@ class EventMeasure(Measure):
     order: which of its events comes first where one record is several of them; places in `matchers`.
     """
 
+    matchers: tuple[Matcher, ...]
+    seen: list[int]
+    _order: Sequence[int]
+    _needed: dict[Kind, frozenset[str]]
+
     def __init__(self, *matchers: Matcher, order: Sequence[int] = ()) -> None:
         super().__init__()
         self.matchers = matchers
@@ -144,6 +151,7 @@ class EventMeasure(Measure):
         if self.spans is not None and self._names[tag]:
             self.spans.add(self._names[tag])
         plan = self._plans[tag]
+        one: Hearing
         for one in plan:
             if one.groups is not None:
                 self._hear_of_group(one, tick, value)
@@ -180,7 +188,7 @@ class EventMeasure(Measure):
 
     def _settle(self, place: int, counts: int) -> None:
         """No later one of its group can take the place of the last one that was seen, or one does."""
-        newest = self._newest.pop(place, None)
+        newest: _Seen | None = self._newest.pop(place, None)
         if newest is not None:
             newest.counts = counts
             self.seen[place] += counts
@@ -188,7 +196,7 @@ class EventMeasure(Measure):
     def _drain(self) -> None:
         queue = self._queue
         while queue and queue[0].counts != WAITS:
-            seen = queue.popleft()
+            seen: _Seen = queue.popleft()
             if seen.counts:
                 self.happened(seen.place, seen.tick, seen.value)
         self._queued = bool(queue)

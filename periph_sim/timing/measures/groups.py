@@ -5,6 +5,8 @@ round      from its first START to the next round's; which one is the first, `ro
 burst      UART frames of one wire without a pause between them that is longer than two characters
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable

@@ -7,6 +7,8 @@
 A window is fullest where it begins with a busy stretch or ends with one, so only those are looked at.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections import deque
@@ -14,6 +16,7 @@ from fractions import Fraction
 
 from ...core.records import UNHEARD, Kind
 from ...core.time import NO_TIME
+from ...form.c_types import BigInt
 from .measure import MILLIONTHS, Measure, SceneEvents
 
 WAIT, ROUTINE = 0, 1  # tags of what a CPU does
@@ -101,7 +104,7 @@ class Load(Measure):
         return "the run is shorter than its window" if self._window else ""
 
 
-def _millionths(busy: int, whole: int) -> int:
+def _millionths(busy: BigInt, whole: BigInt) -> BigInt:
     return (2 * busy * MILLIONTHS + whole) // (2 * whole)
 
 

@@ -8,12 +8,14 @@
 The write of a byte is the last one before I2CDXR is copied to I2CXSR. XRDY tells that: it is 1 where nothing is left.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...core.records import UNHEARD, Kind, Recorder, Subjects
 from ...core.time import NO_TIME
 from .bus_from_wires import BusFromWires
-from .measure import Measure, SceneEvents
+from .measure import Delay, Measure, SceneEvents
 
 WRITE, XRDY = 0, 1  # tags of records
 THINGS = {(Kind.ACCESS, "W I2C-A.I2CDXR"), (Kind.FLAG, "I2CSTR.XRDY")}
@@ -39,6 +41,8 @@ class Margin(Measure):
 
     asked = "bytes sent"
     kinds = frozenset({Kind.ACCESS, Kind.FLAG})
+
+    _delay: Delay
 
     def __init__(self, unit: str) -> None:
         super().__init__()
@@ -85,7 +89,7 @@ class Margin(Measure):
         self._copied()
         written, self._shifting = self._shifting, NO_TIME
         if written != NO_TIME:
-            delay = self._delay.ticks(written)
+            delay: int = self._delay.ticks(written)
             self.take(let_go - delay - written, written)
 
     def finish(self, now: int) -> None:

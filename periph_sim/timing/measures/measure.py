@@ -5,6 +5,8 @@ values; a percentile counts equal ones (`tally`). Each class says what it measur
 list users choose from is in `registry`; measures of events that users name are in `event`.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from array import array
@@ -20,13 +22,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ...bus.i2c.transfer import Transfer
+    from ...bus.i2c.transfer import Phase, Transfer
     from ...bus.receiver_listener import ReceiverListener
     from ...core.wire import Wire
     from ...devices.sensor_rounds import Round
     from ...devices.truth import Axes
     from ...devices.watchers import WireWatcher
-    from .origins import Origins
+    from .origins import Origin
     from .reply import Expected, Reply
     from .watched_wire import WatchedWire
 
@@ -34,6 +36,11 @@ if TYPE_CHECKING:
 class Delay(Protocol):
     def ticks(self, written: int) -> int:
         """Return the delay of a write at this tick, with the present settings."""
+
+
+class ReadOrigins(Protocol):
+    def of(self, phase: Phase) -> Origin | None:
+        """Return the origin of what a phase of the transfer that is just over has read."""
 
 
 class SceneEvents(Protocol):
@@ -56,7 +63,7 @@ class SceneEvents(Protocol):
         Of one that goes to several it is told for each.
         """
 
-    def origins(self) -> Origins:
+    def origins(self) -> ReadOrigins:
         """Which host frame the bytes of a read come from."""
 
     def checks_host(self) -> bool:
@@ -173,7 +180,7 @@ class Measure(Listener):
         """What verdicts show as the count: how many values there are."""
         return self.count
 
-    def missing(self) -> str:
+    def missing(self) -> str:  # core: python
         """Why nothing was measured, where more can be said than that."""
         return ""
 
@@ -239,7 +246,7 @@ class Measure(Listener):
         assert self._tally is not None
         return self._tally.percentile(per_mille)
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: SceneEvents) -> None:  # core: python
         """Ask the scene for what this measure needs."""
 
     def subscribe(self, recorder: Recorder) -> None:
@@ -250,7 +257,7 @@ class Measure(Listener):
         """What `hear` is told with records of this kind, place and thing; UNHEARD where it has no use for them."""
         return UNHEARD
 
-    def finish(self, now: int) -> None:
+    def finish(self, now: int) -> None:  # core: python
         """The run is over."""
 
     def occasion(self, at: int, number: int = 1) -> None:
@@ -284,7 +291,7 @@ class Measure(Listener):
             self.least, self.least_at = least, least_at
 
 
-class Counter(Measure):
+class Counter(Measure):  # core: python
     """Counts something: worst is how many there were, worst_at when the first one was. Zero is a value.
 
     Verdicts show at how many of its occasions it was measured, where it has any.

@@ -11,15 +11,18 @@ by place, so that memory does not grow with the run.
 What is told is what `records/lost_flags.py` finds in the recording of a whole run, at a fraction of its cost.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from typing import NamedTuple
+from typing import NamedTuple, final
 
 from ...core.records import NOWHERE, OF_MODIFIES, UNHEARD, Keeper, Kind
 from ...core.registers import Field
 from ...core.time import NO_TIME
+from ...form.c_types import Text
 from ...processor.instruction_location import statement
 from ...records.modify_window import MODIFY, OVERTAKEN
 from ...records.register_maps import is_status, one_clears
@@ -44,6 +47,7 @@ CLEARABLE_FLAGS = {(Kind.FLAG, f"{of.name}.{flag.name}") for of in CLEARABLE.val
 NEVER_YET = -1  # instead of a record's number
 
 
+@final
 class Access:
     """One of the last cycles. register: None if no write of 1 clears its flags. modify: the write it was made for.
 
@@ -59,12 +63,13 @@ class Access:
     value: int
     cause: int
     reads: bool
-    text: str
+    text: Text
     field: str
     register: ClearedRegister | None
     modify: Modify | None
 
 
+@final
 class Recent:
     """The accesses of a unit in the last cycles, as a chain: it is short, and each access makes it anew."""
 
@@ -75,6 +80,7 @@ class Recent:
         self.newest: Access | None = None
 
 
+@final
 class Modify:
     """A write with its read. rose: when each flag had risen last as it landed. cleared: mask of what fell by it."""
 
@@ -84,14 +90,18 @@ class Modify:
     tick: int
     written: int
     cleared: int
-    place: str
+    place: Text
     rose: list[int]
 
 
+@final
 class Flag:
     """rose: the record of its last rise."""
 
     __slots__ = ("mask", "name", "register", "rose")
+
+    name: str
+    mask: int
 
     def __init__(self, field: Field, register: ClearedRegister) -> None:
         self.name = field.name
@@ -100,6 +110,7 @@ class Flag:
         self.rose = NEVER_YET
 
 
+@final
 class Cleared:
     """How often something was cleared, and the tick of the first time: NO_TIME for never."""
 
@@ -116,6 +127,7 @@ class Cleared:
         self.count += count
 
 
+@final
 class Look:
     """The last read of a field, "" for all of the register, by its record's number. following: of another field."""
 
@@ -126,6 +138,7 @@ class Look:
     following: Look | None
 
 
+@final
 class Looks:
     """The last reads of a register, field by field."""
 
@@ -158,6 +171,7 @@ class Looks:
         return last
 
 
+@final
 class Place:
     """What the writes of one place have in common, and what they cleared.
 
@@ -185,6 +199,7 @@ class Place:
         return {flag.name for flag in flags if self.proven & flag.mask} or ones
 
 
+@final
 class ClearedRegister:
     """One with flags that writing 1 clears. status: hardware sets flags of it. last: its last read-modify-write.
 
@@ -192,6 +207,8 @@ class ClearedRegister:
     """
 
     __slots__ = ("flags", "last", "looks", "places", "status")
+
+    status: bool
 
     def __init__(self, register: Clearable) -> None:
         self.flags = [Flag(field, self) for field in register.flags]
@@ -201,20 +218,23 @@ class ClearedRegister:
         self.last: Modify | None = None
 
     def flag(self, name: str) -> Flag | None:
+        flag: Flag
         for flag in self.flags:
             if flag.name == name:
                 return flag
         return None
 
-    def looked_at(self, flag: Flag, place: str) -> int:
+    def looked_at(self, flag: Flag, place: Text) -> int:
         """The record of the last read that showed this flag to anybody but the writes of a place."""
-        last = self.looks.last(flag.name)
+        last: int = self.looks.last(flag.name)
+        other: Place
         for at, other in self.places.items():
             if at != place:
                 last = max(last, other.looks.last(flag.name))
         return last
 
 
+@final
 class Topic:
     """All records of one kind, place and thing. flag: None of accesses. register: None of accesses to others.
 
@@ -234,6 +254,8 @@ class Modifies(Keeper):
     """concerns: whether records of a kind, place and thing are looked at. is_about: of accesses, whether their
     register is one whose flags may be lost; of others it counts only that they were made. status: of status registers
     only. writes: of such registers, with a read or without. recent: by unit."""
+
+    _per_second: Fraction
 
     def __init__(
         self, concerns: Callable[[Kind, str, str], bool], is_about: Callable[[Kind, str, str], bool], status: bool
@@ -267,11 +289,12 @@ class Modifies(Keeper):
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if not (self._status or self._concerns(kind, where, what)):
             return UNHEARD
+        register: ClearedRegister | None
         if kind is Kind.FLAG:
             unit, _, module = where.partition(".")
             name, _, field = what.partition(".")
             register = self._register(unit, f"{module}.{name}")
-            flag = None if register is None else register.flag(field)
+            flag: Flag | None = None if register is None else register.flag(field)
             if flag is None:
                 return UNHEARD
             topic = Topic(Recent(), register, False, flag)
@@ -298,11 +321,13 @@ class Modifies(Keeper):
         topic = self._topics[tag]
         return NOWHERE if topic.register is None or topic.flag is not None else OF_MODIFIES
 
-    def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
-        topic = self._topics[tag]
+    def keep(self, tag: int, number: int, tick: int, value: int, text: Text, cause: int, field: Text) -> None:
+        topic: Topic = self._topics[tag]
         if topic.flag is not None:
             self._moved(topic.flag, number, tick, value, cause)
             return
+        recent: Recent
+        register: ClearedRegister | None
         recent, register = topic.recent, topic.register
         if len(self._clocks) != self._known:
             self._retuned()
@@ -320,6 +345,7 @@ class Modifies(Keeper):
         if register is not None and not topic.reads:
             self.writes += 1
             self._landed(one, register, recent)
+        newest: Access | None
         newest, recent.newest = recent.newest, one
         one.before, one.after = newest, None
         if newest is None:
@@ -338,6 +364,7 @@ class Modifies(Keeper):
 
     def _landed(self, write: Access, register: ClearedRegister, recent: Recent) -> None:
         """A write: the nearest read of the same statement is its own, if there is one."""
+        passed: int
         passed, one = 0, recent.newest
         while one is not None and passed < OVERTAKEN:
             if one.cause == write.cause:  # of the same routine
@@ -371,13 +398,15 @@ class Modifies(Keeper):
 
     def _judge(self, register: ClearedRegister, read: Access, made: Modify) -> None:
         """A read-modify-write, of which all is known but what its place means to clear."""
-        place = register.places.get(made.place)
+        place: Place | None = register.places.get(made.place)
         if place is None:
             place = register.places[made.place] = Place()
         place.proven |= made.written & ~read.value
         place.always &= made.written
         if read.field:
             place.named.add(read.field)
+        number: int
+        flag: Flag
         for number, flag in enumerate(register.flags):
             if made.cleared & flag.mask:
                 if made.rose[number] > read.number:
@@ -418,7 +447,7 @@ class Modifies(Keeper):
 
 def _one_more(cleared: dict[str, Cleared], flag: Flag, made: Modify) -> None:
     """The write `made` cleared the flag."""
-    of = cleared.get(flag.name)
+    of: Cleared | None = cleared.get(flag.name)
     if of is None:
         of = cleared[flag.name] = Cleared()
     of.add(1, made.tick)

@@ -12,12 +12,14 @@ number of chains is limited: a read that agrees with none of them, after others 
 firmware provides nothing but the level of that pin.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from itertools import combinations_with_replacement
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, final
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
@@ -62,6 +64,7 @@ class Sources(Protocol):
     def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None: ...
 
 
+@final
 class Sent:
     """A frame as the host sent it."""
 
@@ -122,6 +125,8 @@ class FrameOrigins(Origins):
     the chip has never shown a frame, and wrong once it has.
     """
 
+    _frames: FrameHistory
+
     def __init__(self, scene: Sources) -> None:
         super().__init__(scene)
         self._frames = FrameHistory()
@@ -134,6 +139,7 @@ class FrameOrigins(Origins):
     def origin(self, address: int, got: bytes) -> Origin:
         youngest_first = list(self._sent)
         youngest_first.reverse()
+        sent: Sent
         for sent in youngest_first:
             wanted = sent.shown_at(address)
             if wanted.startswith(got):
@@ -150,6 +156,7 @@ class FrameOrigins(Origins):
         return _nearest(got, [(sent, sent.shown_at(address)) for sent in youngest_first])
 
 
+@final
 class Chain:
     """A possible history of the models: the frame of their last run, and the values that it left.
 
@@ -164,6 +171,7 @@ class Chain:
         self.shown = shown
 
 
+@final
 class Run:
     """A run of the models that is over. sent: the frames that it may have taken, oldest first."""
 
@@ -207,6 +215,7 @@ class ModelOrigins(Origins):
             self._runs += 1
 
     def origin(self, address: int, got: bytes) -> Origin:
+        run: Run
         for run in self._over:
             self._before, self._chains = self._chains, self._longer(run)
         self._over.clear()
@@ -224,15 +233,17 @@ class ModelOrigins(Origins):
 
     def _longer(self, run: Run) -> list[Chain]:
         """Every chain with a frame more, youngest frames first; of too many, those of the youngest frames."""
-        count = 0
+        count: int = 0
+        chain: Chain
         for chain in self._chains:
             count += len(self._may_be(chain, run))
-        many = count > COMPLETE
+        many: bool = count > COMPLETE
         if many:
             self._left_out = True
         longer: dict[tuple[int, int, int], Chain] = {}
         for chain in self._chains:
             may_be = self._may_be(chain, run)
+            sent: Sent
             for sent in reversed(may_be[-PASSED_OVER - 1 :] if many else may_be):
                 key = sent.number, chain.sent.number, chain.before
                 if key not in longer:
@@ -243,11 +254,12 @@ class ModelOrigins(Origins):
         """The frames that a run may have taken after those of a chain, oldest first: the chain's last one, or later."""
         least = chain.sent.number
         may_be: list[Sent] = []
+        sent: Sent
         for sent in reversed(run.sent):
             if sent.number < least:
                 break
             may_be.append(sent)
-        oldest = may_be[-1].number
+        oldest: int = may_be[-1].number
         if oldest > least:  # frames after the chain's are no longer kept
             may_be.append(chain.sent)
             self._left_out = self._left_out or oldest > least + 1
@@ -272,6 +284,7 @@ class ModelOrigins(Origins):
 def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:
     """Those whose chip would have given these bytes."""
     fitting = []
+    chain: Chain
     for chain in chains:
         if chain.shown.data(address).startswith(got):
             fitting.append(chain)
@@ -280,14 +293,16 @@ def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:
 
 def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
     """The youngest candidate whose bytes are those; else, as of no frame, that which agrees in the most."""
+    agreeing: int
     best, agreeing = b"", -1
     found: Sent | None = None
+    sent: Sent
     for sent, wanted in candidates:
         if wanted.startswith(got):
             if found is None or sent.number > found.number:
                 found, best = sent, wanted
         elif found is None:
-            agree = _agreement(got, wanted)
+            agree: int = _agreement(got, wanted)
             if agree > agreeing:
                 best, agreeing = wanted, agree
     return Origin(None, NO_TIME, best) if found is None else Origin(found.number, found.ended, best)

@@ -11,7 +11,11 @@ Where no pairing is said and a second A falls before the first one's B, nobody c
 nothing is proven.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
@@ -23,6 +27,7 @@ PAIRINGS = ("in order", "next", "last")
 FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
 
 
+@final
 class Open:
     """A first event that waits. at: its tick. since: what the clock or counter said then. following: a later one."""
 
@@ -39,6 +44,13 @@ class Between(EventMeasure):
     pairing: one of PAIRINGS; empty where one A at most may wait. group: pairs lie in one transfer or round: a transfer
     lasts from its START to the next one's, so that what firmware does about a STOP belongs to it.
     """
+
+    asked: str
+    _rule: Groups | None
+    _rule_text: str
+    _unsaid: bool
+    _only_last: bool
+    _in_order: bool
 
     def __init__(
         self, begin: Matcher, end: Matcher, pairing: str, group: Group | None = None, extra: tuple[Matcher, ...] = ()

@@ -3,7 +3,11 @@
 Their occasions are the characters on RX, whoever sent them; one that is not received is not measured.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 from ...bus.receiver_listener import ReceiverListener
 from .measure import Counter, Measure, SceneEvents
@@ -40,6 +44,7 @@ class OfCharacters(Measure):
         """So many words wait now. overrun: something has just been lost."""
 
 
+@final
 class _ReceiverForwarder(ReceiverListener):
     """Forwards a receiver's events to a measure."""
 

@@ -1,5 +1,7 @@
 """Times of named stretches of firmware."""
 
+# core: compiled
+
 from __future__ import annotations
 
 from ...core.records import Kind

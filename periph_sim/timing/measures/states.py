@@ -6,7 +6,11 @@ A state that holds as the run begins belongs to the sum. It is no "each", since 
 the end of the run, it counts with that.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
@@ -15,6 +19,9 @@ from ...core.time import NO_TIME
 from ..language.events import EVERYTHING, Matcher
 from .event_pairing import EventMeasure
 from .measure import SceneEvents
+
+if TYPE_CHECKING:
+    from .event_pairing import Hearing
 
 
 class State(Struct, frozen=True):
@@ -54,6 +61,7 @@ class _InState(EventMeasure):
             self.spans.add(self._names[tag])
         plan = self._plans[tag]
         enters = leaves = False
+        one: Hearing
         for one in plan:
             if one.test is not None and one.test.fits(value):
                 if one.place < self._enters:

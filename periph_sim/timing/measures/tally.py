@@ -7,11 +7,16 @@ get twice as wide, again and again: a quarter of MOST of them span no more than 
 largest value in it, so that a percentile is one that was measured, and never too small.
 """
 
+# core: compiled
+
 from __future__ import annotations
+
+from typing import final
 
 MOST = 1 << 15  # cells
 
 
+@final
 class Cell:
     """count: of its values. value: the largest. at: when that was first."""
 
@@ -22,6 +27,7 @@ class Cell:
     at: int
 
 
+@final
 class Tally:
     def __init__(self, most: int = MOST) -> None:
         self._most = most
@@ -33,7 +39,7 @@ class Tally:
 
     def add(self, value: int, at: int) -> None:
         number = value >> self._shift
-        cell = self._cells.get(number)
+        cell: Cell | None = self._cells.get(number)
         if cell is None:
             cell = self._cells[number] = Cell()
             cell.count, cell.value, cell.at = 1, value, at

@@ -6,18 +6,21 @@ A record costs 53 bytes here, and 44 while it is collected: its topic stands for
 blocks of fixed length, a number a column, so that no object is made for a record, and none is moved.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.records import Keeper, Kind, Record
+from ...form.c_types import Buffer, Text, UInt32
 
 Block = dict[str, "array[int]"]
 Clocks = Mapping[str, Sequence[tuple[int, Fraction]]]
@@ -137,19 +140,28 @@ class RecordTable:
                 yield Record(n, t, kinds[k], where[w], what[a], v, text[x], c, fields[f])
 
 
+@final
 class _Strings:
     """The strings of a topic's last record, and their places: those of the next one are mostly the same objects."""
 
     __slots__ = ("field", "field_place", "text", "text_place")
 
-    text: str | None
-    field: str | None
-    text_place: int
-    field_place: int
+    text: Text | None
+    field: Text | None
+    text_place: UInt32
+    field_place: UInt32
 
 
 class Columns(Keeper):
     """Collects records; `table` gives them as arrays."""
+
+    _tags: Buffer[UInt32]
+    _text_places: Buffer[UInt32]
+    _field_places: Buffer[UInt32]
+    _numbers: Buffer[int]
+    _ticks: Buffer[int]
+    _values: Buffer[int]
+    _causes: Buffer[int]
 
     def __init__(self) -> None:
         self._topics: dict[tuple[Kind, str, str], int] = {}
@@ -161,6 +173,7 @@ class Columns(Keeper):
         self._full: list[Block] = []
         self._texts: dict[str, int] = {}
         self._fields: dict[str, int] = {}
+        last: _Strings
         for last in self._last:
             last.text = last.field = None
         self._begin()
@@ -187,14 +200,14 @@ class Columns(Keeper):
             self._last.append(last)
         return tag
 
-    def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
+    def keep(self, tag: int, number: int, tick: int, value: int, text: Text, cause: int, field: Text) -> None:
         row = self._filled
         self._tags[row] = tag
         self._numbers[row] = number
         self._ticks[row] = tick
         self._values[row] = value
         self._causes[row] = cause
-        last = self._last[2 * tag + (value & 1)]
+        last: _Strings = self._last[2 * tag + (value & 1)]
         if text is not last.text:
             last.text, last.text_place = text, self._place(self._texts, text)
         self._text_places[row] = last.text_place
@@ -206,7 +219,7 @@ class Columns(Keeper):
             self._full.append(self._block)
             self._begin()
 
-    def _place(self, places: dict[str, int], text: str) -> int:
+    def _place(self, places: dict[str, int], text: Text) -> int:
         """The place of a string, which may have none yet."""
         return places.setdefault(text, len(places))
 

@@ -45,8 +45,8 @@ class Core(CpuInterrupts):
         super().__init__(options)
         self.memory: dict[int, Context] = {}  # by SP before the entry
 
-    def _save(self, number: int, first_instruction: int) -> Context:
-        context = super()._save(number, first_instruction)
+    def save(self, number: int, first_instruction: int) -> Context:
+        context = super().save(number, first_instruction)
         self.memory[context.sp] = context
         return context
 

@@ -1,0 +1,134 @@
+"""Declarations for Cython: a module's types go in, the text of its .pxd file comes out.
+
+class Event:                                            cdef class Event:
+    time: int                                               cdef public long long time
+    following: Event | None                                 cdef public Event following
+def renew(self, event: Event, time: int) -> None:           @cython.locals(before=Event)
+    before: Event = self._latest                            cpdef bint renew(self, Event event, ...) except -1
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from .sources import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Source, Sources, Type
+
+LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # their names in `cython`
+# Value of a C function that has raised an exception. Without it each caller would have to ask Python. A function
+# without a result returns a truth value; a method in Python that overrides it returns None, which is false, too.
+RAISES = {VOID: " except -1", "bint": " except -1", INTEGER: " except? PERIPH_SIM_RAISED"}
+RAISED = '''\
+cdef extern from *:
+    """
+    #define PERIPH_SIM_RAISED (-0x7EDCBA9876543210LL)
+    """
+    const long long PERIPH_SIM_RAISED
+'''  # a number that hardly any function returns; where one does, Python is asked
+
+
+def declarations(source: Source) -> str:
+    """The text of the .pxd file of a module."""
+    return Writer(source).text()
+
+
+def used_by(sources: Sources, module: str) -> set[str]:
+    """The modules whose types a module uses, directly or not, itself included."""
+    found: set[str] = set()
+    waiting = [module]
+    while waiting:
+        one = waiting.pop()
+        if one not in found:
+            found.add(one)
+            writer = Writer(sources[one])
+            writer.text()
+            waiting += writer.needed
+    return found
+
+
+class Writer:
+    """Puts the declarations of one module into words. needed: names that are cimported, by module."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.needed: dict[str, set[str]] = {}
+        self.defined: set[str] = set()
+        self.forward: list[str] = []
+
+    def text(self) -> str:
+        source = self.source
+        lines: list[str] = []
+        for kind in source.classes.values():
+            self.defined.add(kind.name)
+            lines += ["", *self._class(kind)]
+        if any(one.kind != "def" for one in source.functions.values()):
+            lines.append("")
+        for name, function in source.functions.items():
+            if function.kind != "def":
+                lines += self._function(name, function, "")
+        for name, module in source.cimported.items():
+            self.needed.setdefault(module, set()).add(name)
+        head = ["cimport cython", "", RAISED]
+        dots = "." * len(source.name.split("."))
+        head += [
+            f"from {dots}{module} cimport {', '.join(sorted(names))}" for module, names in sorted(self.needed.items())
+        ]
+        for name, types in source.fused.items():
+            head += ["", f"ctypedef fused {name}:", *(f"    {self._number(one)}" for one in types)]
+        for name, types in source.pointers.items():
+            head += [
+                "",
+                f"ctypedef bint (*{name})({', '.join(self._spelled(source.type_of(one)) for one in types)}) except -1",
+            ]
+        return "\n".join([*head, "", *self.forward, *lines, ""])
+
+    def _class(self, kind: Class) -> Iterator[str]:
+        if kind.is_final:
+            yield "@cython.final"
+        for mark in kind.marks:
+            yield f"@cython.freelist({mark.removeprefix('freelist ')})"
+        base = f"({self._spelled(Type(kind.base.name, kind.base))})" if kind.base else ""
+        yield f"cdef class {kind.name}{base}:"
+        body = []
+        for name, type_ in kind.attributes.items():
+            of_c = type_.c in self.source.pointers or (type_.c.endswith("]") and name.startswith("_"))
+            public = "" if of_c or name.startswith("__") else "public "
+            body.append(f"    cdef {public}{self._spelled(type_)} {name}")
+        for name, function in kind.methods.items():
+            overrides = any(name in base.methods for base in kind.bases)
+            if function.kind != "def" and not (kind.is_final and overrides):
+                body += self._function(name, function, "    ")
+        yield from body or ["    pass"]
+
+    def _function(self, name: str, function: Function, indent: str) -> Iterator[str]:
+        variables = {one: kind for one, kind in function.variables.items() if one not in function.arguments}
+        if variables:
+            given = ", ".join(
+                f"{one}={f'cython.{LOCALS[kind.c]}' if kind.c in LOCALS else self._spelled(kind)}"
+                for one, kind in variables.items()
+            )
+            yield f"{indent}@cython.locals({given})"
+        arguments = ["self"] if indent else []
+        arguments += [
+            f"{self._spelled(kind)} {one}{'=*' if optional else ''}"
+            for one, (kind, optional) in function.arguments.items()
+        ]
+        result = self._spelled(function.result)
+        tells = " noexcept" if "noexcept" in function.marks else RAISES.get(result, "")
+        vectors = "  # vectors" * ("vectors" in function.marks)
+        yield f"{indent}{function.kind} {result.replace(VOID, 'bint')} {name}({', '.join(arguments)}){tells}{vectors}"
+
+    def _number(self, constraint: ast.expr) -> str:
+        found = self.source.type_of(constraint).c
+        return found if found in NUMBERS.values() else OBJECT
+
+    def _spelled(self, kind: Type) -> str:
+        """The type as the file spells it; its class is declared or cimported before."""
+        owner = kind.kind
+        if owner is not None and owner.source is not self.source:
+            self.needed.setdefault(owner.source.name, set()).add(owner.name)
+        elif owner is not None and owner.name not in self.defined:
+            self.defined.add(owner.name)
+            base = f"({self._spelled(Type(owner.base.name, owner.base))})" if owner.base else ""
+            self.forward.append(f"cdef class {owner.name}{base}")
+        return kind.c

@@ -1,0 +1,534 @@
+"""C types of a package's modules, derived from the annotations in their sources.
+
+A module is compiled if it has the line `# core: compiled`. Its classes are compiled if their base is, or if they have
+none and no decorator but `@final`. An attribute has the type of its annotation, or of the first value that says one.
+
+A function is called from Python and from C (cpdef). It is called from C only (cdef) if its name begins with an
+underscore, or is missing in the `__all__` of its module. It stays a function of Python (def) where Cython cannot make a
+C function of it, or where it is handed on as an object. What annotations cannot say is in `c_types`, and in comments of
+this form:
+
+    class Event:  # core: freelist 16                   keeps up to 16 objects for the next ones
+    class Span:  # core: python                         stays a class of Python's
+    def s16(value: int) -> int:  # core: noexcept       raises nothing
+    def nz16(self, value: int) -> None:  # core: C only
+    def listen(self) -> None:  # core: python
+    def _words(self, place: int) -> None:  # core: vectors      is compiled for wider vectors, too
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, cached_property
+from pathlib import Path
+from typing import NamedTuple, cast
+
+HEADER = re.compile(r"^# core: (.*)$", re.MULTILINE)
+COMPILED, UNCHECKED = "compiled", "compiled without checks for None"
+MARKS = re.compile(r"# core: (.*)$")
+CLASS_MARKS = re.compile(r"python|freelist \d+")
+FUNCTION_MARKS = re.compile(r"python|C only|noexcept|vectors")
+NUMBERS = {
+    "bool": "bint",
+    "int": "long long",
+    "Int32": "int",
+    "UInt8": "unsigned char",
+    "UInt16": "unsigned short",
+    "UInt32": "unsigned int",
+}
+BUILTINS = frozenset({"bytearray", "dict", "frozenset", "list", "set", "str", "tuple"})
+BUFFERS = ("Buffer", "NDArray", "npt.NDArray")
+OBJECT, VOID, INTEGER = "object", "void", NUMBERS["int"]
+CLOSURES = (ast.FunctionDef, ast.Lambda, ast.GeneratorExp)
+
+
+class BadDeclaration(Exception):
+    """A source says something about a type that has no declaration in C; the message names file and line."""
+
+
+class Type(NamedTuple):
+    """c: as a .pxd file spells it. kind: the compiled class that it is. optional: None is a value, too."""
+
+    c: str
+    kind: Class | None = None
+    optional: bool = False
+
+
+class Function(NamedTuple):
+    """kind: "cpdef", "cdef" or "def". arguments: the type of each, and whether it has a default."""
+
+    kind: str
+    result: Type
+    arguments: dict[str, tuple[Type, bool]]
+    variables: dict[str, Type]
+    marks: list[str]
+
+
+class Sources(dict[str, "Source"]):
+    """The modules of a package, each read when it is first needed."""
+
+    def __init__(self, package: Path) -> None:
+        super().__init__()
+        self.package = package
+
+    def __missing__(self, name: str) -> Source:
+        path = self.package.joinpath(*name.split("."))
+        path = path.with_suffix(".py") if path.with_suffix(".py").is_file() else path / "__init__.py"
+        self[name] = source = Source(self, name, path.read_text("utf-8") if path.is_file() else "")
+        return source
+
+    def compiled(self) -> list[str]:
+        """The names of all modules that are compiled."""
+        names = (".".join(path.relative_to(self.package).with_suffix("").parts) for path in self.package.rglob("*.py"))
+        return sorted(name for name in names if self[name].is_compiled)
+
+
+class Source:
+    """One module. text: the source."""
+
+    def __init__(self, sources: Sources, name: str, text: str) -> None:
+        self.sources, self.name, self.text = sources, name, text
+        self.header = header_of(text)
+        if self.header not in ("", COMPILED, UNCHECKED):
+            line = text[: text.index(f"# core: {self.header}")].count("\n") + 1
+            expected = f"expected '# core: {COMPILED}' or '# core: {UNCHECKED}'"
+            raise self.bad(line, f"'# core: {self.header}'; {expected}")
+
+    @property
+    def is_compiled(self) -> bool:
+        return bool(self.header)
+
+    def bad(self, line: int, what: str) -> BadDeclaration:
+        return BadDeclaration(f"{self.name.replace('.', '/')}.py:{line}: {what}")
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        return ast.parse(self.text)
+
+    @cached_property
+    def classes(self) -> dict[str, Class]:
+        """The compiled classes."""
+        found: dict[str, Class] = {}
+        self.__dict__["classes"] = found  # a class may have a base in this module
+        for node in self.tree.body if self.is_compiled else ():
+            if isinstance(node, ast.ClassDef) and self._is_compiled_class(node):
+                found[node.name] = Class(self, node)
+        return found
+
+    def _is_compiled_class(self, node: ast.ClassDef) -> bool:
+        if "python" in self.marks(node, CLASS_MARKS) or len(node.bases) > 1 or node.keywords:
+            return False
+        decorated = any(ast.unparse(one) != "final" for one in node.decorator_list)
+        return not decorated and (not node.bases or self.find_class(ast.unparse(node.bases[0])) is not None)
+
+    def marks(self, node: ast.ClassDef | ast.FunctionDef, known: re.Pattern[str]) -> list[str]:
+        """Return the marks that follow the head of a class or function."""
+        found: list[str] = []
+        for row in range(node.lineno, max(node.body[0].lineno, node.lineno + 1)):
+            mark = MARKS.search(self.text_lines[row - 1])
+            found += mark[1].split(", ") if mark else []
+        for one in found:
+            if not known.fullmatch(one):
+                raise self.bad(node.lineno, f"'# core: {one}' at {node.name}; expected {known.pattern}")
+        return found
+
+    @cached_property
+    def text_lines(self) -> list[str]:
+        return self.text.split("\n")
+
+    @cached_property
+    def imports(self) -> dict[str, tuple[str, str]]:
+        """Module and name there of each name that is imported from this package."""
+        found = {}
+        for node in walked(self.tree):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                place = self.name.split(".")[: -node.level]
+                module = ".".join([*place, node.module] if node.module else place)
+                found.update({alias.asname or alias.name: (module, alias.name) for alias in node.names})
+        return found
+
+    @cached_property
+    def assigned(self) -> dict[str, ast.expr]:
+        """The value of each name that the module assigns; of names that are unpacked, the call that gives them."""
+        found: dict[str, ast.expr] = {}
+        for node in self.tree.body:
+            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
+                found[node.target.id] = node.value
+            elif isinstance(node, ast.Assign):
+                for name, value in pairs(node):
+                    if isinstance(name, ast.Name):
+                        found[name.id] = value or node.value
+        return found
+
+    def find_class(self, name: str) -> Class | None:
+        """The compiled class that a name means in this module."""
+        if name in self.classes:
+            return self.classes[name]
+        module, there = self.imports.get(name, ("", ""))
+        return self.sources[module].find_class(there) if module else None
+
+    # Types -------------------------------------------------------------------
+
+    def type_of(self, node: ast.expr | None) -> Type:
+        """The type that an annotation says."""
+        match node:
+            case ast.Constant(value=None):
+                return Type(VOID)
+            case ast.Constant(value=str(text)):
+                return self.type_of(ast.parse(text, mode="eval").body)
+            case ast.BinOp(op=ast.BitOr()):
+                sides = [one for one in (self.type_of(node.left), self.type_of(node.right)) if one.c != VOID]
+                pointer = len(sides) == 1 and (sides[0].kind or sides[0].c in BUILTINS)
+                return sides[0]._replace(optional=True) if pointer else Type(OBJECT)
+            case ast.Name(id=name):
+                return self._type_named(name)
+            case ast.Subscript(value=ast.Name(id="Annotated"), slice=ast.Tuple(elts=[ast.Subscript() as of, length])):
+                return Type(f"{self.type_of(of.slice).c}[{self.number(length)}]")
+            case ast.Subscript(value=value, slice=of) if ast.unparse(value) in BUFFERS:
+                number = self.type_of(ast.Name("int") if ast.unparse(of) == "np.int64" else of)
+                return Type(f"{number.c}[::1]") if number.c in NUMBERS.values() else Type(OBJECT)
+            case ast.Subscript(value=ast.Name(id=name)):
+                return self._type_named(name)
+        return Type(OBJECT)
+
+    def _type_named(self, name: str) -> Type:
+        if name in NUMBERS or name in BUILTINS:
+            return Type(NUMBERS.get(name, name))
+        if kind := self.find_class(name):
+            return Type(kind.name, kind)
+        if name in self.fused or name in self.pointers:
+            return Type(name)
+        value = self.assigned.get(name)
+        if isinstance(value, ast.Name | ast.Subscript):
+            return self.type_of(value)
+        module, there = self.imports.get(name, ("", ""))
+        return self.sources[module]._type_named(there) if module and module != "form.c_types" else Type(OBJECT)
+
+    @cached_property
+    def fused(self) -> dict[str, list[ast.expr]]:
+        """Type variables with constraints: a function has one body for each of these types."""
+        calls = {name: one for name, one in self.assigned.items() if isinstance(one, ast.Call)}
+        return {
+            name: one.args[1:] for name, one in calls.items() if ast.unparse(one.func) == "TypeVar" and one.args[1:]
+        }
+
+    @cached_property
+    def pointers(self) -> dict[str, list[ast.expr]]:
+        """Pointers to C functions: the types of the arguments."""
+        found = {}
+        for name, value in self.assigned.items():
+            if isinstance(value, ast.Subscript) and ast.unparse(value.value) == "CFunction":
+                found[name] = cast("ast.List", cast("ast.Tuple", value.slice).elts[0]).elts
+        return found
+
+    def number(self, node: ast.expr) -> int:
+        """The value of a constant expression."""
+        match node:
+            case ast.Constant(value=int(value)):
+                return value
+            case ast.Name(id=name) if name in self.assigned:
+                return self.number(self.assigned[name])
+            case ast.Name(id=name) if name in self.imports:
+                module, there = self.imports[name]
+                return self.sources[module].number(ast.Name(there))
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
+                return OPERATORS[type(op)](self.number(left), self.number(right))
+        raise self.bad(node.lineno, f"the length {ast.unparse(node)} of an array; expected a number")
+
+    def type_of_value(self, value: ast.expr, within: Class | None, known: Mapping[str, ast.expr | None]) -> Type | None:
+        """The type that an expression says by itself, or None. known: annotations of names in it."""
+        match value:
+            case ast.Constant(value=bool() | int() | str() | bytes() as constant):
+                return self._type_named(type(constant).__name__)
+            case ast.List() | ast.ListComp():
+                return Type("list")
+            case ast.Dict() | ast.DictComp():
+                return Type("dict")
+            case ast.Set() | ast.SetComp():
+                return Type("set")
+            case ast.Tuple():
+                return Type("tuple")
+            case ast.Compare() | ast.UnaryOp(op=ast.Not()):
+                return Type(NUMBERS["bool"])
+            case ast.UnaryOp(operand=operand):
+                return self.type_of_value(operand, within, known)
+            case ast.BinOp(left=left, op=op, right=right) if not isinstance(op, ast.Div):
+                sides = [self.type_of_value(one, within, known) for one in (left, right)]
+                return Type(INTEGER) if all(one and one.c == INTEGER for one in sides) else None
+            case ast.Name(id="self"):
+                return Type(within.name, within) if within else None
+            case ast.Name(id=name) if name in known:
+                return self.type_of(known[name])
+            case ast.Name(id=name) if name.isupper():
+                return self.type_of_constant(name)
+            case ast.Attribute(value=owner, attr=name):
+                of = self.type_of_value(owner, within, known)
+                return of.kind.member(name, called=False) if of and of.kind else None
+            case ast.Call(func=ast.Attribute(value=owner, attr=name)):
+                of = self.type_of_value(owner, within, known)
+                return of.kind.member(name, called=True) if of and of.kind else None
+            case ast.Call(func=ast.Name(id="len")):
+                return Type(INTEGER)
+            case ast.Call(func=ast.Name(id=name)) if name in NUMBERS or name in BUILTINS or self.find_class(name):
+                return self._type_named(name)
+        return None
+
+    def type_of_constant(self, name: str) -> Type | None:
+        """The type of a name that the module assigns or imports."""
+        value = self.assigned.get(name)
+        if value is not None:
+            from_range = isinstance(value, ast.Call) and ast.unparse(value.func) == "range"
+            return Type(INTEGER) if from_range else self.type_of_value(value, None, {})
+        module, there = self.imports.get(name, ("", ""))
+        return self.sources[module].type_of_constant(there) if module else None
+
+    # Functions ---------------------------------------------------------------
+
+    @cached_property
+    def functions(self) -> dict[str, Function]:
+        listed = self.assigned.get("__all__")
+        public = None if listed is None else ast.literal_eval(listed)
+        values = read_names(self.tree, "") - self.pointed_at
+        found = {}
+        for node in self.tree.body:
+            if isinstance(node, ast.FunctionDef):
+                seen = not node.name.startswith("_") if public is None else node.name in public
+                kind = "cpdef" if seen else "def" if node.name in values else "cdef"
+                found[node.name] = self.function(node, kind)
+        return found
+
+    @property
+    def pointed_at(self) -> set[str]:
+        """Functions that are assigned to an attribute that is a pointer to a C function."""
+        kinds = [kind for name in (*self.classes, *self.imports) if (kind := self.find_class(name))]
+        pointers = {name for kind in kinds for name, one in kind.known.items() if one.c in kind.source.pointers}
+        return {
+            node.value.id
+            for node in walked(self.tree)
+            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name)
+            if isinstance(node.targets[0], ast.Attribute) and node.targets[0].attr in pointers
+        }
+
+    @cached_property
+    def called_on_others(self) -> set[str]:
+        """Names of methods that the module calls on other objects than `self`, whose classes Cython may not know."""
+        calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
+        return {one.attr for one in calls if isinstance(one, ast.Attribute) and ast.unparse(one.value) != "self"}
+
+    @cached_property
+    def called(self) -> set[str]:
+        """Names of functions that the module calls."""
+        calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
+        return {one.id for one in calls if isinstance(one, ast.Name)}
+
+    @cached_property
+    def cimported(self) -> dict[str, str]:
+        """The modules of C functions that this module imports and calls, by name."""
+        found = {}
+        called = self.called - read_names(self.tree, "")
+        for name, (module, there) in self.imports.items():
+            other = self.sources[module].functions.get(name) if name == there and name in called else None
+            if other and other.kind != "def" and self.sources[module].is_compiled:
+                found[name] = module
+        return found
+
+    def function(self, node: ast.FunctionDef, kind: str, base: Function | None = None) -> Function:
+        """Return what the head of a function declares. base: the method that it overrides, whose types hold."""
+        marks = self.marks(node, FUNCTION_MARKS)
+        if "C only" in marks:
+            kind = "cdef"
+        if "python" in marks or not is_typable(node, kind):
+            kind = "def"
+        given = node.args.args
+        defaults = [*[None] * (len(given) - len(node.args.defaults)), *node.args.defaults]
+        arguments = {
+            one.arg: (self._argument(one.annotation, default, kind), default is not None)
+            for one, default in zip(given, defaults, strict=True)
+            if one.arg != "self"
+        }
+        if base:
+            if len(arguments) != len(base.arguments):
+                raise self.bad(node.lineno, f"{node.name} takes other arguments than the method that it overrides")
+            kind = base.kind if kind != "def" else kind
+            arguments = dict(zip(arguments, base.arguments.values(), strict=True))
+        variables = {
+            one.target.id: self.type_of(one.annotation)
+            for one in walked(node)
+            if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name)
+        }
+        result = base.result if base else self.type_of(node.returns)
+        if result.c.endswith("]"):  # a buffer is the caller's, whatever object it is
+            result = Type(OBJECT)
+        return Function(kind, result, arguments, variables, marks)
+
+    def _argument(self, annotation: ast.expr | None, default: ast.expr | None, kind: str) -> Type:
+        """Called from Python, Cython refuses None for a typed argument whose default is not None."""
+        found = self.type_of(annotation)
+        takes_none = kind == "cdef" or (isinstance(default, ast.Constant) and default.value is None)
+        return Type(OBJECT) if found.optional and not takes_none else found
+
+
+class Class:
+    """A compiled class."""
+
+    def __init__(self, source: Source, node: ast.ClassDef) -> None:
+        self.source, self.node, self.name = source, node, node.name
+        self.marks = source.marks(node, CLASS_MARKS)
+        self.is_final = bool(node.decorator_list)
+        self.base = source.find_class(ast.unparse(node.bases[0])) if node.bases else None
+        self.assigned_at: dict[str, int] = {}
+        self.defined = {one.name: one for one in node.body if isinstance(one, ast.FunctionDef)}
+        if self.base and self.base.is_final:
+            raise source.bad(node.lineno, f"class {node.name} has the base {self.base.name}, which is @final")
+
+    @property
+    def bases(self) -> Iterator[Class]:
+        one = self.base
+        while one is not None:
+            yield one
+            one = one.base
+
+    def member(self, name: str, called: bool) -> Type | None:
+        """The type of an attribute, or of what a method or property returns."""
+        for one in (self, *self.bases):
+            if name in one.defined:
+                is_property = any(ast.unparse(way) == "property" for way in one.defined[name].decorator_list)
+                return one.source.type_of(one.defined[name].returns) if called != is_property else None
+            if not called and name in one.known:
+                return one.known[name]
+        return None
+
+    @property
+    def attributes(self) -> dict[str, Type]:
+        """All attributes that the class adds to its base's."""
+        known = self.known
+        for name, line in self.assigned_at.items():
+            if name not in known:
+                raise self.source.bad(line, f"nothing says the type of {self.name}.{name}; annotate it in the class")
+        return known
+
+    @cached_property
+    def known(self) -> dict[str, Type]:
+        """The attributes whose type is known, by annotation or by first value."""
+        inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
+        found: dict[str, Type] = {}
+        self.__dict__["known"] = found  # a value may name another attribute
+        for target, annotation in self._annotated():
+            if target.isupper():  # a constant that subclasses set
+                continue
+            kind = self.source.type_of(annotation)
+            if found.setdefault(target, kind).c != kind.c:
+                what = f"{self.name}.{target} is {kind.c} here and {found[target].c} in another annotation"
+                raise self.source.bad(annotation.lineno, what)
+        for method in sorted(self.defined.values(), key=lambda one: one.name != "__init__"):
+            arguments = {one.arg: one.annotation for one in (*method.args.args, *method.args.kwonlyargs)}
+            for name, value, line in own_assignments(method):
+                if name in found or name in inherited or name in self.defined:
+                    continue
+                self.assigned_at.setdefault(name, line)
+                if value and (says := self.source.type_of_value(value, self, arguments)):
+                    found[name] = says
+        return {name: kind for name, kind in found.items() if name not in inherited}
+
+    def _annotated(self) -> Iterator[tuple[str, ast.expr]]:
+        for node in self.node.body:
+            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value is None:
+                yield node.target.id, node.annotation
+        for method in self.defined.values():
+            for one in walked(method):
+                if isinstance(one, ast.AnnAssign) and is_own(one.target):
+                    yield cast("ast.Attribute", one.target).attr, one.annotation
+
+    @cached_property
+    def methods(self) -> dict[str, Function]:
+        handed_on = {name for one in (self, *self.bases) for name in read_names(one.node, "self")}
+        found = {}
+        for name, node in self.defined.items():
+            over = next((base.methods[name] for base in self.bases if name in base.methods), None)
+            kind = "cdef" if name.startswith("_") and name not in self.source.called_on_others else "cpdef"
+            kind = "def" if name in handed_on or name.startswith("__") else kind
+            if over and over.kind == "def":
+                kind, over = "def", None
+            found[name] = self.source.function(node, kind, over)
+            if over and found[name].kind == "def":
+                what = f"{self.name}.{name} cannot be compiled as the C method that it overrides can"
+                raise self.source.bad(node.lineno, f"{what}; mark that one '# core: python'")
+        return found
+
+
+OPERATORS: Mapping[type[ast.operator], Callable[[int, int], int]] = {
+    ast.Add: operator.add,
+    ast.LShift: operator.lshift,
+    ast.Mult: operator.mul,
+    ast.Sub: operator.sub,
+    ast.FloorDiv: operator.floordiv,
+    ast.RShift: operator.rshift,
+}
+
+
+@cache
+def walked(node: ast.AST) -> tuple[ast.AST, ...]:
+    """The node and all nodes below it."""
+    return tuple(ast.walk(node))
+
+
+def header_of(text: str) -> str:
+    """Return the text of a source's header line, such as "compiled"; "" if it has none."""
+    found = HEADER.search(text)
+    return found[1] if found else ""
+
+
+def is_own(target: ast.expr) -> bool:
+    return isinstance(target, ast.Attribute) and isinstance(target.value, ast.Name) and target.value.id == "self"
+
+
+def read_names(tree: ast.AST, owner: str) -> set[str]:
+    """Names that are read without being called: of variables, or of the attributes of the variable `owner`."""
+    called = {id(node.func) for node in walked(tree) if isinstance(node, ast.Call)}
+    read = [one for one in walked(tree) if isinstance(getattr(one, "ctx", None), ast.Load) and id(one) not in called]
+    if owner:
+        return {one.attr for one in read if isinstance(one, ast.Attribute) and ast.unparse(one.value) == owner}
+    return {one.id for one in read if isinstance(one, ast.Name)}
+
+
+def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
+    """Each target with its value; None if that is inside another one."""
+    for target in node.targets:
+        if not isinstance(target, ast.Tuple):
+            yield target, node.value
+        elif isinstance(node.value, ast.Tuple) and len(node.value.elts) == len(target.elts):
+            yield from zip(target.elts, node.value.elts, strict=True)
+        else:
+            yield from ((one, None) for one in target.elts)
+
+
+def own_assignments(method: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | None, int]]:
+    """Name, value and line of each assignment to an attribute of `self`."""
+    for node in walked(method):
+        if isinstance(node, ast.Assign):
+            found = list(pairs(node))
+        elif isinstance(node, ast.For):
+            found = [(node.target, None)]
+        else:
+            continue
+        for target, value in found:
+            for one in walked(target):
+                if isinstance(one, ast.Attribute) and is_own(one) and isinstance(one.ctx, ast.Store):
+                    yield one.attr, value if one is target else None, node.lineno
+
+
+def is_typable(node: ast.FunctionDef, kind: str) -> bool:
+    """True if Cython can make a C function of it: with positional arguments, no `yield`, no `super` and no closure.
+
+    One that only C calls may have closures.
+    """
+    if node.decorator_list or node.args.kwonlyargs or node.args.vararg or node.args.kwarg or node.args.posonlyargs:
+        return False
+    closures = CLOSURES if kind == "cpdef" else ()
+    nodes = [one for one in walked(node) if one is not node]
+    if any(isinstance(one, (ast.Yield, ast.YieldFrom, *closures)) for one in nodes):
+        return False
+    return not any(isinstance(one, ast.Name) and one.id == "super" for one in nodes)

@@ -19,12 +19,13 @@ this form:
 from __future__ import annotations
 
 import ast
-import operator
 import re
-from collections.abc import Callable, Iterator, Mapping
-from functools import cache, cached_property
+from collections.abc import Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple, cast
+
+from .syntax import OPERATORS, is_own, is_typable, own_assignments, pairs, read_names, walked
 
 HEADER = re.compile(r"^# core: (.*)$", re.MULTILINE)
 COMPILED, UNCHECKED = "compiled", "compiled without checks for None"
@@ -42,7 +43,6 @@ NUMBERS = {
 BUILTINS = frozenset({"bytearray", "dict", "frozenset", "list", "set", "str", "tuple"})
 BUFFERS = ("Buffer", "NDArray", "npt.NDArray")
 OBJECT, VOID, INTEGER = "object", "void", NUMBERS["int"]
-CLOSURES = (ast.FunctionDef, ast.Lambda, ast.GeneratorExp)
 
 
 class BadDeclaration(Exception):
@@ -459,76 +459,7 @@ class Class:
         return found
 
 
-OPERATORS: Mapping[type[ast.operator], Callable[[int, int], int]] = {
-    ast.Add: operator.add,
-    ast.LShift: operator.lshift,
-    ast.Mult: operator.mul,
-    ast.Sub: operator.sub,
-    ast.FloorDiv: operator.floordiv,
-    ast.RShift: operator.rshift,
-}
-
-
-@cache
-def walked(node: ast.AST) -> tuple[ast.AST, ...]:
-    """The node and all nodes below it."""
-    return tuple(ast.walk(node))
-
-
 def header_of(text: str) -> str:
     """Return the text of a source's header line, such as "compiled"; "" if it has none."""
     found = HEADER.search(text)
     return found[1] if found else ""
-
-
-def is_own(target: ast.expr) -> bool:
-    return isinstance(target, ast.Attribute) and isinstance(target.value, ast.Name) and target.value.id == "self"
-
-
-def read_names(tree: ast.AST, owner: str) -> set[str]:
-    """Names that are read without being called: of variables, or of the attributes of the variable `owner`."""
-    called = {id(node.func) for node in walked(tree) if isinstance(node, ast.Call)}
-    read = [one for one in walked(tree) if isinstance(getattr(one, "ctx", None), ast.Load) and id(one) not in called]
-    if owner:
-        return {one.attr for one in read if isinstance(one, ast.Attribute) and ast.unparse(one.value) == owner}
-    return {one.id for one in read if isinstance(one, ast.Name)}
-
-
-def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
-    """Each target with its value; None if that is inside another one."""
-    for target in node.targets:
-        if not isinstance(target, ast.Tuple):
-            yield target, node.value
-        elif isinstance(node.value, ast.Tuple) and len(node.value.elts) == len(target.elts):
-            yield from zip(target.elts, node.value.elts, strict=True)
-        else:
-            yield from ((one, None) for one in target.elts)
-
-
-def own_assignments(method: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | None, int]]:
-    """Name, value and line of each assignment to an attribute of `self`."""
-    for node in walked(method):
-        if isinstance(node, ast.Assign):
-            found = list(pairs(node))
-        elif isinstance(node, ast.For):
-            found = [(node.target, None)]
-        else:
-            continue
-        for target, value in found:
-            for one in walked(target):
-                if isinstance(one, ast.Attribute) and is_own(one) and isinstance(one.ctx, ast.Store):
-                    yield one.attr, value if one is target else None, node.lineno
-
-
-def is_typable(node: ast.FunctionDef, kind: str) -> bool:
-    """True if Cython can make a C function of it: with positional arguments, no `yield`, no `super` and no closure.
-
-    One that only C calls may have closures.
-    """
-    if node.decorator_list or node.args.kwonlyargs or node.args.vararg or node.args.kwarg or node.args.posonlyargs:
-        return False
-    closures = CLOSURES if kind == "cpdef" else ()
-    nodes = [one for one in walked(node) if one is not node]
-    if any(isinstance(one, (ast.Yield, ast.YieldFrom, *closures)) for one in nodes):
-        return False
-    return not any(isinstance(one, ast.Name) and one.id == "super" for one in nodes)

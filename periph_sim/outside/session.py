@@ -133,7 +133,7 @@ class Session:
 
     # Lines -----------------------------------------------------------------------
 
-    def apply(self, at: BigInt, levels: Mapping[str, int]) -> None:
+    def apply(self, at: int, levels: Mapping[str, int]) -> None:  # core: python
         """The outside pulls lines low (0) or lets go (1) at tick `at`, all of them together.
 
         For one line and tick the last call counts. OutsideError for the past, for a line that does not lead outside,

@@ -64,10 +64,10 @@ RAW = """
 from periph_sim.f28335.i2c.options import I2cOptions
 def model(options: I2cOptions) -> int:
     if options.int_line == "level":
-        return 1
+        return options.event_to_isrc_delay
     if options.nack_clears_dxr:
         return 2
-    return options.event_to_isrc_delay
+    return 1
 """
 
 
@@ -80,4 +80,4 @@ def test_a_raw_read_does_not_type_check(tmp_path: Path):
         cwd=PACKAGE.parent, capture_output=True, text=True, check=False,
     )  # fmt: skip
     errors = [line.rpartition(" ")[2] for line in done.stdout.splitlines() if "error:" in line]
-    assert errors == ["[comparison-overlap]", "[truthy-bool]", "[return-value]"], done.stdout
+    assert errors == ["[comparison-overlap]", "[return-value]", "[truthy-bool]"], done.stdout

@@ -25,6 +25,7 @@ from .lines import (
     SpiLines,
 )
 from .register_map import SPI_MAP
+from .shift_register import SpiShifter
 
 SPICHAR = SPICCR["SPICHAR"].mask
 OVERRUNINTENA = SPICTL["OVERRUNINTENA"].mask
@@ -180,7 +181,7 @@ class Spi(SpiLines):
         self._gated = True
         self._suspended = self._finishing = False
         self._halt()
-        self._shifter.reset()
+        self._shifter = SpiShifter()
         self._tx.reset()
         self._rx.reset()
         self._set_clock(now)

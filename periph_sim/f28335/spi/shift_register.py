@@ -62,10 +62,3 @@ class SpiShifter:
         """End the character; what was shifted in stays in SPIDAT."""
         self.bits = 0
         self.loaded = False
-
-    def reset(self) -> None:
-        """Return to the state after construction."""
-        self.dat = self.level = 0
-        self.length = 1
-        self.delayed = False
-        self.finish()

@@ -1,0 +1,150 @@
+"""SPI words from edges: a clock, one or two data lines and a chip select in, words and selections out.
+
+An oracle: it shares no code with the SPI model.
+
+    CS   ---________________---
+    CLK  _____--__--__--_______      polarity 0, phase 0, three bits: 1 0 1 on MOSI
+    MOSI ____----____----______
+              |       |
+              at      end
+
+Rules:
+- A bit is what the data lines have in the sample of each latching edge: the rising edge if polarity and phase are
+  equal, else the falling one. Where a data line or CS changes in that same sample, its new level counts.
+- Without a chip select, words follow each other from the first latching edge on, and after gaps in what is known.
+- With one, only edges while it is active count, and its change ends a word: bits gathered of one are `Cut`, as at the
+  end of the capture. A capture that begins with CS active has its words counted from the first latching edge.
+
+Polarity and phase are CPOL and CPHA of the field. TI's CLK_PHASE is the opposite of CPHA.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from msgspec import Struct
+
+from ..capture.capture import Capture, Channel, Positions
+
+
+class SpiFormat(Struct, frozen=True):
+    """Shape of words and meaning of edges.
+
+    bits: bits of a word.
+    polarity: level of the clock between words (CPOL).
+    phase: 0 if the edge that leaves this level latches, 1 if the other one does (CPHA).
+    lsb_first: the least significant bit comes first.
+    active_high: the chip select is active at 1.
+    """
+
+    bits: int = 8
+    polarity: int = 0
+    phase: int = 0
+    lsb_first: bool = False
+    active_high: bool = False
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.bits <= 64:
+            raise ValueError(f"{self.bits} bits of a word; expected 1 to 64")
+        for name, value in (("polarity", self.polarity), ("phase", self.phase)):
+            if value not in (0, 1):
+                raise ValueError(f"{name} is {value}; expected 0 or 1")
+
+
+@dataclass(frozen=True, slots=True)
+class Select:
+    """The chip select became active."""
+
+    at: int
+
+
+@dataclass(frozen=True, slots=True)
+class Deselect:
+    """The chip select became inactive."""
+
+    at: int
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """at, end: the first and the last latching edge. mosi, miso: None without that line."""
+
+    at: int
+    end: int
+    mosi: int | None
+    miso: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """Bits of a word that was not completed, in the order in which they came."""
+
+    at: int
+    end: int
+    mosi: tuple[int, ...] | None
+    miso: tuple[int, ...] | None
+
+
+Event = Select | Deselect | Word | Cut
+
+
+def events(
+    capture: Capture,
+    format_: SpiFormat,
+    clk: str | int = "CLK",
+    mosi: str | int | None = "MOSI",
+    miso: str | int | None = "MISO",
+    cs: str | int | None = "CS",
+) -> list[Event]:
+    """All events of a capture, in order of where they begin; words end before the Deselect that ends them.
+
+    A line that is None is not looked at. LookupError if a channel is not there; ValueError without any data line.
+    """
+    if mosi is None and miso is None:
+        raise ValueError("no data line; expected mosi, miso or both")
+    lines = [None if name is None else capture.channel(name) for name in (clk, mosi, miso, cs)]
+    found: list[Event] = []
+    for span in capture.known(*(line for line in lines if line is not None)):
+        clock, *others = (None if line is None else line.cut(span) for line in lines)
+        assert clock is not None
+        found += _events(format_, clock, *others)
+    return found
+
+
+def _events(
+    format_: SpiFormat, clk: Channel, mosi: Channel | None, miso: Channel | None, cs: Channel | None
+) -> list[Event]:
+    """Events of a stretch in which all lines are known."""
+    latches = clk.edges[clk.levels == int(format_.polarity == format_.phase)]
+    found: list[Event] = []
+    if cs is None:
+        runs = [latches]
+    else:
+        latches = latches[cs.at(latches) == format_.active_high]
+        runs = np.split(latches, np.searchsorted(latches, cs.edges))
+        for at, level in zip(cs.edges.tolist(), cs.levels.tolist(), strict=True):
+            found.append(Select(at) if level == format_.active_high else Deselect(at))
+    for run in runs:
+        found += _words(format_, run, mosi, miso)
+    return sorted(found, key=lambda event: event.at)
+
+
+def _words(format_: SpiFormat, latches: Positions, mosi: Channel | None, miso: Channel | None) -> list[Event]:
+    """Words of latching edges that follow each other without a change of the chip select."""
+    streams = [None if line is None else line.at(latches).tolist() for line in (mosi, miso)]
+    found: list[Event] = []
+    for begin in range(0, len(latches), format_.bits):
+        at, end = int(latches[begin]), int(latches[begin : begin + format_.bits][-1])
+        out, back = (None if bits is None else bits[begin : begin + format_.bits] for bits in streams)
+        if begin + format_.bits <= len(latches):
+            found.append(Word(at, end, _number(format_, out), _number(format_, back)))
+        else:
+            found.append(Cut(at, end, out and tuple(out), back and tuple(back)))
+    return found
+
+
+def _number(format_: SpiFormat, bits: list[int] | None) -> int | None:
+    if bits is None:
+        return None
+    return int("".join(map(str, reversed(bits) if format_.lsb_first else bits)), 2)

@@ -1,0 +1,206 @@
+"""SPI words from edges: every format, chip selects, cut words, unknown stretches; and what sigrok's decoder says."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from random import Random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.traces import formats
+from periph_sim.traces.capture.capture import Capture
+from periph_sim.traces.decode import spi
+from periph_sim.traces.decode.spi import Cut, Deselect, Select, SpiFormat, Word
+from tests.traces.decode.drawing import drawn, of_bytes
+
+THREE = SpiFormat(3)
+
+# 1 0 1 on MOSI, 0 1 1 on MISO; each bit is there while its latching edge comes, at 6, 10 and 14.
+DATA = """MOSI ____----____----______
+MISO ________--------______
+CS ---________________---"""
+CLOCKS = {
+    (0, 0): "______--__--__--______",
+    (0, 1): "____--__--__--________",
+    (1, 0): "------__--__--__------",
+    (1, 1): "----__--__--__--------",
+}
+
+
+@pytest.mark.parametrize("mode", CLOCKS)
+def test_one_word(mode: tuple[int, int]):
+    capture = drawn(f"CLK {CLOCKS[mode]}\n{DATA}")
+    assert spi.events(capture, SpiFormat(3, *mode)) == [Select(3), Word(6, 14, 0b101, 0b011), Deselect(19)]
+
+
+def test_the_least_significant_bit_may_come_first():
+    capture = drawn(f"CLK {CLOCKS[0, 0]}\n{DATA}")
+    assert spi.events(capture, SpiFormat(3, lsb_first=True))[1] == Word(6, 14, 0b101, 0b110)
+
+
+def test_the_chip_select_may_be_active_high():
+    capture = drawn(f"CLK {CLOCKS[0, 0]}\n{DATA}\nSS ___----------------___")
+    wanted = [Select(3), Word(6, 14, 0b101, 0b011), Deselect(19)]
+    assert spi.events(capture, SpiFormat(3, active_high=True), cs="SS") == wanted
+    assert spi.events(capture, SpiFormat(3, active_high=True)) == [Deselect(3), Select(19)]
+
+
+@pytest.mark.parametrize(("mosi", "miso", "word"), [("MOSI", None, (0b101, None)), (None, "MISO", (None, 0b011))])
+def test_one_data_line_is_enough(mosi: str | None, miso: str | None, word: tuple[int | None, int | None]):
+    capture = drawn(f"CLK {CLOCKS[0, 0]}\n{DATA}")
+    assert spi.events(capture, THREE, mosi=mosi, miso=miso, cs=None) == [Word(6, 14, *word)]
+    assert spi.events(capture, SpiFormat(4), mosi=mosi, miso=miso, cs=None) == [
+        Cut(6, 14, mosi and (1, 0, 1), miso and (0, 1, 1))  # type: ignore[arg-type]
+    ]
+
+
+def test_words_follow_each_other_and_the_chip_select_cuts_the_last():
+    capture = drawn("""
+        CLK  _-_-_-_-_-_-__
+        MOSI ---____----___
+        MISO ______________
+        CS   ___________---
+    """)
+    assert spi.events(capture, SpiFormat(2)) == [
+        Word(1, 3, 0b10, 0),
+        Word(5, 7, 0b01, 0),
+        Cut(9, 9, (1,), (0,)),
+        Deselect(11),
+    ]
+
+
+def test_edges_with_the_chip_select_inactive_do_not_count():
+    capture = drawn("""
+        CLK  _-_-_-_-_-_-_
+        MOSI -------------
+        MISO _____________
+        CS   ------____---
+    """)
+    assert spi.events(capture, SpiFormat(2)) == [Select(6), Word(7, 9, 0b11, 0), Deselect(10)]
+
+
+def test_levels_that_change_with_the_latching_edge_are_the_new_ones():
+    capture = drawn("""
+        CLK  __-__-__-__
+        MOSI __------___
+        MISO --___------
+        CS   --______---
+    """)
+    assert spi.events(capture, SpiFormat(2)) == [Select(2), Word(2, 5, 0b11, 0b01), Deselect(8)]
+
+
+def test_nothing_is_said_of_a_stretch_that_is_not_known():
+    capture = drawn("""
+        CLK  _-_-_-????_-_-_-
+        MOSI ----------------
+        MISO ________________
+    """)
+    assert spi.events(capture, SpiFormat(2), cs=None) == [
+        Word(1, 3, 3, 0), Cut(5, 5, (1,), (0,)), Word(11, 13, 3, 0), Cut(15, 15, (1,), (0,)),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ({"bits": 0}, "0 bits of a word; expected 1 to 64"),
+        ({"bits": 65}, "65 bits of a word; expected 1 to 64"),
+        ({"polarity": 2}, "polarity is 2; expected 0 or 1"),
+        ({"phase": -1}, "phase is -1; expected 0 or 1"),
+    ],
+)
+def test_a_format_that_cannot_be_is_refused(kind: dict[str, int], text: str):
+    with pytest.raises(ValueError, match=text):
+        SpiFormat(**kind)
+
+
+def test_a_line_that_is_missing_is_told():
+    capture = drawn(f"CLK {CLOCKS[0, 0]}\n{DATA}")
+    with pytest.raises(ValueError, match="no data line; expected mosi, miso or both"):
+        spi.events(capture, THREE, mosi=None, miso=None)
+    with pytest.raises(LookupError, match="SCK"):
+        spi.events(capture, THREE, clk="SCK")
+
+
+def wave(format_: SpiFormat, words: list[tuple[int, int]], half: int, active: bool = True) -> bytes:
+    """Samples with CLK, MOSI, MISO and CS from bit 0 on: words within one chip select, by hand."""
+    idle = format_.polarity
+    selected = int(format_.active_high)
+    out = [(idle, 0, 0, 1 - selected)] * half
+    out += [(idle, 0, 0, selected)] * (half if active else 0)
+    order = range(format_.bits) if format_.lsb_first else range(format_.bits - 1, -1, -1)
+    for mosi, miso in words:
+        for n in order:
+            bits = (mosi >> n & 1, miso >> n & 1, selected)
+            first = idle if format_.phase == 0 else 1 - idle
+            out += [(first, *bits)] * half + [(1 - first, *bits)] * half
+    out += [(idle, 0, 0, selected)] * half + [(idle, 0, 0, 1 - selected)] * half
+    return bytes(clk | mosi << 1 | miso << 2 | cs << 3 for clk, mosi, miso, cs in out)
+
+
+def capture_of(samples: bytes) -> Capture:
+    return of_bytes(samples, ("CLK", "MOSI", "MISO", "CS"))
+
+
+formats_ = st.builds(SpiFormat, st.integers(1, 64), st.integers(0, 1), st.integers(0, 1), st.booleans(), st.booleans())
+
+
+@given(format_=formats_, half=st.integers(1, 5), data=st.data())
+def test_what_was_drawn_is_read(format_: SpiFormat, half: int, data: st.DataObject):
+    number = st.integers(0, (1 << format_.bits) - 1)
+    words = data.draw(st.lists(st.tuples(number, number), max_size=4))
+    found = spi.events(capture_of(wave(format_, words, half)), format_)
+    assert [(e.mosi, e.miso) for e in found if isinstance(e, Word)] == words
+    assert [type(e) for e in found] == [Select, *[Word] * len(words), Deselect]
+    ends = [e.end - e.at for e in found if isinstance(e, Word)]
+    assert ends == [2 * half * (format_.bits - 1)] * len(words)
+
+
+# Sigrok.
+
+SIGROK = shutil.which("sigrok-cli")
+
+
+def sigrok_words(path: Path, format_: SpiFormat) -> list[tuple[int, int, int]]:
+    """(sample of the first latching edge, MOSI, MISO) of each word."""
+    options = {
+        "clk": "CLK", "cs": "CS", "cpol": format_.polarity, "cpha": format_.phase, "wordsize": format_.bits,
+        "bitorder": "lsb-first" if format_.lsb_first else "msb-first",
+        "cs_polarity": "active-high" if format_.active_high else "active-low",
+    }  # fmt: skip
+    command = [str(SIGROK), "-I", "vcd", "-i", str(path), "--protocol-decoder-samplenum"]
+    for line in ("mosi", "miso"):  # a decoder each, spi-1 and spi-2
+        command += ["-P", ":".join(["spi", f"{line}={line.upper()}", *(f"{k}={v}" for k, v in options.items())])]
+    command += ["-A", "spi=mosi-data:miso-data"]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    rows: dict[str, list[tuple[int, int]]] = {"1": [], "2": []}
+    for begin, decoder, value in re.findall(r"^(\d+)-\d+ spi-([12]): ([0-9A-F]+)$", said, re.MULTILINE):
+        rows[decoder].append((int(begin), int(value, 16)))
+    assert [at for at, _ in rows["1"]] == [at for at, _ in rows["2"]]
+    return [(at, mosi, miso) for (at, mosi), (_, miso) in zip(rows["1"], rows["2"], strict=True)]
+
+
+@pytest.mark.skipif(SIGROK is None, reason="sigrok-cli is not installed")
+@pytest.mark.parametrize(
+    "format_",
+    [
+        SpiFormat(8, 0, 0),
+        SpiFormat(5, 0, 1, lsb_first=True),
+        SpiFormat(16, 1, 0, active_high=True),
+        SpiFormat(1, 1, 1),
+    ],
+)
+def test_sigrok_reads_the_same_words(tmp_path: Path, format_: SpiFormat):
+    """Samples without any sense after three bursts with sense: edges of all lines at once, and words cut short."""
+    random = Random(31)
+    burst = [(random.getrandbits(format_.bits), random.getrandbits(format_.bits)) for _ in range(3)]
+    samples = wave(format_, burst, 2) * 3 + bytes(random.choices(range(16), [4] * 8 + [1] * 8, k=400))
+    capture = capture_of(samples)
+    formats.write(capture, tmp_path / "x.vcd")
+    words = [(e.at, e.mosi, e.miso) for e in spi.events(capture, format_) if isinstance(e, Word)]
+    assert len(words) >= 9 and sigrok_words(tmp_path / "x.vcd", format_) == words

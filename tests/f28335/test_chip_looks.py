@@ -12,6 +12,7 @@ from periph_sim.core.chip import ALL, LATER, NOTHING, OUTPUTS
 from .i2c_registers import BB, IRS, MST, OFFSET, STT, TRX
 from .i2c_rig import OTHER, OWN, Rig
 from .sci_rig import SciRig, frame
+from .spi_rig import HALF, SLAVE, SpiRig
 
 LOOKS = {NOTHING: "nothing", LATER: "later", OUTPUTS: "outputs", ALL: "all"}
 
@@ -70,6 +71,38 @@ def test_sci_in_loop_back_has_nothing_to_look_at_on_the_pin():
     said = counted(rig.chip)
     rig.send(frame(0x4B) + "1")
     assert said == of((8, 0, 0, 0), (0, 1))
+
+
+def test_spi_slave_looks_at_spiclk_and_spiste():
+    """SPISIMO changes seven times and is set once to what it has; SPISTE falls; sixteen edges of SPICLK."""
+    rig = SpiRig({}, SLAVE, CLK_PHASE=1)
+    rig.pin(rig.now, CLK=0)
+    said = counted(rig.chip)
+    rig.select()
+    rig.exchange(0xAA)
+    assert said == of((8, 0, 0, 17), (0, 0))
+
+
+def test_spi_master_has_nothing_to_look_at_on_its_pins():
+    """Its wake-ups are two edges of SPISTE and sixteen of SPICLK."""
+    rig = SpiRig()
+    said = counted(rig.chip)
+    rig.write("SPITXBUF", 0)
+    for level in (0, 1, 0):
+        rig.pin(rig.now + 10, SOMI=level)
+    rig.wait(10)
+    assert said == of((3, 0, 0, 0), (0, 18))
+    assert rig.get("INT_FLAG") == 1
+
+
+def test_spi_that_is_woken_late_has_done_at_a_pin_what_was_due_before_it():
+    """SPISOMI rises in the cycle after the last bit was latched."""
+    rig = SpiRig(SPICHAR=0)
+    rig.pin(rig.now, SOMI=0)
+    rig.write("SPITXBUF", 0)
+    latch = rig.chip.next_wake + 2 * HALF
+    assert rig.chip.pins(latch + 1, 0b1111) == ALL
+    assert rig.chip.peek(latch + 1, 7) == 0
 
 
 @pytest.mark.parametrize(("address", "read", "said"), [(OTHER, 0, (46, 2)), (OTHER, 1, (46, 2)), (OWN, 0, (50, 4))])

@@ -133,11 +133,12 @@ class SpiLines(Chip):
             self._inputs.append((now + self._latency, levels))
             self._schedule()
             return LATER
-        if self.next_wake < now:
+        late = self.next_wake < now
+        if late:
             self._run(now - 1)
-        changed = self._levels != levels
+        shows = not self._is_master and (self._levels ^ levels) & (CLK | STE)
         self._take_inputs(now, levels)
-        return ALL if changed else NOTHING
+        return ALL if late or shows else NOTHING
 
     def wake(self, now: int) -> int:
         self._run(now)

@@ -270,6 +270,17 @@ def test_with_a_latency_a_later_call_in_a_cycle_takes_the_place_of_the_first():
     assert [level for _, level in rig.edges] == [0b1111, 0b1101]
 
 
+def test_with_a_latency_a_pulse_within_a_cycle_is_no_clock():
+    rig = SpiRig({"input_latency": 2}, SLAVE)
+    rig.pin(rig.now, CLK=0)
+    rig.select()
+    begin = rig.now + 9
+    rig.pin(begin, CLK=1)
+    rig.pin(begin, CLK=0)
+    rig.wait(2)
+    assert rig.peek("SPIDAT") == 0
+
+
 @pytest.mark.rule("SPI-022")
 @pytest.mark.parametrize(("value", "came"), [("keeps_count", 0b1010_0101), ("restarts", 0b0101_1100)])
 def test_open_ste_high_mid_character(value, came):
@@ -282,6 +293,16 @@ def test_open_ste_high_mid_character(value, came):
         assert rig.get("INT_FLAG") == 0
         rig.clock("1100")
     assert (rig.get("INT_FLAG"), rig.read("SPIRXBUF") & 0xFF) == (1, came)
+
+
+@pytest.mark.parametrize(("value", "came"), [("keeps_count", 0b1000_0000), ("restarts", 0)])
+def test_ste_high_after_one_bit(value, came):
+    rig = selected("ste_high_mid_character", value)
+    rig.clock("1")
+    rig.select(False)
+    rig.select()
+    rig.clock("0000000")
+    assert (rig.get("INT_FLAG"), rig.peek("SPIRXBUF")) == (int(came > 0), came)
 
 
 # Resets, debugger, clock gate.

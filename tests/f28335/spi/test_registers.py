@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.f28335.spi.module import Spi
 from periph_sim.f28335.spi.register_map import BASE, SPI_MAP
-from tests.f28335.spi_rig import MASTER, SLAVE, SpiRig
+from tests.f28335.spi_rig import LSPCLK, MASTER, SLAVE, SpiRig
 
 # SPRUEU3 chapter 2, typed a second time on purpose: (offset, reset value, bits that software owns).
 MANUAL = {
@@ -180,3 +180,30 @@ def test_the_configuration_may_come_with_the_write_that_sets_spiswreset():
     rig = SpiRig({}, {**SLAVE, "SPISWRESET": 0})
     rig.write("SPICCR", 0x00DF)
     assert rig.notes("duty") == []
+
+
+def test_a_configuration_that_is_written_again_is_not_changed():
+    rig = SpiRig()
+    for name in ("SPICCR", "SPICTL", "SPIBRR"):
+        rig.write(name, rig.peek(name))
+    rig.write("SPIBRR", 0xFF80 | rig.peek("SPIBRR"))  # bits that are not there
+    assert rig.notes("duty") == []
+
+
+def test_a_new_module_drives_no_pin_and_has_no_clock():
+    chip = Spi()
+    assert (chip.driven, chip.read(0, SPI_MAP["SPIFFTX"].offset)) == (0, 0)
+
+
+@pytest.mark.parametrize("access", ["read", "peek", "write"])
+def test_what_was_due_before_an_access_is_done_first(access):
+    rig = SpiRig(SPICHAR=0)
+    rig.pin(rig.now, SOMI=0)
+    rig.write("SPIDAT", 0x0001)
+    later = rig.now + 20 * LSPCLK
+    rig.levels = 0b1111
+    if access == "write":
+        rig.chip.write(later, SPI_MAP["SPICTL"].offset, 0x07)
+        assert rig.chip.requests == 1  # INT_FLAG stood as SPIINTENA came
+    else:
+        assert getattr(rig.chip, access)(later, SPI_MAP["SPIRXBUF"].offset) == 2

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.f28335.spi_rig import HALF, SLAVE, SpiRig
+from tests.f28335.spi_rig import HALF, LSPCLK, SLAVE, SpiRig
 from tests.waves import play, tidy
 
 FOUR = {"SPICHAR": 3, "SPILBK": 1}
@@ -145,3 +145,26 @@ def test_a_slave_without_a_clock_sees_no_edges():
     rig.chip.gate(rig.now, True)
     rig.clock("00000000")
     assert (rig.get("INT_FLAG"), rig.read("SPIRXBUF")) == (1, 0)
+
+
+@pytest.mark.parametrize("bits", [1, 7])
+def test_soft_1_lets_a_slave_finish_after_any_bit(bits):
+    rig = SpiRig({}, SLAVE, SOFT=1)
+    rig.pin(rig.now, CLK=0)
+    rig.select()
+    rig.clock("1" * bits)
+    rig.chip.suspend(rig.now, True)
+    rig.clock("0" * (8 - bits))
+    assert (rig.get("INT_FLAG"), rig.peek("SPIRXBUF")) == (1, 0xFF << (8 - bits) & 0xFF)
+
+
+@pytest.mark.parametrize("stop", ["gate", "suspend", "set_lspclk"])
+def test_what_was_due_before_a_stop_is_done_first(stop):
+    rig = SpiRig()
+    rig.pin(rig.now, SOMI=0)
+    rig.write("SPIDAT", 0xFF00)
+    later = rig.now + 40 * LSPCLK
+    arguments = {"gate": (later, False), "suspend": (later, True), "set_lspclk": (later, 2, 0)}[stop]
+    getattr(rig.chip, stop)(*arguments)
+    assert rig.chip.peek(later, 7) == 0
+    assert rig.chip.peek(later, 2) == 0x40

@@ -34,7 +34,7 @@ def _answer(name: str, case: Case) -> str:
     given: dict[str, Value]
     if owner in case.unit:
         group, _, option = rest.partition(".")
-        given = getattr(case.unit[owner].options, group)
+        given = case.unit[owner].options.get(group, {})
     else:
         group, option, given = case.chip[owner].model, rest, case.chip[owner].options
     default = OPTIONS[group]().unrecorded()[option]

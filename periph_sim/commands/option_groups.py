@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from ..core.options import Answers
 from ..devices.chips import chip_models
-from ..f28335.i2c.options import I2cOptions
-from ..f28335.sci.options import SciOptions
-from ..f28335.system.options import SystemOptions
+from ..f28335.parts.f28335 import PART
 
 OPTIONS: dict[str, type[Answers]] = {
-    "i2c": I2cOptions,
-    "sci": SciOptions,
-    "system": SystemOptions,
+    **PART.options_classes(),
     **{model: chip.OPTIONS for model, chip in chip_models().items()},
 }

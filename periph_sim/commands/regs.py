@@ -10,24 +10,11 @@ import click
 from ..core.options import allowed
 from ..core.registers import Register, RegisterMap
 from ..core.suggest import did_you_mean
-from ..f28335.cpu import pie_map, xint_map
-from ..f28335.gpio import register_map as gpio_map
-from ..f28335.i2c import register_map as i2c_map
-from ..f28335.sci import register_map as sci_map
-from ..f28335.system import clocks_map
-from ..f28335.system import cpu_timer_map as timer_map
+from ..f28335.parts.f28335 import PART
 from .option_groups import OPTIONS
 from .tables import WIDTH, Screen, plain_table, say, terminal
 
-MAPS: dict[str, tuple[int, RegisterMap]] = {
-    **{name: (base, sci_map.SCI_MAP) for name, base in sci_map.BASES.items()},
-    "I2C-A": (i2c_map.BASE, i2c_map.I2C_MAP),
-    "GPIO": (gpio_map.BASE, gpio_map.GPIO),
-    "XINT": (xint_map.BASE, xint_map.XINT),
-    "SYS": (clocks_map.BASE, clocks_map.MAP),
-    "PIE": (pie_map.BASE, pie_map.MAP),
-    **{f"TIMER{n}": (timer_map.BASES[n], timer_map.MAP) for n in range(3)},
-}
+MAPS: dict[str, tuple[int, RegisterMap]] = {module.name: (module.base, module.registers) for module in PART.modules}
 
 SECTION = "understand"
 EXAMPLE = "periph-sim regs I2C-A.I2CSTR"

@@ -12,9 +12,13 @@ own SYSCLKOUT cycles. Whoever owns it (`core.socket`, or a test) calls `wake` wh
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from fractions import Fraction
+from typing import TYPE_CHECKING, NamedTuple
 
 from .registers import RegisterMap
+
+if TYPE_CHECKING:
+    from .chip_input import Marks
 
 NEVER = 2**62  # a wake-up that no run reaches; compares and adds like any other
 
@@ -110,3 +114,19 @@ class Chip:
     def reset(self, now: int) -> None:
         """XRS: every register takes its reset value."""
         raise NotImplementedError
+
+    @property
+    def marks(self) -> Marks | None:
+        """Marks of what was written, of a chip whose outputs show later what was written to it."""
+        return None
+
+    def gate(self, now: int, on: bool) -> None:
+        """The module's clock is on or off from cycle `now` on, if it has a gate."""
+
+    def set_sysclk(self, now: int, hz: Fraction) -> bool:
+        """SYSCLKOUT is `hz` from cycle `now` on. Return True if the chip depends on it."""
+        return False
+
+    def set_lspclk(self, now: int, divider: int, phase: int) -> bool:
+        """LSPCLK rises in each cycle that is `phase` modulo `divider`. Return True if the chip depends on it."""
+        return False

@@ -125,7 +125,7 @@ class Socket(Agent):
         self.chip = chip
         self.pins: list[list[Pin]] = [_NO_PINS] * len(chip.OUTPUTS)  # what each output drives: see `connect`
         self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
-        self.marks: Marks | None = None  # of a chip whose outputs show later what was written to it
+        self.marks: Marks | None = chip.marks
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
         self.on_peek: Callable[[int, int], int] | None = None  # answers peeks in place of the chip

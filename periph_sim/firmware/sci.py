@@ -5,7 +5,7 @@ Source: SPRUFB0D sections 5.1 (PCLKCR) and 6 (GPIO); SPRUFZ5A chapter 2.
 
 from __future__ import annotations
 
-from ..f28335.unit_modules import PIN_OF
+from ..f28335.parts.f28335 import PART
 from ..processor.dsp import Dsp
 from ..processor.python.register_view import ModulePort
 
@@ -23,7 +23,7 @@ def start_sci(dsp: Dsp, module: str = "SCI-A", brr: int = 40, sciccr: int = 0x07
     setattr(clocks.PCLKCR0, f"SCI{letter}ENCLK", 1)
     if dsp.has("GPIO"):
         gpio = dsp.module("GPIO")
-        for pin, receives in ((PIN_OF[f"SCIRXD{letter}"], True), (PIN_OF[f"SCITXD{letter}"], False)):
+        for pin, receives in ((PART.pins[f"SCIRXD{letter}"], True), (PART.pins[f"SCITXD{letter}"], False)):
             port, half = "AB"[pin // 32], pin % 32 // 16 + 1
             if receives:
                 setattr(gpio[f"GP{port}QSEL{half}"], f"GPIO{pin}", 3)

@@ -5,6 +5,8 @@ Source: SPRS439M Tables 3-8 to 3-11; the names of the linker command files that 
 
 from __future__ import annotations
 
+from ..f28335.parts.f28335 import PART
+
 BYTES_A_WORD = 4  # on the host, of the chip's address space: as many as an unsigned int has
 IER, IFR = 0x0F00, 0x0F04  # registers of the CPU, in place of addresses that nothing has
 VECTORS = range(0x0D00, 0x0E00)
@@ -12,13 +14,12 @@ VECTORS = range(0x0D00, 0x0E00)
 SYMBOLS: dict[str, int] = {
     "IER": IER,
     "IFR": IFR,
+    **{name: module.base + offset for module in PART.modules for name, offset in module.header.items()},
     "DevEmuRegs": 0x0880,
     "FlashRegs": 0x0A80,
     "CsmRegs": 0x0AE0,
     "AdcMirror": 0x0B00,
     "XintfRegs": 0x0B20,
-    **{f"CpuTimer{number}Regs": 0x0C00 + 8 * number for number in range(3)},
-    "PieCtrlRegs": 0x0CE0,
     "PieVectTable": VECTORS.start,
     "DmaRegs": 0x1000,
     "McbspaRegs": 0x5000,
@@ -32,17 +33,8 @@ SYMBOLS: dict[str, int] = {
     **{f"ECap{number}Regs": 0x6A00 + 0x20 * (number - 1) for number in range(1, 7)},
     "EQep1Regs": 0x6B00,
     "EQep2Regs": 0x6B40,
-    "GpioCtrlRegs": 0x6F80,
-    "GpioDataRegs": 0x6FC0,
-    "GpioIntRegs": 0x6FE0,
-    "SysCtrlRegs": 0x7010,
     "SpiaRegs": 0x7040,
-    "SciaRegs": 0x7050,
-    "XIntruptRegs": 0x7070,
     "AdcRegs": 0x7100,
-    "ScibRegs": 0x7750,
-    "ScicRegs": 0x7770,
-    "I2caRegs": 0x7900,
 }
 # Of code that start-up copies into RAM: nothing is to be copied here.
 COPIED = ("RamfuncsLoadStart", "RamfuncsLoadEnd", "RamfuncsRunStart", "RamfuncsLoadSize")

@@ -13,13 +13,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from greenlet import GreenletExit
 from msgspec import Struct, field
 
 from ..core.chip import Chip, Note
 from ..core.kernel import CHIP, PADS, Kernel
+from ..core.options import Answers
 from ..core.records import Recorder
 from ..core.socket import Socket
 from ..core.suggest import did_you_mean
@@ -29,12 +30,12 @@ from ..f28335.cpu import pie_map
 from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.cpu.interrupts import CpuInterrupts, int13_source
 from ..f28335.cpu.pie import Pie
+from ..f28335.descriptor import ModuleDescriptor
+from ..f28335.parts.f28335 import PART
 from ..f28335.system import clocks_map
 from ..f28335.system.clocks import WDRST_CYCLES, SystemControl
-from ..f28335.system.cpu_timer_map import TINT0_PIE, TINT1_CPU, TINT2_CPU
-from ..f28335.system.memory_map import AddressMap, Frame, ModuleRange
+from ..f28335.system.memory_map import AddressMap, ModuleRange
 from ..f28335.system.options import SystemOptions
-from ..f28335.unit_modules import MODULES, PIN_OF, SCIS
 from .processor import Processor
 from .program import Program
 from .python.cpu import Cpu
@@ -42,17 +43,13 @@ from .python.firmware_view import End, FirmwareView
 from .source_location import SourceLocation
 
 if TYPE_CHECKING:
-    from ..f28335.gpio.module import Gpio
-    from ..f28335.i2c.module import I2c
-    from ..f28335.i2c.options import I2cOptions
-    from ..f28335.sci.module import Sci
-    from ..f28335.sci.options import SciOptions
-    from ..f28335.system.cpu_timer import CpuTimer
     from ..image.model import Image
     from .image.boot import Boot, Stub
     from .image.program import ImageProgram
     from .pin_router import Port, Router
 
+
+T = TypeVar("T", bound=Answers)
 
 WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
 
@@ -60,8 +57,8 @@ WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
 class DspPlan(Struct):
     """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal. pulled_down: GPIO numbers.
 
-    seed: of the values drawn from spreads. end: the value that is taken instead, in runs for bounds. i2c, sci: None for
-    the modules' defaults.
+    seed: of the values drawn from spreads. end: the value that is taken instead, in runs for bounds.
+    options: answers to open questions about modules, by group; modules take their defaults where a group is missing.
     """
 
     name: str
@@ -79,8 +76,11 @@ class DspPlan(Struct):
     pulled_down: frozenset[int] = frozenset()
     code: CodeCosts = field(default_factory=CodeCosts)
     system: SystemOptions = field(default_factory=SystemOptions)
-    i2c: I2cOptions | None = None
-    sci: SciOptions | None = None
+    options: dict[str, Answers] = field(default_factory=dict)
+
+    def answers(self, kind: type[T]) -> T:
+        """Return the answers of this class, or its defaults."""
+        return next((one for one in self.options.values() if isinstance(one, kind)), kind())
 
 
 class Dsp(FirmwareView):
@@ -104,17 +104,13 @@ class Dsp(FirmwareView):
         self._begin_anew: Callable[[int], None] = self._python_from_reset
         self._gates = self.control.gates
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
-        self._scis: dict[str, Sci] = {}
-        self._timers: dict[str, CpuTimer] = {}
-        self._i2c: I2c | None = None
-        self._gpio: Gpio | None = None
         self.resets = 0
         self.note_places: dict[tuple[str, int], SourceLocation] = {}  # of duties, by module and tick
         self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []  # of them; tick, where the program was
         self.on_reset: list[Callable[[], None]] = []
         for name in plan.modules:
-            if name not in MODULES:
-                raise ValueError(f"{plan.name}: there is no module {name!r}; {did_you_mean(name, MODULES)}")
+            if name not in PART.selectable:
+                raise ValueError(f"{plan.name}: there is no module {name!r}; {did_you_mean(name, PART.selectable)}")
         self._build(plan)
         self.processor = Processor(
             kernel, self.clock, recorder, plan.name, self.memory, self.core, self.pie, plan.system, strict=plan.strict
@@ -190,78 +186,34 @@ class Dsp(FirmwareView):
         for name, socket in self._sockets.items():
             if not socket.chip.touched:
                 continue
-            kind = {"I": "i2c", "S": "sci"}.get(name[0], "system") if "-" in name else "system"
-            found |= {f"{kind}.{option}" for option in socket.chip.touched}
+            found |= {f"{PART.by_name[name].options}.{option}" for option in socket.chip.touched}
         return found
 
     # Building ------------------------------------------------------------------
 
     def _build(self, plan: DspPlan) -> None:
-        self._add("SYS", self.control, clocks_map.BASE, 0x20, Frame.PF2, self._lines_of("SYS"))
-        self._add("PIE", self.pie, pie_map.BASE, 0x20, Frame.PF0, _no_request)
+        """Add the modules that every unit has, and those that the plan names; their code is imported here."""
+        self._add(PART.by_name["SYS"], self.control)
+        self._add(PART.by_name["PIE"], self.pie)
         self._sockets["SYS"].after = self._follow_control
         self._sockets["PIE"].after = self._follow_pie
-        for name in plan.modules:
-            if name in SCIS:
-                self._add_sci(name, plan)
-            elif name == "I2C-A":
-                self._add_i2c(name, plan)
-            elif name == "GPIO":
-                self._add_gpio(name, plan)
-            elif name == "XINT":
-                self._add_xint(name)
-            else:
-                self._add_timer(name, plan)
+        options = {"system": plan.system, **plan.options}
+        for descriptor in (PART.by_name[name] for name in plan.modules):
+            assert descriptor.build is not None
+            chip = descriptor.build(descriptor.name, options)
+            chip.set_sysclk(0, self.control.sysclk_hz)
+            self._add(descriptor, chip)
+            chip.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
 
-    # Each module is imported with the first unit that has it.
-
-    def _add_sci(self, name: str, plan: DspPlan) -> None:
-        from ..f28335.sci.module import Sci
-        from ..f28335.sci.register_map import BASES
-
-        sci = self._scis[name] = Sci(name) if plan.sci is None else Sci(name, plan.sci)
-        self._add(name, sci, BASES[name], 16, Frame.PF2, self._lines_of(name))
-        self._sockets[name].marks = sci.marks
-        sci.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
-
-    def _add_i2c(self, name: str, plan: DspPlan) -> None:
-        from ..f28335.i2c.module import I2c
-        from ..f28335.i2c.register_map import BASE
-
-        i2c = self._i2c = I2c() if plan.i2c is None else I2c(plan.i2c)
-        i2c.set_sysclk(0, self.control.sysclk_hz)
-        self._add(name, i2c, BASE, 0x40, Frame.PF2, self._lines_of(name))
-
-    def _add_gpio(self, name: str, plan: DspPlan) -> None:
-        from ..f28335.gpio.module import Gpio
-        from ..f28335.gpio.register_map import BASE
-
-        gpio = self._gpio = Gpio(plan.system)
-        self._add(name, gpio, BASE, 0x80, Frame.PF1, self._lines_of(name))
-
-    def _add_xint(self, name: str) -> None:
-        from ..f28335.cpu.xint import Xint
-        from ..f28335.cpu.xint_map import BASE
-
-        self._add(name, Xint(), BASE, 0x10, Frame.PF2, self._lines_of(name))
-
-    def _add_timer(self, name: str, plan: DspPlan) -> None:
-        from ..f28335.system.cpu_timer import CpuTimer
-        from ..f28335.system.cpu_timer_map import BASES
-
-        number = int(name[-1])
-        timer = self._timers[name] = CpuTimer(number, plan.system)
-        self._add(name, timer, BASES[number], 8, Frame.PF0, self._lines_of(name))
-
-    def _add(
-        self, name: str, chip: Chip, base: int, size: int, frame: Frame, on_request: Callable[[int, int], None]
-    ) -> None:
+    def _add(self, descriptor: ModuleDescriptor, chip: Chip) -> None:
+        name = descriptor.name
         phase = PADS if name == "GPIO" else CHIP
+        on_request = self._request_handler(descriptor)
         socket = Socket(self._kernel, self.clock, self.recorder, f"{self.name}.{name}", chip, on_request, phase)
-        socket.on_held = partial(self._held, pie_lines(name))
+        socket.on_held = partial(self._held, pie_lines(descriptor))
         socket.on_note = partial(self._noted, socket)
         self._sockets[name] = socket
-        self.memory.add(ModuleRange(name, base, size, frame, socket))
+        self.memory.add(ModuleRange(name, descriptor.base, descriptor.size, descriptor.frame, socket))
 
     def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
         """A duty that the firmware breaks, as a rule by an access of its own, whose statement is kept."""
@@ -272,20 +224,26 @@ class Dsp(FirmwareView):
         if where is not None and self.processor.notes.placed:
             self.note_places.setdefault((socket.name, self.clock.tick(cycle)), where)
 
-    def _lines_of(self, module: str) -> Callable[[int, int], None]:
-        """What a module's requests do: go to their PIE lines, or straight to INT13 and INT14."""
-        if module == "TIMER1":
-            return self._timer1_requested
-        if module == "TIMER2":
-            return lambda cycle, asked: self.processor.interrupts.request(cycle, TINT2_CPU)
-        return partial(self._requested, pie_lines(module))
+    def _request_handler(self, descriptor: ModuleDescriptor) -> Callable[[int, int], None]:
+        """Return the function that takes a module's interrupt requests to the PIE, or straight to the CPU."""
+        if not descriptor.interrupts:
+            return _no_request
+        vector = descriptor.interrupts[0].vector
+        if vector in pie_map.LINES:
+            return partial(self._requested, pie_lines(descriptor))
+        return partial(
+            self._timer1_requested if vector == "INT13" else self._cpu_requested, pie_map.CPU_VECTORS[vector]
+        )
 
-    def _timer1_requested(self, cycle: int, asked: int) -> None:
+    def _cpu_requested(self, interrupt: int, cycle: int, asked: int) -> None:
+        self.processor.interrupts.request(cycle, interrupt)
+
+    def _timer1_requested(self, interrupt: int, cycle: int, asked: int) -> None:
         """INT13 is timer 1's unless XNMICR gives it to the XNMI pin (SPRUFB0D Table 123)."""
         xint = self._sockets.get("XINT")
         xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
         if int13_source(xnmicr) == "TINT1":
-            self.processor.interrupts.request(cycle, TINT1_CPU)
+            self.processor.interrupts.request(cycle, interrupt)
 
     def _requested(self, places: tuple[tuple[int, int], ...], cycle: int, asked: int) -> None:
         for i, (group, line) in enumerate(places):
@@ -321,15 +279,14 @@ class Dsp(FirmwareView):
             for socket in self._sockets.values():
                 socket.reclock()
             self.processor.time.reclock()
-            if self._i2c is not None:
-                self._i2c.set_sysclk(cycle, control.sysclk_hz)
-                self._sockets["I2C-A"].publish(cycle)
+            for socket in self._sockets.values():
+                if socket.chip.set_sysclk(cycle, control.sysclk_hz):
+                    socket.publish(cycle)
         if lspclk != self._lspclk:
             self._lspclk = lspclk
-            for name in SCIS:
-                if name in self._scis:
-                    self._scis[name].set_lspclk(cycle, *lspclk)
-                    self._sockets[name].publish(cycle)
+            for socket in self._sockets.values():
+                if socket.chip.set_lspclk(cycle, *lspclk):
+                    socket.publish(cycle)
         if control.gates != self._gates:
             self._gates = control.gates
             self.gate(cycle)
@@ -339,38 +296,34 @@ class Dsp(FirmwareView):
     def gate(self, cycle: int) -> None:
         """Every module's clock on or off, as PCLKCR says."""
         for name, socket in self._sockets.items():
-            gated = self._i2c if name == "I2C-A" else self._scis.get(name) or self._timers.get(name)
-            if gated is not None:
-                gated.gate(cycle, self.control.enabled(name))
-                socket.publish(cycle)
-            elif self._gpio is not None and name == "GPIO":
-                self._gpio.gpioin_enabled(cycle, self.control.enabled("GPIOIN"))
+            descriptor = PART.by_name[name]
+            if gate := descriptor.gate or descriptor.input_gate:
+                socket.chip.gate(cycle, self.control.enabled(gate))
                 socket.publish(cycle)
 
     def _route(self, plan: DspPlan) -> Router | None:
         inputs: dict[str, Port] = {}
         outputs: dict[str, Port] = {}
         for name, socket in self._sockets.items():
-            if name == "I2C-A":
-                inputs |= {"SCLA": (socket, 0), "SDAA": (socket, 1)}
-                outputs |= {"SCLA": (socket, 0), "SDAA": (socket, 1)}
-            elif name in SCIS:
-                inputs[f"SCIRXD{name[-1]}"] = (socket, 0)
-                outputs[f"SCITXD{name[-1]}"] = (socket, 0)
-        if self._gpio is not None:
+            descriptor = PART.by_name[name]
+            inputs |= {signal: (socket, pin) for pin, signal in enumerate(descriptor.inputs or ())}
+            outputs |= {signal: (socket, pin) for pin, signal in enumerate(descriptor.outputs)}
+        gpio = self._sockets.get("GPIO")
+        if gpio is not None:
+            from ..f28335.gpio.module import Gpio
             from .pin_router import Pads, Router
 
-            socket = self._sockets["GPIO"]
+            assert isinstance(gpio.chip, Gpio)
             xint = self._sockets.get("XINT")
             kernel, clock, recorder = self._kernel, self.clock, self.recorder
             pads = Pads(plan.wires, plan.pulled_down)
-            return Router(kernel, clock, recorder, self._gpio, socket, plan.name, pads, inputs, outputs, xint)
+            return Router(kernel, clock, recorder, gpio.chip, gpio, plan.name, pads, inputs, outputs, xint)
         for signal, (socket, index) in inputs.items():
-            wire = plan.wires.get(PIN_OF[signal])
+            wire = plan.wires.get(PART.pins[signal])
             if wire is not None:
                 socket.inputs.listen(index, wire)  # seen at the next SYSCLKOUT edge
         for signal, (socket, index) in outputs.items():
-            wire = plan.wires.get(PIN_OF[signal])
+            wire = plan.wires.get(PART.pins[signal])
             if wire is not None:
                 socket.connect(index, [wire.attach(f"{plan.name}.{signal}")])
         return None
@@ -426,19 +379,9 @@ class Dsp(FirmwareView):
         self._firmware()
 
 
-def pie_lines(module: str) -> tuple[tuple[int, int], ...]:
-    """Group and line of each of a module's interrupt lines, in the order of its LINES."""
-    if module == "TIMER0":
-        return (TINT0_PIE,)
-    if module in SCIS:
-        return (pie_map.LINES[f"SCIRXINT{module[-1]}"], pie_map.LINES[f"SCITXINT{module[-1]}"])
-    if module == "I2C-A":
-        return (pie_map.LINES["I2CINT1A"], pie_map.LINES["I2CINT2A"])
-    if module == "XINT":
-        return tuple(pie_map.LINES[f"XINT{n}"] for n in range(1, 8))
-    if module == "SYS":
-        return (pie_map.LINES["WAKEINT"],)
-    return ()
+def pie_lines(descriptor: ModuleDescriptor) -> tuple[tuple[int, int], ...]:
+    """Return group and line of a module's interrupts in the PIE, in the order of its chip's LINES."""
+    return tuple(pie_map.LINES[one.vector] for one in descriptor.interrupts if one.vector in pie_map.LINES)
 
 
 def start_up(control: SystemControl, pll: int) -> int:

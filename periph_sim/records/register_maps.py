@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 from ..core.registers import Cpu, Field, OnWrite, Register, RegisterMap
-from ..f28335.cpu import pie_map, xint_map
-from ..f28335.gpio import register_map as gpio_map
-from ..f28335.i2c.register_map import I2C_MAP
-from ..f28335.sci.register_map import SCI_MAP
-from ..f28335.system import clocks_map
-from ..f28335.system import cpu_timer_map as timer_map
+from ..f28335.parts.f28335 import PART
 
-OF_ALL_UNITS = ("SYS", "PIE")  # every unit has them, whatever its case names
+OF_ALL_UNITS = PART.in_every_unit
 
 
 def registers_of(module: str) -> RegisterMap | None:
-    """The registers of "I2C-A" or "PIE"; None for a module that is not known here."""
-    kinds = {"I2C": I2C_MAP, "SCI": SCI_MAP, "TIM": timer_map.MAP, "XIN": xint_map.XINT}
-    whole = {"GPIO": gpio_map.GPIO, "SYS": clocks_map.MAP, "PIE": pie_map.MAP}
-    return whole.get(module) or kinds.get(module[:3])
+    """Return the registers of a module; None for a module that no part has."""
+    found = PART.by_name.get(module)
+    return None if found is None else found.registers
 
 
 def register_of(module: str, name: str) -> Register | None:

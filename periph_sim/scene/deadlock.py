@@ -19,10 +19,9 @@ from typing import TYPE_CHECKING, cast
 
 from ..core.chip import NEVER
 from ..core.wire import Wire
-from ..f28335.cpu.pie_map import GROUPS, LINES, PIEIER
+from ..f28335.cpu.pie_map import CPU_VECTORS, GROUPS, LINES, PIEIER
 from ..f28335.i2c.register_map import STR_NACK
-from ..f28335.unit_modules import GATED, PIN_OF
-from ..records.cause_trace.interrupt_sources import sources
+from ..f28335.parts.f28335 import PART
 
 if TYPE_CHECKING:
     from ..f28335.gpio.module import Gpio
@@ -30,24 +29,17 @@ if TYPE_CHECKING:
     from ..processor.dsp import Dsp
     from ..processor.polling import Spin
 
-INPUTS = {
-    "I2C-A": ("SDAA", "SCLA"),
-    "SCI-A": ("SCIRXDA",),
-    "SCI-B": ("SCIRXDB",),
-    "SCI-C": ("SCIRXDC",),
-    "TIMER0": (),
-    "TIMER1": (),
-    "TIMER2": (),
-    "SYS": (),
-}
-DIRECT = {12: "TIMER1", 13: "TIMER2"}  # by bit of IER: modules whose interrupts no PIE group has
 OFF = ("IER = 0", "INTM = 1")  # by whether INTM is
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
 RESTARTED = 2  # rounds of the watchdog without a reset: the last restart that a wait's code asked for is over
-OUTPUTS = {pin for signal, pin in PIN_OF.items() if signal.startswith("SCITXD")}
+OUTPUTS = {
+    module.pins[signal] for module in PART.modules for signal in module.outputs if signal not in (module.inputs or ())
+}
 FOREIGN = {  # by module: pins that it does not see
-    module: OUTPUTS.union(PIN_OF[signal] for name, signals in INPUTS.items() if name != module for signal in signals)
-    for module in INPUTS
+    module.name: OUTPUTS.union(
+        other.pins[signal] for other in PART.modules if other is not module for signal in other.inputs or ()
+    )
+    for module in PART.modules
 }
 
 
@@ -167,7 +159,8 @@ def waking(dsp: Dsp) -> list[str]:
     """Modules of the unit whose interrupts IER and PIEIER enable."""
     ier = dsp.core.ier
     enabled = [name for name, place in LINES.items() if ier >> place[0] - 1 & 1 and _is_enabled(dsp, *place)]
-    found = [*dict.fromkeys(map(_module_of, enabled)), *(name for bit, name in DIRECT.items() if ier >> bit & 1)]
+    direct = (name for name, number in CPU_VECTORS.items() if number > GROUPS and ier >> number - 1 & 1)
+    found = dict.fromkeys(module for vector in (*enabled, *direct) for module in _requesting(vector))
     return [module for module in found if module in dsp.sockets]
 
 
@@ -175,22 +168,23 @@ def _is_enabled(dsp: Dsp, group: int, line: int) -> bool:
     return bool(dsp.pie.peek(0, PIEIER[group - 1].offset) >> line - 1 & 1)
 
 
-def _module_of(line: str) -> str:
-    """The module that requests the interrupt of a PIE line; "" where no unit can have it."""
-    module, _ = sources(line)
-    return module or ("XINT" if line.startswith("XINT") else "")
+def _requesting(vector: str) -> list[str]:
+    """The modules that can request an interrupt."""
+    return [module.name for module in PART.modules for one in module.interrupts if one.vector == vector]
 
 
 def has_clock(dsp: Dsp, module: str) -> bool:
-    return module not in GATED or dsp.control.enabled(module)
+    gate = PART.by_name[module].gate
+    return not gate or dsp.control.enabled(gate)
 
 
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:
     """Wires that a module may see: those of its usual pins, and all whose pins are of no module in particular."""
     wires = dsp.plan.wires
-    if module not in INPUTS:
+    inputs = PART.by_name[module].inputs
+    if inputs is None:
         return list(wires.values())
-    if not INPUTS[module]:
+    if not inputs:
         return []
     foreign = FOREIGN[module]
     return [wire for pin, wire in wires.items() if pin not in foreign]

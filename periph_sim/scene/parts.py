@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from ..bus.i2c.event_recorder import BusRecorder
     from ..bus.i2c.stuck_watch import STUCK_AFTER, StuckWatch
     from ..f28335.i2c.options import I2cOptions
-    from ..f28335.system.options import SystemOptions
     from ..timing.measures.reply import Reply
     from ..timing.measures.value import ValueDeviation
     from .controller import build_head, rounds_of
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from .release_delay import ReleaseDelay
     from .sensor_chips import build_chip
     from .serial.side import SerialSide
-    from .unit import build_unit, options_of
+    from .unit import build_unit
     from .watch import watcher_of
     from .whole_bytes import refuse_byte_level, refuse_schedule, whole_bytes_of
 
@@ -40,7 +39,6 @@ _HOMES = {
     "bus.i2c.event_recorder": ("BusRecorder",),
     "bus.i2c.stuck_watch": ("STUCK_AFTER", "StuckWatch"),
     "f28335.i2c.options": ("I2cOptions",),
-    "f28335.system.options": ("SystemOptions",),
     "timing.measures.reply": ("Reply",),
     "timing.measures.value": ("ValueDeviation",),
     "scene.controller": ("build_head", "rounds_of"),
@@ -57,7 +55,7 @@ _HOMES = {
     "scene.release_delay": ("ReleaseDelay",),
     "scene.sensor_chips": ("build_chip",),
     "scene.serial.side": ("SerialSide",),
-    "scene.unit": ("build_unit", "options_of"),
+    "scene.unit": ("build_unit",),
     "scene.watch": ("watcher_of",),
     "scene.whole_bytes": ("refuse_byte_level", "refuse_schedule", "whole_bytes_of"),
 }
@@ -71,7 +69,6 @@ __all__ = [
     "Reply",
     "SerialSide",
     "StuckWatch",
-    "SystemOptions",
     "ValueDeviation",
     "as_driven",
     "build_chip",
@@ -85,7 +82,6 @@ __all__ = [
     "limits_of",
     "logged_outside",
     "not_run",
-    "options_of",
     "origins_of",
     "put_on_bus",
     "refuse_byte_level",

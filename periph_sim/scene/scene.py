@@ -341,10 +341,9 @@ class Scene:
         return self.units[unit or next(iter(self.units))].clock_history
 
     def i2c_release_delay(self, unit: str) -> ReleaseDelay:
-        given, dsp = self.case.unit[unit].options, self.units[unit]
-        i2c = parts.options_of(self.case, parts.I2cOptions, given.i2c, unit, "i2c")
-        system = parts.options_of(self.case, parts.SystemOptions, given.system, unit, "system")
-        return parts.ReleaseDelay(self.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, system)
+        dsp = self.units[unit]
+        i2c = dsp.plan.answers(parts.I2cOptions)
+        return parts.ReleaseDelay(self.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, dsp.plan.system)
 
     def open_transfer(self) -> Transfer | None:
         return None if self.case.controller is not None else self.bus.open_transfer

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, TypeVar
 
 from msgspec import Struct
 
-from ..core.options import Value, options_from
+from ..core.options import Answers, Value, options_from
 from ..core.suggest import did_you_mean
 from ..f28335.cpu.compiled_code_costs import CodeCosts
+from ..f28335.parts.f28335 import PART
 from ..f28335.system.options import SystemOptions
-from ..f28335.unit_modules import MODULES, SCIS
 from ..processor.dsp import Dsp, DspPlan
 from ..processor.error_origin import Misuse
 from ..processor.python.firmware_view import End
@@ -33,8 +33,6 @@ from .firmware_loader import (
 
 if TYPE_CHECKING:
     from ..devices.model_codes import Computed
-    from ..f28335.i2c.options import I2cOptions
-    from ..f28335.sci.options import SciOptions
     from ..processor.image.boot import Stub
     from ..sensors.models.parameters import ImuParameters
 
@@ -54,8 +52,8 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
     """The unit, its firmware started. program: instead of the case's firmware. BadCase for what it cannot have."""
     case = context.case
     for module in unit.modules:
-        if module not in MODULES:
-            hint = did_you_mean(module, MODULES)
+        if module not in PART.selectable:
+            hint = did_you_mean(module, PART.selectable)
             raise case.mistake(f"there is no module {module!r}; {hint}", "unit", name, "modules")
     plan = DspPlan(
         name,
@@ -72,9 +70,8 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         stall_limit=float(case.stall_limit),
         pulled_down=pulled_down(case, name),
         code=CodeCosts(**unit.code.model_dump()),
-        system=options_of(case, SystemOptions, unit.options.system, name, "system"),
-        i2c=_i2c_options(case, name, unit),
-        sci=_sci_options(case, name, unit),
+        system=options_of(case, SystemOptions, unit.options.get("system", {}), name, "system"),
+        options=_module_options(case, name, unit),
     )
     dsp = Dsp(context.kernel, context.timebase, context.recorder, plan)
     if unit.image:
@@ -149,22 +146,19 @@ def _no_python(dsp: Dsp, settings: object) -> None:
     raise Misuse(f"{dsp.name} runs an image, which has no main that Python could call")
 
 
-def _i2c_options(case: Case, name: str, unit: Unit) -> I2cOptions | None:
-    """None where no module needs them and nothing is given that would have to be checked."""
-    if "I2C-A" not in unit.modules and not unit.options.i2c:
-        return None
-    from ..f28335.i2c.options import I2cOptions
-
-    return options_of(case, I2cOptions, unit.options.i2c, name, "i2c")
-
-
-def _sci_options(case: Case, name: str, unit: Unit) -> SciOptions | None:
-    """The same of the SCIs."""
-    if not set(SCIS).intersection(unit.modules) and not unit.options.sci:
-        return None
-    from ..f28335.sci.options import SciOptions
-
-    return options_of(case, SciOptions, unit.options.sci, name, "sci")
+def _module_options(case: Case, name: str, unit: Unit) -> dict[str, Answers]:
+    """Answers for the modules of a unit, by group. A group that no module needs is checked if it is given."""
+    known = PART.options_groups
+    for group in unit.options:
+        if group not in known:
+            hint = did_you_mean(group, known)
+            raise case.mistake(f"there are no options of {group!r}; {hint}", "unit", name, "options", group)
+    needed = {PART.by_name[module].options for module in unit.modules}.union(unit.options) - {"system"}
+    return {
+        group: options_of(case, known[group](), unit.options.get(group, {}), name, group)
+        for group in known
+        if group in needed
+    }
 
 
 def options_of(case: Case, kind: type[T], given: dict[str, Value], unit: str, group: str) -> T:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-from ..f28335.unit_modules import PIN_OF
+from ..f28335.parts.f28335 import PART
 
 if TYPE_CHECKING:
     from ..f28335.gpio.module import Gpio
@@ -27,7 +27,9 @@ def unwired_pins(dsp: Dsp) -> list[str]:
         bare = {end: min(on) for end, on in pins.items() if on and not set(on) & set(dsp.plan.wires)}
         if bare:
             places = " and ".join(f"{end} on GPIO{pin}" for end, pin in bare.items())
-            keys = ", ".join(f"{_key(dsp.plan.wires[PIN_OF[signals[end]]].name)} = {pin}" for end, pin in bare.items())
+            keys = ", ".join(
+                f"{_key(dsp.plan.wires[PART.pins[signals[end]]].name)} = {pin}" for end, pin in bare.items()
+            )
             told.append(
                 f"{dsp.name}: {module} has {places}, where the case has no wire; add pins = {{ {keys} }} to the unit"
             )

@@ -16,7 +16,7 @@ from periph_sim.devices.sensor_rounds import CHIPS
 from periph_sim.devices.targets import eeprom, families, registers, rtc
 from periph_sim.devices.targets.register_settings import Interrupt, RegisterTable, Sets
 from periph_sim.devices.watchers import blink, edges, watchers
-from periph_sim.processor.dsp import MODULES
+from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.scene.case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable, Strikes
 from periph_sim.scene.case.model import (
     Case,
@@ -25,7 +25,6 @@ from periph_sim.scene.case.model import (
     Compile,
     Controller,
     HostTable,
-    Options,
     OutsideTable,
     RequestTable,
     RoundsTable,
@@ -73,7 +72,7 @@ TABLES: dict[str, type[Table]] = {
     "`blink`": blink.Settings,
     "`[[budget]]`": Budget,
 }
-EMPTY: tuple[object, ...] = (None, "", (), {}, b"", Code(), Options(), Compile())
+EMPTY: tuple[object, ...] = (None, "", (), {}, b"", Code(), Compile())
 
 
 def rows(heading: str) -> list[list[str]]:
@@ -108,7 +107,7 @@ def test_every_table_of_the_model_has_a_section():
     bases = (Table, BusParty, Strikes, Limited)
     kinds = {kind for base in bases for kind in base.__subclasses__() if kind.__module__ in modules}
     elsewhere = {eeprom.Settings, rtc.Settings, edges.Settings, blink.Settings}
-    assert kinds - {BusParty, Strikes, Limited, Condition, Sets} == {*TABLES.values(), Options} - elsewhere
+    assert kinds - {BusParty, Strikes, Limited, Condition, Sets} == {*TABLES.values()} - elsewhere
 
 
 def test_every_family_of_devices_has_a_section():
@@ -126,7 +125,7 @@ def test_every_measure_with_its_unit_and_meaning():
 
 def test_every_module_and_chip_is_named():
     what = {key.strip("`"): text for key, text, _ in rows("`[unit.NAME]`") + rows("`[controller]`")}
-    assert re.findall(r"[A-Z0-9]+(?:-[A-C])?", what["modules"]) == list(MODULES)
+    assert re.findall(r"[A-Z0-9]+(?:-[A-C])?", what["modules"]) == list(PART.selectable)
     assert all(chip in what["order"] for chip in CHIPS)
 
 

@@ -21,9 +21,9 @@ from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Pin, Wire
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
 from periph_sim.f28335.i2c.options import I2cOptions
+from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.sci.options import SciOptions
 from periph_sim.f28335.system.options import SystemOptions
-from periph_sim.f28335.unit_modules import PIN_OF
 from periph_sim.firmware import start_pie
 from periph_sim.image.assemble import assemble
 from periph_sim.processor.dsp import Dsp, DspPlan
@@ -66,9 +66,11 @@ def run(scene: Scene, group: str = "i2c", **answers: Value) -> Outcome:
     recorder.subscribe(set(Kind) - {Kind.FLAG}, records.append)
     wires = {name: Wire(kernel, name, recorder) for name in SIGNALS}
     given = scene.answers | {group: scene.answers.get(group, {}) | answers}
-    i2c, sci, system = (options_from(kind, given.get(name, {})) for name, kind in KINDS.items())
-    pins = {PIN_OF[name]: wire for name, wire in wires.items()}
-    plan = DspPlan("dsp", scene.modules, pins, from_boot=bool(scene.source), code=BARE, system=system, i2c=i2c, sci=sci)
+    options = {name: options_from(kind, given.get(name, {})) for name, kind in KINDS.items()}
+    pins = {PART.pins[name]: wire for name, wire in wires.items()}
+    system = options["system"]
+    assert isinstance(system, SystemOptions)
+    plan = DspPlan("dsp", scene.modules, pins, from_boot=bool(scene.source), code=BARE, system=system, options=options)
     dsp = Dsp(kernel, Timebase(150_000_000), recorder, plan)
     for party in scene.partners():
         OnWires(kernel, (wires["SCLA"], wires["SDAA"]), party)

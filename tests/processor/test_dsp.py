@@ -11,10 +11,11 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
+from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.sci.register_map import SCI_MAP
 from periph_sim.f28335.system.memory_map import NoSuchAddress
 from periph_sim.firmware import start_i2c, start_pie
-from periph_sim.processor.dsp import MODULES, Dsp, DspPlan
+from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.error_origin import Misuse
 
 # First and last address of each module (the register maps of the manuals).
@@ -39,7 +40,7 @@ def run(dsp: Dsp, kernel: Kernel, firmware: Callable[[], None]) -> None:
 
 
 def test_every_module_ends_where_the_manual_has_the_end_of_its_addresses():
-    memory = unit(*MODULES)[0].memory
+    memory = unit(*PART.selectable)[0].memory
     words = FRAMES.split()
     told = {name: (int(first, 16), int(last, 16)) for name, first, last in zip(*[iter(words)] * 3, strict=True)}
     assert {name: (place.base, place.base + place.size - 1) for name, place in memory.places.items()} == told

@@ -17,7 +17,7 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
-from periph_sim.f28335.system.memory_map import Frame
+from periph_sim.f28335.descriptor import Frame
 from periph_sim.f28335.system.options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan
 from tests.processor.bench import Bench
@@ -231,7 +231,7 @@ def test_protected_write_that_is_followed_by_edis_lands():
 
     dsp.start(main)
     kernel.run_until(10_000)
-    assert dsp.control.enabled("I2C-A")
+    assert dsp.control.enabled("I2CAENCLK")
     assert not dsp.processor.notes.counts
 
 

@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind
+from periph_sim.f28335.i2c.descriptor import FLAGS
 from periph_sim.records.cause_trace import causes, firmware_causes
 from periph_sim.records.cause_trace.holders import holders, mover, wire_rows
-from periph_sim.records.cause_trace.interrupt_sources import I2C_FLAGS, sources
+from periph_sim.records.cause_trace.interrupt_sources import sources
 from periph_sim.records.cause_trace.why import why
 from periph_sim.records.read_modify_write import read_modify_writes
 from tests.records.cause_trace.test_causes import (
@@ -106,7 +107,7 @@ def test_of_several_requests_the_last_one_counts_and_a_fall_is_none():
 @pytest.mark.parametrize(
     ("line", "module", "fields"),
     [
-        ("I2CINT1A", "I2C-A", 2 * len(I2C_FLAGS)),
+        ("I2CINT1A", "I2C-A", 2 * len(FLAGS)),
         ("I2CINT2A", "I2C-A", 4),
         ("SCIRXINTB", "SCI-B", 8),
         ("SCITXINTC", "SCI-C", 4),

@@ -152,7 +152,8 @@ OTHERS = (
     *("ahrs", "distributed", "pytest", "hypothesis", "multiprocessing", "concurrent", "sqlite3", "asyncio"),
     *("pydantic", "pydantic_core", "annotated_types"),
 )
-DATA = ("register_map", "_map", "pin_mux_table")  # ends of names: tables that words of a case are looked up in
+# Ends of names: data that words of a case are looked up in.
+DATA = ("descriptor", "register_map", "_map", "pin_mux_table")
 
 DEVICE = """
 class Device:

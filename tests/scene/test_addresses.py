@@ -7,7 +7,8 @@ import pytest
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.processor.dsp import MODULES, Dsp, DspPlan
+from periph_sim.f28335.parts.f28335 import PART
+from periph_sim.processor.dsp import Dsp, DspPlan
 
 ADDRESSES = {
     # SPRUFB0D, registers of system control and of the PIE
@@ -35,7 +36,7 @@ ADDRESSES = {
 
 
 def everything() -> Dsp:
-    plan = DspPlan("dsp", tuple(MODULES), {})
+    plan = DspPlan("dsp", tuple(PART.selectable), {})
     return Dsp(Kernel(), Timebase(150_000_000), Recorder(), plan)
 
 
@@ -50,7 +51,7 @@ def test_every_register_is_where_the_manual_has_it() -> None:
 
 
 def test_no_module_is_left_out() -> None:
-    assert set(ADDRESSES) == {*MODULES, "SYS", "PIE"}
+    assert set(ADDRESSES) == {*PART.selectable, "SYS", "PIE"}
 
 
 def _at(memory, address: int) -> tuple[str, str] | None:

@@ -135,6 +135,11 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             "small.toml, line 12: unit.dsp.options.i2c.bcm_reset: option bcm_reset is True; expected 1 or 0",
         ),
         (
+            "[unit.dsp.options.i2c]",
+            "[unit.dsp.options.i2]",
+            "small.toml, line 11: unit.dsp.options.i2: there are no options of 'i2'; did you mean i2c?",
+        ),
+        (
             'order = ["gyroscope"]',
             'order = ["gyroscop"]',
             "small.toml, line 15: controller.order: there is no chip 'gyroscop'; did you mean gyroscope?",

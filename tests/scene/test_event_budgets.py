@@ -9,7 +9,8 @@ import pytest
 from periph_sim import timing
 from periph_sim.core.records import Kind
 from periph_sim.f28335.cpu.pie_map import LINES
-from periph_sim.processor.dsp import MODULES, pie_lines
+from periph_sim.f28335.parts.f28335 import PART
+from periph_sim.processor.dsp import pie_lines
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
@@ -138,9 +139,9 @@ def test_a_mistake_is_told_with_its_line(tmp_path: Path, text: str, sentence: st
 
 
 def test_what_events_can_name_is_what_scenes_are_built_of():
-    assert set(MAPS) == {*MODULES, *EVERY_UNIT}
+    assert set(MAPS) == {*PART.selectable, *EVERY_UNIT}
     for module, vectors in VECTORS.items():
-        assert tuple(LINES[v] for v in vectors if v in LINES) == pie_lines(module), module
+        assert tuple(LINES[v] for v in vectors if v in LINES) == pie_lines(PART.by_name[module]), module
     case = load(TIMING / "imu_hil_published.toml")
     scene = Scene(case)
     assert set(scope_of_case(case).wires) == set(scene.wires)

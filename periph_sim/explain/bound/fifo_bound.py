@@ -68,7 +68,7 @@ def receiver_of(dsp: Dsp, now: int, reads: Sequence[Sequence[int]], ticks_per_se
     level = settings & RXFFIL
     if not fifo_on or not settings & RXFFIENA or not level:
         return None
-    line, options = line_of(dsp), dsp.plan.sci or SciOptions()
+    line, options = line_of(dsp), dsp.plan.answers(SciOptions)
     bit = ticks_per_second / Fraction(line.baud)
     count = min(map(len, reads))
     latest = tuple(max(times[k] for times in reads) for k in range(count))

@@ -45,5 +45,5 @@ def closed_form(case: Case) -> ClosedForm:
         )
     calm = observe(case)
     timebase = Timebase(*(int(each.oscclk * each.pll / 2) for each in case.unit.values()))
-    options = options_from(I2cOptions, case.unit[unit].options.i2c)
+    options = options_from(I2cOptions, case.unit[unit].options.get("i2c", {}))
     return ClosedForm(case, calm, observe_handlers(case, unit), timebase, options)

@@ -221,7 +221,7 @@ def observe(case: Case) -> UndisturbedRun:
         seconds=seconds,
         events=scene.kernel.events,
     )
-    return listener.fill(calm, (plan.i2c or I2cOptions()).noise_filter_cycles.unrecorded())
+    return listener.fill(calm, plan.answers(I2cOptions).noise_filter_cycles.unrecorded())
 
 
 class _Reading(Struct):

@@ -44,10 +44,9 @@ from ...core.registers import Register
 from ...form.c_types import BigInt
 from ..system.options import SystemOptions
 from . import register_map as at
-from .pin_mux_table import INPUTS
 from .qualifier import Qualifier
 from .register_map import BIT, PINS
-from .routes import Routes
+from .routes import INPUTS, Routes
 from .settings import ALL, DIRECTIONS, PULL_UPS, GpioSettings
 
 if TYPE_CHECKING:
@@ -182,7 +181,7 @@ class Gpio(GpioSettings):
         """Mask of the pins whose pull-up is on."""
         return self._pull_ups
 
-    def gpioin_enabled(self, now: int, on: bool) -> None:
+    def gate(self, now: int, on: bool) -> None:
         """PCLKCR3.GPIOINENCLK acts from cycle `now` on."""
         self._catch_up(now)
         self._input_clock = on

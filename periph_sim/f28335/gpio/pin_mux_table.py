@@ -8,11 +8,6 @@ Source: SPRUFB0D Tables 46 (inputs without a pin), 47 to 49 (multiplexer).
 
 from __future__ import annotations
 
-# Signals of the modules that are modelled. SDAA and SCLA are both: open-drain lines.
-INPUTS = ("SDAA", "SCLA", "SCIRXDA", "SCIRXDB", "SCIRXDC")
-OUTPUTS = ("SDAA", "SCLA", "SCITXDA", "SCITXDB", "SCITXDC")
-OPEN_DRAIN = ("SDAA", "SCLA")
-
 # Modules that are not modelled, by the begin of their signals' names.
 MODULES = {
     "EPWM": "ePWM",

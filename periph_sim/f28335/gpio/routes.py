@@ -11,7 +11,12 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 from ...core.chip import Note
-from .pin_mux_table import FUNCTIONS, IDLE_LOW, INPUTS, MODULES, OUTPUTS
+from ..parts.f28335 import PART
+from .pin_mux_table import FUNCTIONS, IDLE_LOW, MODULES
+
+# Signals of the modules that are modelled.
+INPUTS = tuple(signal for module in PART.modules for signal in module.inputs or ())
+OUTPUTS = tuple(signal for module in PART.modules for signal in module.outputs)
 
 
 def function(pin: int, mux: int) -> str:

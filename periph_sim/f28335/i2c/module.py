@@ -400,12 +400,13 @@ class I2c(Chip):
 
     # Clock, debugger, reset ----------------------------------------------------------------
 
-    def set_sysclk(self, now: int, hz: Fraction) -> None:
+    def set_sysclk(self, now: int, hz: Fraction) -> bool:
         """SYSCLKOUT is `hz` from `now` on, for the limits in seconds; else the module knows cycles only."""
         self._advance(now)
         changed, self.limits.sysclk_hz = hz != self.limits.sysclk_hz, hz
         if changed and self.state.mdr & MDR_IRS:
             self.limits.module_clock()
+        return True
 
     def gate(self, now: int, on: bool) -> None:
         """PCLKCR0.I2CAENCLK acts from `now` on."""

@@ -33,7 +33,6 @@ from math import gcd
 
 from ...core.chip import ALL, NEVER, Chip, Note
 from .clocks_map import (
-    GATES,
     HISPCP,
     LOSPCP,
     LPMCR0,
@@ -47,7 +46,6 @@ from .clocks_map import (
     WDCNTR,
     WDCR,
     WDKEY,
-    Gate,
 )
 from .options import SystemOptions
 from .oscclk import PARTS, OscClock
@@ -69,10 +67,10 @@ MCLKOFF = PLLSTS["MCLKOFF"].mask
 WDINTS = SCSR["WDINTS"].mask
 LPM = LPMCR0["LPM"]
 
-MODULES: tuple[str, ...] = tuple(gate.module for gate in GATES)
-GATE_OF = {gate.module: (index, gate) for index, gate in enumerate(GATES)}
+GATES: tuple[str, ...] = tuple(one.name for register in (PCLKCR0, PCLKCR3) for one in register.fields)
+GATE_BIT = {name: 1 << index for index, name in enumerate(GATES)}  # in `gates`
 ENABLES = tuple(  # bit of `gates`, bit of the register, and whether that is PCLKCR3
-    (1 << index, gate.enable.mask, gate.register is PCLKCR3) for index, gate in enumerate(GATES)
+    (GATE_BIT[one.name], one.mask, register is PCLKCR3) for register in (PCLKCR0, PCLKCR3) for one in register.fields
 )
 
 
@@ -120,27 +118,15 @@ class SystemControl(Chip):
 
     # What the owner asks ----------------------------------------------------
 
-    def enabled(self, module: str) -> bool:
-        """Whether the module has its clock now. ValueError for a name that is not in MODULES."""
-        return bool(self.gates >> self._gate(module)[0] & 1)
-
-    def divider(self, module: str) -> int:
-        """SYSCLKOUT cycles per cycle of the clock this module runs on. ValueError as in `enabled`."""
-        clock = self._gate(module)[1].clock
-        if clock == "SYSCLKOUT":
-            return 1
-        return self.lspclk_divider if clock == "LSPCLK" else self.hspclk_divider
+    def enabled(self, gate: str) -> bool:
+        """Return True if the clock that a field of PCLKCR0 or PCLKCR3 switches is on. ValueError for other names."""
+        if gate not in GATE_BIT:
+            raise ValueError(f"PCLKCR0 and PCLKCR3 have no field {gate!r}; they have {', '.join(GATES)}")
+        return bool(self.gates & GATE_BIT[gate])
 
     def watchdog_rounds(self, since: int, now: int) -> int:
         """Return the overflows of the watchdog between these cycles, if nothing restarts it or changes SYSCLKOUT."""
         return self._watchdog.rounds(self._clock.at(now) - self._clock.at(since))
-
-    @staticmethod
-    def _gate(module: str) -> tuple[int, Gate]:
-        found = GATE_OF.get(module)
-        if found is None:
-            raise ValueError(f"no clock gate for {module!r}; there are {', '.join(MODULES)}")
-        return found
 
     # Inputs -----------------------------------------------------------------
 
@@ -303,7 +289,7 @@ class SystemControl(Chip):
         self.hspclk_divider = prescale(self._hispcp)
         self.lspclk_divider = prescale(self._lospcp)
         self.lspclk_phase = now  # LSPCLK begins a period at this cycle, and each divider cycles from it
-        self.gates = self._gates()  # bit i: MODULES[i] has its clock now
+        self.gates = self._gates()  # bit i: the clock that GATES[i] switches is on
         self._gates_to_come.clear()
         self._watchdog.reset(self._clock.at(now))
         self.requests = 0

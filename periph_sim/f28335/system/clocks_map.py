@@ -7,9 +7,7 @@ so that firmware reads back what it wrote.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-from ...core.registers import Field, Register, RegisterMap, field
+from ...core.registers import Register, RegisterMap, field
 
 BASE = 0x7010
 
@@ -171,33 +169,4 @@ MAP = RegisterMap(
     "system control",
     "SPRUFB0D section 5",
     (PLLSTS, HISPCP, LOSPCP, PCLKCR0, PCLKCR1, LPMCR0, PCLKCR3, PLLCR, SCSR, WDCNTR, WDKEY, WDCR),
-)
-
-
-class Gate(NamedTuple):
-    """One module's clock: the bit that switches it and the clock that it then gets."""
-
-    module: str
-    register: Register
-    enable: Field
-    clock: str  # "SYSCLKOUT", "LSPCLK" or "HSPCLK"
-
-
-def _gate(module: str, register: Register, enable: str, clock: str) -> Gate:
-    return Gate(module, register, register[enable], clock)
-
-
-GATES: tuple[Gate, ...] = (
-    _gate("SCI-A", PCLKCR0, "SCIAENCLK", "LSPCLK"),
-    _gate("SCI-B", PCLKCR0, "SCIBENCLK", "LSPCLK"),
-    _gate("SCI-C", PCLKCR0, "SCICENCLK", "LSPCLK"),
-    _gate("I2C-A", PCLKCR0, "I2CAENCLK", "SYSCLKOUT"),
-    _gate("SPI-A", PCLKCR0, "SPIAENCLK", "LSPCLK"),
-    _gate("ADC", PCLKCR0, "ADCENCLK", "HSPCLK"),
-    _gate("TIMER0", PCLKCR3, "CPUTIMER0ENCLK", "SYSCLKOUT"),
-    _gate("TIMER1", PCLKCR3, "CPUTIMER1ENCLK", "SYSCLKOUT"),
-    _gate("TIMER2", PCLKCR3, "CPUTIMER2ENCLK", "SYSCLKOUT"),
-    _gate("GPIOIN", PCLKCR3, "GPIOINENCLK", "SYSCLKOUT"),
-    _gate("XINTF", PCLKCR3, "XINTFENCLK", "SYSCLKOUT"),
-    _gate("DMA", PCLKCR3, "DMAENCLK", "SYSCLKOUT"),
 )

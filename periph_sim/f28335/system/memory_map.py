@@ -6,7 +6,6 @@ EALLOW), section 7.4 (block protection).
 
 from __future__ import annotations
 
-from enum import IntEnum
 from functools import cached_property
 
 from msgspec import Struct
@@ -14,16 +13,8 @@ from msgspec import Struct
 from ...core.registers import Register
 from ...core.socket import Socket
 from ...core.suggest import did_you_mean
+from ..descriptor import Frame
 from .options import SystemOptions
-
-
-class Frame(IntEnum):
-    """Peripheral frames differ in wait states and in the access widths they allow."""
-
-    PF0 = 0  # PIE, CPU timers: 16 and 32 bits
-    PF1 = 1  # GPIO: 16 and 32 bits
-    PF2 = 2  # system control, SCI, I2C, XINT: 16 bits only
-
 
 # A read in here waits for a write in here to complete (PROTSTART, PROTRANGE as the boot ROM leaves them).
 PROTECTED_BLOCK = range(0x4000, 0x8000)

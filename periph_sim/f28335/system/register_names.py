@@ -11,11 +11,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ...core.registers import RegisterMap
-from ..cpu import pie_map, xint_map
-from ..gpio import register_map as gpio_map
-from ..i2c import register_map as i2c_map
-from ..sci import register_map as sci_map
-from . import clocks_map, cpu_timer_map
+from ..cpu import pie_map
+from ..parts.f28335 import PART
 
 
 class Module(NamedTuple):
@@ -27,15 +24,7 @@ class Module(NamedTuple):
     registers: RegisterMap | None = None
 
 
-MODELLED = (
-    Module("SYS", clocks_map.BASE, 0x20, clocks_map.MAP),
-    Module("PIE", pie_map.BASE, 0x20, pie_map.MAP),
-    Module("GPIO", gpio_map.BASE, 0x80, gpio_map.GPIO),
-    Module("XINT", xint_map.BASE, 0x10, xint_map.XINT),
-    Module("I2C-A", i2c_map.BASE, 0x40, i2c_map.I2C_MAP),
-    *(Module(name, base, 0x10, sci_map.SCI_MAP) for name, base in sci_map.BASES.items()),
-    *(Module(f"TIMER{number}", base, 8, cpu_timer_map.MAP) for number, base in enumerate(cpu_timer_map.BASES)),
-)
+MODELLED = tuple(Module(one.name, one.base, one.size, one.registers) for one in PART.modules)
 
 NOT_MODELLED = (
     Module("device emulation", 0x0880, 0x180),

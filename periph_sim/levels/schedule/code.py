@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.cpu.compiled_code_costs import CodeCosts
-from ...f28335.system.memory_map import WRITE_TO_READ, Frame, WaitStates
+from ...f28335.descriptor import Frame
+from ...f28335.system.memory_map import WRITE_TO_READ, WaitStates
 from ...f28335.system.options import SystemOptions
 
 FRAMES = {"I2C-A": Frame.PF2, "GPIO": Frame.PF1}  # both in the protected block

@@ -116,7 +116,7 @@ def receiver(case: Case, unit: str, scene_of: Mapping[str, Firmware] | None = No
     dsp, per_second = scene.units[unit], scene.timebase.per_second
     if not dsp.has(SCI) or not ends:
         raise refuse(case.name, "no host frame reaches the unit's SCI-A")
-    bits, options = line(quiet.host, per_second), dsp.plan.sci or SciOptions()
+    bits, options = line(quiet.host, per_second), dsp.plan.answers(SciOptions)
     hz, sci = dsp.clock.hz, line_of(dsp)
     nominal = Fraction(dsp.control.sysclk_hz) / (8 * Fraction(sci.baud))
     exact = per_second / hz
@@ -125,7 +125,7 @@ def receiver(case: Case, unit: str, scene_of: Mapping[str, Firmware] | None = No
         raise refuse(case.name, "the SCI's frames are not 8 data bits without parity")
     moves = [int(clock_cycle(exact, tick - scene.start)) for (tick, now), before in _grown(words) if now > before]
     edges = [end - bits.end + start for end in ends for start in bits.starts]
-    form, period = SciFormat(0x07, options_from(SciOptions, case.unit[unit].options.sci)), int(nominal)
+    form, period = SciFormat(0x07, options_from(SciOptions, case.unit[unit].options.get("sci", {}))), int(nominal)
     if len(moves) != len(edges):
         raise refuse(case.name, f"{len(moves)} of {len(edges)} bytes of the host reach the SCI's FIFO")
     extra = options.rx_int_extra.unrecorded() + IFR_DELAY

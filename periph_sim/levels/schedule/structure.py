@@ -139,7 +139,7 @@ def _others(case: Case) -> Iterator[str]:
         for kind, known in KNOWN_OPTIONS.items():
             group = {"I2cOptions": "i2c", "SystemOptions": "system", "SciOptions": "sci"}[kind.__name__]
             plain = kind().unrecorded()
-            for option, value in getattr(unit.options, group).items():
+            for option, value in unit.options.get(group, {}).items():
                 if option not in known and value != plain[option]:
                     yield f"unit.{name}.options.{group}.{option} is {value!r}"
         if unit.from_boot or not unit.skip_polls:

@@ -169,7 +169,7 @@ class _Measured:
 
     @cached_property
     def _i2c(self) -> I2cOptions:
-        return options_from(I2cOptions, self._case.unit[self._calm.unit].options.i2c)
+        return options_from(I2cOptions, self._case.unit[self._calm.unit].options.get("i2c", {}))
 
     @property
     def _seen(self) -> int:

@@ -21,9 +21,9 @@ from typing import Annotated
 from ...c28x.execution.registers import IllegalOperation
 from ...core.chip import Note
 from ...f28335.cpu.interrupts import CpuInterrupts
+from ...f28335.parts.f28335 import PART
 from ...f28335.system.address_space import Area, Content, area_at
 from ...f28335.system.register_names import full_name, is_protected, register_name
-from ...f28335.unit_modules import MODULES
 from ...form.c_types import UInt8, UInt16
 from ..firmware_notes import FirmwareNotes
 
@@ -219,6 +219,6 @@ class Elsewhere:
         module = register_name(address)[0]
         if module not in self._noted:
             self._noted.add(module)
-            state = "is not in this unit (name it in modules)" if module in MODULES else "is not modelled"
+            state = "is not in this unit (name it in modules)" if module in PART.selectable else "is not modelled"
             text = f"{module or 'a frame'} at {address:#06x} {state}; it keeps what is written"
             self._notes.note(cycle, Note("unknown", text, "SPRS439M Tables 3-8 to 3-11"))

@@ -19,9 +19,9 @@ from ...core.socket import Socket
 from ...core.suggest import did_you_mean
 from ...f28335.cpu import pie_map
 from ...f28335.cpu.interrupts import MASKABLE
+from ...f28335.parts.f28335 import PART
 from ...f28335.system.clocks import SystemControl
 from ...f28335.system.memory_map import AddressMap
-from ...f28335.unit_modules import MODULES
 from ...form.c_types import BigInt, Text
 from ..error_origin import Misuse, flaw_of
 from .cpu import Cpu
@@ -67,7 +67,8 @@ class FirmwareView:
     def module(self, name: Text) -> ModulePort:
         """The registers of a module: "I2C-A", "SCI-A", "GPIO", "PIE", "SYS", "TIMER0". KeyError if it is not built."""
         if name not in self._sockets:
-            way = f"name it in modules of [unit.{self.name}]" if name in MODULES else did_you_mean(name, self._sockets)
+            known = name in PART.selectable
+            way = f"name it in modules of [unit.{self.name}]" if known else did_you_mean(name, self._sockets)
             raise KeyError(f"{self.name} has no module {name!r}; {way}")
         if name not in self._ports:
             self._ports[name] = ModulePort(self.cpu, self.memory.places[name])

@@ -15,16 +15,13 @@ from ...core.options import allowed
 from ...devices.chips import chip_models
 from ...devices.targets import Family, families
 from ...devices.watchers import watchers
-from ...f28335.i2c.options import I2cOptions
-from ...f28335.sci.options import SciOptions
-from ...f28335.system.options import SystemOptions
+from ...f28335.parts.f28335 import PART
 from ...sensors.host_frame import Encoding
 from ...sensors.motion import kinds as kinds_of_motion
 from .json_types import Schema, schema_of_table
 from .model import Case
 
 DIALECT = "http://json-schema.org/draft-07/schema#"  # editors of TOML know nothing newer
-OPTIONS = {"i2c": I2cOptions, "sci": SciOptions, "system": SystemOptions}
 
 
 def case_schema() -> Schema:
@@ -45,7 +42,8 @@ def case_schema() -> Schema:
     definitions["ChipTable"]["properties"]["model"] = {"enum": [*chip_models()]}
     definitions["DeviceTable"] = {"anyOf": [*_devices(definitions["DeviceTable"], devices, schemas)]}
     definitions["WatchTable"] = {"anyOf": [*_watches(definitions["WatchTable"], watches, schemas)]}
-    definitions["Options"]["properties"] = {name: _options(kind) for name, kind in OPTIONS.items()}
+    options = {name: _options(kind) for name, kind in PART.options_classes().items()}
+    definitions["Unit"]["properties"]["options"] = _closed({"type": "object", "properties": options})
     return {"$schema": DIALECT, "title": "periph-sim case", **case, "$defs": definitions}
 
 

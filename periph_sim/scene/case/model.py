@@ -53,14 +53,6 @@ COMPILED = CodeCosts()
 SHORTEST_ROUND = Fraction(1, 1_000_000)  # seconds: a byte at 5 MHz takes longer
 
 
-class Options(Table, frozen=True, kw_only=True):
-    """Answers to open questions; names and values as `periph-sim regs --options` lists them."""
-
-    i2c: dict[str, Answer] = {}
-    sci: dict[str, Answer] = {}
-    system: dict[str, Answer] = {}
-
-
 class Code(Table, frozen=True, kw_only=True):
     """What compiled code costs besides accesses and computations, in cycles; the defaults are counted in images."""
 
@@ -110,7 +102,7 @@ class Unit(Table, frozen=True, kw_only=True):
     skip_polls: bool = True
     pins: dict[str, Annotated[int, Meta(ge=0, le=87)]] = {}
     code: Code = Code()
-    options: Options = Options()
+    options: dict[str, dict[str, Answer]] = {}  # by group, as `periph-sim regs --options` lists them
 
     def check_together(self, given: Set[str]) -> None:
         programs = [name for name in ("firmware", "image", "sources") if getattr(self, name)]

@@ -21,14 +21,15 @@ from msgspec import Struct, field
 
 from ...core.suggest import did_you_mean
 from ...core.table import Table
-from ...f28335.unit_modules import PIN_OF
+from ...f28335.parts.f28335 import PART
 
 if TYPE_CHECKING:
     from .model import BadCase, Case
 
 SIGNALS: dict[str, dict[str, int]] = {
-    "I2C-A": {"SDA": PIN_OF["SDAA"], "SCL": PIN_OF["SCLA"]},
-    **{f"SCI-{x}": {"RX": PIN_OF[f"SCIRXD{x}"], "TX": PIN_OF[f"SCITXD{x}"]} for x in "ABC"},
+    module.name: {name: module.pins[signal] for name, signal in module.wires.items()}
+    for module in PART.modules
+    if module.wires
 }
 SCIS = tuple(module for module in SIGNALS if "TX" in SIGNALS[module])
 LAST_PIN = 87

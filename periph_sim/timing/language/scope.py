@@ -14,36 +14,19 @@ from typing import TYPE_CHECKING, Protocol
 from ...core.records import Kind
 from ...core.registers import Field, Register, RegisterMap
 from ...core.suggest import did_you_mean
-from ...f28335.cpu import pie_map, xint_map
-from ...f28335.gpio import register_map as gpio_map
-from ...f28335.i2c import register_map as i2c_map
-from ...f28335.sci import register_map as sci_map
-from ...f28335.system import clocks_map
-from ...f28335.system import cpu_timer_map as timer_map
+from ...f28335.parts.f28335 import PART
 
 if TYPE_CHECKING:
     from ...traces.formats.record_table import RecordTable
 
-MAPS: dict[str, RegisterMap] = {
-    **{f"SCI-{letter}": sci_map.SCI_MAP for letter in "ABC"},
-    "I2C-A": i2c_map.I2C_MAP,
-    "GPIO": gpio_map.GPIO,
-    "XINT": xint_map.XINT,
-    **{f"TIMER{number}": timer_map.MAP for number in range(3)},
-    "PIE": pie_map.MAP,
-    "SYS": clocks_map.MAP,
-}
-EVERY_UNIT = ("PIE", "SYS")  # modules of each F28335, whatever a case names
+MAPS: dict[str, RegisterMap] = {module.name: module.registers for module in PART.modules}
+EVERY_UNIT = PART.in_every_unit
 LINES = ("RX", "TX")  # of the only SCI-A
-WIRES = {"I2C-A": ("SDA", "SCL"), "SCI-A": LINES}
+WIRES = {module.name: tuple(module.wires) for module in PART.modules if module.bus or module.name == "SCI-A"}
 VECTORS: dict[str, tuple[str, ...]] = {
-    **{f"SCI-{letter}": (f"SCIRXINT{letter}", f"SCITXINT{letter}") for letter in "ABC"},
-    "I2C-A": ("I2CINT1A", "I2CINT2A"),
-    "XINT": (*(f"XINT{number}" for number in range(1, 8)), "INT13"),
-    "TIMER0": ("TINT0",),
-    "TIMER1": ("INT13",),
-    "TIMER2": ("INT14",),
-    "SYS": ("WAKEINT",),
+    module.name: tuple(interrupt.vector for interrupt in module.interrupts)
+    for module in PART.modules
+    if module.interrupts
 }
 
 

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from periph_sim.core.chip import NEVER
 from periph_sim.f28335.gpio.module import CONFIGURATION_DELAY, Gpio
-from periph_sim.f28335.gpio.pin_mux_table import INPUTS, OUTPUTS
 from periph_sim.f28335.gpio.register_map import BASE, GPIO, PORT_OF
+from periph_sim.f28335.gpio.routes import INPUTS, OUTPUTS
 from periph_sim.f28335.gpio.settings import ALL
 from periph_sim.f28335.system.options import SystemOptions
 from tests.waves import play, tidy
@@ -78,7 +78,7 @@ class Rig:
         elif field:
             self.set(name, **{field: level})
         elif name == "GPIOIN":
-            self.gpio.gpioin_enabled(now, bool(level))
+            self.gpio.gate(now, bool(level))
         else:
             self.edge(now, int(name.strip("GPIO~")), level, exact=not name.endswith("~"))
 
@@ -806,8 +806,8 @@ def test_gpioinenclk_announces_what_the_sampler_will_show():
     rig.select(4, 2)
     settled(rig)
     begin = rig.now
-    rig.gpio.gpioin_enabled(begin, False)
-    rig.gpio.gpioin_enabled(begin + 1, True)
+    rig.gpio.gate(begin, False)
+    rig.gpio.gate(begin + 1, True)
     due = rig.gpio.next_wake
     rig.gpio.wake(due - 1)
     assert not rig.gpio.peek(due - 1, GPIO["GPADAT"].offset) >> 4 & 1
@@ -830,7 +830,7 @@ def test_gpioinenclk_does_not_touch_the_i2c_pins(mux):
     rig = given_to((32, mux), (33, mux))
     rig.set("GPBDIR", GPIO32=1, GPIO33=1)
     settled(rig)
-    rig.gpio.gpioin_enabled(rig.now, False)
+    rig.gpio.gate(rig.now, False)
     check(
         f"""
         > GPIO32~        1 . 0 . 1 .
@@ -851,14 +851,14 @@ def test_gpioinenclk_does_not_touch_the_i2c_pins(mux):
     "ask",
     [
         lambda gpio, now: gpio.peripheral_level(now, "SDAA"),
-        lambda gpio, now: gpio.gpioin_enabled(now, False),
+        lambda gpio, now: gpio.gate(now, False),
         lambda gpio, now: gpio.xint_levels(now),
         lambda gpio, now: gpio.watch_xints(now, 0),
         lambda gpio, now: gpio.wake(now),
         lambda gpio, now: gpio.peek(now, GPIO["GPBDAT"].offset),
         lambda gpio, now: gpio.write(now, GPIO["GPBSET"].offset, 0),
     ],
-    ids=["peripheral_level", "gpioin_enabled", "xint_levels", "watch_xints", "wake", "peek", "write"],
+    ids=["peripheral_level", "gate", "xint_levels", "watch_xints", "wake", "peek", "write"],
 )
 def test_a_level_that_is_due_is_told_whoever_asks_next(ask):
     """The owner did not wake the module when the third sample was taken."""
@@ -1046,7 +1046,7 @@ def visible(rig: Rig) -> int:
 
 def act(rig: Rig, now: int, action: object) -> None:
     if isinstance(action, bool):
-        rig.gpio.gpioin_enabled(now, action)
+        rig.gpio.gate(now, action)
     elif isinstance(action, tuple) and isinstance(action[0], int):
         rig.pin(now, *action)
     elif isinstance(action, tuple):

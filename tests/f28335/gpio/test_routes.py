@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.core.chip import joined
-from periph_sim.f28335.gpio.pin_mux_table import FUNCTIONS, INPUTS, OUTPUTS
-from periph_sim.f28335.gpio.routes import module_of, note_for
-from periph_sim.f28335.unit_modules import PIN_OF
+from periph_sim.f28335.gpio.pin_mux_table import FUNCTIONS
+from periph_sim.f28335.gpio.routes import INPUTS, OUTPUTS, module_of, note_for
+from periph_sim.f28335.parts.f28335 import PART
 
 
 def test_every_signal_that_is_not_modelled_has_a_module():
@@ -31,6 +31,6 @@ def test_pins_of_one_module_are_one_note():
     )
 
 
-@pytest.mark.parametrize("signal", PIN_OF)
+@pytest.mark.parametrize("signal", PART.pins)
 def test_the_usual_pin_of_a_signal_is_one_that_the_multiplexer_gives_it(signal: str) -> None:
-    assert signal in FUNCTIONS[PIN_OF[signal]]
+    assert signal in FUNCTIONS[PART.pins[signal]]

@@ -48,7 +48,7 @@ def test_changes_reach_tables_lists_and_new_keys():
     assert case.controller.period == Fraction(1, 100)
     assert case.controller.order == ("gyroscope",)
     assert case.unit["dsp"].settings == {"model_cost": "1.5 ms"}
-    assert case.unit["dsp"].options.i2c == {"some_question": "other"}
+    assert case.unit["dsp"].options["i2c"] == {"some_question": "other"}
     assert [b.max for b in case.budget[:2]] == ["7 us", "5 us"]
     assert case.host.lose == ((3, 5),)
     assert case.seed == 7
@@ -179,7 +179,7 @@ def test_set_takes_no_underscores_out_of_a_value(text: str, value: object):
 def test_option_that_is_called_by_digits_can_be_set():
     path = Path(__file__).parents[3] / "timing" / "uart_logger.toml"
     loaded = load(path, ["unit.dsp.options.sci.stop_vote_samples=3_4_5", "seed=1_000"])
-    assert loaded.unit["dsp"].options.sci == {"stop_vote_samples": "3_4_5"}
+    assert loaded.unit["dsp"].options["sci"] == {"stop_vote_samples": "3_4_5"}
     assert loaded.seed == 1000
 
 

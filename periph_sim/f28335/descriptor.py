@@ -1,0 +1,177 @@
+"""Descriptors: what the rest of the package knows about a module of the chip.
+
+    i2c/descriptor.py: I2C_A --+
+    sci/descriptor.py: SCIS  --+--> parts/f28335.py: Part --> addresses, clocks, interrupts, pins, wires, options
+
+Units, wiring, the event language, `why`, `regs` and the schema of cases read descriptors. A new module is a folder with
+a descriptor, and its row in the data of the part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from enum import IntEnum
+from functools import cached_property
+from itertools import pairwise
+
+from msgspec import Struct, field
+
+from ..core.chip import Chip
+from ..core.options import Answers
+from ..core.registers import RegisterMap
+from .cpu.pie_map import VECTORS
+from .gpio.pin_mux_table import FUNCTIONS
+from .system.clocks_map import PCLKCR0, PCLKCR3
+
+
+class Frame(IntEnum):
+    """Peripheral frames. They differ in wait states and in the widths of accesses (SPRS439M Table 3-5)."""
+
+    PF0 = 0  # PIE, CPU timers: 16 and 32 bits
+    PF1 = 1  # GPIO: 16 and 32 bits
+    PF2 = 2  # system control, SCI, SPI, I2C, XINT: 16 bits only
+
+
+class DescriptorError(ValueError):
+    """A descriptor contradicts itself, the manual's tables, or another module of its part."""
+
+
+class Interrupt(Struct, frozen=True):
+    """An interrupt of a module.
+
+    vector: its name in the PIE's table of vectors.
+    fields: "REGISTER.FIELD" of the flags that request it and of the bits that enable it.
+    shared: another module can request it, too.
+    """
+
+    vector: str
+    fields: tuple[str, ...] = ()
+    shared: bool = False
+
+
+Build = Callable[[str, Mapping[str, Answers]], Chip]
+
+
+class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
+    """A module of the chip.
+
+    base, size: of its registers, in 16-bit words.
+    header: the structure that TI's C headers place at `base`, or several with their offsets.
+    build: returns its chip for the module's name and a unit's options by group; None for what every unit has.
+    options: the group of options that it takes, and a function that returns their class.
+    gate: the field of PCLKCR0 or PCLKCR3 that switches its clock; empty if nothing does.
+    input_gate: the field that switches the clock of its input paths only.
+    clock: the clock that it runs on.
+    interrupts: in the order of the chip's LINES.
+    inputs, outputs: signals of the multiplexer's table, in the order of the chip's pins. inputs is None if the module
+        may see any pin.
+    pins: the GPIO numbers at which TI's start-up code has its signals.
+    wires: the names of its signals in a case.
+    bus: all modules of this kind are on the same wires.
+    """
+
+    name: str
+    registers: RegisterMap
+    base: int
+    size: int
+    frame: Frame
+    header: Mapping[str, int]
+    build: Build | None = None
+    options: str = "system"
+    options_class: Callable[[], type[Answers]] | None = None
+    gate: str = ""
+    input_gate: str = ""
+    clock: str = "SYSCLKOUT"
+    interrupts: tuple[Interrupt, ...] = ()
+    inputs: tuple[str, ...] | None = ()
+    outputs: tuple[str, ...] = ()
+    pins: Mapping[str, int] = field(default_factory=dict)
+    wires: Mapping[str, str] = field(default_factory=dict)
+    bus: bool = False
+
+    def __post_init__(self) -> None:
+        for register in self.registers:
+            if register.offset + register.width // 16 > self.size:
+                raise self._error(
+                    f"register {register.name} at offset {register.offset:#x} lies beyond its {self.size} words"
+                )
+        for interrupt in self.interrupts:
+            if interrupt.vector not in VECTORS:
+                raise self._error(f"there is no interrupt {interrupt.vector!r} in the PIE's table")
+            for name in interrupt.fields:
+                register_name, _, field_name = name.partition(".")
+                if register_name not in self.registers or field_name not in self.registers[register_name]:
+                    raise self._error(f"{interrupt.vector} names {name}, which is no field of its registers")
+        for gate in filter(None, (self.gate, self.input_gate)):
+            if gate not in PCLKCR0 and gate not in PCLKCR3:
+                raise self._error(f"there is no field {gate!r} in PCLKCR0 or PCLKCR3")
+        for signal in self.signals:
+            if not 0 <= self.pins.get(signal, -1) < len(FUNCTIONS):
+                raise self._error(f"signal {signal} has no pin")
+            if signal not in FUNCTIONS[self.pins[signal]]:
+                raise self._error(f"the multiplexer does not offer {signal} at GPIO{self.pins[signal]}")
+        if unknown := [signal for signal in (*self.pins, *self.wires.values()) if signal not in self.signals]:
+            raise self._error(f"{unknown[0]} is neither among its inputs nor among its outputs")
+
+    @cached_property
+    def signals(self) -> tuple[str, ...]:
+        """Inputs and outputs, each once."""
+        return tuple(dict.fromkeys((*(self.inputs or ()), *self.outputs)))
+
+    def _error(self, what: str) -> DescriptorError:
+        return DescriptorError(f"descriptor of {self.name}: {what}")
+
+
+class Part(Struct, frozen=True, dict=True):
+    """A chip of the family. modules: in the order in which they are listed to users."""
+
+    name: str
+    modules: tuple[ModuleDescriptor, ...]
+
+    def __post_init__(self) -> None:
+        self._refuse_twice("name", [(one.name, one) for one in self.modules])
+        self._refuse_twice("interrupt", [(i.vector, m) for m in self.modules for i in m.interrupts if not i.shared])
+        self._refuse_twice("start-up pin", [(f"GPIO{pin}", one) for one in self.modules for pin in one.pins.values()])
+        for before, after in pairwise(sorted(self.modules, key=lambda one: one.base)):
+            if before.base + before.size > after.base:
+                raise DescriptorError(f"{self.name}: {after.name} at {after.base:#06x} overlaps {before.name}")
+
+    def _refuse_twice(self, what: str, found: list[tuple[str, ModuleDescriptor]]) -> None:
+        seen: dict[str, ModuleDescriptor] = {}
+        for name, module in found:
+            if name in seen:
+                raise DescriptorError(f"{self.name}: {seen[name].name} and {module.name} have the same {what} {name}")
+            seen[name] = module
+
+    @cached_property
+    def by_name(self) -> dict[str, ModuleDescriptor]:
+        return {one.name: one for one in self.modules}
+
+    @cached_property
+    def selectable(self) -> tuple[str, ...]:
+        """Names of the modules that a unit may have."""
+        return tuple(one.name for one in self.modules if one.build is not None)
+
+    @cached_property
+    def in_every_unit(self) -> tuple[str, ...]:
+        """Names of the modules that every unit has."""
+        return tuple(one.name for one in self.modules if one.build is None)
+
+    @cached_property
+    def pins(self) -> dict[str, int]:
+        """GPIO number of each signal after TI's start-up code."""
+        return {signal: pin for one in self.modules for signal, pin in one.pins.items()}
+
+    @cached_property
+    def options_groups(self) -> dict[str, Callable[[], type[Answers]]]:
+        """By the name of each group of options, the function that returns their class."""
+        return {one.options: one.options_class for one in self.modules if one.options_class is not None}
+
+    def options_classes(self) -> dict[str, type[Answers]]:
+        """Return the class of each group of options."""
+        return {group: options_class() for group, options_class in self.options_groups.items()}
+
+    def module_of_vector(self, vector: str) -> tuple[ModuleDescriptor, Interrupt] | None:
+        """The module that requests an interrupt; the first one if several can."""
+        found = ((one, interrupt) for one in self.modules for interrupt in one.interrupts if interrupt.vector == vector)
+        return next(found, None)

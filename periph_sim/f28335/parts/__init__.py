@@ -1,0 +1,1 @@
+"""The chips of the family, one file each: `PART` is its data."""

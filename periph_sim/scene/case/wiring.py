@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 SIGNALS: dict[str, dict[str, int]] = {
     module.name: {name: module.pins[signal] for name, signal in module.wires.items()}
-    for module in PART.modules
+    for module in sorted(PART.modules, key=lambda one: not one.bus)  # the bus first: so are edges of one instant recorded
     if module.wires
 }
 SCIS = tuple(module for module in SIGNALS if "TX" in SIGNALS[module])

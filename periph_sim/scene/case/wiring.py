@@ -26,9 +26,10 @@ from ...f28335.parts.f28335 import PART
 if TYPE_CHECKING:
     from .model import BadCase, Case
 
+# Wires are built in this order, in which edges of one instant are recorded: the bus first.
 SIGNALS: dict[str, dict[str, int]] = {
     module.name: {name: module.pins[signal] for name, signal in module.wires.items()}
-    for module in sorted(PART.modules, key=lambda one: not one.bus)  # the bus first: so are edges of one instant recorded
+    for module in sorted(PART.modules, key=lambda one: not one.bus)
     if module.wires
 }
 SCIS = tuple(module for module in SIGNALS if "TX" in SIGNALS[module])

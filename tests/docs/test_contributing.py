@@ -25,7 +25,7 @@ def test_each_name_is_defined_in_its_file(name: str, path: str) -> None:
 
 def test_each_kind_of_extension_names_a_test_to_copy() -> None:
     sections = [part for part in TEXT.split("\n## ") if re.match("A ", part)]
-    assert len(sections) == 9
+    assert len(sections) == 10
     assert [part.partition("\n")[0] for part in sections if not re.search(r"`tests/[\w/]+/test_\w+\.py`", part)] == []
     assert len(PATHS) > 30 and len(NAMED) >= 6
 

@@ -9,10 +9,12 @@ a descriptor, and its row in the data of the part.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from enum import IntEnum
 from functools import cached_property
+from importlib import import_module
 from itertools import pairwise
+from typing import Any, cast
 
 from msgspec import Struct, field
 
@@ -49,16 +51,14 @@ class Interrupt(Struct, frozen=True):
     shared: bool = False
 
 
-Build = Callable[[str, Mapping[str, Answers]], Chip]
-
-
 class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     """A module of the chip.
 
     base, size: of its registers, in 16-bit words.
     header: the structure that TI's C headers place at `base`, or several with their offsets.
-    build: returns its chip for the module's name and a unit's options by group; None for what every unit has.
-    options: the group of options that it takes, and a function that returns their class.
+    chip: the class of its chip, as "i2c.module.I2c" in this package; empty for modules that every unit has.
+    takes: arguments of that class: "name", "number" (the end of the name) and "options".
+    options, options_class: the group of options that it takes, and their class, written as `chip`.
     gate: the field of PCLKCR0 or PCLKCR3 that switches its clock; empty if nothing does.
     input_gate: the field that switches the clock of its input paths only.
     clock: the clock that it runs on.
@@ -76,9 +76,10 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     size: int
     frame: Frame
     header: Mapping[str, int]
-    build: Build | None = None
+    chip: str = ""
+    takes: tuple[str, ...] = ()
     options: str = "system"
-    options_class: Callable[[], type[Answers]] | None = None
+    options_class: str = "system.options.SystemOptions"
     gate: str = ""
     input_gate: str = ""
     clock: str = "SYSCLKOUT"
@@ -118,8 +119,24 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
         """Inputs and outputs, each once."""
         return tuple(dict.fromkeys((*(self.inputs or ()), *self.outputs)))
 
+    def build(self, options: Mapping[str, Answers]) -> Chip:
+        """Return a new chip. options: answers of a unit by group; defaults where a group is missing."""
+        given = options.get(self.options)
+        values = {
+            "name": lambda: self.name,
+            "number": lambda: int(self.name[-1]),
+            "options": lambda: named_class(self.options_class)() if given is None else given,
+        }
+        return cast(Chip, named_class(self.chip)(*(values[one]() for one in self.takes)))
+
     def _error(self, what: str) -> DescriptorError:
         return DescriptorError(f"descriptor of {self.name}: {what}")
+
+
+def named_class(name: str) -> Any:
+    """Return the class of a name like "i2c.module.I2c" in this package. Its module is imported with the first use."""
+    module, _, attribute = name.rpartition(".")
+    return getattr(import_module(f"{__package__}.{module}"), attribute)
 
 
 class Part(Struct, frozen=True, dict=True):
@@ -150,12 +167,12 @@ class Part(Struct, frozen=True, dict=True):
     @cached_property
     def selectable(self) -> tuple[str, ...]:
         """Names of the modules that a unit may have."""
-        return tuple(one.name for one in self.modules if one.build is not None)
+        return tuple(one.name for one in self.modules if one.chip)
 
     @cached_property
     def in_every_unit(self) -> tuple[str, ...]:
         """Names of the modules that every unit has."""
-        return tuple(one.name for one in self.modules if one.build is None)
+        return tuple(one.name for one in self.modules if not one.chip)
 
     @cached_property
     def pins(self) -> dict[str, int]:
@@ -163,13 +180,13 @@ class Part(Struct, frozen=True, dict=True):
         return {signal: pin for one in self.modules for signal, pin in one.pins.items()}
 
     @cached_property
-    def options_groups(self) -> dict[str, Callable[[], type[Answers]]]:
-        """By the name of each group of options, the function that returns their class."""
-        return {one.options: one.options_class for one in self.modules if one.options_class is not None}
+    def options_groups(self) -> dict[str, str]:
+        """The class of each group of options, as `ModuleDescriptor.options_class` names it."""
+        return dict(sorted((one.options, one.options_class) for one in self.modules))
 
     def options_classes(self) -> dict[str, type[Answers]]:
         """Return the class of each group of options."""
-        return {group: options_class() for group, options_class in self.options_groups.items()}
+        return {group: named_class(name) for group, name in self.options_groups.items()}
 
     def module_of_vector(self, vector: str) -> tuple[ModuleDescriptor, Interrupt] | None:
         """The module that requests an interrupt; the first one if several can."""

@@ -199,8 +199,7 @@ class Dsp(FirmwareView):
         self._sockets["PIE"].after = self._follow_pie
         options = {"system": plan.system, **plan.options}
         for descriptor in (PART.by_name[name] for name in plan.modules):
-            assert descriptor.build is not None
-            chip = descriptor.build(descriptor.name, options)
+            chip = descriptor.build(options)
             chip.set_sysclk(0, self.control.sysclk_hz)
             self._add(descriptor, chip)
             chip.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)

@@ -11,6 +11,7 @@ from msgspec import Struct
 from ..core.options import Answers, Value, options_from
 from ..core.suggest import did_you_mean
 from ..f28335.cpu.compiled_code_costs import CodeCosts
+from ..f28335.descriptor import named_class
 from ..f28335.parts.f28335 import PART
 from ..f28335.system.options import SystemOptions
 from ..processor.dsp import Dsp, DspPlan
@@ -155,7 +156,7 @@ def _module_options(case: Case, name: str, unit: Unit) -> dict[str, Answers]:
             raise case.mistake(f"there are no options of {group!r}; {hint}", "unit", name, "options", group)
     needed = {PART.by_name[module].options for module in unit.modules}.union(unit.options) - {"system"}
     return {
-        group: options_of(case, known[group](), unit.options.get(group, {}), name, group)
+        group: options_of(case, named_class(known[group]), unit.options.get(group, {}), name, group)
         for group in known
         if group in needed
     }

@@ -19,7 +19,7 @@ from tests.records.scenes import by_hand
         ("I2C-A", "I2CSTR I2CFFTX I2CFFRX", {"I2CSTR": "SDIR NACKSNT SCD RRDY ARDY NACK AL"}),
         ("SCI-B", "SCICTL2 SCIRXST SCIRXBUF SCIFFTX SCIFFRX SCIFFCT", {}),
         ("TIMER1", "TCR", {"TCR": "TIF"}),
-        ("XINT3", "", {}),
+        ("XINT", "", {}),
         ("GPIO", "", {}),
         ("SYS", "PLLSTS SCSR WDCR", {"SCSR": "WDOVERRIDE", "WDCR": "WDFLAG"}),
         ("PIE", "", {"PIEACK": "PIEACK"}),

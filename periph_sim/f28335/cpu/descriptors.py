@@ -2,22 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
-
-from ...core.options import Answers
 from ..descriptor import Frame, Interrupt, ModuleDescriptor
 from . import pie_map, xint_map
-
-if TYPE_CHECKING:
-    from .xint import Xint
-
-
-def build_xint(name: str, options: Mapping[str, Answers]) -> Xint:
-    from .xint import Xint
-
-    return Xint()
-
 
 PIE = ModuleDescriptor(
     name="PIE",
@@ -35,7 +21,7 @@ XINT = ModuleDescriptor(
     size=0x10,
     frame=Frame.PF2,
     header={"XIntruptRegs": 0},
-    build=build_xint,
+    chip="cpu.xint.Xint",
     interrupts=(*(Interrupt(f"XINT{number}") for number in range(1, 8)), Interrupt("INT13", shared=True)),
     inputs=None,
 )

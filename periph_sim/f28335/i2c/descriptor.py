@@ -2,32 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
-
-from ...core.options import Answers
 from ..descriptor import Frame, Interrupt, ModuleDescriptor
 from .register_map import BASE, I2C_MAP
 
-if TYPE_CHECKING:
-    from .module import I2c
-
 FLAGS = ("AAS", "SCD", "XRDY", "RRDY", "ARDY", "NACK", "AL")
-
-
-def build(name: str, options: Mapping[str, Answers]) -> I2c:
-    from .module import I2c
-    from .options import I2cOptions
-
-    given = options.get("i2c")
-    return I2c(given) if isinstance(given, I2cOptions) else I2c()
-
-
-def options_class() -> type[Answers]:
-    from .options import I2cOptions
-
-    return I2cOptions
-
 
 I2C_A = ModuleDescriptor(
     name="I2C-A",
@@ -36,9 +14,10 @@ I2C_A = ModuleDescriptor(
     size=0x40,
     frame=Frame.PF2,
     header={"I2caRegs": 0},
-    build=build,
+    chip="i2c.module.I2c",
+    takes=("options",),
     options="i2c",
-    options_class=options_class,
+    options_class="i2c.options.I2cOptions",
     gate="I2CAENCLK",
     interrupts=(
         Interrupt("I2CINT1A", (*(f"I2CSTR.{flag}" for flag in FLAGS), *(f"I2CIER.{flag}" for flag in FLAGS))),

@@ -5,15 +5,8 @@ Sources: SPRS439M Tables 3-10, 3-11; SPRUFZ5A section 1.2.10.1 and figure 1-10 (
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
-
-from ...core.options import Answers
 from ..descriptor import Frame, Interrupt, ModuleDescriptor
 from .register_map import BASES, SCI_MAP
-
-if TYPE_CHECKING:
-    from .module import Sci
 
 RECEIVER = (
     *(f"SCIFFRX.{name}" for name in ("RXFFINT", "RXFFOVF", "RXFFIENA")),
@@ -25,20 +18,6 @@ TRANSMITTER = ("SCIFFTX.TXFFINT", "SCIFFTX.TXFFIENA", "SCICTL2.TXRDY", "SCICTL2.
 PINS = {"A": (28, 29), "B": (19, 18), "C": (62, 63)}  # GPIO numbers of RX and TX
 
 
-def build(name: str, options: Mapping[str, Answers]) -> Sci:
-    from .module import Sci
-    from .options import SciOptions
-
-    given = options.get("sci")
-    return Sci(name, given) if isinstance(given, SciOptions) else Sci(name)
-
-
-def options_class() -> type[Answers]:
-    from .options import SciOptions
-
-    return SciOptions
-
-
 def sci(letter: str) -> ModuleDescriptor:
     name, rx, tx = f"SCI-{letter}", f"SCIRXD{letter}", f"SCITXD{letter}"
     return ModuleDescriptor(
@@ -48,9 +27,10 @@ def sci(letter: str) -> ModuleDescriptor:
         size=0x10,
         frame=Frame.PF2,
         header={f"Sci{letter.lower()}Regs": 0},
-        build=build,
+        chip="sci.module.Sci",
+        takes=("name", "options"),
         options="sci",
-        options_class=options_class,
+        options_class="sci.options.SciOptions",
         gate=f"SCI{letter}ENCLK",
         clock="LSPCLK",
         interrupts=(Interrupt(f"SCIRXINT{letter}", RECEIVER), Interrupt(f"SCITXINT{letter}", TRANSMITTER)),

@@ -9,7 +9,7 @@ a descriptor, and its row in the data of the part.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import IntEnum
 from functools import cached_property
 from importlib import import_module
@@ -122,7 +122,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     def build(self, options: Mapping[str, Answers]) -> Chip:
         """Return a new chip. options: answers of a unit by group; defaults where a group is missing."""
         given = options.get(self.options)
-        values = {
+        values: dict[str, Callable[[], object]] = {
             "name": lambda: self.name,
             "number": lambda: int(self.name[-1]),
             "options": lambda: named_class(self.options_class)() if given is None else given,

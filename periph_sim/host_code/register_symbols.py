@@ -33,7 +33,6 @@ SYMBOLS: dict[str, int] = {
     **{f"ECap{number}Regs": 0x6A00 + 0x20 * (number - 1) for number in range(1, 7)},
     "EQep1Regs": 0x6B00,
     "EQep2Regs": 0x6B40,
-    "SpiaRegs": 0x7040,
     "AdcRegs": 0x7100,
 }
 # Of code that start-up copies into RAM: nothing is to be copied here.

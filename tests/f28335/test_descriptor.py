@@ -18,6 +18,7 @@ MANUAL = {
     "SCI-B": (0x7750, ("SCIRXINTB", "SCITXINTB"), "SCIBENCLK"),
     "SCI-C": (0x7770, ("SCIRXINTC", "SCITXINTC"), "SCICENCLK"),
     "I2C-A": (0x7900, ("I2CINT1A", "I2CINT2A"), "I2CAENCLK"),
+    "SPI-A": (0x7040, ("SPIRXINTA", "SPITXINTA"), "SPIAENCLK"),
     "GPIO": (0x6F80, (), ""),
     "XINT": (0x7070, (*(f"XINT{n}" for n in range(1, 8)), "INT13"), ""),
     "TIMER0": (0x0C00, ("TINT0",), "CPUTIMER0ENCLK"),

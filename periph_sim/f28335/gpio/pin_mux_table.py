@@ -15,7 +15,6 @@ MODULES = {
     "ECAP": "eCAP",
     "EQEP": "eQEP",
     "CAN": "eCAN",
-    "SPI": "SPI",
     "M": "McBSP",
     "ADC": "ADC",
     "X": "XINTF",

@@ -7,6 +7,7 @@ from ..descriptor import Part
 from ..gpio.descriptor import GPIO
 from ..i2c.descriptor import I2C_A
 from ..sci.descriptor import SCIS
+from ..spi.descriptor import SPI_A
 from ..system.descriptors import SYS, TIMERS
 
-PART = Part("F28335", (*SCIS, I2C_A, GPIO, XINT, SYS, PIE, *TIMERS))
+PART = Part("F28335", (*SCIS, I2C_A, SPI_A, GPIO, XINT, SYS, PIE, *TIMERS))

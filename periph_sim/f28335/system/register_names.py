@@ -41,13 +41,12 @@ NOT_MODELLED = (
     *(Module(f"eCAP{number}", 0x6A00 + 0x20 * (number - 1), 0x20) for number in range(1, 7)),
     Module("eQEP1", 0x6B00, 0x40),
     Module("eQEP2", 0x6B40, 0x40),
-    Module("SPI-A", 0x7040, 0x10),
     Module("ADC", 0x7100, 0x20),
 )
 
 NAMES = {
     0x0A80: "FOPT", 0x0A82: "FPWR", 0x0A83: "FSTATUS", 0x0A84: "FSTDBYWAIT", 0x0A85: "FACTIVEWAIT",
-    0x0A86: "FBANKWAIT", 0x0A87: "FOTPWAIT", 0x0AEF: "CSMSCR", 0x7042: "SPISTS", 0x704A: "SPIFFTX", 0x704B: "SPIFFRX",
+    0x0A86: "FBANKWAIT", 0x0A87: "FOTPWAIT", 0x0AEF: "CSMSCR",
     0x7100: "ADCTRL1", 0x7101: "ADCTRL2", 0x7118: "ADCTRL3", 0x7119: "ADCST",
 }  # fmt: skip
 PROTECTED_MODULES = frozenset(("device emulation", "flash control", "CSM", "XINTF", "DMA"))  # as a whole

@@ -86,5 +86,5 @@ def test_a_master_and_a_slave_exchange_words(monkeypatch: pytest.MonkeyPatch, mo
     result = scene.run()
     assert exchange.by_slave == [*SENT]
     assert exchange.by_master == [0xA5A5, 0x0001, 0xFFFE]
-    assert [(one.passed, one.count) for one in result.verdicts] == [(True, 3)]
+    assert [(one.passed, one.count) for one in result.budgets] == [(True, 3)]
     assert {"left.SPI-A.SIMO", "left.SPI-A.CLK"} <= set(scene.wires)

@@ -11,6 +11,7 @@ from periph_sim.f28335.cpu import pie_map, xint_map
 from periph_sim.f28335.gpio import register_map as gpio_map
 from periph_sim.f28335.i2c.register_map import I2C_MAP
 from periph_sim.f28335.sci.register_map import SCI_MAP
+from periph_sim.f28335.spi.register_map import SPI_MAP
 from periph_sim.f28335.system import clocks_map
 from periph_sim.f28335.system import cpu_timer_map as timer_map
 from periph_sim.records.cause_trace.text_report import text
@@ -121,7 +122,8 @@ def test_a_walk_goes_eight_causes_back_unless_said():
         ("GPIO", gpio_map.GPIO),
         ("SYS", clocks_map.MAP),
         ("PIE", pie_map.MAP),
-        ("SPI-A", None),
+        ("SPI-A", SPI_MAP),
+        ("ADC", None),
         ("", None),
     ],
 )
@@ -131,7 +133,9 @@ def test_the_registers_of_a_module(module: str, registers: object):
 
 def test_registers_by_name_and_those_of_status():
     assert register_of("I2C-A", "I2CSTR") is I2C_MAP["I2CSTR"]
-    assert register_of("I2C-A", "I2CSRT") is None and register_of("SPI-A", "X") is None
+    assert (
+        register_of("I2C-A", "I2CSRT") is None and register_of("SPI-A", "X") is None and register_of("ADC", "X") is None
+    )
     status = [r.name for r in I2C_MAP.registers if is_status(r)]
     assert "I2CSTR" in status and not {"I2CDXR", "I2CDRR", "I2CCNT", "I2CPSC", "I2CMDR"} & {*status}
     cleared = ["SDIR", "NACKSNT", "SCD", "RRDY", "ARDY", "NACK", "AL"]

@@ -12,14 +12,14 @@ from periph_sim.f28335.parts.f28335 import PART
 
 def test_every_signal_that_is_not_modelled_has_a_module():
     names = {name for row in FUNCTIONS for name in row} - {"", "GPIO", *INPUTS, *OUTPUTS}
-    assert {module_of(name) for name in names} == {"ePWM", "eCAP", "eQEP", "eCAN", "SPI", "McBSP", "ADC", "XINTF"}
+    assert {module_of(name) for name in names} == {"ePWM", "eCAP", "eQEP", "eCAN", "McBSP", "ADC", "XINTF"}
     assert [module_of(name) for name in ("TZ1", "MFSXB", "EPWMSYNCO", "XREADY")] == ["ePWM", "McBSP", "ePWM", "XINTF"]
 
 
 def test_pins_of_one_module_are_one_note():
-    """XINTF as TI's InitXintf gives it its pins, and two of SPI."""
+    """XINTF as TI's InitXintf gives it its pins, and two of McBSP."""
     notes = [note_for(pin, 3) for pin in range(28, 88) if FUNCTIONS[pin][2].startswith("X")]
-    told = joined((0, note) for note in [*notes, note_for(16, 1), note_for(17, 1)] if note is not None)
+    told = joined((0, note) for note in [*notes, note_for(20, 2), note_for(21, 2)] if note is not None)
     texts = [note.text for _, note in told]
     assert len(notes) > 42 and len(texts) == 2
     assert texts[0].startswith(
@@ -27,7 +27,7 @@ def test_pins_of_one_module_are_one_note():
     )
     assert (
         texts[-1]
-        == "pins are given to SPI, which is not modelled, and stay high-impedance: GPIO16 (SPISIMOA), GPIO17 (SPISOMIA)"
+        == "pins are given to McBSP, which is not modelled, and stay high-impedance: GPIO20 (MDXA), GPIO21 (MDRA)"
     )
 
 

@@ -103,12 +103,12 @@ class Router(Agent):
 
     def _listen(self) -> None:
         """The GPIO machine hears of a pad that feeds a peripheral straight only if somebody waits for its level."""
-        straight = {self._gpio.source(signal) for signal in self._straight}
+        straight = {self._gpio.source(signal) for signal in sorted(self._straight)}
         everything = bool(self._gpio_socket.watchers)
         heard = {n for n in self._wires if everything or n not in straight or self._gpio.watched >> n & 1}
-        for n in self._heard - heard:
+        for n in sorted(self._heard - heard):
             self._pads.put(self._line[n], self._wires[n].level)
-        for n in heard - self._heard:
+        for n in sorted(heard - self._heard):
             self._pads.listen(self._line[n], self._wires[n])
         self._heard = heard
         self._unheard = ~sum(BIT[n] for n in heard)
@@ -132,7 +132,7 @@ class Router(Agent):
         """The peripherals that synchronised pads feed, if nobody else can tell that one of the pads has moved."""
         if self._gpio_socket.watchers or self._gpio.watched:
             return None
-        if any(self._gpio.seen_at(0, n, exact=True) == NEVER for n in self._heard):
+        if any(self._gpio.seen_at(0, n, exact=True) == NEVER for n in sorted(self._heard)):
             return None
         return [socket for socket, _ in self._feeds.values()]
 

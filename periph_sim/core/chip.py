@@ -127,6 +127,5 @@ class Chip:
         """SYSCLKOUT is `hz` from cycle `now` on. Return True if the chip depends on it."""
         return False
 
-    def set_lspclk(self, now: int, divider: int, phase: int) -> bool:
-        """LSPCLK rises in each cycle that is `phase` modulo `divider`. Return True if the chip depends on it."""
-        return False
+    def set_lspclk(self, now: int, divider: int, phase: int) -> None:
+        """LSPCLK rises in each cycle that is `phase` modulo `divider`, of a chip that runs on it."""

@@ -25,6 +25,9 @@ from .cpu.pie_map import VECTORS
 from .gpio.pin_mux_table import FUNCTIONS
 from .system.clocks_map import PCLKCR0, PCLKCR3
 
+ARGUMENTS = frozenset(("name", "number", "options"))  # what the class of a chip may take
+CLOCKS = ("SYSCLKOUT", "LSPCLK")
+
 
 class Frame(IntEnum):
     """Peripheral frames. They differ in wait states and in the widths of accesses (SPRS439M Table 3-5)."""
@@ -61,7 +64,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     options, options_class: the group of options that it takes, and their class, written as `chip`.
     gate: the field of PCLKCR0 or PCLKCR3 that switches its clock; empty if nothing does.
     input_gate: the field that switches the clock of its input paths only.
-    clock: the clock that it runs on.
+    clock: the clock that it runs on, "SYSCLKOUT" or "LSPCLK".
     interrupts: in the order of the chip's LINES.
     inputs, outputs: signals of the multiplexer's table, in the order of the chip's pins. inputs is None if the module
         may see any pin.
@@ -103,6 +106,10 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
                 register_name, _, field_name = name.partition(".")
                 if register_name not in self.registers or field_name not in self.registers[register_name]:
                     raise self._error(f"{interrupt.vector} names {name}, which is no field of its registers")
+        if unknown := set(self.takes) - ARGUMENTS:
+            raise self._error(f"its chip takes {', '.join(sorted(unknown))}; expected {', '.join(sorted(ARGUMENTS))}")
+        if self.clock not in CLOCKS:
+            raise self._error(f"its clock is {self.clock!r}; expected {' or '.join(CLOCKS)}")
         for gate in filter(None, (self.gate, self.input_gate)):
             if gate not in PCLKCR0 and gate not in PCLKCR3:
                 raise self._error(f"there is no field {gate!r} in PCLKCR0 or PCLKCR3")
@@ -111,8 +118,9 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
                 raise self._error(f"signal {signal} has no pin")
             if signal not in FUNCTIONS[self.pins[signal]]:
                 raise self._error(f"the multiplexer does not offer {signal} at GPIO{self.pins[signal]}")
-        if unknown := [signal for signal in (*self.pins, *self.wires.values()) if signal not in self.signals]:
-            raise self._error(f"{unknown[0]} is neither among its inputs nor among its outputs")
+        for signal in (*self.pins, *self.wires.values()):
+            if signal not in self.signals:
+                raise self._error(f"{signal} is neither among its inputs nor among its outputs")
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
@@ -188,7 +196,6 @@ class Part(Struct, frozen=True, dict=True):
         """Return the class of each group of options."""
         return {group: named_class(name) for group, name in self.options_groups.items()}
 
-    def module_of_vector(self, vector: str) -> tuple[ModuleDescriptor, Interrupt] | None:
-        """The module that requests an interrupt; the first one if several can."""
-        found = ((one, interrupt) for one in self.modules for interrupt in one.interrupts if interrupt.vector == vector)
-        return next(found, None)
+    def requesters(self, vector: str) -> dict[str, Interrupt]:
+        """Return the names of the modules that can request an interrupt, each with its description of it."""
+        return {one.name: found for one in self.modules for found in one.interrupts if found.vector == vector}

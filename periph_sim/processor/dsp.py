@@ -202,7 +202,8 @@ class Dsp(FirmwareView):
             chip = descriptor.build(options)
             chip.set_sysclk(0, self.control.sysclk_hz)
             self._add(descriptor, chip)
-            chip.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
+            if descriptor.clock == "LSPCLK":
+                chip.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
 
     def _add(self, descriptor: ModuleDescriptor, chip: Chip) -> None:
         name = descriptor.name
@@ -283,8 +284,9 @@ class Dsp(FirmwareView):
                     socket.publish(cycle)
         if lspclk != self._lspclk:
             self._lspclk = lspclk
-            for socket in self._sockets.values():
-                if socket.chip.set_lspclk(cycle, *lspclk):
+            for name, socket in self._sockets.items():
+                if PART.by_name[name].clock == "LSPCLK":
+                    socket.chip.set_lspclk(cycle, *lspclk)
                     socket.publish(cycle)
         if control.gates != self._gates:
             self._gates = control.gates

@@ -5,8 +5,6 @@ from __future__ import annotations
 from ..core.registers import Cpu, Field, OnWrite, Register, RegisterMap
 from ..f28335.parts.f28335 import PART
 
-OF_ALL_UNITS = PART.in_every_unit
-
 
 def registers_of(module: str) -> RegisterMap | None:
     """Return the registers of a module; None for a module that no part has."""

@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 from ..core.input_files import open_input
 from ..core.records import Kind, Record
 from ..core.registers import Field, Register
+from ..f28335.parts.f28335 import PART
 from ..traces.formats.psr import holds_run, read_table, recognises
 from ..traces.formats.record_table import RecordTable
 from .clock_history import SHOWN, ClockHistory, history
-from .register_maps import OF_ALL_UNITS, register_of
+from .register_maps import register_of
 
 Rows = NDArray[np.int64]
 
@@ -157,7 +158,7 @@ class Run:
     def units(self) -> dict[str, tuple[str, ...]]:
         """Each unit with its modules, those that every unit has among them."""
         return {
-            unit: (*(module for module in modules if not module.startswith("pin:")), *OF_ALL_UNITS)
+            unit: (*(module for module in modules if not module.startswith("pin:")), *PART.in_every_unit)
             for unit, modules in self.table.modules.items()
         }
 

@@ -160,17 +160,12 @@ def waking(dsp: Dsp) -> list[str]:
     ier = dsp.core.ier
     enabled = [name for name, place in LINES.items() if ier >> place[0] - 1 & 1 and _is_enabled(dsp, *place)]
     direct = (name for name, number in CPU_VECTORS.items() if number > GROUPS and ier >> number - 1 & 1)
-    found = dict.fromkeys(module for vector in (*enabled, *direct) for module in _requesting(vector))
+    found = dict.fromkeys(module for vector in (*enabled, *direct) for module in PART.requesters(vector))
     return [module for module in found if module in dsp.sockets]
 
 
 def _is_enabled(dsp: Dsp, group: int, line: int) -> bool:
     return bool(dsp.pie.peek(0, PIEIER[group - 1].offset) >> line - 1 & 1)
-
-
-def _requesting(vector: str) -> list[str]:
-    """The modules that can request an interrupt."""
-    return [module.name for module in PART.modules for one in module.interrupts if one.vector == vector]
 
 
 def has_clock(dsp: Dsp, module: str) -> bool:

@@ -106,7 +106,7 @@ def notes_of(scene: Scene) -> list[str]:
             lines.append(
                 f"{name}: its watchdog reset it{where}, first at {at} ({counted(len(dsp.watchdog_resets), 'time')})"
             )
-        if "GPIO" in dsp.sockets and any(module.startswith("SCI-") for module in dsp.sockets):
+        if "GPIO" in dsp.sockets:
             from .unwired_pins import unwired_pins
 
             lines += unwired_pins(dsp)

@@ -1,4 +1,4 @@
-"""SCIs that the firmware has put on pins without a wire: a unit goes in; a sentence each comes out, with keys to add.
+"""Modules that firmware has put on pins without a wire: a unit goes in; a sentence each comes out, with keys to add.
 
 Source: SPRUFB0D Tables 46 to 49.
 """
@@ -10,30 +10,38 @@ from typing import TYPE_CHECKING, cast
 from ..f28335.parts.f28335 import PART
 
 if TYPE_CHECKING:
+    from ..f28335.descriptor import ModuleDescriptor
     from ..f28335.gpio.module import Gpio
     from ..processor.dsp import Dsp
 
 
 def unwired_pins(dsp: Dsp) -> list[str]:
-    """What GPxMUX says as the run ends; empty where every SCI in use has its wires."""
+    """What GPxMUX says as the run ends; empty if every module in use has its wires."""
     gpio = cast("Gpio", dsp.socket("GPIO").chip)
     told = []
     for module in dsp.sockets:
-        if not module.startswith("SCI-"):
+        descriptor = PART.by_name[module]
+        if descriptor.bus:
             continue
-        signals = {"RX": f"SCIRXD{module[-1]}", "TX": f"SCITXD{module[-1]}"}
-        source = gpio.source(signals["RX"])
-        pins = {"RX": () if source is None else (source,), "TX": gpio.sink(signals["TX"])}
+        pins = {end: _pins(gpio, descriptor, signal) for end, signal in descriptor.wires.items()}
         bare = {end: min(on) for end, on in pins.items() if on and not set(on) & set(dsp.plan.wires)}
         if bare:
             places = " and ".join(f"{end} on GPIO{pin}" for end, pin in bare.items())
             keys = ", ".join(
-                f"{_key(dsp.plan.wires[PART.pins[signals[end]]].name)} = {pin}" for end, pin in bare.items()
+                f"{_key(dsp.plan.wires[PART.pins[descriptor.wires[end]]].name)} = {pin}" for end, pin in bare.items()
             )
             told.append(
                 f"{dsp.name}: {module} has {places}, where the case has no wire; add pins = {{ {keys} }} to the unit"
             )
     return told
+
+
+def _pins(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int, ...]:
+    """The pins that the multiplexer joins with a signal."""
+    if signal in descriptor.outputs:
+        return gpio.sink(signal)
+    source = gpio.source(signal)
+    return () if source is None else (source,)
 
 
 def _key(name: str) -> str:

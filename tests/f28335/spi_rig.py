@@ -81,7 +81,7 @@ class SpiRig:
         self.run_until(self.now + round(bits * BIT) + cycles)
 
     def look(self) -> None:
-        """What an owner does after each call."""
+        """Do what the owner of a chip does after each call."""
         chip = self.chip
         for i, line in enumerate(chip.LINES):
             if chip.requests >> i & 1:

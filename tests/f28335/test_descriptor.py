@@ -65,6 +65,8 @@ def test_a_chip_has_the_pins_and_interrupts_of_its_descriptor(one: ModuleDescrip
             {"interrupts": (Interrupt("ADCINT", ("CTL.ENB",)),)},
             "ADCINT names CTL.ENB, which is no field of its registers",
         ),
+        ({"takes": ("options", "pins")}, "its chip takes pins; expected name, number, options"),
+        ({"clock": "HSPCLK"}, "its clock is 'HSPCLK'; expected SYSCLKOUT or LSPCLK"),
         ({"gate": "NEWENCLK"}, "there is no field 'NEWENCLK' in PCLKCR0 or PCLKCR3"),
         ({"input_gate": "NEWENCLK"}, "there is no field 'NEWENCLK' in PCLKCR0 or PCLKCR3"),
         ({"inputs": ("SPICLKA",)}, "signal SPICLKA has no pin"),
@@ -109,6 +111,5 @@ def test_modules_may_share_an_interrupt_if_both_say_so() -> None:
         for name, base in (("A", 0x7100), ("B", 0x7200))
     ]
     part = Part("two", tuple(shared))
-    found = part.module_of_vector("INT13")
-    assert found is not None and found[0].name == "A"
-    assert part.module_of_vector("INT14") is None
+    assert list(part.requesters("INT13")) == ["A", "B"]
+    assert part.requesters("INT14") == {}

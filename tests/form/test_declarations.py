@@ -1,4 +1,4 @@
-"""Declarations of small sources, line by line; what cannot be declared is told with its file and line."""
+"""Declarations derived from small sources; a source without a declaration is refused with file and line."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def with_symbols(*rows: Row, strings: bytes = b"") -> bytes:
 
 
 def test_symbols_that_say_where_something_is():
-    """Of the classes external, static and label; neither a section's own symbol nor what an object gave to it."""
+    """Symbols of the classes external, static and label are read; those of sections and objects are left out."""
     rows = (
         (b"a", 0x8000, 1, 2, 1), (b"b", 0x8001, 1, 3, 0), (b"c", 0x8002, 1, 6, 2), (b"number", 1, -1, 2, 0),
         (b"d", 1, 0, 2, 0), (b"e", 1, -2, 2, 0), (b"f", 1, 2, 2, 0), (b".file", 1, 1, 103, 1), (b"g", 1, 1, 4, 0),

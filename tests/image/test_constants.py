@@ -85,7 +85,7 @@ KNOWN = [(0x7000, 16, "w")]
     [
         (f"SB f,EQ\n {STORE} f: {STORE}", [], KNOWN * 2),
         (f"SB f,EQ\n MOVL XAR4,ACC\n SB f,UNC\n f: {STORE}", [], KNOWN),  # as at the first branch to it
-        (f"LRETR\n f: {STORE}", [], []),  # nobody is known to come here
+        (f"LRETR\n f: {STORE}", [], []),  # no instruction is known to lead here
         (f"back: NOP\n MOVL XAR4,ACC\n SB back,UNC\n {STORE}", [], []),  # a branch backwards tells nothing
         (f"LCR #f\n {STORE} f: {STORE}", [], []),
         (f"f: {STORE}", ["f"], []),

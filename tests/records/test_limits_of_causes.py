@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind
 from periph_sim.f28335.i2c.descriptor import FLAGS
+from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.records.cause_trace import causes, firmware_causes
 from periph_sim.records.cause_trace.holders import holders, mover, wire_rows
-from periph_sim.records.cause_trace.interrupt_sources import sources
 from periph_sim.records.cause_trace.why import why
 from periph_sim.records.read_modify_write import read_modify_writes
 from tests.records.cause_trace.test_causes import (
@@ -114,11 +114,13 @@ def test_of_several_requests_the_last_one_counts_and_a_fall_is_none():
         ("TINT0", "TIMER0", 2),
         ("TINT1", "", 0),
         ("", "", 0),
-        ("XINT1", "", 0),
+        ("XINT1", "XINT", 0),
+        ("SPITXINTA", "SPI-A", 2),
     ],
 )
-def test_who_asks_for_an_interrupt(line: str, module: str, fields: int):
-    assert (sources(line)[0], len(sources(line)[1])) == (module, fields)
+def test_fields_that_request_an_interrupt(line: str, module: str, fields: int):
+    found = {name: len(interrupt.fields) for name, interrupt in PART.requesters(line).items()}
+    assert found == ({module: fields} if module else {})
 
 
 # Read-modify-writes -----------------------------------------------------------------------------------------------

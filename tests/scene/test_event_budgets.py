@@ -16,7 +16,7 @@ from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
 from periph_sim.scene.scope import scope_of_case
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.language.scope import EVERY_UNIT, MAPS, VECTORS
+from periph_sim.timing.language.scope import MAPS, VECTORS
 from periph_sim.traces.formats.record_table import Columns
 from tests.scene.runs import TIMING, run_case
 
@@ -139,7 +139,7 @@ def test_a_mistake_is_told_with_its_line(tmp_path: Path, text: str, sentence: st
 
 
 def test_what_events_can_name_is_what_scenes_are_built_of():
-    assert set(MAPS) == {*PART.selectable, *EVERY_UNIT}
+    assert set(MAPS) == set(PART.by_name)
     for module, vectors in VECTORS.items():
         assert tuple(LINES[v] for v in vectors if v in LINES) == pie_lines(PART.by_name[module]), module
     case = load(TIMING / "imu_hil_published.toml")

@@ -88,3 +88,27 @@ def test_a_master_and_a_slave_exchange_words(monkeypatch: pytest.MonkeyPatch, mo
     assert exchange.by_master == [0xA5A5, 0x0001, 0xFFFE]
     assert [(one.passed, one.count) for one in result.budgets] == [(True, 3)]
     assert {"left.SPI-A.SIMO", "left.SPI-A.CLK"} <= set(scene.wires)
+
+
+PINS = {"SPI-A.SIMO": 16, "SPI-A.SOMI": 17, "SPI-A.CLK": 18, "SPI-A.STE": 19}
+
+
+@pytest.mark.parametrize("pins", [{}, PINS], ids=["usual pins", "named pins"])
+def test_pins_without_a_wire_are_noted_with_the_keys_to_add(
+    monkeypatch: pytest.MonkeyPatch, pins: dict[str, int]
+) -> None:
+    def main(dsp: Dsp) -> None:
+        gpio = dsp.module("GPIO")
+        dsp.eallow()
+        for pin in PINS.values():
+            setattr(gpio.GPAMUX2, f"GPIO{pin}", 1)
+
+    program = Firmware("under test", lambda dsp, settings: main(dsp), None)
+    monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
+    unit = {"firmware": "under test", "modules": ["SPI-A", "GPIO"], "pins": pins}
+    notes = Scene(case("1 ms", unit={"dsp": unit})).run().notes
+    expected = (
+        "dsp: SPI-A has SIMO on GPIO16 and SOMI on GPIO17 and CLK on GPIO18 and STE on GPIO19, where the case has no "
+        'wire; add pins = { "SPI-A.SIMO" = 16, "SPI-A.SOMI" = 17, "SPI-A.CLK" = 18, "SPI-A.STE" = 19 } to the unit'
+    )
+    assert [note for note in notes if "no wire" in note] == ([] if pins else [expected])

@@ -193,7 +193,7 @@ class SciLines(Chip):
         self._gated = not on
         self._set_clocks(now, self._tx.stopping)
 
-    def set_lspclk(self, now: int, divider: int, phase: int) -> bool:
+    def set_lspclk(self, now: int, divider: int, phase: int) -> None:
         """LSPCLK has a period of `divider` SYSCLKOUT cycles, with edges at cycles = phase mod divider."""
         if divider not in (1, 2, 4, 6, 8, 10, 12, 14):
             raise ValueError(f"LSPCLK is SYSCLKOUT / 1, 2, 4, 6, 8, 10, 12 or 14, not / {divider}")
@@ -201,7 +201,6 @@ class SciLines(Chip):
         self._rx_clock.set_lspclk(now, divider, phase)
         self._tx_clock.set_lspclk(now, divider, phase)
         self._replan()
-        return True
 
     def suspend(self, now: int, on: bool) -> None:
         """A debugger stops the CPU, or lets it run again."""

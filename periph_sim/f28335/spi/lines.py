@@ -150,14 +150,13 @@ class SpiLines(Chip):
         self._gated = not on
         self._set_clock(now)
 
-    def set_lspclk(self, now: int, divider: int, phase: int) -> bool:
+    def set_lspclk(self, now: int, divider: int, phase: int) -> None:
         """LSPCLK has a period of `divider` SYSCLKOUT cycles, with edges at cycles = phase mod divider."""
         if divider not in (1, 2, 4, 6, 8, 10, 12, 14):
             raise ValueError(f"LSPCLK is SYSCLKOUT / 1, 2, 4, 6, 8, 10, 12 or 14, not / {divider}")
         self._run(now)
         self._timer.set_lspclk(now, divider, phase)
         self._schedule()
-        return True
 
     def suspend(self, now: int, on: bool) -> None:
         """A debugger stops the CPU, or lets it run again."""

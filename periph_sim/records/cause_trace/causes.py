@@ -16,10 +16,10 @@ import numpy as np
 from ...core.counted import counted
 from ...core.records import Kind, Record
 from ...f28335.cpu.pie_map import LINES
+from ...f28335.parts.f28335 import PART
 from ..run import Run
 from .firmware_causes import INFERRED, MOST_ACCESSES, RECORDED, Link, accesses_before, causes_of_access, held_up
 from .holders import causes_of_hold, mover
-from .interrupt_sources import sources
 
 ROUND_A_GATE = 16  # cycles: most between a module's request and the PIE's flag
 
@@ -113,8 +113,13 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
     if owner != "PIE" or not register.startswith("PIEIFR") or not record.value:
         return []
     place = int(register.removeprefix("PIEIFR")), int(line.removeprefix("INTx"))
-    module, fields = sources(next((name for name, of in LINES.items() if of == place), ""))
-    rose = (run.rows(Kind.FLAG, f"{unit}.{module}", field) for field in fields)
+    vectors = [name for name, of in LINES.items() if of == place]
+    rose = (
+        run.rows(Kind.FLAG, f"{unit}.{module}", field)
+        for vector in vectors
+        for module, interrupt in PART.requesters(vector).items()
+        for field in interrupt.fields
+    )
     asked = [run.last(rows[run.table.value[rows] != 0], record.tick, row) for rows in rose]
     found = max((one for one in asked if one is not None), default=None)
     if found is None or run.clock(unit).cycles(int(run.table.tick[found]), record.tick) > ROUND_A_GATE:

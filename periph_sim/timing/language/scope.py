@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ...traces.formats.record_table import RecordTable
 
 MAPS: dict[str, RegisterMap] = {module.name: module.registers for module in PART.modules}
-EVERY_UNIT = PART.in_every_unit
 LINES = ("RX", "TX")  # of the only SCI-A
 WIRES = {module.name: tuple(module.wires) for module in PART.modules if module.bus or module.name == "SCI-A"}
 VECTORS: dict[str, tuple[str, ...]] = {
@@ -178,7 +177,7 @@ class Scope:
         return frozenset(place for u in named for place in (u, *(f"{u}.{m}" for m in self._modules(u))))
 
     def _modules(self, unit: str) -> tuple[str, ...]:
-        return (*self.units[unit], *EVERY_UNIT)
+        return (*self.units[unit], *PART.in_every_unit)
 
     def _one(self, units: list[str], what: str) -> str:
         if not units:

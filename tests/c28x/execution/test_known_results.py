@@ -1,4 +1,4 @@
-"""What each form of instruction does in random states is what it did before, form by form.
+"""Each form of instruction does in random states what it did when its digest was recorded.
 
     form --> TIMES random instructions --> text, flow, hazards; registers, memory, cycles --> digest <--> known_results
 
@@ -26,7 +26,7 @@ TIMES = 40
 
 
 def static(row: Encoding, pair: int) -> str:
-    """What can be told of an instruction without executing it."""
+    """Properties of an instruction that need no execution."""
     one = Instruction(AT, pair, row)
     f = operation(one)
     needs, makes = hazards(row, f.l, f.n, f.m)

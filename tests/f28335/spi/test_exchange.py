@@ -78,7 +78,7 @@ def test_a_master_and_a_slave_of_a_few_lines(scheme, bits, word, answer):
 
 @pytest.mark.rule("SPI-022")
 def test_of_two_slaves_on_the_wires_the_selected_one_answers():
-    """Selection by lines of their own: each slave is told another SPISTE than the wire's."""
+    """The other slave, whose SPISTE stays high, neither answers nor receives."""
     master = SpiRig(SPICHAR=7)
     slaves = [SpiRig({}, SLAVE), SpiRig({}, SLAVE)]
     wires = Wires(master, slaves[0])  # the other one has SPISTE high

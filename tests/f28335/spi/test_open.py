@@ -1,4 +1,4 @@
-"""What TI's documents leave open about the SPI: one test an option, run for every value of it.
+"""Open questions about the SPI: one test for each option, run for each of its values.
 
 A change of mind about a default, or about what a value means, shows up here.
 """

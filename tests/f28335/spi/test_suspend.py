@@ -1,4 +1,4 @@
-"""What a stop of the debugger does to the SPI, by SOFT and FREE; and what the clock gate does to a transfer."""
+"""Debugger stops by SOFT and FREE, and the clock gate, during transfers of the SPI."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a master puts on its pins: the four schemes of SPICLK, rates, the longer half of odd dividers, SPISTE."""
+"""Pins of a master: the four schemes of SPICLK, rates, the longer half of odd dividers, and SPISTE."""
 
 from __future__ import annotations
 

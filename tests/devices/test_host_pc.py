@@ -84,6 +84,11 @@ def test_jitter_comes_from_the_seed_alone():
     assert all(0 <= x <= 700 for x in late) and len(set(late)) > 1
 
 
+def test_jitter_is_any_number_of_ticks_up_to_its_limit():
+    desk = Desk(HostSchedule(first=0, period=2000, jitter=2, frames=30), seed=3)
+    assert {tick - FRAME - 2000 * number for number, _, tick in desk.run(60_000)} == {0, 1, 2}
+
+
 def test_a_clock_that_is_off_schedules_frames_without_drift():
     """12345 frames of a clock 20 ppm fast: period 2000 / 1.00002 ticks."""
     period = 2000 / (1 + Fraction(20, 1_000_000))

@@ -77,7 +77,7 @@ class Itg3200(RegisterChip):
         self._settled: int  # tick at which the clock source is ready,
         self._told_ready: bool  # and whether INT_STATUS has shown it
         self._shown = dict.fromkeys(SHOWN, 0)  # the data registers
-        self._burst = dict(self._shown)  # as they were when the burst began
+        self._burst: dict[str, int]  # as they were when the burst began
         self._scale_known = True  # FS_SEL was 3 when they were
         self._ad0 = ADDRESSES.index(address)
         self._identify()

@@ -130,6 +130,11 @@ def test_write_protection_acknowledges_and_stores_nothing():
 INTEL_HEX = ":0400100001020304E2\n:020000040000FA\n:01FFFE0009F9\n:00000001FF\n"
 
 
+def test_contents_may_fill_a_memory_to_its_last_byte():
+    bus = eeprom("24c02", contents=[*range(0x100)])
+    assert bus.do("50 W fe Sr 50 R 3") == "50 fe Sr 50 fe ff 00"
+
+
 def test_contents_come_from_files_beside_the_case(tmp_path: Path):
     (tmp_path / "a.bin").write_bytes(b"\x01\x02")
     (tmp_path / "b.hex").write_text(INTEL_HEX)

@@ -46,6 +46,14 @@ def test_its_crystal_may_be_fast():
     assert (shown(fast)[:2], shown(exact)[:2]) == ("01", "00")
 
 
+def test_its_crystal_is_exact_where_the_case_does_not_say_otherwise():
+    bus = clock(time="2012-01-01 00:00:00")
+    bus.wait(1000 * SECOND - MS // 2)
+    assert shown(bus)[:5] == "39 16"  # it was addressed less than half a millisecond before 00:16:40
+    bus.wait(MS)
+    assert shown(bus)[:5] == "40 16"
+
+
 def test_a_read_shows_one_moment_however_long_it_takes():
     bus = Bus(
         clock={"model": "isl12026", "time": "2012-01-01 00:00:59", "stretch": {"length": "20 ms", "access": "read"}}

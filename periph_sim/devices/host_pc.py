@@ -73,12 +73,19 @@ class HostSchedule(msgspec.Struct, frozen=True):
 
 
 class Host(Agent):
-    """sent: told (number, values, end of its last stop bit) of each frame, of one that is sent twice both times."""
+    """The party that sends the frames of a schedule.
+
+    sent: called with (number, values, end of the last stop bit) after each frame, twice for one that is sent twice.
+    """
 
     _random: Random
     _period: Fraction
     _due: array[int]
     _first: int
+    _due_next: int
+    _sending: tuple[int, tuple[int, ...], bytes]  # number, values and bytes of the frame under way
+    _again: bool  # the frame under way has to be sent once more
+    _once_more: tuple[int, tuple[int, ...], bytes]  # the frame to be sent once more
 
     def __init__(
         self,
@@ -106,10 +113,6 @@ class Host(Agent):
         self._by_schedule = schedule.paced_by == "schedule"
         self._number = 0
         self._due = array("q", [self._first])  # by frame, where a pause paces them
-        self._due_next = self._first
-        self._sending: tuple[int, tuple[int, ...], bytes] = (0, (), b"")  # number, values, bytes of the frame under way
-        self._again = False  # it is to be sent once more,
-        self._once_more: tuple[int, tuple[int, ...], bytes] = self._sending  # as soon as it is over
         self._plan(self._first)
 
     def act(self, tag: int) -> None:

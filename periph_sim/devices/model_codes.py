@@ -1,4 +1,4 @@
-"""What a controller should read where firmware computes the sensors: a frame's values go in, register bytes come out.
+"""The bytes a controller should read where firmware computes the sensors: values of a frame in, register bytes out.
 
     six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu in the firmware's arithmetic --> bytes, by address
 
@@ -37,7 +37,7 @@ class Computed(Struct, frozen=True):
 
 @final
 class Shown:
-    """What the chips show after a run of the models, each worked out when it is first asked for: often one is enough.
+    """The register bytes of the chips after one run of the models; those of a chip are computed when first asked for.
 
     state: what the run leaves to the next.
     """
@@ -45,7 +45,7 @@ class Shown:
     def __init__(self, codes: ModelCodes | None, state: ModelState, inputs: tuple[Any, ...]) -> None:
         self.state = state
         self._codes = codes
-        self._inputs = inputs  # of the model's codes_of, behind the chip
+        self._inputs = inputs  # arguments of the model's codes_of that follow the chip
         self._data: dict[int, bytes] = {}
 
     def data(self, address: int) -> bytes:
@@ -71,7 +71,7 @@ class ModelCodes:
     def __init__(self, computed: Computed) -> None:
         self._model = model_of(computed.arithmetic, computed.parameters)
         self._a = self._model.a
-        self._warns = self._a.name == "float32"  # as numpy's arithmetic does of x/0; it says itself what that gives
+        self._warns = self._a.name == "float32"  # numpy warns of a division by zero, whose result float32 defines
         self._noise = ModelNoise(computed.arithmetic, computed.parameters, computed.noise_seed)
         self.at_rest = Shown(None, self._model.at_rest, ())
 
@@ -95,7 +95,7 @@ class ModelCodes:
         return self._quietly(self._model.codes_of, (name, *inputs))
 
     def _quietly(self, computed: Callable[..., Any], inputs: tuple[Any, ...]) -> Any:
-        """What is computed of these inputs, without warnings."""
+        """Return computed(*inputs) without warnings of numpy."""
         if not self._warns:
             return computed(*inputs)
         import numpy as np

@@ -41,7 +41,15 @@ def test_before_the_first_frame_it_is_the_first_frame():
 
 @pytest.mark.parametrize(
     ("a", "b", "apart"),
-    [(5, 3, 2), (3, 5, -2), (-32768, 32767, 1), (32767, -32768, -1), (0.25, 0, 0.25), (32767.5, -32768, -0.5)],
+    [
+        (5, 3, 2),
+        (3, 5, -2),
+        (-32768, 32767, 1),
+        (32767, -32768, -1),
+        (0.25, 0, 0.25),
+        (32767.5, -32768, -0.5),
+        (0x7FFF, 0, 0x7FFF),
+    ],
 )
 def test_distances_go_the_shorter_way_round(a: float, b: float, apart: float):
     assert distance(a, b) == apart

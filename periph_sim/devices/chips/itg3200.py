@@ -91,7 +91,7 @@ class Itg3200(RegisterChip):
 
     @property
     def lsb_per_unit(self) -> Fraction:
-        """LSB of a deg/s, as FS_SEL stands."""
+        """Return the number of LSB in one deg/s with the present FS_SEL."""
         if self.options.fs_sel_other.unrecorded() == "halves_each_step":
             return LSB_PER_DEG_S * (8 >> self.get("DLPF_FS", "FS_SEL"))
         return LSB_PER_DEG_S
@@ -208,7 +208,7 @@ class Itg3200(RegisterChip):
         self._start(now)
 
     def _start(self, now: int) -> None:
-        """Awake from now on: the gyroscopes need 50 ms, the first sample one period more. Asleep: no samples."""
+        """Start the gyroscopes unless SLEEP is set: they need 50 ms, and the first sample follows one period later."""
         self._clock = None
         if not self.get("PWR_MGM", "SLEEP"):
             self._settled, self._told_ready = self.after(now, PLL_SETTLING), False

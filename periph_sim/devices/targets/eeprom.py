@@ -57,7 +57,7 @@ MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 
 
 def part_of(model: str) -> Part:
-    """What a model of MODELS is made of."""
+    """Return the sizes of a model of MODELS."""
     return PARTS[_split(model)[1]]
 
 
@@ -110,7 +110,7 @@ class Eeprom:
         self.power_on()
 
     def power_on(self) -> None:
-        """What is stored stays; a write that was under way is taken for done."""
+        """Keep the contents; a write that was under way counts as done."""
         self._pointer = 0
         self._begin: int  # address at which the write under way begins
         self._buffer: dict[int, int] = {}

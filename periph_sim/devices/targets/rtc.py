@@ -45,9 +45,10 @@ def _plain(value: datetime | None) -> datetime | None:
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """time: as the run begins; none: it stands still until it is set, as after all supplies were gone.
+    """The settings of a clock.
 
-    ppm: of its crystal. battery: it runs on while its supply is off.
+    time: shown when the run begins. Without one the clock stands still until it is set, as after losing all supplies.
+    ppm: error of the crystal. battery: keeps the clock running while its supply is off.
     """
 
     time: Annotated[datetime | None, After(_plain)] = None
@@ -90,7 +91,7 @@ class Rtc:
         self._pointer = 0
         self._begin: int  # register at which the write under way begins
         self._buffer: dict[int, int] = {}
-        self._shown = bytes(len(CLOCK))
+        self._shown: bytes  # the time when its address was received
         self._busy_until = 0
 
     def power_on(self) -> None:

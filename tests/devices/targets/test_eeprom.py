@@ -50,11 +50,19 @@ def test_sizes_pages_and_addresses_are_those_of_the_data_sheets(
 
 def test_a_page_write_goes_round_in_its_page():
     bus = eeprom()
-    bus.do("50 W 00 3e 11 22 33 44")
-    assert bus.notes("eeprom") == ["the write at 0x003e went beyond its page's end, 0x003f, on to 0x0020"]
+    bus.do("50 W 00 fe 11 22 33 44")
+    assert bus.notes("eeprom") == ["the write at 0x00fe went beyond its page's end, 0x00ff, on to 0x00e0"]
     bus.wait(5 * MS)
-    assert bus.do("50 W 00 3e Sr 50 R 4") == "50 00 3e Sr 50 11 22 ff ff"
-    assert bus.do("50 W 00 20 Sr 50 R 3") == "50 00 20 Sr 50 33 44 ff"
+    assert bus.do("50 W 00 fe Sr 50 R 4") == "50 00 fe Sr 50 11 22 ff ff"
+    assert bus.do("50 W 00 e0 Sr 50 R 3") == "50 00 e0 Sr 50 33 44 ff"
+
+
+def test_a_page_may_be_a_single_byte():
+    bus = eeprom(page=1)
+    bus.do("50 W 00 07 11 22")
+    assert bus.notes("eeprom") == ["the write at 0x0007 went beyond its page's end, 0x0007, on to 0x0007"]
+    bus.wait(5 * MS)
+    assert bus.do("50 W 00 07 Sr 50 R 2") == "50 00 07 Sr 50 22 ff"
 
 
 def test_a_page_written_whole_stays_in_it():

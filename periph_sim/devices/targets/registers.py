@@ -40,11 +40,10 @@ class RegisterDevice:
         self._cells = {
             table.at + index: (table, index) for table in settings.registers for index in range(_span(settings, table))
         }
-        self._pin: Pin | None = None
-        if settings.interrupt is not None:
-            self._pin = _pin(settings.interrupt.wire, place)
+        interrupt = settings.interrupt
+        self._interrupt = None if interrupt is None else (interrupt, _pin(interrupt.wire, place))
         self._reset()
-        if self._pin is not None:
+        if self._interrupt is not None:
             self._plan()
 
     def power_on(self) -> None:
@@ -166,18 +165,18 @@ class RegisterDevice:
         self._plan()
 
     def _show(self) -> None:
-        """The interrupt pin follows the bits that it stands for."""
-        interrupt = self._settings.interrupt
-        if interrupt is not None and self._pin is not None:
+        """Drive the interrupt pin as the bits of its register demand."""
+        if self._interrupt is not None:
+            interrupt, pin = self._interrupt
             pending = bool(self.values[interrupt.register_name] & interrupt.bits)
-            self._pin.drive(int(pending == (interrupt.active == "high")))
+            pin.drive(int(pending == (interrupt.active == "high")))
 
     def _note(self, text: str) -> None:
         self._place.note(Note("duty", text, SOURCE))
 
 
 def _span(settings: Settings, table: RegisterTable) -> int:
-    """How many values of the pointer name this register."""
+    """Return the number of pointer values that name this register."""
     return table.width // 8 if settings.pointer_counts == "bytes" else 1
 
 

@@ -29,15 +29,16 @@ SET_UP, ROUND, NEXT = range(3)
 
 
 class SensorHead(Agent):
-    """on_transfer, on_round: told of each when it is over. on_due: told when each round is due, before it begins.
+    """The controller's program: a start-up, then rounds of requests.
 
-    on_missed: told of a round that was due and could not begin. Both are given the time at which it was due.
+    on_transfer, on_round: called with each one when it is over. on_due, on_missed: called with the time at which a
+    round is due, before it begins or because it cannot begin.
     """
 
     _random: Random
     _period: Fraction
     _first: int
-    _due: int
+    _due: int  # when the next round is due
 
     def __init__(
         self,
@@ -66,7 +67,6 @@ class SensorHead(Agent):
         self._first = kernel.now + schedule.first
         self._period = Fraction(schedule.period)
         self._number = 0
-        self._due = self._first  # the next round
         self._startup = startup
         self._round: Round | None = None
         self._left: list[Transfer] = []
@@ -76,7 +76,7 @@ class SensorHead(Agent):
 
     @property
     def at_rest(self) -> bool:
-        """No round is under way."""
+        """Return True while no round is under way."""
         return self._round is None
 
     def act(self, tag: int) -> None:

@@ -62,8 +62,8 @@ class Hmc5883l(RegisterChip):
         self._taken = 0
         self._placed = powered  # when data were placed last
         self._unread = False
-        self._to_read: set[str] = set(DATA)  # of the data that stand there
-        self._gains = [self.get("CRB", "GN")]  # of the next measurement, and of those behind it
+        self._to_read: set[str] = set(DATA)  # those of the present data that were not read
+        self._gains = [self.get("CRB", "GN")]  # of the next measurement and the ones after it
         self._mode_is_power_ons = True
         self._idle_by_itself = False
         if self.options.power_on_measures.unrecorded():
@@ -75,7 +75,7 @@ class Hmc5883l(RegisterChip):
 
     @property
     def lsb_per_unit(self) -> Fraction:
-        """LSB of a gauss, as GN stands."""
+        """Return the number of LSB in one gauss with the present GN."""
         return Fraction(LSB_PER_GAUSS[self.get("CRB", "GN")])
 
     def following(self, number: int) -> int:
@@ -110,7 +110,7 @@ class Hmc5883l(RegisterChip):
             self._measured(self._clock.tick(due - 1), number, 1 / self.rate)
 
     def _measured(self, end: int, number: int, over: Fraction) -> None:
-        """So many measurements have ended, the last one at `end`; only its data remain."""
+        """Store the data of the last one of `number` measurements; it ended at `end`."""
         del self._gains[: min(number, len(self._gains)) - 1]
         gain = LSB_PER_GAUSS[self._gains[0]]
         if len(self._gains) > 1:

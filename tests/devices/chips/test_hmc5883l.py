@@ -48,6 +48,7 @@ def tick(periods: int | Fraction, begin: int = 0) -> int:
 
 def test_it_acknowledges_200_us_after_power():
     bench = Bench(Hmc5883l(TIMEBASE, steady(0, 0, 0)), begin=0)
+    assert bench.chips[0].ready == 200 * US
     bench.wait(150 * US)
     assert not bench.write(CRA)
     bench.kernel.run_until(200 * US)

@@ -224,6 +224,22 @@ def test_open_fs_sel_other(answer: str, x: int):
     assert "fs_sel_other" in bench.chips[0].touched
 
 
+def test_with_fs_sel_3_no_read_depends_on_the_others():
+    bench = bench_of(10, 0, 0)
+    bench.write(DLPF_FS, 0x18)
+    bench.wait(MS)
+    assert words(bench.read(GYRO, 2)) == [144]
+    assert bench.chips[0].touched == set()
+
+
+def test_a_reserved_register_reads_0_and_leaves_a_note():
+    bench = bench_of(0, 0, 0)
+    assert bench.read(0x01) == b"\0"
+    assert [note.text for note in bench.chips[0].notes] == [
+        "register 0x01 was read, which is reserved; it reads 0 here"
+    ]
+
+
 @pytest.mark.parametrize("answer", ["coherent", "live"])
 def test_open_burst(answer: str):
     """At 8 kHz and 10 kHz SCL every byte sees another sample, unless the burst keeps the first."""

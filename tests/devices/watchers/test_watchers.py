@@ -64,6 +64,7 @@ DIAGRAMS: list[tuple[dict[str, Any], str, tuple[str, float | None, str]]] = [
     ({"edges": EDGES}, "__~~~__~_", ("fail", 10.0, "a fall of LED came at 0.000800 s, behind the last expected one")),
     ({"edges": EDGES, "more": True}, "__~~~__~_", ("pass", 10.0, "")),
     ({"edges": EDGES}, "__~~~_", ("pass", 10.0, "")),  # the last one is not due yet
+    ({"edges": EDGES}, "__~~~__", ("pass", 10.0, "")),  # the last one is due, and may come 20 us late
     ({"edges": EDGES}, "_", ("not judged", None, "the run ended before the first edge was due; let it last longer")),
     ({"edges": EDGES, "after": "150 us"}, "~___~__~~", ("fail", 200.0, "")),
     ({"edges": [["0 us", "rise"], ["200 us", "fall"]], "since": "first edge"}, "____~~__", ("pass", 0.0, "")),
@@ -81,6 +82,8 @@ DIAGRAMS: list[tuple[dict[str, Any], str, tuple[str, float | None, str]]] = [
     ({"kind": "blink", "rate": "2.5 kHz"}, "____________", ("fail", None, "LED did not rise by 0.000800 s")),
     ({"kind": "blink", "rate": "2.5 kHz", "first": "2 ms"}, "_________", ("not judged", None, f"no rise{TOO_FEW}")),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~_", ("not judged", None, f"one rise{TOO_FEW}")),
+    ({"kind": "blink", "rate": "2.5 kHz"}, "_~~__", ("not judged", None, f"one rise{TOO_FEW}")),  # one is due
+    ({"kind": "blink", "rate": "2.5 kHz"}, "________", ("not judged", None, f"no rise{TOO_FEW}")),  # one is due
     ({"kind": "blink", "rate": "2.5 kHz", "after": "300 us"}, "~_~_~~__~~__", ("pass", 0.0, "")),
     (
         {"kind": "blink", "rate": "2.5 kHz", "after": "400 us"},  # at which it rises, and that is not looked at

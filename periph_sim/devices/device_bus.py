@@ -1,4 +1,4 @@
-"""What a user's own device sees of the world: time, the clock line, pins, notes and chance.
+"""The environment of a user's own device: time, the clock line, pins, notes and chance.
 
     class Device:                        a file beside the case, named by `model = "my_device.py"`
         def __init__(self, bus): ...     bus: a `DeviceBus`; (self, bus, settings) with a dataclass Settings in the file
@@ -25,7 +25,10 @@ from .targets import TargetContext
 
 
 class DevicePin:
-    """A wire of the case, with this device as one party. level: now. An open drain: drive(1) lets go."""
+    """A wire of the case that the device reads, and drives as an open drain.
+
+    The device is a party on the wire, so no byte or frame passes there at once, and the level is the present one.
+    """
 
     def __init__(self, wire: Wire, who: str) -> None:
         self._wire = wire
@@ -33,7 +36,6 @@ class DevicePin:
 
     @property
     def level(self) -> int:
-        self._wire.kernel.catch_up()
         return self._wire.level
 
     def drive(self, level: int) -> None:
@@ -58,11 +60,11 @@ class DeviceBus:
         return Fraction(self._place.kernel.now - self._place.start, self._per_second)
 
     def stretch(self, length: str) -> None:
-        """Hold SCL low from now on for "20 us". In a hook, SCL has just fallen: before the ACK, or the first bit."""
+        """Hold SCL low for a length such as "20 us". When a hook is called SCL has just fallen."""
         self._place.hold_clock(self._ticks(length))
 
     def after(self, length: str, callback: Callable[[], None]) -> None:
-        """Call back so much later."""
+        """Call a function after a length such as "1 ms"."""
         kernel = self._place.kernel
 
         def call() -> None:

@@ -1,4 +1,4 @@
-"""What a sensor head asks, and of whom: requests, the three chips it knows, its schedule, and what came of a round.
+"""The requests of a sensor head, the three chips that it knows, its schedule, and the result of a round.
 
 Source: the dissertation's Figure A.2 (order), Table 3.1 (scales); data sheets of ITG-3200 (registers 0x1D to 0x22),
 ADXL345 (0x32 to 0x37), HMC5883L (0x03 to 0x08).
@@ -40,17 +40,18 @@ class Request(Struct, frozen=True):
 
 
 class ChipData(Struct, frozen=True):
-    """Where a sensor keeps its three values. big: high byte first. order: which axis comes when.
+    """The registers of a sensor's three values, and its driver.
 
-    lsb_per_unit: of a deg/s, a g or a gauss, as `startup` sets the chip up. overflow: counts that stand for no value.
-    startup: what its driver does before the first round.
+    big: the high byte comes first. lsb_per_unit: the number of LSB in one deg/s, g or gauss after `startup`. order: the
+    axes in the order of their registers. overflow: the counts that stand for no value. startup: requests that set the
+    chip up before the first round.
     """
 
     address: int
     pointer: int
     big: bool
+    lsb_per_unit: Fraction
     order: tuple[int, int, int] = (0, 1, 2)
-    lsb_per_unit: Fraction = Fraction(1)
     overflow: int | None = None
     startup: tuple[Request, ...] = ()
 
@@ -115,7 +116,7 @@ class Schedule(Struct, frozen=True):
 
 
 class Round(Struct):
-    """What came of one round. number: from 1; the start-up is 0. due: when the schedule wanted it; end: last STOP."""
+    """The result of one round. number: from 1; the start-up is 0. due: the scheduled begin; end: the last STOP."""
 
     number: int
     due: int

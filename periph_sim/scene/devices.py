@@ -35,6 +35,7 @@ from .case.error_text import complaint
 from .context import SceneContext
 
 ACCESS = {"read": 1, "write": 0, "any": None}
+OTHERS = ("controller", "host", "serial", "outside")  # names of parties that are no units, chips or devices
 
 
 class NoteLog:
@@ -145,7 +146,7 @@ def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mappi
     devices: dict[str, DeviceOnBus] = {}
     who = dict(taken)
     for name in case.device:
-        if name in case.unit or name in case.chip or name == "controller":
+        if name in case.unit or name in case.chip or name in OTHERS:
             what = f"{name!r} is another party on the wires already; give the device another name"
             raise case.mistake(what, "device", name)
         devices[name] = DeviceOnBus(context, name, known)

@@ -23,9 +23,9 @@ from .scope import scope_of_case
 BUS = frozenset(("SDA", "SCL"))
 
 
-def drives_bus(case: Case) -> bool:
+def drives_bus(outside: OutsideTable) -> bool:
     """Return True if the outside drives both lines of the I2C bus."""
-    return case.outside is not None and BUS.issubset(case.outside.wires)
+    return BUS.issubset(outside.wires)
 
 
 def as_driven(case: Case) -> Case:
@@ -36,7 +36,7 @@ def as_driven(case: Case) -> Case:
     outside, controller = case.outside, case.controller
     if outside is None:
         return case
-    if controller is not None and drives_bus(case):
+    if controller is not None and drives_bus(outside):
         if controller.beside_outside:
             sentence = "SDA and SCL are driven from outside, beside [controller]"
             case = case.model_copy(update={"_replaced": case._replaced | {"": sentence}})

@@ -146,7 +146,7 @@ class Scene:
             self.sensors = self.sensors or built.sensors
             self.computed = self.computed or built.computed
         self._build_targets(context, sources or {})
-        shared = case.outside is not None and parts.drives_bus(case)  # the bus has other parties
+        shared = case.outside is not None and parts.drives_bus(case.outside)  # the bus has other parties
         if case.controller is not None:
             side = parts.build_head(context, case.controller, self.stuck.report)
             self.head = self.stuck.head = side.head

@@ -179,10 +179,9 @@ def refusal(folder: Path, old: str, new: str) -> str:
             "line 24: device.adc.interrupt.wire: there is no wire 'INT'",
         ),
         ('name = "STATUS"', 'name = "VALUE"', "line 21: device.adc.register.1.name: there are two registers 'VALUE'"),
-        (
-            "[device.memory]",
-            "[device.dsp]",
-            "'dsp' is another party on the wires already; give the device another name",
+        *(
+            ("[device.memory]", f"[device.{name}]", f"'{name}' is another party on the wires already; give the device")
+            for name in ("dsp", "controller", "host", "serial", "outside")
         ),
         (MEMORY, f"{MEMORY}\nstretch = 20", "line 10: device.memory.stretch: expected a table"),
         (MEMORY, f"{MEMORY}\nstretch = '20'", "line 10: device.memory.stretch.length: '20'"),

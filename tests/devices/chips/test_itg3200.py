@@ -142,6 +142,22 @@ def test_itg_rdy_comes_1_ms_after_the_clock_source_was_chosen():
     assert bench.read(INT_STATUS)[0] == 0
 
 
+def test_the_settling_of_the_clock_source_ends_to_the_tick():
+    chip = Itg3200(TIMEBASE, steady(0, 0, 0))
+    chip.write(SECOND, INT_CFG, RDY_EN)
+    chip.write(SECOND, PWR_MGM, 0x01)
+    chip.read(SECOND, INT_STATUS)  # of the source before
+    assert [chip.read(SECOND + MS + t, INT_STATUS) for t in (-1, 0, 1)] == [0, RDY, 0]
+
+
+def test_a_write_of_pwr_mgm_that_keeps_the_clock_source_does_not_make_it_settle():
+    chip = Itg3200(TIMEBASE, steady(0, 0, 0))
+    chip.write(SECOND, INT_CFG, RDY_EN)
+    assert chip.read(SECOND, INT_STATUS) == RDY
+    chip.write(SECOND, PWR_MGM, 0x08)  # STBY_ZG
+    assert chip.read(SECOND + 2 * MS, INT_STATUS) == 0
+
+
 def test_sleep_keeps_the_last_sample_and_waking_takes_50_ms():
     source = Asked()
     bench = Bench(Itg3200(TIMEBASE, source))

@@ -136,10 +136,12 @@ def test_a_battery_carries_it_over_an_outage(battery: bool, after: str):
 
 def test_registers_that_it_does_not_have_are_noted():
     bus = unlocked()
-    bus.do("6f W 00 28 11")
+    bus.do("6f W 00 18 11")
+    bus.do("6f W 00 38 11")
     bus.do("6f W 01 30")
     assert bus.notes("clock") == [
-        "register 0x28 was written, which it does not have",
+        "register 0x18 was written, which it does not have",
+        "register 0x38 was written, which it does not have",
         "register 0x0130 was named; it has 0 to 0x3f",
     ]
 

@@ -64,7 +64,6 @@ class DeviceOnBus:
     def __init__(self, context: SceneContext, name: str, known: Mapping[str, Wire]) -> None:
         """known: the wires that the scene has."""
         table = context.case.device[name]
-        self.name = name
         self.log = NoteLog(context, name)
         self.side: TargetSide | None = None
         place = TargetContext(

@@ -28,7 +28,6 @@ class ChipOnBus:
 
     def __init__(self, context: SceneContext, name: str, make: Callable[[int], RegisterChip], powered: int) -> None:
         """make: the chip, from the tick at which its supply comes."""
-        self.name = name
         self.log = NoteLog(context, name)
         self._kernel = context.kernel
         self._make = make

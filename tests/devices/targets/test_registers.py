@@ -224,6 +224,8 @@ def test_the_interrupt_pin_follows_its_bits(active: str):
     assert reply is not None and reply.sends(0) == 1
     scene.kernel.run_until(per_ms + 1)
     assert wire.level == idle  # STATUS was read
+    scene.kernel.run_until(2 * per_ms)
+    assert wire.level != idle  # the next value
 
 
 def test_data_ready_is_set_with_each_update_and_cleared_by_its_read():

@@ -1,0 +1,59 @@
+"""What is heard of a receiver: words that wait, characters that came, and those that were lost.
+
+RX    --|---1---|---2---|---3---|
+told        received    received and lost
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.bus.receiver_listener import ReceiverListener
+from periph_sim.firmware import start_sci
+from periph_sim.processor.dsp import Dsp
+from tests.scene.serial.programs import scene, unit
+
+
+class Heard(ReceiverListener):
+    def __init__(self) -> None:
+        self.words: list[tuple[int, bool]] = []  # that wait, whether one was lost
+        self.characters = 0
+
+    def changed(self, tick: int, words: int, overrun: bool) -> None:
+        self.words.append((words, overrun))
+
+    def received(self, tick: int) -> None:
+        self.characters += 1
+
+
+def heard(characters: int, fifo: bool) -> Heard:
+    """Of an SCI whose firmware reads none of so many characters."""
+
+    def main(dsp: Dsp) -> None:
+        sci = start_sci(dsp, "SCI-A")
+        if not fifo:
+            sci.SCIFFTX.SCIFFENA = 0
+        while True:
+            dsp.compute(1000)
+
+    serial = {"send": [{"to": "dsp.SCI-A", "at": "100 us", "bytes": "55 " * characters}]}
+    made = scene({"dsp": main}, unit={"dsp": unit("SCI-A")}, serial=serial, duration="3 ms")
+    found = Heard()
+    made.on_sci(found)
+    made.run()
+    return found
+
+
+@pytest.mark.parametrize(
+    ("characters", "fifo", "words"),
+    [
+        (1, False, []),
+        (2, False, [(0, True)]),
+        (1, True, [(1, False)]),
+        (16, True, [(n, False) for n in range(1, 17)]),
+        (17, True, [*((n, False) for n in range(1, 17)), (16, True)]),
+    ],
+)
+def test_each_character_is_told_be_it_lost_or_not(characters: int, fifo: bool, words: list[tuple[int, bool]]):
+    found = heard(characters, fifo)
+    assert (found.characters, found.words) == (characters, words)

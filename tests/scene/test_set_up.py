@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import weakref
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,7 @@ from periph_sim.f28335.gpio.routes import routes_of
 from periph_sim.scene import firmware_files
 from periph_sim.scene.case import load as loading
 from periph_sim.scene.case.load import load
+from periph_sim.scene.firmware_loader import KEPT, shared
 from periph_sim.scene.scene import Scene
 from periph_sim.sensors import noise
 from periph_sim.sensors.models import counts, sensed_motion
@@ -94,3 +97,18 @@ def test_module_variables_of_a_firmware_file_begin_anew_in_each_scene(tmp_path: 
     for scene in scenes:
         scene.run()
     assert scenes[0].units["dsp"].program.returned_at == scenes[1].units["dsp"].program.returned_at
+
+
+@dataclass(frozen=True)
+class Settings:
+    value: int
+
+
+def test_settings_are_made_once_for_scenes_that_say_the_same_and_kept_for_so_many_only() -> None:
+    made = shared(Settings, {"value": 0}, "it")
+    assert shared(Settings, {"value": 0}, "it") is made
+    kept = weakref.ref(made)
+    del made
+    for value in range(1, KEPT + 1):
+        shared(Settings, {"value": value}, "it")
+    assert kept() is None

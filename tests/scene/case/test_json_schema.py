@@ -64,6 +64,10 @@ def test_every_shipped_case_is_valid(judge: jsonschema.Draft7Validator):
         "device.adc.register.0.reed_only=true",
         "device.adc.stretch.byte=3",
         "chip.gyroscope.model=mpu6050",
+        "chip.gyroscope.modle=itg3200",
+        "watch.led.kind=blik",
+        "watch.led.rat=1 kHz",
+        "watch.led.duty=half",
     ],
 )
 def test_a_misspelt_key_or_value_is_not(judge: jsonschema.Draft7Validator, change: str):
@@ -81,6 +85,7 @@ def whole() -> dict[str, Any]:
     tree["host"]["motion"] = {"kind": "static", "phi": "3 deg"}
     tree["host"]["encoding"] = {"byte_order": "big"}
     tree["chip"] = {"gyroscope": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}
+    tree["watch"] = {"led": {"kind": "blink", "wire": "LED", "tolerance": "1 us", "rate": "1 Hz", "duty": "50 %"}}
     tree["device"] = {
         "memory": {"model": "24lc64", "contents": "image.hex", "fault": [{"kind": "nack"}], "stretch": "1 us"},
         "adc": {"model": "registers", "register": [{"name": "A", "at": 0}], "stretch": {"length": "1 us to 2 us"}},

@@ -30,6 +30,23 @@ def test_defaults_are_those_of_the_sensor_head_and_the_host():
     assert (case.start, case.seed, case.fidelity, case.strict) == (0, 0, "edge", False)
 
 
+def test_the_files_of_a_unit_are_below_the_folder_of_the_case(tmp_path: Path):
+    text = """\
+name = "x"
+duration = "1 ms"
+unit.file = { firmware = "code/mine.py", modules = ["SCI-A"] }
+unit.shipped = { firmware = "responder", modules = ["SCI-B"] }
+unit.image = { image = "code/mine.out", modules = [] }
+unit.c = { sources = ["a.c", "b.c"], modules = [], compile = { include = ["inc"], defines = { N = 2 } } }
+"""
+    (tmp_path / "x.toml").write_text(text)
+    unit = load(tmp_path / "x.toml").unit
+    assert (unit["file"].firmware, unit["shipped"].firmware) == (f"{tmp_path}/code/mine.py", "responder")
+    assert unit["image"].image == f"{tmp_path}/code/mine.out"
+    assert unit["c"].sources == (f"{tmp_path}/a.c", f"{tmp_path}/b.c")
+    assert unit["c"].compile.include == (f"{tmp_path}/inc",) and unit["c"].compile.defines == {"N": 2}
+
+
 def test_changes_reach_tables_lists_and_new_keys():
     case = load(
         TIMING / "imu_hil_published.toml",

@@ -66,7 +66,11 @@ EXAMPLE = "periph-sim replay capture.sr --case timing/responder.toml"
 @click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="I2C: an address of the firmware's.")
 @click.option("--first", type=click.IntRange(min=1), metavar="N", help="I2C: only the first N transfers.")
 @click.option("--longest-low", metavar="TIME", help="I2C: let SCL go after this long: '10 us'; else as captured.")
-@click.option("--patience", metavar="TIME", help="I2C: end where SCL is held low for longer: '1 s'. [200 ms]")
+@click.option(
+    "--patience",
+    metavar="TIME",
+    help="I2C: end where SCL is held low, or a script stands still, for longer: '1 s'. [200 ms]",
+)
 @click.option("--baud", type=click.IntRange(min=1), help="UART: the line's rate; else as the firmware sets it.")
 @click.option("--format", "frame", metavar="FORMAT", help="UART: data bits, parity and stop bits with --baud: 8n1.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
@@ -163,7 +167,7 @@ def replay(
             elif "rx" in lines:
                 player = UartReplay(case, given, lines["rx"], line, subscribe)
             elif role == "master":
-                player = I2cMasterReplay(case, given, lines["scl"], lines["sda"], first, subscribe, most)
+                player = I2cMasterReplay(case, given, lines["scl"], lines["sda"], first, subscribe, most, wait)
             elif loop == "open":
                 player = I2cOpenReplay(case, given, lines["scl"], lines["sda"], own, first, subscribe, most)
             else:
@@ -228,7 +232,7 @@ def _refuse_together(
 ) -> None:
     """Options that contradict each other."""
     if role == "master":
-        slaves = {"--loop open": loop == "open", "--address": own, "--longest-low": low, "--patience": patience}
+        slaves = {"--loop open": loop == "open", "--address": own, "--longest-low": low}
         for name, value in slaves.items():
             if value:
                 raise click.ClickException(f"{name} is for a slave; as master the firmware makes the clock itself")

@@ -1,9 +1,9 @@
-"""The wires of a scene that lead outside: levels with their ticks go in; how our own hold on each wire moves comes out.
+"""Wires of a scene that lead outside: they take levels with their ticks, and report how our own hold on each moves.
 
     put(tick, levels) --event of that tick--> pins --> wires <-- units, chips
                        told of each instant <--'        '--our hold--> changes
 
-All lines of an instant move together, whoever said them first. What the outside holds is not shown back to it.
+All lines of an instant move together, in whichever order they were put. The outside's own hold is not reported to it.
 """
 
 # core: compiled
@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple, final
 
-from ..core.chip import NEVER
 from ..core.kernel import Agent, Event, Kernel
 from ..core.wire import Wire
 from ..form.c_types import Text
@@ -21,7 +20,7 @@ from ..form.c_types import Text
 if TYPE_CHECKING:
     from ..core.wire import Pin
 
-WHO = "outside"  # in records, and where somebody asks who holds a line
+WHO = "outside"  # in records, and among those that hold a line
 
 
 class Change(NamedTuple):
@@ -34,7 +33,11 @@ class Change(NamedTuple):
 
 @final
 class Door(Agent):
-    """told: with each instant in which the outside moved lines, in order of time: tick, levels by line."""
+    """Pins of the outside on wires.
+
+    told: called for each instant in which the outside moves lines, in order of time; is passed the tick, and the levels
+        by line.
+    """
 
     def __init__(
         self, kernel: Kernel, wires: Mapping[str, Wire], told: Callable[[int, Mapping[str, int]], None]
@@ -52,24 +55,16 @@ class Door(Agent):
             wire.watch_pulls(self, line)
 
     def put(self, at: int, name: Text, level: int) -> None:
-        """A line moves at tick `at`, which is not past. What was put later for one line and tick counts."""
+        """Move a line at tick `at`, which is not past. For one line and tick the last call counts."""
         self._put.setdefault(at, {})[name] = level
 
-    def first(self) -> int:
-        """When the first of what was put is due, or NEVER."""
-        return min(self._put) if self._put else NEVER
-
     def plan(self) -> None:
-        """Time goes on: what was put moves its lines. Before, the kernel knows of none of it."""
-        first = self.first()
-        if self._event is not None and self._event.time > first:
-            self._kernel.cancel(self._event)
-            self._event = None
-        if self._event is None and first < NEVER:
-            self._event = self._kernel.ask(first, self)
+        """Schedule what was put, before time goes on. Until then the kernel has no event of it."""
+        if self._put:
+            self._event = self._kernel.ask(min(self._put), self)
 
     def withdraw(self) -> None:
-        """Time stands: the kernel's next event is one of the case's own."""
+        """Remove what `plan` has scheduled, so that the kernel's next event is one of the case's own."""
         if self._event is not None:
             self._kernel.cancel(self._event)
             self._event = None
@@ -80,14 +75,15 @@ class Door(Agent):
         self._told(now, levels)
         for name, level in levels.items():
             self._drive(name, level)
-        self._event = self._kernel.ask(min(self._put), self) if self._put else None
+        self._event = None
+        self.plan()
 
     def _drive(self, name: Text, level: int) -> None:
         pin: Pin = self._pins[name]
         pin.drive(level)
 
     def held(self, name: Text) -> int:
-        """The level of our own hold on a line."""
+        """Return the level of our own hold on a line."""
         wire: Wire
         pin: Pin
         wire, pin = self._wires[name], self._pins[name]
@@ -101,7 +97,7 @@ class Door(Agent):
             self._changes.append(Change(now, name, level))
 
     def changes(self) -> list[Change]:
-        """Since this was asked last, in order of time; a level that did not outlast its instant is none."""
+        """Return the changes since the last call, in order of time; one that did not outlast its instant is left out."""
         found = self._changes
         if not found:
             return found

@@ -118,8 +118,10 @@ class Session:
             if self._log is not None:
                 self._log.begin()
             self._door.plan()
-            self.scene.advance(self._start + until - 1)
-            self._door.withdraw()
+            try:
+                self.scene.advance(self._start + until - 1)
+            finally:
+                self._door.withdraw()
             self._now = until
             self._reaction.advanced(self._start + until)
         changes = self._door.changes()

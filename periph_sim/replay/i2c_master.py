@@ -28,7 +28,7 @@ from .compare import compare
 from .divergence_history import AS_MASTER, CaptureOrigin, with_history
 from .event_names import i2c_words
 from .history import FlagHistory
-from .i2c_setup import HOLD, LEAD, STEP, TAIL, events_of, played
+from .i2c_setup import HOLD, LEAD, PATIENCE, STEP, TAIL, events_of, played
 from .picture import closed_loop_picture
 from .report import Report
 from .scene_setup import alone, settings_of, taken, unit_with
@@ -41,12 +41,18 @@ if TYPE_CHECKING:
 MODULE_HZ = 10_000_000  # that TI's start-up code sets; I2CCLKL and I2CCLKH count it
 D = 5  # cycles that the module adds to each (SPRUG03B Table 15)
 MOST = 0xFFFF
+EDGES = 2 * 4 * 9  # of SCL and SDA for each event: twice as many as the nine bits of a byte can have
 
 
 class I2cMasterReplay:
-    """One capture on one case. first: only so many transfers. tolerance: seconds that an event may be off.
+    """Replay of one capture on one case.
 
-    BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
+    first: number of transfers to replay; None for all.
+    tolerance: seconds that an event may be off.
+    patience: seconds. Firmware with a script that has not returned is no longer waited for once the bus has been
+        silent for the script's longest pause and this long.
+
+    Raises BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
 
     def __init__(
@@ -58,8 +64,10 @@ class I2cMasterReplay:
         first: int | None = None,
         subscribe: Subscribe | None = None,
         tolerance: Fraction | None = None,
+        patience: Fraction = PATIENCE,
     ) -> None:
         self._given = (case, capture, scl, sda, first)
+        self._patience = patience
         self._tolerance = tolerance
         self._part = part = played(capture, scl, sda, first)
         self._unit = unit = unit_with(case, "I2C-A")
@@ -69,9 +77,10 @@ class I2cMasterReplay:
         if not half.script:
             raise BadReplay(f"{capture.path}: no transfer that a master of this module can do: {self._why()}")
         self._scripted = "script" in settings_of(case, unit)
+        pauses = [pause / part.rate for pause in half.pauses]
         offered: dict[str, object] = {
             "script": half.script,
-            "pauses": [pause / part.rate for pause in half.pauses],
+            "pauses": pauses,
             "low": _cycles(part.low / part.rate),
             "high": _cycles(part.high / part.rate),
         }
@@ -81,6 +90,8 @@ class I2cMasterReplay:
         self.origin = scene.start + (0 if self._scripted else scene.timebase.ticks(LEAD, "nearest"))
         self.log = WireLog(scene.wire("SCL"), scene.wire("SDA"))
         ScriptedTarget(scene.kernel, scene.wire("SCL"), scene.wire("SDA"), half.answers, scene.timebase.ticks(HOLD))
+        self._silence = scene.timebase.ticks(max(pauses) + patience, "nearest")
+        self._most_edges = EDGES * len(events_of(half.done))
         self._notes = list(part.notes)
         if half.left_out:
             self._notes.append(f"transfers that a master of this module cannot do, left out: {self._why()}")
@@ -91,30 +102,44 @@ class I2cMasterReplay:
     # Running ------------------------------------------------------------------------
 
     def run(self, progress: Callable[[float], None] | None = None) -> Report:
-        """Run until the script is done, or nothing can happen any more, and compare."""
+        """Run until the firmware has returned or is no longer waited for, and compare."""
         wall = perf_counter()
         stuck = self._drive(progress)
         return self._report(perf_counter() - wall, [stuck] if stuck else [])
 
     def _drive(self, progress: Callable[[float], None] | None = None, until: int | None = None) -> str:
+        """Run to the end, or up to tick `until`. Return what the firmware does then if its script is not over."""
         kernel, scene = self.kernel, self._scene
         step = scene.timebase.ticks(STEP, "nearest")
         length = int(self._part.capture.length * self._per_position)
-        program = scene.units[self._unit].program
-        while until is None or kernel.now <= until:
+        unit = scene.units[self._unit]
+        endless = ""
+        while (until is None or kernel.now <= until) and not endless:
             due = kernel.next_time()
-            if due >= NEVER or program.finished or (not self._scripted and kernel.now > self.origin + length):
+            if due >= NEVER or unit.program.finished or (not self._scripted and kernel.now > self.origin + length):
                 break
             kernel.run_until(max(kernel.now, due) + step)
             if progress is not None:
                 progress(min(1.0, (kernel.now - self.origin) / length))
-        if program.finished or not self._scripted:
+            endless = self._endless()
+        if unit.program.finished or not self._scripted:
             kernel.run_until(kernel.now + scene.timebase.ticks(TAIL, "nearest"))
             return ""
-        return f"{self._unit} {scene.doing(scene.units[self._unit])}: the replay ends there" if until is None else ""
+        return f"{self._unit} {scene.doing(unit)}: the replay ends there{endless}"
+
+    def _endless(self) -> str:
+        """Return why firmware with a script is not waited for any longer; empty while it is, or without a script."""
+        if not self._scripted:
+            return ""
+        if self.kernel.now - self.log.last_edge > self._silence:
+            silence = self._scene.timebase.show(self._silence)
+            return f", after {silence} without an edge; --patience sets how long it waits"
+        if self.log.edge_count > self._most_edges:
+            return ", with more than twice the edges that its script needs"
+        return ""
 
     def _again(self, history: FlagHistory, until: int) -> None:
-        again = I2cMasterReplay(*self._given, subscribe=history.subscribe)
+        again = I2cMasterReplay(*self._given, subscribe=history.subscribe, patience=self._patience)
         history.watch(again._scene)
         again._drive(until=until)
 

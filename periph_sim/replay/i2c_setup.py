@@ -29,7 +29,7 @@ from .time_base import check_length, rate_of
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
 STEP = Fraction(25, 1000)  # simulated seconds from one report of progress to the next
 TAIL = Fraction(1, 10_000)  # the wires are watched this long after the last move
-PATIENCE = Fraction(200, 1000)  # SCL held low longer than this ends the replay; an SHT21 stretches for up to 85 ms
+PATIENCE = Fraction(200, 1000)  # a replay ends when SCL is held low for longer; an SHT21 stretches for up to 85 ms
 BYTE = 9  # bits, with its ACK
 LONG = Fraction(3, 2)  # times the usual low phase: a stretch or a pause
 HOLD = Fraction(300, 10**9)  # of the other targets: UM10204 Table 11, data hold time of a device

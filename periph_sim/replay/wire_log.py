@@ -1,4 +1,4 @@
-"""Wires of a running scene as a capture: their edges go in, what a logic analyser would have saved comes out."""
+"""Log of the edges of a running scene's wires, which can be read as a capture, as of a logic analyser."""
 
 from __future__ import annotations
 
@@ -22,9 +22,19 @@ class WireLog:
             wire.watch(_collector(ticks, levels))
 
     def capture(self, timebase: Timebase, now: int) -> Capture:
-        """What was on the wires up to and including `now`."""
+        """Return the wires' levels up to and including tick `now`."""
         channels = self._channels(now + 1)
         return Capture(Path("replay"), Fraction(timebase.per_second), now + 1, channels, sampled=False, exact=True)
+
+    @property
+    def last_edge(self) -> int:
+        """Tick of the last edge of any wire; 0 before the first."""
+        return max(ticks[-1] for ticks in self._ticks)
+
+    @property
+    def edge_count(self) -> int:
+        """Number of edges so far, of all wires together."""
+        return sum(len(ticks) - 1 for ticks in self._ticks)
 
     def _channels(self, length: int) -> tuple[Channel, ...]:
         return tuple(

@@ -11,7 +11,7 @@ from periph_sim.outside import OutsideError
 from periph_sim.outside.errors import ArbitrationLost
 from periph_sim.outside.session import Session
 from periph_sim.scene.case.load import load
-from tests.outside.sessions import BUS, bus, case
+from tests.outside.sessions import BUS, Records, bus, case
 from tests.scene.runs import TIMING
 
 
@@ -91,6 +91,21 @@ def test_every_edge_is_where_the_rate_puts_it(rate: str, half: int, hold: int) -
     made = [(one.tick - begin, one.where, one.value) for one in records.kept if one.kind is Kind.EDGE]
     expected, over = edges_of("S 01100110 1 011 Sr 01100111 1 11111111 0 11111111 1 P", half, hold)
     assert (made, session.now - begin, master.held) == (expected, over, False)
+
+
+def test_a_stretched_clock_is_high_for_half_a_period_all_the_same() -> None:
+    """
+    us    5    10   15   20   25 27                60   65
+    SCL   |____|----|____|----|__ held by a target |----|____
+    """
+    records = Records()
+    held = {"kind": "hold", "wire": "SCL", "at": "1027 us", "length": "33 us"}
+    session = Session(case(fault=[held]), BUS, subscribe=records.subscribe)
+    session.advance(session.ticks("1 ms"))
+    assert session.i2c.start(0x50)
+    us, began = session.ticks("1 us"), session.scene.start + session.ticks("1 ms")
+    clock = [one.tick - began for one in records.kept if one.kind is Kind.EDGE and one.where == "SCL"]
+    assert clock[:7] == [5 * us, 10 * us, 15 * us, 20 * us, 25 * us, 60 * us, 65 * us]
 
 
 @pytest.mark.parametrize("rate", ["0 Hz", "fast", "-1 Hz", "10 GHz"])

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from periph_sim.core.records import Kind
 from periph_sim.outside import OutsideError
 from periph_sim.outside.door import Change
 from periph_sim.outside.replay import replay
@@ -112,6 +113,28 @@ def test_what_comes_at_a_tick_is_done_when_time_is_behind_it(tmp_path: Path) -> 
             session.apply(at, levels)
     assert session.advance(first.at) == []
     assert session.advance(first.at + 1) == [first]
+
+
+def test_an_advance_that_was_interrupted_can_be_repeated() -> None:
+    """
+    SDA   --|__2 ms           |--3 ms
+    SCL   --------------|__2.7 ms        Ctrl-C at 2.5 ms
+    """
+    session, records = bus()
+    ms = session.ticks_per_second // 1000
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    session.scene.kernel.at(session.scene.start + 5 * ms // 2, interrupt)
+    session.apply(2 * ms, {"SDA": 0})
+    session.apply(3 * ms, {"SDA": 1})
+    with pytest.raises(KeyboardInterrupt):
+        session.advance(4 * ms)
+    session.apply(27 * ms // 10, {"SCL": 0})
+    session.advance(4 * ms)
+    moved = [(one.tick - session.scene.start, one.where, one.value) for one in records.kept if one.kind is Kind.EDGE]
+    assert moved == [(2 * ms, "SDA", 0), (27 * ms // 10, "SCL", 0), (3 * ms, "SDA", 1)]
 
 
 def test_what_the_outside_did_is_done_again_from_its_log(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import pytest
 from periph_sim.cli import run_command as main
 from tests.replay.make_session import samples
 from tests.replay.slow import one_read, slow_case
+from tests.replay.test_i2c_master import endless_case
 from tests.traces.formats.writers import frame_bits, sr_bytes, uart_wave
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -337,6 +338,14 @@ def test_a_session_of_one_file_and_of_two(call, tmp_path):
 def test_without_sci_in_the_case_a_session_is_its_i2c_capture(call):
     report = json.loads(call("replay", SESSION, "--case", RESPONDER, "--json")[1])
     assert report["kind"] == "i2c"
+
+
+def test_a_master_that_does_not_return_fails_after_the_patience_given(call, tmp_path):
+    """main computes for ever behind the last STOP; the script's one pause is 92 us."""
+    case = endless_case(tmp_path, "while True: dsp.compute(1000)")
+    status, out, _ = call("replay", NACK, "--case", str(case), "--as", "master", "--patience", "30 ms")
+    assert status == 1 and "19 of 19" in out
+    assert "computes at line 6 of endless.py: the replay ends there, after 30." in out
 
 
 @pytest.mark.parametrize(

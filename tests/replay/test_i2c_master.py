@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -21,10 +22,12 @@ MASTER = CASES / "captured_master.toml"
 
 
 def replay(capture: Capture | str, *changes: str, case: Path = MASTER, **options) -> Report:
-    if isinstance(capture, str) and capture.endswith(".sr"):
+    if isinstance(capture, Capture):
+        given = capture
+    elif capture.endswith(".sr"):
         given = formats.read(FOLDER / capture)
     else:
-        given = of_bytes(bytes(wave_of(str(capture)).samples), ("SCL", "SDA"), 4_000_000)
+        given = of_bytes(bytes(wave_of(capture).samples), ("SCL", "SDA"), 4_000_000)
     return I2cMasterReplay(load(case, list(changes)), given, "SCL", "SDA", **options).run()
 
 
@@ -142,3 +145,56 @@ def test_a_target_that_answers_otherwise_is_told_with_what_the_master_did():
     (byte,) = report.divergences
     assert (byte.expected, byte.found) == ("data write 00", "data write 01")
     assert any(change.what == "W I2C-A.I2CDXR" and change.value == 1 for change in byte.history)
+
+
+SCRIPTED = """
+from firmware.python.captured_master import REPLAY, Settings, main as script
+
+def main(dsp, settings: Settings):
+    script(dsp, settings)
+    {then}
+"""
+
+
+def endless_case(folder: Path, then: str) -> Path:
+    """A case whose firmware executes its script and then this statement."""
+    (folder / "endless.py").write_text(SCRIPTED.format(then=then))
+    case = folder / "endless.toml"
+    case.write_text('name = "endless"\nduration = "1 s"\n[unit.dsp]\nfirmware = "endless.py"\nmodules = ["I2C-A"]')
+    return case
+
+
+@pytest.mark.parametrize(
+    ("then", "differs", "ends"),
+    [
+        (
+            "dsp.spin(lambda: dsp.module('I2C-A').I2CSTR.AAS == 1)",
+            False,
+            "waits for I2C-A.I2CSTR.AAS since 296.100 us",
+        ),
+        ("dsp.spin(lambda: False)", False, ", after 50.100 ms without an edge; --patience sets how long it waits"),
+        (
+            "while True: dsp.compute(1000)",
+            False,
+            "computes at line 6 of endless.py: the replay ends there, after 50.",
+        ),
+        ("while True: script(dsp, settings)", True, "ends there, with more than twice the edges that its script needs"),
+    ],
+)
+def test_a_firmware_that_does_not_return_behind_its_script_fails(tmp_path, then, differs, ends):
+    """S 50W 00 P, as captured, and then it polls, computes, or does it all once more, for ever."""
+    report = replay("S A0+ 00+ P", case=endless_case(tmp_path, then), patience=Fraction(50, 1000))
+    assert (report.verdict, report.agreed, report.events) == ("fail", 6, 6)
+    assert ends in report.notes[0]
+    found = [(one.expected, one.found) for one in report.divergences]
+    assert found == [("nothing more", "START")] * differs
+
+
+def test_a_script_s_longest_pause_is_waited_for():
+    """S 50W 00 P, 60 ms of silence, S 50W 01 P: the second transfer comes, whatever the patience."""
+    wave = wave_of("S A0+ 00+ P")
+    wave.idle(240_000)
+    second = wave_of("S A0+ 01+ P")
+    capture = of_bytes(bytes(wave.samples + second.samples), ("SCL", "SDA"), 4_000_000)
+    report = replay(capture, patience=Fraction(1, 1000))
+    assert (report.verdict, report.agreed, unplanned(report.notes)) == ("pass", 12, [])

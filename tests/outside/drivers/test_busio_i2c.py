@@ -55,6 +55,14 @@ def test_a_held_bus_is_a_timeout(monkeypatch: pytest.MonkeyPatch) -> None:
     assert refused.value.errno == errno.ETIMEDOUT
 
 
+def test_scl_runs_at_the_frequency_given_or_at_100_khz() -> None:
+    session = slave()
+    I2C(session)
+    assert session.i2c.rate == "100000 Hz"
+    I2C(session, frequency=400_000)
+    assert session.i2c.rate == "400000 Hz"
+
+
 def test_time_passes_between_calls() -> None:
     session: Session = slave()
     i2c = I2C(session, frequency=400_000, pause="3 ms")

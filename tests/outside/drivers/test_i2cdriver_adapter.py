@@ -89,6 +89,15 @@ def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
     assert driver.take(b"x" + WRITE + b"p") == b"3" + ACKED
 
 
+def test_a_byte_that_a_held_line_cuts_off_is_a_timeout_and_no_ack() -> None:
+    """S 50W A, then SCL is held."""
+    session = slave(registers="0a")
+    driver = adapter(session)
+    assert driver.take(WRITE) == ACKED
+    session.scene.wire("SCL").attach("stranger").drive(0)
+    assert driver.take(b"\xc0\x00") == TIMED_OUT
+
+
 def test_a_start_that_cannot_be_lets_go_of_the_bus() -> None:
     session = slave(registers="0a")
     driver = adapter(session)

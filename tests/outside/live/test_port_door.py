@@ -13,6 +13,7 @@ import pytest
 serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
 from periph_sim.outside import OutsideError, Session  # noqa: E402
+from periph_sim.outside.live import port_door  # noqa: E402
 from periph_sim.outside.live.loop import Loop  # noqa: E402
 from periph_sim.outside.live.pacing import Pacer  # noqa: E402
 from periph_sim.outside.live.port_door import PortDoor  # noqa: E402
@@ -77,6 +78,9 @@ def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(tmp_path: Path) 
     cable.plug()
     passes(session, door, "1.2 ms")
     assert len(said) == 1
+    now[0] = 2.4  # less than a second after the last attempt
+    passes(session, door, "1.2 ms")
+    assert len(said) == 1
     now[0] = 2.6
     passes(session, door, "1.2 ms")
     send(cable, door, b"d")
@@ -84,6 +88,28 @@ def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(tmp_path: Path) 
     assert said[1:] == [f"{cable.name} is there again"]
     assert (line.sent, line.received, got(cable, 4)) == (4, 4, b"bcde")
     door.close()
+    cable.unplug()
+
+
+def test_a_port_that_is_ahead_of_the_line_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """100 bytes may wait: the next one stays in the system until one is sent, and is counted if it is lost."""
+    monkeypatch.setattr(port_door, "MOST", 100)
+    cable = Cable(tmp_path / "ttyUSB0")
+    session = Session(written(tmp_path), ("RX", "TX"))
+    line = session.serial("scia")
+    door = PortDoor(line, str(cable.name), 115_200, "8n1")
+    line.write(b"x" * 99)
+    assert len(door.files()) == 1
+    send(cable, door, b"y")
+    door.turn()
+    assert (line.waiting, door.files()) == (100, [])
+    os.write(cable.far, b"z")
+    while not door._port.in_waiting:
+        select.select([door._port.fileno()], [], [], 60)
+    door.turn()
+    assert line.waiting == 100
+    door.close()
+    assert door.unheard == 1
     cable.unplug()
 
 

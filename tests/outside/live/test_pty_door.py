@@ -108,6 +108,17 @@ def test_the_client_s_rate_is_the_line_s(tmp_path: Path) -> None:
     served.door.close()
 
 
+def test_the_rate_at_which_a_client_sends_is_the_line_s(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A terminal may have two rates: this client receives at 9600 baud and sends at 19,200."""
+    served = Served(tmp_path)
+    of_both = termios.tcgetattr(served.door._terminal.kept)
+    split = [*of_both[:4], termios.B9600, termios.B19200, of_both[6]]
+    monkeypatch.setattr(termios, "tcgetattr", lambda _: split)
+    served.door.turn()
+    assert served.line._bit == Fraction(served.session.ticks_per_second, 19_200)
+    served.door.close()
+
+
 def test_who_is_ahead_waits_and_what_was_not_taken_is_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pty_door, "MOST", 100)
     served = Served(tmp_path)

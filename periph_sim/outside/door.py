@@ -97,7 +97,7 @@ class Door(Agent):
             self._changes.append(Change(now, name, level))
 
     def changes(self) -> list[Change]:
-        """Return the changes since the last call, in order of time; one that did not outlast its instant is left out."""
+        """Return the changes since the last call, in order of time, without those undone in the same instant."""
         found = self._changes
         if not found:
             return found

@@ -1,4 +1,4 @@
-"""The log of a session: a file goes in; what the outside did, instant by instant, comes out.
+"""The log of a session: a file goes in; the levels and bytes of the outside, instant by instant, come out.
 
 {"format": "periph-sim outside", "version": 1, "case": ..., "ticks_per_second": ..., "wires": [...],
  "file": ..., "set": [...]}             the case's file, from the log's folder, and its changes; if it has one
@@ -31,7 +31,7 @@ class BadLog(ValueError):
 
 @dataclass(frozen=True)
 class Head:
-    """What a log is of. file: of the case, from the log's folder; "" if it came from none. changes: of it."""
+    """The first line of a log. file: path of the case from the log's folder, or "". changes: of that case."""
 
     case: str
     ticks_per_second: int
@@ -134,13 +134,14 @@ class LogReader:
             if not text.endswith("\n"):
                 self._cut = len(text)
                 return None
-            self._lines += 1
-            return json.loads(text)
+            value: object = json.loads(text)
         except (
             ValueError,
             RecursionError,
-        ):  # ValueError: no JSON, no UTF-8, too long, or a number of more digits than Python reads
-            raise self._bad(self._lines, "a damaged line", "JSON") from None
+        ):  # no JSON, no UTF-8, too long, or a number with more digits than Python reads
+            raise self._bad(self._lines + 1, "a damaged line", "JSON") from None
+        self._lines += 1
+        return value
 
     def _head(self, text: str) -> Head:
         try:

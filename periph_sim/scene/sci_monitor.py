@@ -50,8 +50,8 @@ class SciMonitor(Onlooker):
         lost: bool
         tick, lost = self._clock.tick(cycle), overrun and not self._overrun
         came: int = waiting - self._waiting
-        if lost and came < 1:
-            came = 1
+        if lost:
+            came = max(came, 1)
         if words != self._words or overrun != self._overrun:
             listener: ReceiverListener
             for listener in self.listeners:

@@ -74,3 +74,15 @@ def test_bytes_are_counted_on_the_wire_where_levels_are_all_that_is_known(sessio
     lines = [line for line in session.read_text().splitlines(keepends=True) if "serial" not in line]
     session.write_text("".join(line.replace(', ["RX"]]', "]") for line in lines))
     assert replay(case_for_line(tmp_path / "echo.toml", "scia"), session).sci_bytes == 2
+
+
+@pytest.mark.parametrize(("length", "fits"), [((1 << 20) - 1, True), (1 << 20, False)])
+def test_a_line_has_less_than_a_million_characters(session: Path, length: int, fits: bool) -> None:
+    head = session.read_text().splitlines(keepends=True)[0]
+    session.write_text(f'{head}{"[5, {}]":<{length - 1}}\n{{"end": 9}}\n')
+    reader = LogReader(session)
+    if fits:
+        assert [instant.tick for instant in reader.instants()] == [5] and reader.end == 9
+        return
+    with pytest.raises(BadLog, match="line 2: found a damaged line, expected JSON"):
+        list(reader.instants())

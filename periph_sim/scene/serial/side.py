@@ -184,7 +184,6 @@ class SerialSide:
 
     def _attach_expect(self, number: int, table: ExpectTable) -> None:
         place = ("serial", "expect", number)
-        self._expected(number)
         self._listen(sci_named(self._case, table.from_, *place, "from"), table, partial(self._character, number))
         if table.after_send is not None:
             if table.after_send not in self.sends:

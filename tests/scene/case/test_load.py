@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.core.convert import BadTable
+from periph_sim.core.input_files import inputs_of_one_command, is_input
 from periph_sim.core.settings import Spread, duration, frequency, hex_bytes, spread
 from periph_sim.scene.case.load import apply, load
 from periph_sim.scene.case.model import Case
@@ -47,6 +49,29 @@ unit.c = { sources = ["a.c", "b.c"], modules = [], compile = { include = ["inc"]
     assert unit["c"].compile.include == (f"{tmp_path}/inc",) and unit["c"].compile.defines == {"N": 2}
 
 
+def test_the_files_that_a_case_names_are_inputs_of_the_command_that_loads_it(tmp_path: Path):
+    (tmp_path / "mine.out").touch()
+    (tmp_path / "other.out").touch()
+    file = tmp_path / "x.toml"
+    file.write_text('name = "x"\nduration = "1 ms"\nunit.dsp = { image = "mine.out", modules = [] }\n')
+    with inputs_of_one_command():
+        load(file)
+        assert [name for name in ("x.toml", "mine.out", "other.out") if is_input(tmp_path / name)] == [
+            "x.toml",
+            "mine.out",
+        ]
+
+
+@pytest.mark.parametrize(("period", "fits"), [("1 us", True), ("999.9999 ns", False)])
+def test_rounds_take_a_microsecond_at_least(period: str, fits: bool):
+    tables = {"name": "x", "duration": "1 s", "rounds": {"period": period}}
+    if fits:
+        assert Case.model_validate(tables).rounds is not None
+        return
+    with pytest.raises(BadTable, match="period is shorter than 1 us"):
+        Case.model_validate(tables)
+
+
 def test_changes_reach_tables_lists_and_new_keys():
     case = load(
         TIMING / "imu_hil_published.toml",
@@ -69,6 +94,12 @@ def test_changes_reach_tables_lists_and_new_keys():
     assert [b.max for b in case.budget[:2]] == ["7 us", "5 us"]
     assert case.host.lose == ((3, 5),)
     assert case.seed == 7
+    assert case.changes[-2:] == ("host.lose=[[3, 5]]", "seed=7") and len(case.changes) == 8
+
+
+def test_a_case_without_a_file_has_none_and_no_changes():
+    case = Case.model_validate({"name": "x", "duration": "1 s"})
+    assert (case.file, case.folder, case.changes, [*case.files()]) == (None, Path(), (), [])
 
 
 @pytest.mark.parametrize(

@@ -92,3 +92,12 @@ def test_a_place_is_a_line_or_the_last_change_that_made_it(place: Place, where: 
 def test_a_place_as_set_has_it(place: Place, key: str):
     budgets = [{"name": "first"}, {"name": "twice"}, {"name": "twice"}, {}]
     assert key_of(place, {"budget": budgets, "unit": {"dsp": {"modules": ["I2C-A"]}}}) == key
+
+
+def test_a_change_is_quoted_whole_up_to_120_characters():
+    def where(length: int) -> str:
+        change = "a=" + "x" * (length - 4)  # its quotes count, too
+        return Source(Path("case.toml"), "", ((change, ("a",)),)).where(("a",))
+
+    assert where(120) == f"case.toml, --set 'a={'x' * 116}'"
+    assert where(121).endswith("(121 characters)")

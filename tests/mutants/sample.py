@@ -50,7 +50,8 @@ ROOMS = {
     "scene": Room(
         ("periph_sim/scene",),
         (
-            "tests/devices/targets/test_python_target.py",
+            "tests/devices/targets",
+            "tests/devices/watchers",
             "tests/timing/test_rounds.py",
             "tests/replay/test_session.py",
             "tests/scene",

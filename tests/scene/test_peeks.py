@@ -12,9 +12,11 @@ from periph_sim.core.kernel import CHIP, PROBE, TIMER
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.cosim.registers import peek
+from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
+from tests.scene import small
 from tests.scene.runs import TIMING
 
 Records = list[tuple[object, ...]]
@@ -55,3 +57,18 @@ def test_peeks_at_and_beside_each_record_change_none(name: str, seconds: str, ph
     assert len(instants) > 50
     peeks = [tick - random.choice((0, 0, 1, 19)) for tick in random.sample(instants, min(len(instants), 60))]
     assert records(case, seconds, phase, peeks) == plain
+
+
+def test_a_value_that_a_budget_asks_for_depends_on_no_open_question(monkeypatch: pytest.MonkeyPatch):
+    """What I2COAR reads without a clock is an open question. GPIO28 is in the upper half of a register of 32 bits."""
+
+    def main(dsp: Dsp) -> None:
+        dsp.eallow()
+        dsp.module("GPIO").GPAMUX2.GPIO28 = 1
+        dsp.compute(1000)
+
+    scene = small.scene_with(monkeypatch, main, ["I2C-A", "GPIO"])
+    scene.run()
+    assert scene.value_of("dsp.I2C-A", "I2COAR.OAR") == 0
+    assert scene.value_of("dsp.GPIO", "GPAMUX2.GPIO28") == 1
+    assert not scene.units["dsp"].socket("I2C-A").chip.touched

@@ -7,7 +7,8 @@ BIN := $(VENV)/bin
 USER := $(VENV)/installed
 CORE := $(VENV)/installed-core
 DEV := $(VENV)/installed-dev
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+# Not compiled: Python does that as it imports, with the little of it that is imported.
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt
 # Passed as --rules=FILE: pytest takes an existing file behind a space for the tests to collect.
 RULES := build/rules.json
 
@@ -21,9 +22,9 @@ demo: $(USER)
 	$(BIN)/periph-sim run timing/imu_hil.toml
 	@$(MAKE) --no-print-directory try-core
 
-# Every test once, compiled where there is a C compiler.
-test: check
-	@$(MAKE) --no-print-directory try-core
+# Every test once, compiled where there is a C compiler. The types are checked on one core, so the others compile meanwhile.
+test: $(DEV)
+	@$(MAKE) --no-print-directory -j2 check try-core
 	rm -f $(RULES)
 	$(BIN)/pytest -n auto --dist worksteal --rules=$(RULES)
 	$(BIN)/python -m tests.rules.coverage
@@ -94,14 +95,13 @@ wheel: $(CORE)
 
 setup: $(DEV)
 
-# Not compiled: Python does that as it imports, with the little of it that is imported.
 $(USER): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(PIP) --no-compile -e .
+	$(PIP) -e .
 	touch $@
 
 $(CORE): pyproject.toml constraints.txt | $(USER)
-	$(PIP) --no-compile -e '.[core]'
+	$(PIP) -e '.[core]'
 	touch $@
 
 $(DEV): pyproject.toml constraints.txt

@@ -84,6 +84,33 @@ UNCOUNTED = (
     "tests/timing/test_measuring_costs.py",
     "tests/timing/test_pairs.py",
     "tests/timing/test_rounds.py",
+    # The work is done in processes of their own, in which nothing counts lines, or by what is no part of the package.
+    "tests/bench/",
+    "tests/docs/",
+    "tests/firmware_mutants/",
+    "tests/form/test_arrays.py::test_an_index_outside_of_its_array_ends_the_process_with_a_sentence",
+    "tests/form/test_linked.py",
+    "tests/form/test_none.py",
+    "tests/host_code/test_sources.py",
+    "tests/mutants/",
+    "tests/options/test_unrecorded.py",
+    "tests/processor/test_stall_watch.py::test_it_works_in_parallel_worker_processes",
+    "tests/pytest_plugin/test_collected.py::test_xdist_workers_tell_the_same_table",
+    "tests/pytest_plugin/test_start.py",
+    "tests/pytest_plugin/test_whole_session.py",
+    "tests/scene/test_absent.py",
+    "tests/test_supervisor.py",
+    "tests/test_timeouts.py",
+    "tests/test_touched.py",
+    # Sources of all modules are read once more, as in tests/form/test_declarations.py; or all forms of instructions run
+    # once more, as in tests/c28x/execution/test_known_results.py.
+    "tests/c28x/execution/test_depends.py",
+    "tests/form/test_arrays.py::test_every_array_declaration_of_the_package_is_read",
+    "tests/form/test_source_copy.py::test_every_free_list_of_the_package_reaches_its_class",
+    # Large inputs.
+    "tests/levels/schedule/test_beside_edge.py",
+    "tests/traces/formats/test_sigrok_sr.py::test_memory_follows_the_edges_and_not_the_length",
+    "tests/traces/formats/test_vcd.py::test_a_line_without_end_and_too_many_changes_are_refused",
 )
 
 

@@ -26,6 +26,7 @@ import resource
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from itertools import zip_longest
 from pathlib import Path
 from random import SystemRandom
@@ -94,27 +95,32 @@ def run_hard(command: Sequence[str], variables: Mapping[str, str] = {}) -> subpr
     )
 
 
-def same_lines(command: Sequence[str]) -> bool:
-    """True if a command writes the same lines with the hard build as interpreted; else print the first difference."""
-    hard = run_hard(command)
-    plain = subprocess.run(
-        [sys.executable, *command],
-        cwd=ROOT,
-        env={**os.environ, form.VARIABLE: form.INTERPRETED},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+def compare(command: Sequence[str]) -> tuple[bool, str]:
+    """Return True if a command writes the same lines with the hard build as interpreted, and a report.
+
+    Both processes run at once. The report has the first difference.
+    """
+    with ThreadPoolExecutor(1) as other:
+        interpreted = other.submit(run_interpreted, command)
+        hard = run_hard(command)
+        plain = interpreted.result()
     lines, wanted = hard.stdout.splitlines(), plain.stdout.splitlines()
-    print(f"{' '.join(command)}: {len(wanted)} cases")
-    if hard.returncode == 0 and lines == wanted:
-        return True
-    for line, other in zip_longest(lines, wanted, fillvalue="nothing"):
-        if line != other:
-            print(f"hard build:  {line}\ninterpreted: {other}")
+    report = [f"{' '.join(command)}: {len(wanted)} cases"]
+    if (hard.returncode, plain.returncode) == (0, 0) and lines == wanted:
+        return True, report[0]
+    for line, other_line in zip_longest(lines, wanted, fillvalue="nothing"):
+        if line != other_line:
+            report += [f"hard build:  {line}", f"interpreted: {other_line}"]
             break
-    print(f"exit status {hard.returncode}\n{hard.stderr}")
-    return False
+    for name, done in (("hard build", hard), ("interpreted", plain)):
+        report.append(f"{name}: exit status {done.returncode}\n{done.stderr}")
+    return False, "\n".join(report)
+
+
+def run_interpreted(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
+    """Run a command of this Python with the interpreted form."""
+    env = {**os.environ, form.VARIABLE: form.INTERPRETED}
+    return subprocess.run([sys.executable, *command], cwd=ROOT, env=env, capture_output=True, text=True, check=False)
 
 
 def memcheck() -> int:
@@ -149,16 +155,18 @@ def main(options: list[str]) -> int:
     chosen = any(one.startswith("tests") for one in others)
     paths = () if chosen else SHORT_TESTS if given.short else LONG_TESTS
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *(["-m", "not long"] * given.short)]
-    status = subprocess.run(
-        [*command, *others, *paths], cwd=ROOT, env=environment(), preexec_fn=small_stack, check=False
-    ).returncode
-    if chosen:
-        return status
-    checks = [(*RECORD, "0.008", *COLLECTED)]
-    if not given.short:
+    checks = [] if chosen else [(*RECORD, "0.008", *COLLECTED)]
+    if checks and not given.short:
         checks.append(("-m", "tests.form.random_cases", "--seed", str(given.seed), "--count", str(given.cases)))
-    same = [same_lines(one) for one in checks]
-    return status or not all(same)
+    with ThreadPoolExecutor(1) as beside:  # the tests leave all cores but one idle
+        compared = [beside.submit(compare, one) for one in checks]
+        status = subprocess.run(
+            [*command, *others, *paths], cwd=ROOT, env=environment(), preexec_fn=small_stack, check=False
+        ).returncode
+    results = [one.result() for one in compared]
+    for _, report in results:
+        print(report)
+    return status or not all(same for same, _ in results)
 
 
 if __name__ == "__main__":

@@ -85,7 +85,7 @@ NORMAL = Kind({}, FLAGS)
 HARD = Kind(
     {"nonecheck": True, "overflowcheck": True},
     (
-        *("-c", "-O1", "-g1", "-fPIC", "-fno-strict-aliasing", "-ffunction-sections", "-fno-omit-frame-pointer"),
+        *("-c", "-O0", "-g1", "-fPIC", "-fno-strict-aliasing", "-ffunction-sections", "-fno-omit-frame-pointer"),
         *(SANITIZERS, "-fno-sanitize-recover=all", "--param", "asan-stack=0", "-Werror"),
     ),
     (SANITIZERS,),

@@ -19,6 +19,7 @@ Numbers = NDArray[np.int64]
 
 AT_ONCE = 1 << 15  # lines: their characters stay in the processor's cache
 BLANK, NONE = b" ", b"\0"
+MAX_TABLE = 1 << 24  # codes up to this are numbered by a table, larger ones by sorting
 
 # Four digits at a time, as one machine word: many are picked at once ten times as fast as rows of four bytes.
 _FOUR = (np.arange(10_000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")).astype(np.uint8).view(np.uint32)[:, 0]
@@ -111,6 +112,8 @@ class Sparse:
 
 def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
     """The codes that occur, in order, and for each code its place among them."""
+    if len(codes) and int(codes.max()) > MAX_TABLE:
+        return np.unique(codes, return_inverse=True)
     there = np.zeros(int(codes.max()) + 1 if len(codes) else 0, bool)
     there[codes] = True
     used = np.flatnonzero(there)

@@ -41,6 +41,13 @@ EXAMPLE = "periph-sim decode capture.sr --i2c scl=0,sda=1"
     metavar="rx=CHANNEL,baud=RATE,...",
     help="A serial line: rx= or tx= or both, baud=115200 or baud=auto, format=8n1, invert, vote.",
 )
+@click.option(
+    "--spi",
+    "spis",
+    multiple=True,
+    metavar="clk=CHANNEL,mosi=CHANNEL,...",
+    help="An SPI bus: clk=, mosi= or miso= or both, cs=; cpol, cpha, bitorder, wordsize, cs_polarity as sigrok's.",
+)
 @click.option("--glitch", metavar="TIME", help="Leave out pulses shorter than '50ns'; a bare number counts samples.")
 @RATE
 @click.option("--format", "style", type=click.Choice(STYLES), default="table", show_default=True)
@@ -52,6 +59,7 @@ def decode(
     file: Path,
     i2cs: tuple[str, ...],
     uarts: tuple[str, ...],
+    spis: tuple[str, ...],
     glitch: str | None,
     rate: str | None,
     salvage: bool,
@@ -62,8 +70,8 @@ def decode(
 ) -> None:
     """Decode the buses in FILE, a capture in any format.
 
-    Without --i2c and --uart, channels called scl and sda, rx and tx are taken. The times of several buses stand in
-    one list. pcapng is for Wireshark, hexdump for text2pcap, sigrok has the lines of sigrok-cli.
+    Without --i2c, --uart and --spi, channels called scl and sda, rx and tx are taken. The times of several buses stand
+    in one list. pcapng is for Wireshark, hexdump for text2pcap, sigrok has the lines of sigrok-cli.
     """
     if as_json:
         if style not in ("table", "json"):
@@ -72,7 +80,7 @@ def decode(
     with usage_errors_in_one_sentence():
         capture = read_capture(file, rate, salvage)
         shortest = 0 if glitch is None else _shortest(glitch, capture)
-        found = asked_for(capture, i2cs, uarts, shortest)
+        found = asked_for(capture, i2cs, uarts, spis, shortest)
     for note in (*capture.notes, *(note for bus in found for note in bus.notes)):
         click.echo(f"note: {note}", err=True)
     found = [bus for bus in found if len(bus.rows.at)] or found[:1]
@@ -92,8 +100,11 @@ def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: boo
     if whole:
         rows, first = grouped(rows, [bus.silence for bus in found])
         if style == "json":
-            lows = [long_lows(capture, bus.lines[0], bus.lines[1], shortest) if bus.is_i2c else None for bus in found]
-            return transfer_lines(rows, first, names, lows, clock)
+            lows = [
+                long_lows(capture, bus.lines[0], bus.lines[1], shortest) if bus.protocol == "i2c" else None
+                for bus in found
+            ]
+            return transfer_lines(rows, first, names, [bus.protocol for bus in found], lows, clock)
         return event_text.transfers(rows, first, names, clock, style, full)
     return event_text.events(rows, names, clock, style, full)
 
@@ -101,15 +112,15 @@ def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: boo
 def _exported(
     found: list[Bus], rows: Rows, capture: Capture, clock: event_text.Clock | None, style: str
 ) -> Iterator[bytes]:
-    serial = [not bus.is_i2c for bus in found]
+    protocols = [bus.protocol for bus in found]
     if style == "sigrok":
-        return decode_exports.in_sigrok(rows, serial)
+        return decode_exports.in_sigrok(rows, protocols)
     if clock is None:
         raise click.ClickException(f"--format {style}: {capture.path} states no rate; packets have times, state --rate")
     rows, first = grouped(rows, [bus.silence for bus in found])
     if style == "pcapng":
-        return decode_exports.in_pcapng(rows, first, [bus.name for bus in found], serial, clock)
-    return decode_exports.in_hexdump(rows, first, serial, clock)
+        return decode_exports.in_pcapng(rows, first, [bus.name for bus in found], protocols, clock)
+    return decode_exports.in_hexdump(rows, first, protocols, clock)
 
 
 def _print(pieces: Iterable[bytes]) -> None:

@@ -1,6 +1,6 @@
 """Decoded buses for other tools: `Rows` go in, bytes of a file come out.
 
-pcapng      Wireshark, tshark          a packet a message (I2C) or burst (serial line), an interface a bus
+pcapng      Wireshark, tshark          a packet a message, burst or selection (SPI), an interface a line
 hexdump     text2pcap, any script      the same bytes as text, each packet below its time
 sigrok      whoever reads sigrok-cli   a line an event, `START-END i2c-1: Address write: 53`
 """
@@ -13,7 +13,7 @@ from typing import NamedTuple
 import click
 import numpy as np
 
-from ..traces.decode.event_rows import ADDRESS, ADDRESS_LOW, DETAILS, EVENTS, FRAME, START, Rows
+from ..traces.decode.event_rows import ADDRESS, ADDRESS_LOW, DESELECT, DETAILS, EVENTS, FRAME, SELECT, START, WORD, Rows
 from ..traces.formats import pcapng_writer as pcapng
 from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
 from .decoded_text import Clock, events_column, in_transfer
@@ -34,8 +34,9 @@ SIGROK = {
 
 
 class Packet(NamedTuple):
-    """time: units of 10**-DECIMALS s. wire: address byte and data of a message, or bytes of a burst. said: in the
-    notation of the I2C-bus specification, with ACKs and how it ended."""
+    """time: units of 10**-DECIMALS s. wire: address byte and data of a message, bytes of a burst, or SPI words, each in
+    whole bytes with the most significant one first. said: in the notation of the I2C-bus specification, with ACKs and
+    how it ended."""
 
     bus: int
     time: int
@@ -45,21 +46,24 @@ class Packet(NamedTuple):
 
 
 def in_pcapng(
-    rows: Rows, first: Numbers, buses: Sequence[str], serial: Sequence[bool], clock: Clock
+    rows: Rows, first: Numbers, buses: Sequence[str], protocols: Sequence[str], clock: Clock
 ) -> Iterator[bytes]:
-    """serial: which buses are serial lines, and have no link type of their own."""
+    """protocols: of each bus; serial lines and SPI have no link type of their own."""
     yield pcapng.section()
-    for name, is_serial in zip(buses, serial, strict=True):
-        yield pcapng.interface(pcapng.USER0 if is_serial else pcapng.I2C_LINUX, name, DECIMALS)
+    for name, protocol in zip(buses, protocols, strict=True):
+        yield pcapng.interface(pcapng.I2C_LINUX if protocol == "i2c" else pcapng.USER0, name, DECIMALS)
     for one in packets(rows, first, clock):
-        content = one.wire if serial[one.bus] else pcapng.i2c_content(one.bus, one.flags, one.wire)
+        is_i2c = protocols[one.bus] == "i2c"
+        content = pcapng.i2c_content(one.bus, one.flags, one.wire) if is_i2c else one.wire
         yield pcapng.packet(one.bus, one.time, content, one.said)
 
 
-def in_hexdump(rows: Rows, first: Numbers, serial: Sequence[bool], clock: Clock) -> Iterator[bytes]:
-    """For `text2pcap -t %s.%f -l 209` (147 of a serial line), which puts the link type's header in front itself."""
-    if len(set(serial)) > 1:
-        raise click.ClickException("a hex dump holds one kind of bus; choose with --i2c or --uart, or write pcapng")
+def in_hexdump(rows: Rows, first: Numbers, protocols: Sequence[str], clock: Clock) -> Iterator[bytes]:
+    """For `text2pcap -t %s.%f -l 209` (147 of a serial line or SPI), which puts the link type in front."""
+    if len(set(protocols)) > 1:
+        raise click.ClickException(
+            "a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng"
+        )
     return _dumped(packets(rows, first, clock))
 
 
@@ -71,11 +75,14 @@ def _dumped(found: Iterator[Packet]) -> Iterator[bytes]:
         yield ("\n".join(lines) + "\n\n").encode()
 
 
-def in_sigrok(rows: Rows, serial: Sequence[bool]) -> Iterator[bytes]:
-    """As `sigrok-cli --protocol-decoder-samplenum` prints annotations; ends are those of the bits, not estimated."""
+def in_sigrok(rows: Rows, protocols: Sequence[str]) -> Iterator[bytes]:
+    """As `sigrok-cli --protocol-decoder-samplenum` prints annotations; ends are those of the bits, not estimated.
+
+    Each SPI line has a decoder of its own, which prints its words only: sigrok has no line for a selection.
+    """
+    rows = rows.take((rows.event != SELECT) & (rows.event != DESELECT))
     decoders: list[str] = []
-    for is_serial in serial:
-        kind = "uart" if is_serial else "i2c"
+    for kind in protocols:
         decoders.append(f"{kind}-{sum(name.startswith(kind) for name in decoders) + 1}")
     columns: list[Column] = [
         Digits(rows.at, 0, NONE),
@@ -95,7 +102,7 @@ def _as_sigrok_says(event: str, value: int | None, bits: int, detail: str) -> st
         return SIGROK[event]
     if event == "cut":
         return f"Cut: {value:0{bits}b}" if bits else "Cut"
-    if event == "frame":
+    if event in ("frame", "word"):
         return f"{value:02X}"
     way = detail.partition(", ")[0]
     return (
@@ -125,6 +132,8 @@ def packets(rows: Rows, first: Numbers, clock: Clock) -> Iterator[Packet]:
                 flags = pcapng.READ * (way == "read") | pcapng.TEN_BITS * (purpose == "10-bit")
             elif event in (ADDRESS_LOW, DATA, FRAME):
                 wire.append(value & 0xFF)
+            elif event == WORD:
+                wire += value.to_bytes(-(-bits // 8), "big")
         if wire:
             bus = own[0][0]
             said = " ".join(_said(*row[1:]) for row in own)

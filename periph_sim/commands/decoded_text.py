@@ -73,7 +73,7 @@ def in_transfer(event: str, value: int | None, bits: int, detail: str) -> str:
         return marks.get(event, event)
     if event == "cut":
         return f"[{value:0{bits}b}]" if bits else "[]"
-    if event == "frame":
+    if event in ("frame", "word"):
         return f"{value:0{-(-bits // 4)}X}" + (f"({detail})" if detail else "")
     if event != "address":
         return f"{value:02X}"
@@ -181,14 +181,14 @@ def events_column(rows: Rows, shown: Shown) -> Words:
     """What happened: few different texts, however many rows."""
     held = rows.value >= 0
     bits = np.where(held, rows.bits, 0).astype(np.int64)
-    values, value = numbered(np.where(held, (bits << 16 | rows.value) + 1, 0))
+    values, value = numbered(np.where(held, (bits << 32 | rows.value) + 1, 0))
     kinds = len(EVENTS) * len(DETAILS)
 
     def said(code: int) -> str:
         which, kind = divmod(code, kinds)
         event, detail = divmod(kind, len(DETAILS))
         packed = int(values[which]) - 1
-        return shown(EVENTS[event], None if packed < 0 else packed & 0xFFFF, max(packed, 0) >> 16, DETAILS[detail])
+        return shown(EVENTS[event], None if packed < 0 else packed & 0xFFFF_FFFF, max(packed, 0) >> 32, DETAILS[detail])
 
     return Words(value * kinds + rows.event.astype(np.int64) * len(DETAILS) + rows.detail, said)
 

@@ -2,6 +2,7 @@
 
     I2C    {..., "messages": [{"address": 83, "direction": "write", "acked": true, "bytes": [...]}], "ended": "stop"}
     UART   {..., "frames": [{"value": 65, ...}]}
+    SPI    {..., "words": [{"value": 159, "bits": 8, ...}], "cut": null}
 
 A message is what lies between a START, or repeated START, and the next condition. Lines are put together as text: a
 dense capture has a hundred thousand bytes.
@@ -14,7 +15,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..traces.decode.event_rows import ADDRESS, ADDRESS_LOW, CUT, DETAILS, EVENTS, START, Rows
+from ..traces.decode.event_rows import ADDRESS, ADDRESS_LOW, CUT, DETAILS, EVENTS, START, WORD, Rows
 from ..traces.decode.long_lows import LongLows
 from .bulk_text import Numbers
 from .decoded_text import Clock, in_transfer
@@ -25,9 +26,14 @@ AT_ONCE = 1000  # lines
 
 
 def transfer_lines(
-    rows: Rows, first: Numbers, buses: Sequence[str], lows: Sequence[LongLows | None], clock: Clock | None
+    rows: Rows,
+    first: Numbers,
+    buses: Sequence[str],
+    protocols: Sequence[str],
+    lows: Sequence[LongLows | None],
+    clock: Clock | None,
 ) -> Iterator[bytes]:
-    """A line a transfer or burst, which begin at the rows `first`. lows: of each I2C bus; None of a serial line."""
+    """A line a transfer or burst, which begin at the rows `first`. lows: of each I2C bus; None of other lines."""
     table = _Table(rows, clock)
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
     bounds = [*first.tolist(), len(rows.at)]
@@ -38,7 +44,10 @@ def transfer_lines(
     for begin, end, (time, position) in zip(bounds, bounds[1:], over, strict=False):
         bus = table.bus[begin]
         own = stretches[bus]
-        whole = table.frames(begin, end) if own is None else table.messages(begin, end, own)
+        if own is not None:
+            whole = table.messages(begin, end, own)
+        else:
+            whole = table.words(begin, end) if protocols[bus] == "spi" else table.frames(begin, end)
         when = table.span(begin, time, position)
         said = " ".join(table.said(row) for row in range(begin, end))
         lines.append(f'{{{when}, "bus": {names[bus]}, "transfer": "{said}", {whole}}}\n')
@@ -122,6 +131,17 @@ class _Table:
         return (
             f'{{{self.when(row)}, "event": "{event}", "value": {value}, "bits": {self._bits[row]}, "faults": {told}}}'
         )
+
+    def words(self, begin: int, end: int) -> str:
+        """The words of one selection, and the bits of the word in which it ended."""
+        whole, cut = [], "null"
+        for row in range(begin, end):
+            value, bits = self._value[row], self._bits[row]
+            if self._event[row] == WORD:
+                whole.append(f'{{{self.when(row)}, "value": {value}, "bits": {bits}}}')
+            elif self._event[row] == CUT:
+                cut = f'"{value:0{bits}b}"'
+        return f'"words": [{", ".join(whole)}], "cut": {cut}'
 
     def messages(self, begin: int, end: int, stretches: _Stretches) -> str:
         starts = [row for row in range(begin, end) if self._event[row] in (START, AGAIN)]

@@ -114,7 +114,9 @@ def test_events_have_the_lines_of_sigrok(name: str, tmp_path: Path):
 def test_a_hex_dump_holds_one_kind_of_bus(periph_sim: Run, mixed: Path):
     came = periph_sim("decode", str(mixed), *I2C, *UART, "--format", "hexdump")
     assert (came.status, came.out) == (2, "")
-    assert came.err == ("Error: a hex dump holds one kind of bus; choose with --i2c or --uart, or write pcapng\n")
+    assert came.err == (
+        "Error: a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng\n"
+    )
 
 
 def test_packets_need_times(periph_sim: Run, tmp_path: Path):

@@ -1,6 +1,6 @@
 """Events of any protocol as rows of one shape, so that several buses of a capture stand in one list.
 
-I2cTable, UartTable --> Rows (numbers) --> in order of time
+I2cTable, UartTable, events of an SPI line --> Rows (numbers) --> in order of time
 """
 
 from __future__ import annotations
@@ -13,19 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..capture.capture import Positions
-from . import i2c_table
+from . import i2c_table, spi
 from .i2c_table import I2cTable
 from .reserved_addresses import PURPOSES, purpose_of
 from .uart_table import UartTable
 
 # The words of a row, by number; those of I2C as in i2c_table.Kind.
 OF_I2C = ("start", "repeated start", "address", "address low", "data", "ack", "nack", "stop", "cut")
-EVENTS = (*OF_I2C, "frame", "break", "rejected start")
+OF_SPI = ("select", "word", "deselect")
+EVENTS = (*OF_I2C, "frame", "break", "rejected start", *OF_SPI)
 FAULTS = [", ".join(compress(("parity error", "frame error", "glitch"), (n & 1, n & 2, n & 4))) for n in range(1, 8)]
 RESERVED = [f"{way}, {purpose}" for way in ("write", "read") for purpose in PURPOSES]
 DETAILS = ("", "write", "read", *FAULTS, *RESERVED)
 START, ADDRESS, ADDRESS_LOW, CUT = (EVENTS.index(name) for name in ("start", "address", "address low", "cut"))
-FRAME, BREAK, REJECTED = range(len(OF_I2C), len(EVENTS))
+FRAME, BREAK, REJECTED, SELECT, WORD, DESELECT = range(len(OF_I2C), len(EVENTS))
 
 OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # by uart_table.Kind
 OF_FAULTS = np.array([0, *range(3, 10)], np.uint8)  # by parity error + 2 * frame error + 4 * glitch
@@ -39,7 +40,7 @@ class Rows(NamedTuple):
     at, end  int64   positions, as in the tables
     bus      uint8   which of the buses that were asked for
     event    uint8   index into EVENTS
-    value    int32   address, byte or bits; -1 for none
+    value    int32   address, byte or bits; -1 for none. int64 of an SPI line
     bits     uint8   how many bits of `value` were on the wire; 10 of a 10-bit address that is asked again
     detail   uint8   index into DETAILS
     """
@@ -48,7 +49,7 @@ class Rows(NamedTuple):
     end: Positions
     bus: NDArray[np.uint8]
     event: NDArray[np.uint8]
-    value: NDArray[np.int32]
+    value: NDArray[np.int32] | NDArray[np.int64]
     bits: NDArray[np.uint8]
     detail: NDArray[np.uint8]
 
@@ -97,6 +98,27 @@ def uart_rows(table: UartTable, bus: int = 0) -> Rows:
     return Rows(table.at, table.end, _all(bus, table), OF_UART[table.kind], table.value, table.bits, detail)
 
 
+def spi_rows(events: Sequence[spi.Event], bits: int, is_mosi: bool, bus: int = 0) -> Rows:
+    """The rows of one data line of an SPI bus, with the selections.
+
+    bits: of a word. The bits of a cut word are in the order in which they came.
+    """
+    rows: list[tuple[int, int, int, int, int, int, int]] = []
+    for one in events:
+        if isinstance(one, spi.Word | spi.Cut):
+            value = one.mosi if is_mosi else one.miso
+            assert value is not None
+            if isinstance(value, int):
+                rows.append((one.at, one.end, bus, WORD, value, bits, 0))
+            else:
+                rows.append((one.at, one.end, bus, CUT, int("".join(map(str, value)), 2), len(value), 0))
+        else:
+            rows.append((one.at, one.at, bus, SELECT if isinstance(one, spi.Select) else DESELECT, -1, 0, 0))
+    kinds = (np.int64, np.int64, np.uint8, np.uint8, np.int64, np.uint8, np.uint8)
+    columns = zip(*rows, strict=True) if rows else [()] * len(kinds)
+    return Rows._make(np.array(column, kind) for column, kind in zip(columns, kinds, strict=True))
+
+
 def merged(parts: Sequence[Rows]) -> Rows:
     """All rows in order of time; of one position in the order of the parts."""
     if len(parts) == 1:
@@ -112,14 +134,16 @@ def _all(bus: int, table: I2cTable | UartTable) -> NDArray[np.uint8]:
 def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np.int64]]:
     """The rows, those of one transfer together, and the number of the row each transfer begins with.
 
-    An I2C transfer begins at a START, a burst of frames where its line was quiet for over `silence[bus]`
-    positions before; for an I2C bus `silence` is None. Transfers come in order of their first row.
+    A burst of frames or words begins where its line was quiet for over `silence[bus]` positions before. Where `silence`
+    is None, a transfer begins at each START of an I2C bus, and where an SPI line is selected. Transfers come in order
+    of their first row.
     """
     parts, keys = [], []
     for bus, quiet in enumerate(silence):
         part = rows.take(rows.bus == bus)
         if quiet is None:
-            first = part.event == START
+            first = (part.event == START) | (part.event == SELECT)
+            first[:1] = True  # a capture may begin while an SPI line is selected
         else:
             first = np.concatenate(([True], part.at[1:] - np.maximum.accumulate(part.end)[:-1] > quiet))[: len(part.at)]
         parts.append(part)

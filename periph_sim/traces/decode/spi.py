@@ -26,6 +26,7 @@ import numpy as np
 from msgspec import Struct
 
 from ..capture.capture import Capture, Channel, Positions
+from .glitch_filter import without_glitches
 
 
 class SpiFormat(Struct, frozen=True):
@@ -96,17 +97,19 @@ def events(
     mosi: str | int | None = "MOSI",
     miso: str | int | None = "MISO",
     cs: str | int | None = "CS",
+    glitch: int = 0,
 ) -> list[Event]:
     """All events of a capture, in order of where they begin; words end before the Deselect that ends them.
 
-    A line that is None is not looked at. LookupError if a channel is not there; ValueError without any data line.
+    glitch: pulses of fewer positions are left out first. A line that is None is not looked at. LookupError if a channel
+    is not there; ValueError without any data line.
     """
     if mosi is None and miso is None:
         raise ValueError("no data line; expected mosi, miso or both")
     lines = [None if name is None else capture.channel(name) for name in (clk, mosi, miso, cs)]
     found: list[Event] = []
     for span in capture.known(*(line for line in lines if line is not None)):
-        clock, *others = (None if line is None else line.cut(span) for line in lines)
+        clock, *others = (None if line is None else without_glitches(line.cut(span), glitch) for line in lines)
         assert clock is not None
         found += _events(format_, clock, *others)
     return found

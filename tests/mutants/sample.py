@@ -52,6 +52,7 @@ ROOMS = {
         (
             "tests/devices/targets",
             "tests/devices/watchers",
+            "tests/timing/language/test_scope.py",
             "tests/timing/test_rounds.py",
             "tests/replay/test_session.py",
             "tests/scene",

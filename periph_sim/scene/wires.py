@@ -9,7 +9,6 @@ from ..core.wire import Wire
 
 class SceneWires(dict[str, Wire]):
     def __init__(self, kernel: Kernel, recorder: Recorder) -> None:
-        super().__init__()
         self._kernel = kernel
         self._recorder = recorder
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -10,8 +12,10 @@ import pytest
 from periph_sim.core.chip import Note, joined
 from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.scene.case.load import load
+from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.scene.summary import notes_of
+from tests.scene import small
 
 CASE = """\
 name = "small"
@@ -55,6 +59,29 @@ def test_broken_duty_of_any_module_ends_a_strict_run_with_its_line(tmp_path: Pat
     assert re.match(rf"dsp\.{module}, line [89] of breaks\.py, at 0\.\d+ us: .* \[SP", str(caught.value))
     scene = ran(tmp_path, BREAKS[module], strict=False)
     assert any(note.code == "duty" for _, note in scene.units["dsp"].socket(module).notes)
+
+
+@pytest.mark.parametrize("strict", [True, False])
+def test_a_broken_duty_of_a_device_or_a_sensor_chip_ends_a_strict_run(strict: bool):
+    for name, table in {
+        "it": {"device": {"it": {"model": "24lc64"}}},
+        "chip": {"chip": {"chip": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}},
+    }.items():
+        program = Firmware("waits", lambda dsp, settings: dsp.compute(100_000), None)
+        unit = {"dsp": {"firmware": "waits", "modules": ["I2C-A"]}}
+        scene = Scene(small.case(unit=unit, strict=strict, **table), programs={"dsp": program})
+        tick = scene.start + scene.timebase.ticks(Fraction(2, 10**6))
+        breaks = partial(scene.note_logs()[name].take, Note("duty", "too soon", "the sheet"))
+        scene.kernel.at(tick, breaks)
+        if strict:
+            with pytest.raises(
+                FirmwareError, match=rf"^{name}, line \d+ of test_strict.py, at 2.* us: too soon \[the sh"
+            ):
+                scene.run()
+        else:
+            assert [note for note in scene.run().notes if "too soon" in note] == [
+                f"{name}, first at 2.000 us: too soon [the sheet] (1 time)"
+            ]
 
 
 def test_notes_that_forbid_nothing_end_no_run(tmp_path: Path):

@@ -195,3 +195,19 @@ def test_a_table_that_sends_on_the_same_wire_is_refused() -> None:
     send = {"send": [{"name": "a", "to": "dsp.SCI-A", "bytes": "01", "at": "1 ms"}]}
     with pytest.raises(BadCase, match=r"the outside drives the RX of dsp\.SCI-A already, and one line has one sender"):
         Session(case("uart_logger", ("SCI-A",), serial=send), ("RX",))
+
+
+@pytest.mark.parametrize(
+    ("wires", "said"), [(("RX",), "RX is moved from outside"), (BUS, "SDA and SCL are moved from outside")]
+)
+def test_a_case_that_is_driven_from_outside_is_not_run_by_itself(wires: tuple[str, ...], said: str):
+    tables = {
+        "name": "x",
+        "duration": "1 ms",
+        "unit": {"dsp": {"firmware": "responder", "modules": ["I2C-A", "SCI-A"]}},
+    }
+    scene = Scene(Case.model_validate(tables | {"outside": {"wires": [*wires]}}))
+    with pytest.raises(BadCase) as caught:
+        scene.run()
+    way_out = "step it with periph_sim.outside.Session, or give its log, a [controller] or a [host]"
+    assert f"{said}, and in a run nobody is there; {way_out}" in str(caught.value)

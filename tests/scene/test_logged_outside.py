@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import warnings
 from pathlib import Path
 
 import pytest
@@ -79,3 +81,13 @@ def test_a_session_of_such_a_case_moves_the_wires_itself(tmp_path: Path) -> None
     session = Session(logged(case(), tmp_path / "none.jsonl", BUS))
     session.advance(session.ticks("1 ms"))
     assert session.i2c.transfer(0x50, b"\x00", 2) == b"\x01\x02"
+
+
+def test_a_log_is_open_no_longer_than_its_run(tmp_path: Path) -> None:
+    (tmp_path / "live.jsonl").write_text(f'{HEAD}\n[1, {{"SDA": 0}}]\n{{"end": 9}}\n')
+    made = logged(case(), tmp_path / "live.jsonl", BUS)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", ResourceWarning)
+        Scene(made).run(made.duration / 1000)
+        gc.collect()
+    assert not [one for one in told if issubclass(one.category, ResourceWarning)]

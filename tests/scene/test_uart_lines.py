@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -9,8 +10,12 @@ import pytest
 from periph_sim.api import make_case
 from periph_sim.firmware import start_sci
 from periph_sim.outside import Change, Session
+from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.uart_lines import line_of
 from periph_sim.scene.uart_side import UartSide
+from periph_sim.traces.decode.uart_line import Line
+from tests.scene import small
 
 LINES = ("RX", "TX")
 CYCLE = 20  # ticks
@@ -43,3 +48,23 @@ def test_counting_characters_moves_no_edge_whatever_falls_together(monkeypatch: 
     monkeypatch.setattr(UartSide, "count", lambda side, wires: None)
     assert counted == [answers(phase) for phase in range(64)]
     assert all(len(changes) > 60 for changes in counted)
+
+
+@pytest.mark.parametrize(
+    ("sciccr", "brr", "line"),
+    [
+        (0x07, 40, Line(Fraction(37_500_000, 8 * 41), 8, "none", 1)),
+        (0x67, 40, Line(Fraction(37_500_000, 8 * 41), 8, "even", 1)),
+        (0xA6, 0x1F4, Line(Fraction(37_500_000, 8 * 501), 7, "odd", 2)),
+        (0x00, 0, Line(Fraction(37_500_000, 16), 1, "none", 1)),  # with BRR = 0 a bit has 16 cycles
+    ],
+)
+def test_the_line_that_an_sci_is_set_to(monkeypatch: pytest.MonkeyPatch, sciccr: int, brr: int, line: Line) -> None:
+    def main(dsp: Dsp) -> None:
+        sci = start_sci(dsp, "SCI-A")
+        sci.SCICCR.all, sci.SCIHBAUD.all, sci.SCILBAUD.all = sciccr, brr >> 8, brr & 0xFF
+        dsp.compute(1000)
+
+    scene = small.scene_with(monkeypatch, main, ["SCI-A"])
+    scene.run()
+    assert line_of(scene.units["dsp"]) == line

@@ -29,13 +29,12 @@ def drives_bus(outside: OutsideTable) -> bool:
 
 
 def as_driven(case: Case) -> Case:
-    """The case without the parties that the outside replaces; `replaced` of it has a sentence for each of them.
+    """Return a case with [outside] without the parties that it replaces; `replaced` of it has a sentence for each.
 
     Budgets that need such a party are left out, by name. BadCase, with its line, for a budget that is wrong anyway.
     """
     outside, controller = case.outside, case.controller
-    if outside is None:
-        return case
+    assert outside is not None
     if controller is not None and drives_bus(outside):
         if controller.beside_outside:
             sentence = "SDA and SCL are driven from outside, beside [controller]"

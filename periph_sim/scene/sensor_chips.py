@@ -50,11 +50,11 @@ class ChipOnBus:
         """A chip of registers needs no end."""
 
     def power_on(self) -> None:
-        """Its supply comes back: registers are as after power-on, whatever the case or a driver wrote."""
+        """Replace the chip by one whose supply comes now, with registers as after power-on."""
         self.pointer.chip = self._make(self._kernel.now)
 
     def take_notes(self) -> None:
-        """Those that the chip made since."""
+        """Log the notes that the chip has made since the last call."""
         notes = tuple(self.chip.notes)
         self.chip.notes.clear()
         for note in notes:
@@ -83,7 +83,7 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
         except ValueError as error:
             raise case.mistake(str(error), *place, "options", key) from None
 
-    feels: Source = _at_rest
+    feels: Source  # chosen by the scale that `registers` set, and asked from the first sample on
 
     def make(powered: int) -> RegisterChip:
         chip: RegisterChip = kind(
@@ -110,10 +110,6 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
         raise case.mistake(str(error), *place, "values") from None
     on_bus.take_notes()
     return on_bus
-
-
-def _at_rest(tick: int) -> tuple[int, int, int]:
-    return 0, 0, 0
 
 
 def _kind(case: Case, name: str) -> type[Any]:

@@ -211,3 +211,12 @@ def test_a_case_that_is_driven_from_outside_is_not_run_by_itself(wires: tuple[st
         scene.run()
     way_out = "step it with periph_sim.outside.Session, or give its log, a [controller] or a [host]"
     assert f"{said}, and in a run nobody is there; {way_out}" in str(caught.value)
+
+
+def test_a_budget_with_a_part_that_needs_the_host_is_left_out_with_it() -> None:
+    part = {"measure": "age", "max": "40 ms"}
+    budget = {"name": "both", "measure": "stretch", "max": "1 s", "and": [part]}
+    alone = {"name": "alone", "measure": "stretch", "max": "1 s"}
+    made = case(controller=CONTROLLER | {"check": "host"}, host={}, budget=[budget, alone])
+    driven = with_outside(made, ("RX",))
+    assert [one.name for one in driven.budget] == ["alone"] and driven.host is None

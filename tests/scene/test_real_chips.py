@@ -215,3 +215,20 @@ def test_a_head_that_asks_no_known_chip_has_none_to_set_up():
     controller = {"request": [{"address": 0x10}], "initialise": "1 ms"}
     with pytest.raises(BadCase, match="no known chip is asked"):
         Scene(case(controller=controller))
+
+
+def test_a_chip_that_was_without_power_has_its_registers_as_after_power_on():
+    off = {"kind": "off", "after": "2 ms", "until": "3 ms"}
+    chips = {
+        name: {
+            "model": "itg3200",
+            "address": address,
+            "values": {"fixed": [0, 0, 0]},
+            "registers": {"SMPLRT_DIV": 9},
+            **more,
+        }
+        for name, address, more in (("kept", 0x68, {}), ("lost", 0x69, {"fault": [off]}))
+    }
+    scene = Scene(case(chip=chips))
+    scene.run(Fraction(5, 1000))
+    assert [scene.chips[name].chip.get("SMPLRT_DIV") for name in chips] == [9, 0]

@@ -112,3 +112,13 @@ def test_settings_are_made_once_for_scenes_that_say_the_same_and_kept_for_so_man
     for value in range(1, KEPT + 1):
         shared(Settings, {"value": value}, "it")
     assert kept() is None
+
+
+@dataclass
+class Changeable:
+    value: int
+
+
+def test_settings_that_firmware_may_change_are_made_for_each_scene() -> None:
+    one, other = (shared(Changeable, {"value": 0}, "it") for _ in range(2))
+    assert one == other and one is not other

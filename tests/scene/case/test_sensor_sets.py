@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.case.sensor_sets import load
+from periph_sim.scene.case.sensor_sets import load, named
 from periph_sim.sensors.models.parameters import ImuParameters
 
 GOOD = """\
@@ -49,6 +49,15 @@ def test_a_file_changes_what_it_says_and_leaves_the_rest(tmp_path: Path) -> None
     assert imu.accelerometer.bias == pytest.approx((1.0, 0.0, 0.0))
     assert imu.magnetometer.earth_field == pytest.approx((0.2, -0.04, 0.15))
     assert imu.gyroscope.scale == ImuParameters().gyroscope.scale
+
+
+def test_a_shipped_set_is_known_by_its_name_and_a_file_by_its_path(tmp_path: Path) -> None:
+    assert named("table_5_1").gyroscope.bias == (-3.1041, 3.5997, 0.0438)
+    assert named(str(write(tmp_path, GOOD))) == load(tmp_path / "sensors.toml")
+    with pytest.raises(
+        BadCase, match="there is no parameter set 'table_5'; give the path of a TOML file, or a shipped"
+    ):
+        named("table_5")
 
 
 def test_an_empty_file_is_table_4_1(tmp_path: Path) -> None:

@@ -196,12 +196,29 @@ def test_two_units_share_a_pair():
     assert words == [ord("!")] and not [note for note in result.notes if "RS485" in note]
 
 
+def test_the_drivers_pin_may_be_named_as_its_unit_names_it():
+    named = {"dsp": unit("SCI-A", "GPIO", pins={"DE": PIN})}
+    result = run(replies(b"OK"), unit=named, transceiver={"de": "DE"})
+    assert result.verdict == "pass" and not [note for note in result.notes if "RS485" in note]
+
+
 @pytest.mark.parametrize(
     ("table", "more", "said"),
     [
         ({"on": "dsp.SCI-B"}, {}, "transceiver.0.on: unit dsp has no SCI-B; add it to its modules"),
         ({"de": "dsp.GPIO99"}, {}, "transceiver.0.de: dsp.GPIO99: the pins are GPIO0 to GPIO87"),
         ({"de": "other.GPIO1"}, {}, "transceiver.0.de: there is no unit 'other'; it has dsp"),
+        ({"de": "DE"}, {}, "transceiver.0.de: there is no pin 'DE'; it has dsp.SCI-A.RX, dsp.SCI-A.TX, dsp.GPIO0"),
+        (
+            {"de": "DE"},
+            {
+                "unit": {
+                    "dsp": unit("SCI-A", "GPIO", pins={"DE": PIN}),
+                    "other": unit("GPIO", pins={"DE": PIN}),
+                }
+            },
+            "transceiver.0.de: DE is no pin of one unit; give a GPIO of the unit, for instance dsp.GPIO34",
+        ),
         ({"pair": "RX"}, {}, "transceiver.0.pair: RX is a wire already; give the pair another name"),
         (
             {},

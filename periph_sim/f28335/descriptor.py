@@ -23,6 +23,7 @@ from ..core.options import Answers
 from ..core.registers import RegisterMap
 from .cpu.pie_map import VECTORS
 from .gpio.pin_mux_table import FUNCTIONS
+from .system.address_space import FLASH
 from .system.clocks_map import PCLKCR0, PCLKCR3
 
 ARGUMENTS = frozenset(("name", "number", "options"))  # what the class of a chip may take
@@ -148,12 +149,24 @@ def named_class(name: str) -> Any:
 
 
 class Part(Struct, frozen=True, dict=True):
-    """A chip of the family. modules: in the order in which they are listed to users."""
+    """A chip of the family.
+
+    modules: in the order in which they are listed to users.
+    flash: its addresses. Parts with less flash than the F28335 lack the low addresses; all else is the same.
+    part_id: what PARTID reads as.
+    """
 
     name: str
     modules: tuple[ModuleDescriptor, ...]
+    flash: range
+    part_id: int
 
     def __post_init__(self) -> None:
+        if not (self.flash and self.flash.start >= FLASH.start and self.flash.stop == FLASH.stop):
+            raise DescriptorError(
+                f"{self.name}: its flash is at {self.flash.start:#08x} to {self.flash.stop - 1:#08x}; "
+                f"expected the end of {FLASH.start:#08x} to {FLASH.stop - 1:#08x}"
+            )
         self._refuse_twice("name", [(one.name, one) for one in self.modules])
         self._refuse_twice("interrupt", [(i.vector, m) for m in self.modules for i in m.interrupts if not i.shared])
         self._refuse_twice("start-up pin", [(f"GPIO{pin}", one) for one in self.modules for pin in one.pins.values()])

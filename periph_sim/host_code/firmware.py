@@ -96,6 +96,7 @@ class _Run:
         self._numbers: dict[Place, int] = {}
         self._stores: dict[int, tuple[int, int]] = {}  # what follows an announced write: `RegisterLayout.stored`, by pc
         self._elsewhere = Elsewhere(dsp.core, dsp.processor.notes)
+        self._elsewhere.set_part(dsp.plan.part)
         cpu = dsp.cpu
         self._assembly: dict[str, Callable[[], None]] = {
             "clrc intm": cpu.eint,

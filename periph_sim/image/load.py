@@ -9,6 +9,8 @@ from itertools import pairwise
 from pathlib import Path
 
 from ..core.input_files import read_input
+from ..f28335.descriptor import Part
+from ..f28335.parts.f28335 import PART
 from ..f28335.system.address_space import not_loadable
 from . import coff2
 from .model import BadImage, Image, quoted
@@ -53,20 +55,25 @@ def _check(image: Image) -> None:
     loaded = sorted(image.loaded, key=lambda section: section.address)
     if not loaded:
         raise BadImage("no section of it is loaded, so there is nothing to run")
-    for section in loaded:
-        for address in {section.address, section.run}:
-            why = not_loadable(address, section.size)
-            if why:
-                raise BadImage(f"section {quoted(section.name)} lies {why}")
+    require_loadable(image, PART)
     for before, after in pairwise(loaded):
         if after.address < before.end:
             raise BadImage(
                 f"sections {quoted(before.name)} and {quoted(after.name)} overlap at {after.address:#08x}; "
                 "each word can be loaded once"
             )
-    for address, words in image.initial:
-        why = not_loadable(address, len(words))
-        if why:
-            raise BadImage(f".cinit initialises {len(words)} words {why}")
     if not any(section.address <= image.entry < section.end for section in image.code):
         raise BadImage(f"its entry {image.entry:#08x} lies in no loaded code section; link it with an entry point")
+
+
+def require_loadable(image: Image, part: Part) -> None:
+    """Raise BadImage if the image needs memory that this part does not have, or that cannot be loaded."""
+    for section in image.loaded:
+        for address in {section.address, section.run}:
+            why = not_loadable(address, section.size, part)
+            if why:
+                raise BadImage(f"section {quoted(section.name)} lies {why}")
+    for address, words in image.initial:
+        why = not_loadable(address, len(words), part)
+        if why:
+            raise BadImage(f".cinit initialises {len(words)} words {why}")

@@ -30,7 +30,7 @@ from ..f28335.cpu import pie_map
 from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.cpu.interrupts import CpuInterrupts, int13_source
 from ..f28335.cpu.pie import Pie
-from ..f28335.descriptor import ModuleDescriptor
+from ..f28335.descriptor import ModuleDescriptor, Part
 from ..f28335.parts.f28335 import PART
 from ..f28335.system import clocks_map
 from ..f28335.system.clocks import WDRST_CYCLES, SystemControl
@@ -59,6 +59,7 @@ class DspPlan(Struct):
 
     seed: of the values drawn from spreads. end: the value that is taken instead, in runs for bounds.
     options: answers to open questions about modules, by group; modules take their defaults where a group is missing.
+    part: of the family.
     """
 
     name: str
@@ -74,6 +75,7 @@ class DspPlan(Struct):
     end: End = "drawn"
     stall_limit: float = 0.0  # seconds of CPU time that firmware may take at one instant; 0: any
     pulled_down: frozenset[int] = frozenset()
+    part: Part = PART
     code: CodeCosts = field(default_factory=CodeCosts)
     system: SystemOptions = field(default_factory=SystemOptions)
     options: dict[str, Answers] = field(default_factory=dict)
@@ -109,8 +111,10 @@ class Dsp(FirmwareView):
         self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []  # of them; tick, where the program was
         self.on_reset: list[Callable[[], None]] = []
         for name in plan.modules:
-            if name not in PART.selectable:
-                raise ValueError(f"{plan.name}: there is no module {name!r}; {did_you_mean(name, PART.selectable)}")
+            if name not in plan.part.selectable:
+                raise ValueError(
+                    f"{plan.name}: there is no module {name!r}; {did_you_mean(name, plan.part.selectable)}"
+                )
         self._build(plan)
         self.processor = Processor(
             kernel, self.clock, recorder, plan.name, self.memory, self.core, self.pie, plan.system, strict=plan.strict
@@ -132,15 +136,18 @@ class Dsp(FirmwareView):
 
     def start_image(self, image: Image, boot: Boot = "entry", stubs: Iterable[Stub] = ()) -> ImageProgram:
         """Run a firmware image in place of Python firmware; a reset begins it anew. BadImage where it cannot boot."""
+        from ..image.load import require_loadable
         from ..image.shared_memory import shared_memory
         from .image.boot import entry_of
         from .image.program import ImageProgram
 
+        require_loadable(image, self.plan.part)
         entry = entry_of(image, boot)
         program = self.program = ImageProgram(
             self.processor, self.clock, image, entry, self.plan.system, self.plan.skip_polls
         )
         self.processor.notes.placed = True
+        program.cpu.elsewhere.set_part(self.plan.part)
         program.load()
         for sentence in shared_memory(image):
             self.processor.notes.note(0, Note("unknown", sentence, "SPRU513, UNION"))
@@ -186,19 +193,19 @@ class Dsp(FirmwareView):
         for name, socket in self._sockets.items():
             if not socket.chip.touched:
                 continue
-            found |= {f"{PART.by_name[name].options}.{option}" for option in socket.chip.touched}
+            found |= {f"{self.plan.part.by_name[name].options}.{option}" for option in socket.chip.touched}
         return found
 
     # Building ------------------------------------------------------------------
 
     def _build(self, plan: DspPlan) -> None:
         """Add the modules that every unit has, and those that the plan names; their code is imported here."""
-        self._add(PART.by_name["SYS"], self.control)
-        self._add(PART.by_name["PIE"], self.pie)
+        self._add(self.plan.part.by_name["SYS"], self.control)
+        self._add(self.plan.part.by_name["PIE"], self.pie)
         self._sockets["SYS"].after = self._follow_control
         self._sockets["PIE"].after = self._follow_pie
         options = {"system": plan.system, **plan.options}
-        for descriptor in (PART.by_name[name] for name in plan.modules):
+        for descriptor in (self.plan.part.by_name[name] for name in plan.modules):
             chip = descriptor.build(options)
             chip.set_sysclk(0, self.control.sysclk_hz)
             self._add(descriptor, chip)
@@ -285,7 +292,7 @@ class Dsp(FirmwareView):
         if lspclk != self._lspclk:
             self._lspclk = lspclk
             for name, socket in self._sockets.items():
-                if PART.by_name[name].clock == "LSPCLK":
+                if self.plan.part.by_name[name].clock == "LSPCLK":
                     socket.chip.set_lspclk(cycle, *lspclk)
                     socket.publish(cycle)
         if control.gates != self._gates:
@@ -297,7 +304,7 @@ class Dsp(FirmwareView):
     def gate(self, cycle: int) -> None:
         """Every module's clock on or off, as PCLKCR says."""
         for name, socket in self._sockets.items():
-            descriptor = PART.by_name[name]
+            descriptor = self.plan.part.by_name[name]
             if gate := descriptor.gate or descriptor.input_gate:
                 socket.chip.gate(cycle, self.control.enabled(gate))
                 socket.publish(cycle)
@@ -306,7 +313,7 @@ class Dsp(FirmwareView):
         inputs: dict[str, Port] = {}
         outputs: dict[str, Port] = {}
         for name, socket in self._sockets.items():
-            descriptor = PART.by_name[name]
+            descriptor = self.plan.part.by_name[name]
             inputs |= {signal: (socket, pin) for pin, signal in enumerate(descriptor.inputs or ())}
             outputs |= {signal: (socket, pin) for pin, signal in enumerate(descriptor.outputs)}
         gpio = self._sockets.get("GPIO")
@@ -320,11 +327,11 @@ class Dsp(FirmwareView):
             pads = Pads(plan.wires, plan.pulled_down)
             return Router(kernel, clock, recorder, gpio.chip, gpio, plan.name, pads, inputs, outputs, xint)
         for signal, (socket, index) in inputs.items():
-            wire = plan.wires.get(PART.pins[signal])
+            wire = plan.wires.get(self.plan.part.pins[signal])
             if wire is not None:
                 socket.inputs.listen(index, wire)  # seen at the next SYSCLKOUT edge
         for signal, (socket, index) in outputs.items():
-            wire = plan.wires.get(PART.pins[signal])
+            wire = plan.wires.get(self.plan.part.pins[signal])
             if wire is not None:
                 socket.connect(index, [wire.attach(f"{plan.name}.{signal}")])
         return None

@@ -12,6 +12,7 @@ from ..core.options import Answers, Value, options_from
 from ..core.suggest import did_you_mean
 from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.descriptor import named_class
+from ..f28335.parts import part_named, part_names
 from ..f28335.parts.f28335 import PART
 from ..f28335.system.options import SystemOptions
 from ..processor.dsp import Dsp, DspPlan
@@ -52,9 +53,14 @@ class BuiltUnit(Struct, frozen=True):
 def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware | None, end: End) -> BuiltUnit:
     """The unit, its firmware started. program: instead of the case's firmware. BadCase for what it cannot have."""
     case = context.case
+    part = part_named(unit.part)
+    if part is None:
+        raise case.mistake(
+            f"there is no part {unit.part!r}; {did_you_mean(unit.part, part_names())}", "unit", name, "part"
+        )
     for module in unit.modules:
-        if module not in PART.selectable:
-            hint = did_you_mean(module, PART.selectable)
+        if module not in part.selectable:
+            hint = did_you_mean(module, part.selectable)
             raise case.mistake(f"there is no module {module!r}; {hint}", "unit", name, "modules")
     plan = DspPlan(
         name,
@@ -70,6 +76,7 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         end=end,
         stall_limit=float(case.stall_limit),
         pulled_down=pulled_down(case, name),
+        part=part,
         code=CodeCosts(**unit.code.model_dump()),
         system=options_of(case, SystemOptions, unit.options.get("system", {}), name, "system"),
         options=_module_options(case, name, unit),

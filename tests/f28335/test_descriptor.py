@@ -101,7 +101,7 @@ def test_a_descriptor_that_contradicts_itself_or_the_manual_is_refused(changes: 
 def test_modules_that_collide_are_refused(other: ModuleDescriptor, sentence: str) -> None:
     first = module(interrupts=(Interrupt("ADCINT"),), outputs=("SCITXDB",), pins={"SCITXDB": 18})
     with pytest.raises(DescriptorError) as caught:
-        Part("F28335", (first, other))
+        Part("F28335", (first, other), range(0x30_0000, 0x34_0000), 0x00EF)
     assert str(caught.value) == f"F28335: {sentence}"
 
 
@@ -110,6 +110,6 @@ def test_modules_may_share_an_interrupt_if_both_say_so() -> None:
         module(name, base=base, interrupts=(Interrupt("INT13", shared=True),))
         for name, base in (("A", 0x7100), ("B", 0x7200))
     ]
-    part = Part("two", tuple(shared))
+    part = Part("two", tuple(shared), range(0x33_0000, 0x34_0000), 0)
     assert list(part.requesters("INT13")) == ["A", "B"]
     assert part.requesters("INT14") == {}

@@ -1,1 +1,22 @@
-"""The chips of the family, one file each: `PART` is its data."""
+"""The chips of the family, one file each, named as the chip: `PART` is its data."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import cast
+
+from ...core.discover import module_with
+from ..descriptor import Part
+
+
+def part_names() -> tuple[str, ...]:
+    """Return the names of all parts, as a case writes them."""
+    return tuple(sorted(file.stem.upper() for file in Path(__file__).parent.glob("f*.py")))
+
+
+def part_named(name: str) -> Part | None:
+    """Return the part of that name; None if there is none. The files of other parts are not imported."""
+    if name != name.upper():
+        return None
+    module = module_with("PART", __name__, __path__, name.lower())
+    return None if module is None else cast(Part, module.PART)

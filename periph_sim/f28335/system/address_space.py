@@ -1,6 +1,7 @@
-"""What the F28335 has at each address: an address goes in; memory that may hold code or data comes out, or registers.
+"""Contents of the address space: memory that may hold code or data, or registers, for each address.
 
-Of the chip as it is, whatever a scene names of it; `memory_map` has the modules that a scene named. Words of 16 bits.
+The space is that of the chip, whatever a scene names of it; `memory_map` has the modules that a scene named. Parts of
+the family with less flash than the F28335 have nothing at its low addresses. Words have 16 bits.
 
 Source: SPRS439M Figure 3-2, Tables 3-1, 3-5, 3-8 to 3-11.
 """
@@ -9,9 +10,15 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from enum import Enum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from .ram import BLOCKS
+
+if TYPE_CHECKING:
+    from ..descriptor import Part
+
+
+FLASH = range(0x30_0000, 0x34_0000)  # of the F28335, which has the most
 
 
 class Content(Enum):
@@ -49,7 +56,7 @@ AREAS = tuple(
             Area("peripheral frame 2", 0x007000, 0x1000, Content.REGISTERS),
             Area("XINTF zone 6", 0x100000, 0x100000, Content.EXTERNAL),
             Area("XINTF zone 7", 0x200000, 0x100000, Content.EXTERNAL),
-            Area("flash", 0x300000, 0x40000, Content.FLASH),
+            Area("flash", FLASH.start, len(FLASH), Content.FLASH),
             Area("ADC calibration", 0x380080, 0x10, Content.ROM),
             Area("PARTID", 0x380090, 1, Content.ROM),
             Area("user OTP", 0x380400, 0x400, Content.OTP),
@@ -70,19 +77,21 @@ LOADABLE = frozenset((Content.RAM, Content.FLASH, Content.OTP, Content.EXTERNAL)
 
 
 def area_at(address: int) -> Area | None:
-    """The area that an address lies in; None where the chip has nothing."""
+    """Return the area that an address of the F28335 lies in; None where the chip has nothing."""
     at = bisect_right(_BASES, address) - 1
     return AREAS[at] if at >= 0 and address < AREAS[at].end else None
 
 
-def not_loadable(base: int, size: int) -> str:
-    """Why words cannot be loaded at these addresses, as the end of a sentence; "" if they can."""
+def not_loadable(base: int, size: int, part: Part) -> str:
+    """Return why words cannot be loaded at these addresses of a part, as the end of a sentence; "" if they can be."""
     address = base
     while address < base + size:
         area = area_at(address)
         if area is None:
             others = "".join(f"; {what}" for where, what in OTHER_PARTS if address in where)
-            return f"at {address:#08x}, where the F28335 has nothing{others}"
+            return f"at {address:#08x}, where the {part.name} has nothing{others}"
+        if area.content is Content.FLASH and address < part.flash.start:
+            return f"at {address:#08x}, where the {part.name} has nothing; its flash begins at {part.flash.start:#08x}"
         if area.content not in LOADABLE:
             return f"at {address:#08x}, over {area.content.value} ({area.name})"
         address = area.end

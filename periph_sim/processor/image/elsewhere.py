@@ -21,8 +21,9 @@ from typing import Annotated
 from ...c28x.execution.registers import IllegalOperation
 from ...core.chip import Note
 from ...f28335.cpu.interrupts import CpuInterrupts
+from ...f28335.descriptor import Part
 from ...f28335.parts.f28335 import PART
-from ...f28335.system.address_space import Area, Content, area_at
+from ...f28335.system.address_space import FLASH, Area, Content, area_at
 from ...f28335.system.register_names import full_name, is_protected, register_name
 from ...form.c_types import UInt8, UInt16
 from ..firmware_notes import FirmwareNotes
@@ -31,14 +32,14 @@ ERASED = 0xFFFF
 FRAME_READ_WAITS, ROM_WAITS, EXTERNAL_WAITS, PASSWORD_WAITS = 2, 1, 1, 16
 L4_WAITS = 1  # L4 to L7, as program memory
 L4_TO_L7 = range(0xC000, 0x1_0000)
-FLASH, FLASH_END = 0x30_0000, 0x34_0000
+FLASH_BEGIN, FLASH_END = FLASH.start, FLASH.stop
 PASSWORD = range(0x33_FFF8, 0x34_0000)
 FOPT, FBANKWAIT, FOTPWAIT = 0x0A80, 0x0A86, 0x0A87
 ENPIPE = 1  # of FOPT
 PAGEWAIT = 8  # bit of FBANKWAIT; RANDWAIT is at bit 0
 ADC_CAL, LRETR = 0x38_0080, 0x0006  # start-up code calls it
-PARTID, CLASSID, F28335 = 0x38_0090, 0x0882, 0x00EF
-FRAME_RESET = {0x0A84: 0x01FF, 0x0A85: 0x01FF, FBANKWAIT: 0x0F0F, FOTPWAIT: 0x001F, CLASSID: F28335}
+PARTID, CLASSID, FLOATING_POINT = 0x38_0090, 0x0882, 0x00EF
+FRAME_RESET = {0x0A84: 0x01FF, 0x0A85: 0x01FF, FBANKWAIT: 0x0F0F, FOTPWAIT: 0x001F, CLASSID: FLOATING_POINT}
 FLASH_COMMANDS = range(0x0A88, 0x0AE0)  # behind what SPRUFB0D documents: TI's flash API alone writes there
 MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
 BOOT_ROM = range(0x3F_E000, 0x40_0000)
@@ -51,6 +52,8 @@ NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not mo
 class Elsewhere:
     """changed: called as a stub begins to answer something else."""
 
+    _flash_begin: int
+    _part_name: str
     _frames: Annotated[list[UInt16], FRAMES_END]
     _states: Annotated[list[UInt8], FRAMES_END]
 
@@ -60,13 +63,20 @@ class Elsewhere:
         self._notes = notes
         self._frames = [0] * FRAMES_END  # words of frames and of XINTF zone 0
         self._states = [0] * FRAMES_END  # what is known of them; SEEN: an access has no effect but on the word itself
-        self._stored = {PARTID: F28335, ADC_CAL: LRETR}  # words above
+        self._stored = {ADC_CAL: LRETR}  # words above
         for address, value in FRAME_RESET.items():
             self._frames[address] = value
         self._noted: set[str] = set()
         self._stubs: dict[int, int] = {}  # by address
         self._to_come: list[int] = []  # addresses that a stub answers later
         self._flash = self._fetches(Content.FLASH)  # asked for at every jump there
+        self.set_part(PART)
+
+    def set_part(self, part: Part) -> None:
+        """Have the memory of another part of the family."""
+        self._part_name = part.name
+        self._flash_begin = part.flash.start
+        self._stored[PARTID] = part.part_id
 
     def fill(self, address: int, value: int) -> None:
         """A word that is there before the program begins."""
@@ -101,7 +111,7 @@ class Elsewhere:
         """A word. IllegalOperation where the chip has nothing, or what nobody can answer."""
         if address < FRAMES_END and self._states[address] & (SEEN | STUBBED) == SEEN:
             return self._frames[address]
-        if FLASH <= address < FLASH_END:
+        if self._flash_begin <= address < FLASH_END:
             return self._stored.get(address, ERASED)
         area = self._area(address, "read")
         if address in MATH_TABLES:
@@ -159,7 +169,7 @@ class Elsewhere:
             return FRAME_READ_WAITS
         if address in PASSWORD:
             return PASSWORD_WAITS
-        if FLASH <= address < FLASH_END:
+        if self._flash_begin <= address < FLASH_END:
             return self._flash[1]
         area = area_at(address)
         if area is None:
@@ -172,7 +182,7 @@ class Elsewhere:
 
     def fetches(self, address: int) -> tuple[int, int, int]:
         """Of program memory: (address bits in what is fetched at once, its wait states behind a jump, and else)."""
-        if FLASH <= address < FLASH_END:
+        if self._flash_begin <= address < FLASH_END:
             return self._flash
         area = area_at(address)
         if area is None or area.content is Content.RAM:
@@ -198,8 +208,8 @@ class Elsewhere:
 
     def _area(self, address: int, how: str) -> Area:
         area = area_at(address)
-        if area is None:
-            raise IllegalOperation(f"{address:#08x} is {how}, where the F28335 has nothing")
+        if area is None or FLASH_BEGIN <= address < self._flash_begin:
+            raise IllegalOperation(f"{address:#08x} is {how}, where the {self._part_name} has nothing")
         return area
 
     def _note(self, cycle: int, address: int, area: Area) -> None:

@@ -19,9 +19,10 @@ from ...c28x.fetch_queue import DEPTH, FetchQueue
 from ...c28x.hazards import hazards
 from ...c28x.pipeline import Pipeline
 from ...f28335.cpu.interrupts import CpuInterrupts
+from ...f28335.system.address_space import FLASH
 from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import block_at
-from .elsewhere import FLASH, FLASH_END, Elsewhere
+from .elsewhere import Elsewhere
 
 if TYPE_CHECKING:
     from ...core.options import BoolOption
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 UNC = 15
 BRANCHES = flow.RELATIVE | {"LB", "XB", "XBANZ"}
 PREFETCHED = 2  # address bits of a unit: flash with FOPT.ENPIPE
-ALL_FLASH = range(FLASH, FLASH_END)
 PUSH_FIELD = 0xBD  # *SP++
 WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3
 
@@ -117,7 +117,7 @@ class InstructionTiming:
 
         Only in flash, from where fetches go on meanwhile.
         """
-        if address in ALL_FLASH and code in ALL_FLASH and self._shared.assume(self._core.touched):
+        if address in FLASH and code in FLASH and self._shared.assume(self._core.touched):
             return self.queue.read(cycle, waits)
         return 0
 

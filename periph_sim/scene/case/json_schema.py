@@ -15,6 +15,7 @@ from ...core.options import allowed
 from ...devices.chips import chip_models
 from ...devices.targets import Family, families
 from ...devices.watchers import watchers
+from ...f28335.parts import part_names
 from ...f28335.parts.f28335 import PART
 from ...sensors.host_frame import Encoding
 from ...sensors.motion import kinds as kinds_of_motion
@@ -43,6 +44,7 @@ def case_schema() -> Schema:
     definitions["DeviceTable"] = {"anyOf": [*_devices(definitions["DeviceTable"], devices, schemas)]}
     definitions["WatchTable"] = {"anyOf": [*_watches(definitions["WatchTable"], watches, schemas)]}
     options = {name: _options(kind) for name, kind in PART.options_classes().items()}
+    definitions["Unit"]["properties"]["part"]["enum"] = [*part_names()]
     definitions["Unit"]["properties"]["options"] = _closed({"type": "object", "properties": options})
     return {"$schema": DIALECT, "title": "periph-sim case", **case, "$defs": definitions}
 

@@ -79,7 +79,9 @@ class Compile(Table, frozen=True, kw_only=True):
 
 
 class Unit(Table, frozen=True, kw_only=True):
-    """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves.
+    """One chip of the family. part: which one.
+
+    pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves.
 
     Either firmware, a Python program, or image, a linker's .out file or assembly (.asm), or sources in C, which are
     compiled for the host. boot: where an image begins.
@@ -94,6 +96,7 @@ class Unit(Table, frozen=True, kw_only=True):
     stub: tuple[StubTable, ...] = ()
     memory: VariableValues = {}
     settings: dict[str, object] = {}
+    part: str = "F28335"
     modules: tuple[str, ...]
     oscclk: Crystal = Fraction(30_000_000)
     pll: Annotated[int, Meta(ge=1, le=10)] = 10

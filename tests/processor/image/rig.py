@@ -8,6 +8,8 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.options import Value, options_from
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
+from periph_sim.f28335.descriptor import Part
+from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.system.options import SystemOptions
 from periph_sim.image.assemble import assemble
 from periph_sim.image.model import Image
@@ -39,12 +41,14 @@ class Rig:
         boot: Boot = "entry",
         stubs: Iterable[Stub] = (),
         skip: bool = True,
+        part: Part = PART,
         **options: Value,
     ) -> None:
         self.kernel, self.recorder = Kernel(), Recorder()
         self.records: list[Record] = []
         self.recorder.subscribe({Kind.IRQ, Kind.NOTE, Kind.ACCESS}, self.records.append)
-        plan = DspPlan("dsp", modules, {}, from_boot=True, skip_polls=skip, system=options_from(SystemOptions, options))
+        system = options_from(SystemOptions, options)
+        plan = DspPlan("dsp", modules, {}, from_boot=True, skip_polls=skip, system=system, part=part)
         self.dsp = Dsp(self.kernel, Timebase(150_000_000), self.recorder, plan)
         image = assemble(source) if isinstance(source, str) else source
         self.dsp.start_image(image, boot, stubs)

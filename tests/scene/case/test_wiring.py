@@ -124,3 +124,34 @@ def test_what_no_cable_can_be(cables: list[dict[str, str]], said: str):
 def test_a_line_that_the_host_drives_is_taken():
     with pytest.raises(BadCase, match=r"cable\.0: right\.SCI-A\.TX and the host would drive one wire"):
         pins([cable("right.SCI-A.TX", "RX")], host=True, left=unit("SCI-B"), right=unit("SCI-A"))
+
+
+@pytest.mark.parametrize(
+    ("units", "transceivers", "found"),
+    [
+        ({"dsp": unit("I2C-A", "SCI-A")}, [], {"dsp": ("I2C-A", "SCI-A")}),
+        ({"dsp": unit("GPIO", LED=12)}, [], {"dsp": ("GPIO", "pin:LED")}),
+        (
+            {"dsp": unit("SCI-A", "GPIO", DE=34)},
+            [{"on": "SCI-A", "de": "DE"}],
+            {"dsp": ("SCI-A", "GPIO", "pin:DE", "pin:RS485")},
+        ),
+        (
+            {"left": unit("SCI-B", "GPIO", DE=34), "right": unit("SCI-B", "GPIO", OE=5)},
+            [{"on": "left.SCI-B", "de": "DE"}, {"on": "right.SCI-B", "de": "OE", "pair": "OTHER"}],
+            {
+                "left": ("SCI-B", "GPIO", "pin:left.SCI-B.RX", "pin:left.SCI-B.TX", "pin:DE", "pin:RS485"),
+                "right": ("SCI-B", "GPIO", "pin:right.SCI-B.RX", "pin:right.SCI-B.TX", "pin:OE", "pin:OTHER"),
+            },
+        ),
+        (
+            {"left": unit("GPIO", BUSY=7), "right": unit("GPIO", BUSY=8)},  # one wire, listed with the first unit
+            [],
+            {"left": ("GPIO", "pin:BUSY"), "right": ("GPIO",)},
+        ),
+    ],
+)
+def test_a_recording_lists_modules_and_the_wires_that_are_not_the_usual_ones(
+    units: dict[str, Any], transceivers: list[dict[str, str]], found: dict[str, tuple[str, ...]]
+):
+    assert case(unit=units, transceiver=transceivers).recorded_modules == found

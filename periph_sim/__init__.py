@@ -16,9 +16,6 @@ __version__ = "0.1.0"  # the one place: the wheel's metadata and `periph-sim --v
 if TYPE_CHECKING:
     from .api import make_case, run
     from .core.kernel import SimulationStuck
-    from .levels.schedule.call import schedule
-    from .levels.schedule.errors import BadSchedule
-    from .levels.schedule.result import ScheduleResult
     from .processor.dsp import Dsp
     from .processor.error_origin import FirmwareError
     from .records.cause_trace.why import why
@@ -46,7 +43,6 @@ __all__ = [
     "BadCase",
     "BadCheck",
     "BadRecording",
-    "BadSchedule",
     "Capture",
     "Case",
     "CaseCheck",
@@ -57,7 +53,6 @@ __all__ = [
     "Result",
     "Run",
     "Scene",
-    "ScheduleResult",
     "SimulationStuck",
     "Sweep",
     "Verdict",
@@ -68,7 +63,6 @@ __all__ = [
     "make_case",
     "read_capture",
     "run",
-    "schedule",
     "sweep",
     "why",
     "write_capture",
@@ -77,9 +71,6 @@ __all__ = [
 _HOMES = {
     "api": ("make_case", "run"),
     "core.kernel": ("SimulationStuck",),
-    "levels.schedule.call": ("schedule",),
-    "levels.schedule.errors": ("BadSchedule",),
-    "levels.schedule.result": ("ScheduleResult",),
     "processor.dsp": ("Dsp",),
     "processor.error_origin": ("FirmwareError",),
     "records.cause_trace.why": ("why",),
@@ -106,6 +97,10 @@ _PLACES = {name: (home, name) for home, names in _HOMES.items() for name in name
 
 def __getattr__(name: str) -> object:
     if name not in _PLACES:
+        from .removed import NAMES
+
+        if name in NAMES:  # `from periph_sim import ...` would replace the text of an AttributeError
+            raise ImportError(NAMES[name], name=__name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     home, inside = _PLACES[name]
     found = getattr(import_module(f".{home}", __name__), inside)

@@ -13,7 +13,6 @@ from typing import Any
 from .core.convert import BadTable
 from .core.input_files import inputs_of_one_command, note_inputs_of
 from .core.settings import duration
-from .levels.judged import judged, refuse_record
 from .records.if_recorded import if_recorded
 from .scene.case.load import apply, built, load, refusal
 from .scene.case.model import BadCase, Case
@@ -82,12 +81,10 @@ def _run(
     firmware = {unit: _firmware(unit, program) for unit, program in programs.items()}
     for unit in firmware.keys() - case.unit.keys():
         raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
-    refuse_record(case, record)
     with if_recorded(None if record is None else Path(record), case.recorded_modules) as (subscribe, ended_at):
-        scene = judged(case, subscribe, firmware)
+        scene = Scene(case, subscribe, firmware)
         result = scene.run(length)
-        if isinstance(scene, Scene):
-            ended_at(scene.kernel.now, clocks_of(scene))
+        ended_at(scene.kernel.now, clocks_of(scene))
     return result
 
 

@@ -73,6 +73,10 @@ class Commands(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if not args[0].startswith("-") and not _is_command(_file(args[0])):
             from .core.suggest import did_you_mean
+            from .removed import COMMANDS
+
+            if args[0] in COMMANDS:
+                raise click.ClickException(COMMANDS[args[0]])
 
             raise click.UsageError(
                 f"there is no command {args[0]!r}; {did_you_mean(args[0], self.list_commands(ctx))}", ctx

@@ -68,8 +68,6 @@ WHOLE = (
 # Ordinary tests, but scenes of tenths of a second, one after the other.
 UNCOUNTED = (
     "tests/devices/test_host_pc.py",
-    "tests/explain/bound/test_bounds.py",
-    "tests/explain/bound/test_sweep.py",
     "tests/reports/baselines/test_check.py",
     "tests/scene/test_event_budgets.py",
     "tests/scene/test_flagship.py",

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from textwrap import wrap
 
 from ..core.counted import counted
 from ..scene.case.model import Case
-from ..scene.result import AT_ANOTHER_LEVEL, BYTE_LEVEL, FRAMES, FRAMES_PASSED, SKIPPED, Result
+from ..scene.result import BYTE_LEVEL, FRAMES, FRAMES_PASSED, SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
 from ..timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
-from .tables import WIDTH, PlainTable, Screen, plain_table, say
+from .tables import PlainTable, Screen, plain_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
 THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}  # counts of them
@@ -22,7 +21,7 @@ def show(console: Screen, result: Result, case: Case, verbose: bool = False, cho
     """verbose: list what the run assumed, and tell what it skipped. chosen: how its level was chosen, for the first
     line.
     """
-    say(console, f"{result.case}: {title(result)}{chosen}{terms(result)}{estimated(result)}", style="bold")
+    say(console, f"{result.case}: {title(result)}{chosen}{estimated(result)}", style="bold")
     if result.budgets:
         console.print(budget_table(result.budgets))
     else:
@@ -59,21 +58,8 @@ def _sci_bytes(result: Result) -> str:
 
 
 def found_lines(budgets: Sequence[Verdict]) -> list[str]:
-    """What there is to say of budgets that are not broken; what a level does not tell once for all that it is of."""
-    told = [each for each in budgets if each.found and not each.broken]
-    lines = [f"{each.name}: {each.found}" for each in told if not each.found.endswith(AT_ANOTHER_LEVEL)]
-    of: dict[str, list[str]] = {}
-    for each in told:
-        if each.found.endswith(AT_ANOTHER_LEVEL):
-            of.setdefault(each.found, []).append(each.name)
-    for found, names in of.items():
-        lines += wrap(f"{', '.join(names)}: {found}", WIDTH, subsequent_indent="  ")
-    return lines
-
-
-def terms(result: Result) -> str:
-    """What the terms of level "schedule" were measured on, for the line of the verdict."""
-    return f"; terms measured on {simulated(result.terms_s)} of edges" if result.terms_s else ""
+    """Return a line for each budget that is not broken and of which there is something to say."""
+    return [f"{each.name}: {each.found}" for each in budgets if each.found and not each.broken]
 
 
 def _counts(counts: Mapping[str, int], verbose: bool) -> list[str]:
@@ -146,9 +132,6 @@ def legend(budgets: Sequence[Verdict]) -> list[str]:
         return []
     seen = any(each.word == SEEN for each in budgets)
     lines.append("count: occurrences" + "; seen: held in this run, other timings are not covered" * seen)
-    silent = [each for each in budgets if each.word == NOT_JUDGED]
-    if any(not each.found.endswith(AT_ANOTHER_LEVEL) for each in silent):
+    if any(each.word == NOT_JUDGED for each in budgets):
         lines.append("not judged: too little was measured; no pass")
-    elif silent:
-        lines.append("not judged: this level does not tell it; no pass")
     return lines

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import click
 
 from ..core.text_table import paragraph
-from ..levels.judged import SCHEDULE, Judged, judged, refuse_record
 from ..records.if_recorded import if_recorded
 from ..scene.case.load import load
 from ..scene.clocks import clocks_of
@@ -38,7 +37,7 @@ EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
-@click.option("--fidelity", metavar="LEVEL", help="edge, adaptive, byte, schedule; auto: cheapest within --max-error.")
+@click.option("--fidelity", metavar="LEVEL", help="edge, adaptive, byte; auto: cheapest within --max-error.")
 @click.option("--max-error", metavar="TIME", help="How far times may be off with --fidelity auto, as '1 us'.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a report with plots and timelines to this file.")
@@ -68,7 +67,6 @@ def run(
         level, bound = fidelity_given(fidelity, max_error, record)
         changes += tuple(level)
         loaded = load(case, list(changes))
-        refuse_record(loaded, record)
         length = None if seconds is None else length_given(seconds)
         unfinished = None
         if html is not None:
@@ -77,18 +75,16 @@ def run(
             unfinished = outputs.enter_context(atomic_write(html))
         subscribe, ended_at = outputs.enter_context(if_recorded(record, loaded.recorded_modules))
         choice: Choice | None = None
-        scene: Judged
         with progress(loaded.name) as told:
             if bound is None:
-                scene = judged(loaded, subscribe, keep_values=html is not None)
+                scene = Scene(loaded, subscribe, keep_values=html is not None)
                 result = scene.run(length, told)
             else:
                 from ..reports.trade.auto import run_within
 
                 made = run_within(lambda more: load(case, [*changes, *more]), bound, length, html is not None, told)
                 scene, result, choice = made
-        if isinstance(scene, Scene):
-            ended_at(scene.kernel.now, clocks_of(scene))
+        ended_at(scene.kernel.now, clocks_of(scene))
         chains = _chains(scene, result, length) if explain else {}
         if unfinished is not None:
             from ..reports.html import case_report, page
@@ -96,8 +92,7 @@ def run(
 
             values = values_of(scene.limits, scene.start)
             per_second = scene.timebase.per_second
-            told_from = scene.case if loaded.fidelity == SCHEDULE else loaded  # why something was so, records tell
-            report = case_report(told_from, result, values, scene.typical(), per_second, length, changes)
+            report = case_report(loaded, result, values, scene.typical(), per_second, length, changes)
             unfinished.write_text(page([report], loaded.name, command_line()), encoding="utf-8")
     if as_json:
         told_of_choice = {} if choice is None else {"choice": choice.as_json()}
@@ -114,7 +109,7 @@ def run(
     return status(result)
 
 
-def _chains(scene: Judged, result: Result, length: Fraction | None) -> dict[str, Chain]:
+def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, Chain]:
     from ..explain.explain import explain
 
     found = explain(scene.case, result.budgets, scene.typical(), length)

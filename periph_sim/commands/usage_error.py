@@ -10,7 +10,6 @@ import click
 # Errors that the input is to blame for, by name: a command that cannot raise one need not import it.
 MISTAKES = {
     "periph_sim.reports.baselines.errors.BadCheck",
-    "periph_sim.explain.bound.terms.BadBound",
     "periph_sim.scene.case.model.BadCase",
     "periph_sim.core.kernel.SimulationStuck",
     "periph_sim.core.time.TimeError",

@@ -64,7 +64,7 @@ def _length(text: str) -> Fraction | str:
 class Spread:
     """A cost known as a range, `least` to `most`, in seconds: each occurrence takes one value of it.
 
-    `Dsp.compute` draws the values; a bound takes the end. ValueError for a negative or empty range.
+    `Dsp.compute` draws the values. ValueError for a negative or empty range.
     """
 
     least: Fraction

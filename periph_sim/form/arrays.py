@@ -4,8 +4,7 @@
 
 Cython checks indices of lists and not those of arrays. An index outside of its array ends the process with a message
 instead of changing other memory. The compiler leaves the check out where the index cannot be outside: after a mask,
-or in a loop to a constant. A module with functions marked `# vectors` is built without, since a check keeps the
-compiler from vectorizing loops; such a module asserts the bounds of its loops before them.
+or in a loop to a constant.
 """
 
 from __future__ import annotations

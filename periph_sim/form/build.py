@@ -92,10 +92,6 @@ HARD = Kind(
 )
 # Code that leads to a traceback is cold: the compiler keeps it apart from the code of each event.
 PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE), r"__attribute__((cold)) \g<0>"
-# Functions marked `# vectors` in a .pxd have a second body for wider vectors, which the CPU chooses as the library is
-# loaded. A compiler that cannot make one, or is for another CPU, compiles them as any other.
-MARKED = re.compile(r"^ *cp?def .*?(\w+)\([^()]*\).*# vectors$", re.MULTILINE)
-WIDE = '-DPERIPH_SIM_VECTORS=__attribute__((target_clones("avx2","default")))'
 PASSED_ON = re.compile(r"__Pyx_CFunc_\w+_to_py_\w*\([^;\n]*->(\w+)\);")  # a method, where C expects a function
 SORTED = "-Wl,--sort-section=name"  # C functions of all modules first, then what wraps them for Python
 OBJECTS = "objects"
@@ -150,20 +146,16 @@ def compile_one(
     c_file = generate(module, package, kind)
     types = types_of(module, Path(package))
     require_directives(types[module], c_file)
-    marked = MARKED.findall(types[module])
     text = PROTOTYPE.sub(COLD, c_file.read_text("utf-8"), count=1)
     text = with_none_refused(text, always_set)
-    if not marked:
-        text = with_index_checks(text, arrays_of(types.values()))
-    c_file.write_text(with_vectors(text, marked), "utf-8")
+    text = with_index_checks(text, arrays_of(types.values()))
+    c_file.write_text(text, "utf-8")
     begins = f"-DPyInit_{module.split('.')[-1]}=PyInit_{symbol(f'{package}.{module}')}"
     command = [*cc.split(), *kind.flags, begins, f"-I{sysconfig.get_path('include')}", str(c_file), "-o", f"{module}.o"]
-    for more in ([WIDE], ["-DPERIPH_SIM_VECTORS="])[not marked :]:
-        done = run([*command, *more], capture_output=True, text=True, check=False)
-        if not done.returncode:
-            c_file.unlink()
-            return
-    raise NoBuild(f"{module} does not compile; {command[0]} says:\n{done.stderr or done.stdout}")
+    done = run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise NoBuild(f"{module} does not compile; {command[0]} says:\n{done.stderr or done.stdout}")
+    c_file.unlink()
 
 
 def require_directives(pxd: str, c_file: Path) -> None:
@@ -175,16 +167,6 @@ def require_directives(pxd: str, c_file: Path) -> None:
     found = disobeyed(pxd, text)
     if found:
         raise NoBuild(f"{c_file.stem}.pxd: {'; '.join(found)}; write it where Cython {version('cython')} obeys it")
-
-
-def with_vectors(c_text: str, functions: list[str]) -> str:
-    """The C file with PERIPH_SIM_VECTORS at the definitions of these functions."""
-    for function in functions:
-        define = re.compile(rf"^static (?=[^\n]*__pyx_f_\w*_{function}\([^\n]*\) {{$)", re.MULTILINE)
-        c_text, found = define.subn("PERIPH_SIM_VECTORS static ", c_text)
-        if found != 1:
-            raise NoBuild(f"{function!r} is marked '# vectors', and is defined {found} times in C; expected once")
-    return c_text
 
 
 def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
@@ -265,8 +247,6 @@ def fingerprint(
         cc,
         sys.version,
     ]
-    if MARKED.search(dict(types)[module]):
-        made_of.append(WIDE)
     return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
 
 

@@ -11,9 +11,8 @@ from collections.abc import Callable as CFunction  # a pointer to a C function: 
 
 BigInt = int  # an integer that may need more than 64 bits, or that a user gives: a Python object
 Text = str  # a string that may be an instance of a subclass, as `SourceLocation` is: any Python object
-Int32 = int  # a signed C integer of 32 bits
 UInt8 = int  # unsigned C integers of 8, 16 and 32 bits
 UInt16 = int
 UInt32 = int
 
-__all__ = ["BigInt", "Buffer", "CFunction", "Int32", "Text", "UInt8", "UInt16", "UInt32"]
+__all__ = ["BigInt", "Buffer", "CFunction", "Text", "UInt8", "UInt16", "UInt32"]

@@ -115,8 +115,7 @@ class Writer:
         ]
         result = self._spelled(function.result)
         tells = " noexcept" if "noexcept" in function.marks else RAISES.get(result, "")
-        vectors = "  # vectors" * ("vectors" in function.marks)
-        yield f"{indent}{function.kind} {result.replace(VOID, 'bint')} {name}({', '.join(arguments)}){tells}{vectors}"
+        yield f"{indent}{function.kind} {result.replace(VOID, 'bint')} {name}({', '.join(arguments)}){tells}"
 
     def _number(self, constraint: ast.expr) -> str:
         found = self.source.type_of(constraint).c

@@ -13,7 +13,6 @@ this form:
     def s16(value: int) -> int:  # core: noexcept       raises nothing
     def nz16(self, value: int) -> None:  # core: C only
     def listen(self) -> None:  # core: python
-    def _words(self, place: int) -> None:  # core: vectors      is compiled for wider vectors, too
 """
 
 from __future__ import annotations
@@ -31,11 +30,10 @@ HEADER = re.compile(r"^# core: (.*)$", re.MULTILINE)
 COMPILED, UNCHECKED = "compiled", "compiled without checks for None"
 MARKS = re.compile(r"# core: (.*)$")
 CLASS_MARKS = re.compile(r"python|freelist \d+")
-FUNCTION_MARKS = re.compile(r"python|C only|noexcept|vectors")
+FUNCTION_MARKS = re.compile(r"python|C only|noexcept")
 NUMBERS = {
     "bool": "bint",
     "int": "long long",
-    "Int32": "int",
     "UInt8": "unsigned char",
     "UInt16": "unsigned short",
     "UInt32": "unsigned int",

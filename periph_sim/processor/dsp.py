@@ -39,7 +39,7 @@ from ..f28335.system.options import SystemOptions
 from .processor import Processor
 from .program import Program
 from .python.cpu import Cpu
-from .python.firmware_view import End, FirmwareView
+from .python.firmware_view import FirmwareView
 from .source_location import SourceLocation
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
 class DspPlan(Struct):
     """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal. pulled_down: GPIO numbers.
 
-    seed: of the values drawn from spreads. end: the value that is taken instead, in runs for bounds.
+    seed: of the values drawn from spreads.
     options: answers to open questions about modules, by group; modules take their defaults where a group is missing.
     part: of the family.
     """
@@ -72,7 +72,6 @@ class DspPlan(Struct):
     skip_polls: bool = True
     strict: bool = False
     seed: int = 0
-    end: End = "drawn"
     stall_limit: float = 0.0  # seconds of CPU time that firmware may take at one instant; 0: any
     pulled_down: frozenset[int] = frozenset()
     part: Part = PART
@@ -89,7 +88,7 @@ class Dsp(FirmwareView):
     """A running F28335, which firmware is handed and sees as a `FirmwareView`."""
 
     def __init__(self, kernel: Kernel, timebase: Timebase, recorder: Recorder, plan: DspPlan) -> None:
-        super().__init__(plan.name, plan.seed, plan.end)
+        super().__init__(plan.name, plan.seed)
         self.plan = plan
         self._kernel = kernel
         self._timebase = timebase

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .serial.side import SerialSide
     from .unit import build_unit
     from .watch import watcher_of
-    from .whole_bytes import refuse_byte_level, refuse_schedule, whole_bytes_of
+    from .whole_bytes import refuse_byte_level, whole_bytes_of
 
 _HOMES = {
     "bus.i2c.byte_counter": ("I2cByteCounter",),
@@ -57,7 +57,7 @@ _HOMES = {
     "scene.serial.side": ("SerialSide",),
     "scene.unit": ("build_unit",),
     "scene.watch": ("watcher_of",),
-    "scene.whole_bytes": ("refuse_byte_level", "refuse_schedule", "whole_bytes_of"),
+    "scene.whole_bytes": ("refuse_byte_level", "whole_bytes_of"),
 }
 __all__ = [
     "STUCK_AFTER",
@@ -85,7 +85,6 @@ __all__ = [
     "origins_of",
     "put_on_bus",
     "refuse_byte_level",
-    "refuse_schedule",
     "rounds_of",
     "variable_value",
     "watcher_of",

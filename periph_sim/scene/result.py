@@ -8,7 +8,6 @@ from ..timing.verdict import Verdict
 
 # Counts that tell of the simulator, not of the case.
 SKIPPED = "polls_skipped"
-AT_ANOTHER_LEVEL = '"edge" and "adaptive" do'  # how `found` of a verdict ends where its level does not tell it
 FRAMES = "sci_frames"  # sent on UART lines, where some may pass at once,
 FRAMES_PASSED = "sci_frames_passed"  # and those of them of which only the first and the last edge were events
 BYTE_LEVEL = "byte_level"  # I2C bytes of which seven bits passed at once, where fidelity is "adaptive"
@@ -21,7 +20,6 @@ class Result:
     sci_bytes: characters that others sent to SCIs of units. sci_bytes_sent: characters that SCIs of units sent.
 
     estimated: units whose cycles between accesses are estimated.
-    terms_s: seconds of edge runs that the terms of level "schedule" were measured in; their time is in wall_s.
     """
 
     case: str
@@ -39,7 +37,6 @@ class Result:
     stuck: list[str]
     wrong: dict[str, int] = field(default_factory=dict)
     first_wrong: str = ""
-    terms_s: float = 0.0
     estimated: list[str] = field(default_factory=list)
     sci_bytes_sent: int = 0
 

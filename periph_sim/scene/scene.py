@@ -24,7 +24,7 @@ from ..core.uncollected import uncollected
 from ..processor.error_origin import FirmwareStalled
 from . import parts
 from .bus_side import SPIKE, BusSide
-from .case.fidelity import EDGE, SCHEDULE, bus_levels
+from .case.fidelity import EDGE, bus_levels
 from .case.model import Case, RoundsTable
 from .case.wiring import wiring_of
 from .context import SceneContext
@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     from ..devices.truth import Axes, Truth
     from ..devices.watchers import WireWatcher
     from ..processor.dsp import Dsp
-    from ..processor.python.firmware_view import End
     from ..sensors.host_frame import MotionFrames
     from ..sensors.models.parameters import ImuParameters
     from ..timing.budgets import BudgetJudge
@@ -75,7 +74,6 @@ class Scene:
     programs: firmware given as Python functions, by unit; of these units the case's `firmware` is only a name.
     keep_values: of measures that take one value after the other, for `timing.values`.
     sources: what chips feel, given as functions of the tick, by chip; they stand in for the case's `values`.
-    end: which value of a `Spread` computations take, instead of one drawn each time.
     """
 
     WIRES = SceneWires
@@ -89,12 +87,9 @@ class Scene:
         *,
         keep_values: bool = False,
         sources: Mapping[str, Source] | None = None,
-        end: End = "drawn",
     ) -> None:
         if not (case.unit or case.chip or case.device or case.controller or case.host):
             raise case.mistake("there is nothing to run; give it a [unit.NAME] with its firmware", "unit")
-        if case.fidelity == SCHEDULE:
-            parts.refuse_schedule(case)
         if case.outside is not None:
             case = parts.as_driven(case)
         self.case = case
@@ -141,7 +136,7 @@ class Scene:
         wire, levels = self.wires.wire, bus_levels(case, wiring)
         context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring, self.start, levels)
         for name, unit in case.unit.items():
-            built = parts.build_unit(context, name, unit, (programs or {}).get(name), end)
+            built = parts.build_unit(context, name, unit, (programs or {}).get(name))
             self.units[name], self.firmware[name] = built.dsp, built.firmware
             self.sensors = self.sensors or built.sensors
             self.computed = self.computed or built.computed

@@ -17,7 +17,6 @@ from ..f28335.parts.f28335 import PART
 from ..f28335.system.options import SystemOptions
 from ..processor.dsp import Dsp, DspPlan
 from ..processor.error_origin import Misuse
-from ..processor.python.firmware_view import End
 from ..processor.user_code import UserCode
 from .case.model import Case, Unit
 from .case.transceiver import pulled_down
@@ -50,7 +49,7 @@ class BuiltUnit(Struct, frozen=True):
     computed: Computed | None
 
 
-def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware | None, end: End) -> BuiltUnit:
+def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware | None) -> BuiltUnit:
     """The unit, its firmware started. program: instead of the case's firmware. BadCase for what it cannot have."""
     case = context.case
     part = part_named(unit.part)
@@ -73,7 +72,6 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         skip_polls=unit.skip_polls,
         strict=case.strict,
         seed=case.seed,
-        end=end,
         stall_limit=float(case.stall_limit),
         pulled_down=pulled_down(case, name),
         part=part,

@@ -59,13 +59,6 @@ def whole_bytes_of(context: SceneContext, controller: I2cController | None, unit
     return whole_bytes
 
 
-def refuse_schedule(case: Case) -> None:
-    """BadCase for a case of level "schedule", which has neither wires nor records: levels.schedule knows it."""
-    if case.fidelity == "schedule":
-        what = '"schedule" has neither wires nor records: it is for run, sweep and trade'
-        raise case.mistake(f'{what}; here use "edge", or "adaptive" with the same records', "fidelity")
-
-
 def refuse_byte_level(
     context: SceneContext,
     whole_bytes: WholeBytes | None,

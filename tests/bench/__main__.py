@@ -21,7 +21,7 @@ from typing import Any
 
 from periph_sim import form
 
-from . import decode, growth, images, levels, nothing, numeric, peers, recorded, schedule, start, targets
+from . import decode, growth, images, levels, nothing, numeric, peers, recorded, start, targets
 from .child import ROOT, forms
 from .machine import machine
 
@@ -46,7 +46,6 @@ def main() -> None:
         "peers": (lambda: peers.rows(which), peers.line),
         "growth": (lambda: growth.rows(which, given.long), growth.line),
         "nothing": (lambda: nothing.rows(which), nothing.line),
-        "schedule": (schedule.rows, schedule.line),
         "numeric": (numeric.rows, numeric.line),
         "decode": (lambda: decode.rows(repeat), decode.line),
         "images": (lambda: images.rows(which, repeat), images.line),

@@ -5,7 +5,7 @@
 Levels take turns, so that a busy machine slows all alike. A level that a case refuses is named with the reason. The
 first run of each level is short and not counted: it imports what the level needs. Of each other run the first 100 ms of
 the scene count as its start, apart from the speed behind it: firmware sets up its modules there, models are sampled,
-and each wait, byte and record comes for the first time. What `schedule` works out has no such part.
+and each wait, byte and record comes for the first time.
 """
 
 from __future__ import annotations
@@ -18,8 +18,6 @@ from time import process_time
 from typing import Any, NamedTuple
 
 from periph_sim import form
-from periph_sim.levels.judged import judged
-from periph_sim.levels.schedule.errors import BadSchedule
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
@@ -29,7 +27,7 @@ from .timed import peak_mib, timed
 
 Row = dict[str, Any]
 
-LEVELS = ("edge", "adaptive", "byte", "schedule")
+LEVELS = ("edge", "adaptive", "byte")
 BYTES = tuple(f"unit.dsp.settings.{key}" for key in ("arithmetic=bytes", "model_cost=250 us", "beyond_estimate=0 us"))
 VARIANTS: dict[str, tuple[str, tuple[str, ...]]] = {  # shipped cases, changed
     "imu_hil, arithmetic = bytes": ("imu_hil", BYTES),
@@ -75,15 +73,11 @@ def measured(name: str, file: str, changes: Sequence[str], seconds: str, repeat:
         try:
             run(path, [*changes, f"fidelity={level}"], WARM)
             runs[level] = []
-        except (BadCase, BadSchedule) as refused:
+        except BadCase as refused:
             found.append({"case": name, "form": form.running, "level": level, "refused": reason(str(refused))})
     for _ in range(repeat):
-        for level, done in list(runs.items()):
-            try:
-                done.append(run(path, [*changes, f"fidelity={level}"], Fraction(seconds)))
-            except BadSchedule as refused:  # by what happened on the way
-                del runs[level]
-                found.append({"case": name, "form": form.running, "level": level, "refused": reason(str(refused))})
+        for level, done in runs.items():
+            done.append(run(path, [*changes, f"fidelity={level}"], Fraction(seconds)))
     memory = peak_mib()
     for level, done in runs.items():
         cpu, one = median(each.cpu for each in done), done[0]
@@ -108,13 +102,11 @@ def measured(name: str, file: str, changes: Sequence[str], seconds: str, repeat:
 def run(path: Path, changes: Sequence[str], seconds: Fraction) -> Run:
     """`seconds` of a case, behind its start."""
     began = process_time()
-    scene = judged(load(path, list(changes)))
-    build, start = process_time() - began, 0.0
-    wire_bytes = events = byte_level = 0
-    if isinstance(scene, Scene):
-        first = scene.start + scene.timebase.ticks(START, "nearest")
-        start = timed(lambda: scene.advance(first))[1].cpu
-        wire_bytes, events, byte_level = scene.bytes_on_bus(), scene.kernel.events, scene.bus.passed
+    scene = Scene(load(path, list(changes)))
+    build = process_time() - began
+    first = scene.start + scene.timebase.ticks(START, "nearest")
+    start = timed(lambda: scene.advance(first))[1].cpu
+    wire_bytes, events, byte_level = scene.bytes_on_bus(), scene.kernel.events, scene.bus.passed
     result, time = timed(lambda: scene.run(seconds))
     return Run(
         build,

@@ -42,12 +42,6 @@ def image(key: str, program: str) -> Callable[[Parts, str], float | None]:
     return lambda parts, form: cell(parts, "images", key, program=program, form=form)
 
 
-def scenarios(parts: Parts, form: str) -> float | None:
-    """Of whatever differs between them, the slowest."""
-    rates = [row["per_s"] for row in parts.get("schedule", ()) if "per_s" in row]
-    return min(rates, default=None) if form == COMPILED else None
-
-
 # What it is, how it is read, its unit; compiled, interpreted: at least, or at most where the unit is a time or a factor
 # of it ("x as long"), None where there is no target.
 TARGETS: tuple[tuple[str, Callable[[Parts, str], float | None], str, float | None, float | None], ...] = (
@@ -61,7 +55,6 @@ TARGETS: tuple[tuple[str, Callable[[Parts, str], float | None], str, float | Non
     ("imu_hil, flags recorded", recorded(FLAGS), "x as long", 1.3, 1.3),
     ("imu_hil, .psr recorded", recorded(".psr"), "x as long", 2.0, 2.0),
     (SHORT, lambda p, f: cell(p, "start", "cpu_s", what=SHORT, form=f), "s", 0.003, 0.015),
-    ("scenarios of 50 rounds, schedule", scenarios, "scenarios/s", 200_000, None),
     ("image, busy code", image("instructions_per_s", "busy"), "instructions/s", 30_000_000, 150_000),
     (f"image, 250 ms of {BACK_TO_BACK}", image("cpu_s", BACK_TO_BACK), "s", 1, 30),
     (f"image, 250 ms of {WITH_GAPS}", image("cpu_s", WITH_GAPS), "s", 1, 30),

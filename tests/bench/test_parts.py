@@ -21,12 +21,12 @@ def test_every_shipped_case_and_the_one_without_arithmetic_is_measured() -> None
 
 def test_a_case_has_a_row_for_each_level_or_the_reason_why_not() -> None:
     rows = in_form(INTERPRETED, "levels", "measured", "responder", "responder", [], "0.01", 1)
-    assert {row["level"] for row in rows} == set(levels.LEVELS)
-    assert {row["form"] for row in rows} == {INTERPRETED}
-    events = {row["level"]: row.get("events_per_byte") for row in rows}
+    assert [(row["level"], row["form"]) for row in rows] == [(level, INTERPRETED) for level in levels.LEVELS]
+    events = {row["level"]: row["events_per_byte"] for row in rows}
     assert events["edge"] > events["adaptive"] > events["byte"] > 0
+    rows = in_form(INTERPRETED, "levels", "measured", "imu_hil_spikes", "imu_hil_spikes", [], "0.01", 1)
     (refused,) = (row for row in rows if "refused" in row)
-    assert refused["level"] == "schedule" and refused["refused"] and "refused: " in levels.line(refused)
+    assert refused["level"] == "byte" and "fault 0" in refused["refused"] and "refused: " in levels.line(refused)
 
 
 def test_a_bus_takes_61_slaves_besides_the_controller_and_refuses_100_in_a_sentence() -> None:

@@ -58,7 +58,6 @@ UNUSED = (  # by a short run of imu_hil: arrays pay off in longer ones
     "numpy",
     "pydantic",
     "rich",
-    "periph_sim.explain.bound",
     "periph_sim.records.races",
     "periph_sim.sensors.motion.flight",
 )
@@ -69,22 +68,6 @@ def test_a_run_imports_what_it_uses():
     loaded = imported_by("run", str(case), "--seconds", "20 ms")
     assert {"periph_sim.sensors.motion.sines", "periph_sim.sensors.near_gaussian"} <= set(loaded)
     assert not set(UNUSED) & set(loaded)
-
-
-JUDGING = {
-    "run": ("run", "CASE", "--seconds", "20 ms", "--explain", "--html", "page.html"),
-    "check": ("check", "CASE", "--jobs", "1", "--html", "page.html"),
-    "sweep": ("sweep", "CASE", "--vary", "seed=1, 2", "--seconds", "20 ms", "--jobs", "1"),
-}
-
-
-@pytest.mark.parametrize("command", JUDGING)
-def test_a_verdict_costs_no_calculation_of_worst_cases(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    case = str(Path(__file__).parents[2] / "timing" / "responder.toml")
-    monkeypatch.chdir(tmp_path)
-    loaded = imported_by(*(case if word == "CASE" else word for word in JUDGING[command]))
-    assert "periph_sim.scene.scene" in loaded
-    assert not [name for name in loaded if name.startswith("periph_sim.explain.bound")]
 
 
 COMMANDS = cli.list_commands(None)  # type: ignore[arg-type]

@@ -143,7 +143,7 @@ def test_a_fault_of_its_own_gives_3_and_asks_for_a_report(periph_sim: Run, desk:
     def broken(*_: object, **__: object) -> None:
         raise AssertionError("a bug")
 
-    monkeypatch.setattr("periph_sim.commands.run.judged", broken)
+    monkeypatch.setattr("periph_sim.commands.run.Scene", broken)
     came = periph_sim("run", "small.toml")
     assert came.status == 3
     assert came.err.startswith("periph-sim: a fault of its own; please report it with the command and what follows.")
@@ -251,36 +251,6 @@ def test_a_level_may_be_given_as_an_option(periph_sim: Run):
     assert "at adaptive fidelity, 100.0 %" in periph_sim("run", responder, "--fidelity", "adaptive").out
 
 
-def test_a_report_of_a_case_that_is_judged_by_arithmetic(periph_sim: Run, desk: Path):
-    published = str(TIMING / "imu_hil_published.toml")
-    came = periph_sim(
-        "run", published, "--fidelity", "schedule", "--seconds", "0.1", "--html", "page.html", "--explain"
-    )
-    assert (came.status, came.err) == (1, "")
-    assert "response 5.000 us, at most 10.000 us allowed, at 0.005290 s" in came.out  # told from edges
-    page = (desk / "page.html").read_text(encoding="utf-8")
-    assert "schedule" in page and "data age" in page
-
-
-def test_a_case_is_judged_by_arithmetic_with_terms_of_edges(periph_sim: Run):
-    """What the level does not tell is not judged, so that all is no pass."""
-    published = str(TIMING / "imu_hil_published.toml")
-    came = periph_sim("run", published, "--fidelity", "schedule", "--seconds", "1")
-    assert (came.status, came.err) == (1, "")
-    assert came.out.startswith("imu_hil_published: NOT JUDGED; terms measured on 0.169 s of edges\n")
-    assert "1 s simulated at schedule fidelity; 1350 I2C bytes, 600 SCI bytes" in came.out
-    said = 'wrong bytes, SCI FIFO high-water, SCI overruns: level "schedule" does not tell it; "edge" and "adaptive" do'
-    assert said in " ".join(came.out.split())
-    told = json.loads(periph_sim("run", published, "--fidelity", "schedule", "--seconds", "1", "--json").out)
-    edge = json.loads(periph_sim("run", published, "--seconds", "1", "--json").out)
-    assert told["terms_s"] == pytest.approx(0.169) and edge["terms_s"] == 0
-    assert [budget["name"] for budget in told["budgets"] if budget not in edge["budgets"]] == [
-        "wrong bytes",
-        "SCI FIFO high-water",
-        "SCI overruns",
-    ]
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -289,8 +259,7 @@ def test_a_case_is_judged_by_arithmetic_with_terms_of_edges(periph_sim: Run):
         (("--max-error", "1 us"), "--max-error belongs to --fidelity auto"),
         (("--fidelity", "auto", "--max-error", "1 us", "--record", "x.psr"), "--record writes edges"),
         (("--fidelity", "edges"), "fidelity: "),
-        (("--fidelity", "schedule"), "it has no [host] or no [controller]; the level"),
-        (("--fidelity", "schedule", "--record", "x.psr"), '"schedule" has no records, so there is nothing to write to'),
+        (("--fidelity", "schedule"), "fidelity: level 'schedule' was removed: "),
     ],
 )
 def test_mistakes_about_levels_are_one_sentence(periph_sim: Run, desk: Path, arguments: tuple[str, ...], message: str):

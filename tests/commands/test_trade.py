@@ -104,23 +104,6 @@ def test_observables_that_do_not_occur_are_unmeasured(periph_sim: Run):
     assert all(each["count"] for each in exact) and f"byte: all {len(exact)} observables exact" in said
 
 
-def test_schedule_lacks_what_has_no_arithmetic_and_is_exact_in_all_else(periph_sim: Run):
-    published = str(TIMING / "imu_hil_published.toml")
-    came = periph_sim("trade", published, "--seconds", "0.05", "--level", "schedule")
-    said = " ".join(came.out.split())
-    assert "schedule: 10 of 87 observables exact; its terms took " in said
-    assert "events on 169 ms of edges; 1000 scenarios in a call: " in said
-    assert "lacks altogether, each an infinite error: wrong bytes, fifo high-water, overruns, " in said
-    told = json.loads(periph_sim("trade", published, "--seconds", "0.05", "--level", "schedule", "--json").out)
-    edge, schedule = told["levels"]
-    assert schedule["worst_cycles"] == "infinite" and schedule["cost"]["terms_events"] > 1000
-    assert edge["cost"]["terms_events"] == 0 and schedule["cost"]["memory_bytes"] > 0
-    exact = [each["name"] for each in schedule["observables"] if each["worst"] == 0]
-    assert exact[:3] == ["span:model", "response", "stretch"] and "age" in exact and "margin of I2CDXR" in exact
-    others = [each for each in schedule["observables"] if each["count"] and each["worst"] != 0]
-    assert {each["worst"] for each in others} == {"infinite"} and all(each["lacking"] for each in others)
-
-
 def test_a_refused_level_says_why(periph_sim: Run):
     came = periph_sim("trade", str(TIMING / "imu_hil.toml"), "--seconds", "0.01", "--level", "arithmetic=bytes")
     assert came.status == 0 and "refused" in came.out

@@ -18,8 +18,8 @@ from periph_sim.scene.case.load import load
 
 SCENES = Path(__file__).resolve().parents[2] / "timing" / "trade"
 NAMES = sorted(path.stem for path in cases_below(SCENES))
-LEVELS = ("byte", "schedule")
-HEAD = "| scene | worst error at `byte`, cycles | at `schedule` | what happens |\n|---|---|---|---|\n"
+LEVELS = ("byte",)
+HEAD = "| scene | worst error at `byte`, cycles | what happens |\n|---|---|---|\n"
 TABLE = re.compile(rf"{re.escape(HEAD)}((?:\|.*\n)*)")
 
 

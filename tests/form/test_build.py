@@ -232,25 +232,3 @@ def test_a_source_without_declarations_is_told_in_a_line(monkeypatch, capsys, tm
     assert build.main() == 1
     said = "one.py:4: nothing says the type of One.it; annotate it in the class"
     assert capsys.readouterr().err == f"the core stays interpreted: {said}\n"
-
-
-@pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
-@pytest.mark.skipif(os.name != "posix", reason="a shell script is the compiler")
-def test_a_function_marked_for_vectors_is_compiled_where_the_compiler_has_none(tmp_path: Path, monkeypatch):
-    package = tmp_path / "rooms"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "one.py").write_text("def twice(number):\n    return 2 * number\n")
-    (package / "one.pxd").write_text("cpdef long long twice(long long number)  # vectors\n")
-    monkeypatch.chdir(tmp_path)
-    refuses = 'echo "$@" >> told\ncase "$*" in *target_clones*) exit 1;; esac\ncp one.c kept.c'
-    build.compile_one("one", "rooms", compiler_that(tmp_path, refuses))
-    wide, plain = (tmp_path / "told").read_text().splitlines()
-    assert wide.endswith(build.WIDE) and plain.endswith(" -DPERIPH_SIM_VECTORS=")
-    (definition,) = re.findall(r"^PERIPH_SIM_VECTORS (.*)$", (tmp_path / "kept.c").read_text(), re.MULTILINE)
-    assert definition.startswith("static ") and "__pyx_f_5rooms_3one_twice(" in definition and definition.endswith("{")
-
-
-def test_a_mark_for_vectors_that_fits_no_function_ends_the_build():
-    with pytest.raises(build.NoBuild, match=r"'twice' is marked '# vectors'.* 0 times"):
-        build.with_vectors("static int __pyx_f_once(int a);\n", ["twice"])

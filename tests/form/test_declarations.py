@@ -237,7 +237,7 @@ cdef class A:
 from .other import half
 def twice(value: int) -> int:  # core: noexcept
     return 4 * half(value)
-def _wide(place: int) -> None:  # core: vectors
+def _wide(place: int) -> None:
     pass
 def _key(value: int) -> int: ...
 x = sorted(x, key=_key)
@@ -245,7 +245,7 @@ x = sorted(x, key=_key)
         """
 from .other cimport half
 cpdef long long twice(long long value) noexcept
-cdef bint _wide(long long place) except -1  # vectors
+cdef bint _wide(long long place) except -1
 """,
     ),
     "functions that Python may call": (
@@ -311,7 +311,7 @@ BAD = {
     ),
     "class A:  # core: freelist\n    pass\n": "one.py:2: '# core: freelist' at A; expected python|freelist \\d+",
     "def f() -> None:  # core: nothrow\n    pass\n": (
-        "one.py:2: '# core: nothrow' at f; expected python|C only|noexcept|vectors"
+        "one.py:2: '# core: nothrow' at f; expected python|C only|noexcept"
     ),
     "@final\nclass A: ...\nclass B(A): ...\n": "one.py:4: class B has the base A, which is @final",
     "from .other import Agent\nclass A(Agent):\n    def act(self, tag: int) -> None:\n        later(lambda: tag)\n": (

@@ -30,14 +30,14 @@ UNRECORDED = {
     "f28335/sci/lines.py": {"rx_sync_stages"},  # each frame
     "f28335/spi/lines.py": {"input_latency"},  # each edge of SPICLK
     "f28335/system/cpu_timer.py": {"timer_tif_point"},  # TIF
-    "f28335/system/memory_map.py": {"pf1_back_to_back_write", "pf2_read_ws", "pf2_write_ws"},  # each access
+    "f28335/system/memory_map.py": {"pf2_read_ws", "pf2_write_ws"},  # each access
     "processor/bus.py": {"write_lands"},  # the write that is foreseen
     "processor/image/cpu.py": {"fpu_delay_slot"},  # a slot whose result is read
     "processor/image/instruction_timing.py": {"flash_model", "stalls"},  # a fetch; a wait, or at once
     "processor/pin_router.py": {"gpio_out_delay"},  # outputs and routes that change
     "processor/python/waits.py": {"pf2_read_ws"},  # each pass
 }  # fmt: skip
-BESIDE = ("commands", "core/options.py", "explain", "levels", "scene")  # no models: they calculate, or show
+BESIDE = ("commands", "core/options.py", "scene")  # no models: they calculate, or show
 
 
 def reads_of(path: Path) -> set[str]:

@@ -145,7 +145,7 @@ ROWS: dict[str, Row] = {
 # What stands in front of scenes, or beside them: rooms of the package, and of others. No scene needs one of them.
 DOORS = (
     *("__main__", "api", "cli", "outside.", "commands.", "pytest_plugin.", "reports.", "explain.", "replay."),
-    *("dissertation.", "levels.schedule.", "traces.formats.", "traces.compliance.", "traces.diff.", "traces.drawing."),
+    *("dissertation.", "traces.formats.", "traces.compliance.", "traces.diff.", "traces.drawing."),
 )
 OTHERS = (
     *("numpy", "click", "rich", "jinja2", "drawsvg", "pywellen", "pylibfst", "vcd", "zlib_ng", "matplotlib", "scipy"),

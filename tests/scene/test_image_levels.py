@@ -12,7 +12,6 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.records.races import races
 from periph_sim.records.run import Run as RecordedRun
 from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.clocks import clocks_of
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
@@ -54,16 +53,6 @@ def test_whole_bytes_give_the_same_figures(at_edges: tuple[Result, list[Record]]
     assert figures[0] == figures[1] and len(figures[0]) == 20
     assert loads[0] == pytest.approx(loads[1], abs=0.01)
     assert result.events < at_edges[0].events / 3
-
-
-def test_the_level_without_a_bus_is_refused(periph_sim: Run):  # noqa: F811
-    case = load(TIMING / "imu_hil_image.toml")
-    with pytest.raises(BadCase):
-        Scene(case.model_copy(update={"fidelity": "schedule"}))
-    came = periph_sim("run", str(TIMING / "imu_hil_image.toml"), "--fidelity", "schedule")
-    assert came.status == 2 and came.err.count("\n") == 1
-    assert "unit.dsp runs the image imu_hil.asm, and terms are measured in Python firmware" in came.err
-    assert 'use fidelity = "edge"' in came.err
 
 
 def recorded_run(*changes: str) -> RecordedRun:

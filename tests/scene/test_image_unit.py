@@ -93,12 +93,6 @@ def test_bad_input_is_one_sentence_and_status_2(
     assert sentence in came.err and came.err.count("\n") == 1
 
 
-def test_bounds_need_python_firmware(periph_sim: Run, folder: Path):  # noqa: F811
-    (folder / "echo.toml").write_text(CASE + '\n[controller]\norder = ["gyroscope"]\n')
-    came = periph_sim("bound", str(folder / "echo.toml"))
-    assert came.status == 2 and came.err.count("\n") == 1
-
-
 WAITS = """ .sect ".text", 0x9000
  .global _c_int00, _convert
 _c_int00: MOVW DP,#0x7029 >> 6

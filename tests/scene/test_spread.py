@@ -1,13 +1,11 @@
-"""Computations whose cost is a range: each takes a value of it, drawn, or the end that a bound asks for."""
+"""Computations whose cost is a range: each takes a value of it, drawn."""
 
 from __future__ import annotations
 
 from fractions import Fraction
 
-import pytest
-
 from periph_sim.core.settings import spread
-from periph_sim.processor.dsp import Dsp, End
+from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from tests.scene.small import case
@@ -15,7 +13,7 @@ from tests.scene.small import case
 CYCLE = 20  # ticks at 150 MHz
 
 
-def costs(text: str, end: End = "drawn", seed: int = 1, unit: str = "dsp", times: int = 200) -> list[int]:
+def costs(text: str, seed: int = 1, unit: str = "dsp", times: int = 200) -> list[int]:
     """Cycles that computations of this spread took, one after the other."""
     spans: list[int] = []
 
@@ -26,18 +24,13 @@ def costs(text: str, end: End = "drawn", seed: int = 1, unit: str = "dsp", times
             spans.append(dsp.cpu.cycle - before)
 
     plain = case(seed=seed, unit={unit: {"firmware": "given", "modules": []}})
-    Scene(plain, programs={unit: Firmware("given", main, None)}, end=end).run(Fraction(1, 100))
+    Scene(plain, programs={unit: Firmware("given", main, None)}).run(Fraction(1, 100))
     return spans
 
 
 def test_each_computation_draws_a_cost_of_the_range_and_all_are_drawn():
     drawn = costs("60 ns to 120 ns", times=400)
     assert set(drawn) == set(range(9, 19))
-
-
-@pytest.mark.parametrize(("end", "cycles"), [("least", 9), ("most", 18)])
-def test_a_bound_takes_an_end(end: End, cycles: int):
-    assert set(costs("60 ns to 120 ns", end)) == {cycles}
 
 
 def test_a_range_of_one_value_is_that_value_and_rounds_up_to_a_cycle():

@@ -43,4 +43,4 @@ def test_how_much_went_at_byte_level(counts: dict[str, int], wire_bytes: int, te
 
 def test_what_is_not_said_of_a_run_is_nothing():
     plain = result({})
-    assert (plain.wrong, plain.first_wrong, plain.terms_s, plain.estimated, plain.sci_bytes_sent) == ({}, "", 0, [], 0)
+    assert (plain.wrong, plain.first_wrong, plain.estimated, plain.sci_bytes_sent) == ({}, "", [], 0)

@@ -52,7 +52,6 @@ class WaitStates:
     def __init__(self, options: SystemOptions) -> None:
         self.read = (1, 2, options.pf2_read_ws.unrecorded())
         self.write = (0, 0, options.pf2_write_ws.unrecorded())
-        self.pf1_after_pf1 = options.pf1_back_to_back_write.unrecorded()
 
 
 class NoSuchAddress(ValueError):

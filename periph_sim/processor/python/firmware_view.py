@@ -11,7 +11,6 @@ import operator
 from collections.abc import Callable
 from fractions import Fraction
 from random import Random
-from typing import Literal
 
 from ...core.chip import Note
 from ...core.settings import Spread
@@ -28,7 +27,6 @@ from .cpu import Cpu
 from .register_view import ModulePort
 
 LONG = 1 << 31  # cycles: less surely fits whatever is made of it
-End = Literal["drawn", "least", "most"]  # which value of a `Spread` a computation takes
 
 
 class Span:  # core: python
@@ -46,7 +44,7 @@ class Span:  # core: python
 
 
 class FirmwareView:
-    """One unit as its firmware sees it. end: which value of a `Spread` computations take."""
+    """One unit as its firmware sees it. seed: of the values drawn from spreads."""
 
     _random: Random
     name: str
@@ -54,9 +52,8 @@ class FirmwareView:
     memory: AddressMap
     control: SystemControl
 
-    def __init__(self, name: str, seed: int, end: End) -> None:
+    def __init__(self, name: str, seed: int) -> None:
         self.name = name
-        self._end: End = end
         self._sockets: dict[str, Socket] = {}
         self._ports: dict[str, ModulePort] = {}
         self._random = Random(f"{seed} {name} computations")
@@ -140,10 +137,7 @@ class FirmwareView:
         return min(cycles, left)
 
     def _drawn(self, spread: Spread) -> BigInt:
-        least, most = self._cycles(spread.least), self._cycles(spread.most)
-        if self._end == "drawn":
-            return self._random.randint(least, most)
-        return most if self._end == "most" else least
+        return self._random.randint(self._cycles(spread.least), self._cycles(spread.most))
 
     def span(self, name: Text) -> Span:
         """A named stretch of firmware, for budgets and recordings; costs no cycles. For a `with` statement."""

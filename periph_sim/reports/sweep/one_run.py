@@ -13,11 +13,11 @@ from pathlib import Path
 
 from ...core.kernel import SimulationStuck
 from ...f28335.system.memory_map import NoSuchAddress
-from ...levels.judged import judged
 from ...processor.error_origin import FirmwareError
 from ...scene.case.load import load
 from ...scene.case.model import BadCase
 from ...scene.firmware_loader import Firmware
+from ...scene.scene import Scene
 from ...timing.verdict import Verdict
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
@@ -59,7 +59,7 @@ def rows_of(job: Job, runs: Sequence[Sequence[str]]) -> list[Row]:
 
 def _row(job: Job, changes: Sequence[str]) -> Row:
     try:
-        scene = judged(load(job.file, list(changes)), None, job.programs)
+        scene = Scene(load(job.file, list(changes)), None, job.programs)
         result = scene.run(job.length)
     except REFUSED as error:
         return Row(ERROR, _as_named(job, str(error)))

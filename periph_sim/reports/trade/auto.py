@@ -5,8 +5,7 @@
 
 The bound is measured and not proven: it holds for what the first part showed. So a level that is not equal to edges by
 construction is watched: a flag that is set, an interrupt, a NACK, lost arbitration, a note or a stretched byte that was
-not met there ends the run, and all of it is made again on edges. Of "schedule", which has no records, a NACK, a missed
-round, a stretched byte, a hang, or that it does not know what came.
+not met there ends the run, and all of it is made again on edges.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ from time import process_time
 from ...bus.i2c.transfer import Transfer
 from ...core.records import UNHEARD, Kind, Listener, Recorder
 from ...core.time import Timebase
-from ...levels.judged import SCHEDULE, Judged
 from ...processor.user_code import output_muted
 from ...scene.case.model import BadCase, Case
 from ...scene.result import Result
@@ -108,7 +106,7 @@ def run_within(
     keep_values: bool = False,
     told: Callable[[float], None] | None = None,
     levels: tuple[Level, ...] | None = None,
-) -> tuple[Judged, Result, Choice]:
+) -> tuple[Scene, Result, Choice]:
     """Measure, choose and run. levels: to choose from, the reference first; None: all fidelities of the case.
 
     BadCase where no level is known to be within the bound.
@@ -126,14 +124,7 @@ def run_within(
     cpu = process_time() - began
     chosen = make(best.level.changes)
     unmet = ""
-    scene: Judged
-    if best.level.name == SCHEDULE:
-        scene, came, unmet = _scheduled(chosen, part, whole, keep_values, told)
-        if came is None:
-            scene = Scene(case, keep_values=keep_values)
-            came = scene.run(whole, told)
-        result = came
-    elif best.level.same_records or whole == part:
+    if best.level.same_records or whole == part:
         scene = Scene(chosen, keep_values=keep_values)
         result = scene.run(whole, told)
     else:
@@ -149,25 +140,6 @@ def run_within(
         result = came
     level = REFERENCE if unmet else best.level.name
     return scene, result, Choice(best, level, unmet, float(part), float(whole), cpu, process_time() - began)
-
-
-def _scheduled(
-    case: Case, part: Fraction, length: Fraction, keep_values: bool, told: Callable[[float], None] | None
-) -> tuple[Judged, Result | None, str]:
-    """The run, and what was not met in its first part; None for its result if something was not."""
-    from ...levels.schedule.scheduled_scene import ScheduledScene
-
-    scene = ScheduledScene(case, keep_values=keep_values)
-    try:
-        result = scene.run(length, told)
-    except BadCase as error:  # it knew the first part
-        return scene, None, str(error)
-    first = ScheduledScene(case)
-    first.run(part)
-    unmet = sorted(scene.happened - first.happened)
-    if unmet:
-        return scene, None, f"{unmet[0]}, which the measured part has not"
-    return scene, result, ""
 
 
 def _watched(

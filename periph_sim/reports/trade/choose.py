@@ -38,7 +38,6 @@ def best_within(found: Trade, bound_s: float, whole_s: float | None = None) -> B
     whole_s: of the run that it is chosen for; the case's own length if None.
     """
     whole = found.duration_s if whole_s is None else whole_s
-    times = whole / found.simulated_s if found.simulated_s else 1.0
     bound = f"{bound_s * 1e6:g} us"
     cycles = bound_s / found.cycle_s
     others = found.outcomes[1:]
@@ -46,31 +45,23 @@ def best_within(found: Trade, bound_s: float, whole_s: float | None = None) -> B
         return Best(None, bound_s, f"there is no level beside {found.reference.level.name} to choose from")
     unknown = found.unmeasured_budgets if whole > found.simulated_s else ()
     fitting = [each for each in found.outcomes if each.holds(cycles) and (each.level.same_records or not unknown)]
-    best = min(fitting, key=lambda outcome: _events(outcome, times))
+    best = min(fitting, key=_events)
     if best is found.reference:
-        told = "; ".join(_reason(outcome, cycles, found, times, unknown) for outcome in others)
+        told = "; ".join(_reason(outcome, cycles, found, unknown) for outcome in others)
         return Best(best.level, bound_s, f"within {bound}: {best.level.name} alone is to be had: {told}")
     assert found.reference.cost is not None
-    against = f"{_told(best)} against {found.reference.cost.events} of {found.reference.level.name}"
-    off = worst_of(best.bounded)
-    what = "all observables" if best.asked is None else "what the budgets measure"
-    worst = f"{what} exact" if not off else f"worst error {number(off)} of {cycles:g} cycles"
+    against = f"{_events(best)} events against {found.reference.cost.events} of {found.reference.level.name}"
+    off = worst_of(best.errors)
+    worst = "all observables exact" if not off else f"worst error {number(off)} of {cycles:g} cycles"
     return Best(best.level, bound_s, f"within {bound}: {best.level.name} is the cheapest, {against}; {worst}")
 
 
-def _events(outcome: Outcome, times: float) -> float:
-    """Of a run that is so many times as long as the one that was measured."""
+def _events(outcome: Outcome) -> int:
     assert outcome.cost is not None
-    return outcome.cost.once_events + times * outcome.cost.events
+    return outcome.cost.events
 
 
-def _told(outcome: Outcome) -> str:
-    assert outcome.cost is not None
-    cost = outcome.cost
-    return f"{cost.once_events} events for its terms" if cost.once_events else f"{cost.events} events"
-
-
-def _reason(outcome: Outcome, cycles: float, found: Trade, times: float, unknown: Sequence[str]) -> str:
+def _reason(outcome: Outcome, cycles: float, found: Trade, unknown: Sequence[str]) -> str:
     """Why a level was not taken. unknown: measures of budgets that did not occur in the first part."""
     name = outcome.level.name
     if outcome.cost is None:
@@ -79,9 +70,9 @@ def _reason(outcome: Outcome, cycles: float, found: Trade, times: float, unknown
         return f"{name} has no known error in {', '.join(unknown)}, unmeasured in {duration_text(found.simulated_s)}"
     if outcome.holds(cycles):
         assert found.reference.cost is not None
-        return f"{name} takes {_told(outcome)}, no fewer than {found.reference.cost.events}"
-    worst = max(outcome.bounded, key=lambda each: (each.worst > 0, each.worst))
-    if worst_of(outcome.bounded) <= cycles:
-        worst = next(each for each in outcome.bounded if each.worst and each.unit != "cycles")
+        return f"{name} takes {_events(outcome)} events, no fewer than {found.reference.cost.events}"
+    worst = max(outcome.errors, key=lambda each: (each.worst > 0, each.worst))
+    if worst_of(outcome.errors) <= cycles:
+        worst = next(each for each in outcome.errors if each.worst and each.unit != "cycles")
     how = "infinitely" if number(worst.worst) == INFINITE else f"by {number(worst.worst)} {worst.unit}"
     return f"{name} is off {how} ({worst.name})"

@@ -11,14 +11,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from time import process_time
 
-import numpy as np
-
-from ...levels.judged import SCHEDULE, judged
 from ...scene.case.model import Case
 from ...scene.result import BYTE_LEVEL, FRAMES, FRAMES_PASSED
 from ...scene.scene import Scene
 
-TOGETHER, ROUNDS = 1000, 50  # scenarios of so many rounds, where a level runs many in a call
 TRACED = Fraction(2, 100)  # seconds of the scene in which allocations are traced: tracing takes several times as long
 
 
@@ -27,9 +23,6 @@ class Cost:
     """cpu_s: of the run, building apart. memory: bytes that Python had allocated at most, by tracemalloc, from before
     the scene was built to the end of the first TRACED seconds. byte_level: I2C bytes that passed at byte level.
     sci_frames, sci_frames_passed: on UART lines, and above edges. share: both as a phrase.
-
-    once_cpu_s, once_events: of measuring terms, on `once_s` seconds of edges, however long the run. together_s: CPU of
-    a simulated second where many scenarios are run in a call.
     """
 
     simulated_s: float
@@ -39,10 +32,6 @@ class Cost:
     sci_bytes: int
     byte_level: int
     memory: int
-    once_cpu_s: float = 0.0
-    once_events: int = 0
-    once_s: float = 0.0
-    together_s: float = 0.0
     sci_frames: int = 0
     sci_frames_passed: int = 0
     share: str = ""
@@ -64,8 +53,6 @@ class Cost:
 
 def cost_of(case: Case, length: Fraction, traced: bool = True) -> Cost:
     """Two runs: one timed, and the begin of one traced, where memory is asked for; else it is 0."""
-    if case.fidelity == SCHEDULE:
-        return _of_schedule(case, length, traced)
     scene = Scene(case)
     gc.collect()
     began = process_time()
@@ -87,39 +74,11 @@ def cost_of(case: Case, length: Fraction, traced: bool = True) -> Cost:
     )
 
 
-def _of_schedule(case: Case, length: Fraction, traced: bool) -> Cost:
-    from ...levels.schedule import schedule
-    from ...levels.schedule.scheduled_scene import ScheduledScene, tells
-
-    case = case.model_copy(update={"budget": tuple(each for each in case.budget if tells(case, each)), "breaks": ()})
-    began = process_time()
-    scene = ScheduledScene(case)
-    built = process_time()
-    result = scene.run(length)
-    ran = process_time()
-    many = schedule(scene.structure, {"seed": np.arange(TOGETHER)}, rounds=ROUNDS)
-    together = (process_time() - ran) / TOGETHER / (many.seconds(many.end).mean())
-    memory = _memory(case, length) if traced else 0
-    return Cost(
-        result.simulated_s,
-        ran - built,
-        0,
-        result.wire_bytes,
-        result.sci_bytes,
-        0,
-        memory,
-        built - began,
-        result.events,
-        result.terms_s,
-        float(together),
-    )
-
-
 def _memory(case: Case, length: Fraction) -> int:
     gc.collect()
     tracemalloc.start()
     try:
-        judged(case).run(min(length, TRACED))
+        Scene(case).run(min(length, TRACED))
         return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

@@ -16,7 +16,6 @@ import numpy as np
 
 from ...core.records import Recorder
 from ...core.time import Timebase
-from ...levels.judged import SCHEDULE
 from ...processor.user_code import output_muted
 from ...scene.case.model import BadCase, Case
 from ...scene.scene import Scene
@@ -61,8 +60,6 @@ class Observed:
 
 def observe(case: Case, length: Fraction) -> Observed:
     """Run `case` for `length` seconds, recorded. BadCase and its like where it cannot be run."""
-    if case.fidelity == SCHEDULE:
-        return _by_schedule(case, length)
     watched = case.model_copy(update={"budget": (*case.budget, *_more(case)), "breaks": ()})
     listener = MomentListener()
 
@@ -76,18 +73,6 @@ def observe(case: Case, length: Fraction) -> Observed:
     return Observed(
         moments, listener.data(), values, float(_cycle(case, scene.timebase)), scene.timebase.per_second, listener.met()
     )
-
-
-def _by_schedule(case: Case, length: Fraction) -> Observed:
-    """Of the measures that the level tells: it has no records."""
-    from ...levels.schedule.scheduled_scene import ScheduledScene, tells
-
-    edge = case.model_copy(update={"fidelity": "edge"})
-    budgets = tuple(budget for budget in (*case.budget, *_more(edge)) if tells(edge, budget))
-    scene = ScheduledScene(case.model_copy(update={"budget": budgets, "breaks": ()}), keep_values=True)
-    scene.run(length)
-    timebase = scene.timebase
-    return Observed({}, {}, _values(scene.limits), float(_cycle(case, timebase)), timebase.per_second, {})
 
 
 def _values(limits: Iterable[BudgetJudge]) -> dict[str, tuple[str, Ints]]:

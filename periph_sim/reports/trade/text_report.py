@@ -8,7 +8,7 @@ from math import inf, isinf
 
 from ...core.text_table import paragraph, text_table, together
 from ...timing.format_value import duration_text
-from .cost import TOGETHER, TRACED, Cost
+from .cost import TRACED
 from .errors import CYCLES, Errors
 from .levels import REFERENCE
 from .trade import LONGER, Outcome, Trade
@@ -73,34 +73,20 @@ def _level(outcome: Outcome, found: Trade) -> Iterator[str]:
         return
     measured = [each for each in outcome.errors if each.measured]
     wrong = [each for each in measured if not each.exact]
-    share = (f"; {cost.share}" if cost.share else "") + _once(cost)
+    share = f"; {cost.share}" if cost.share else ""
     if not wrong:
         yield from paragraph(f"{name}: all {len(measured)} observables exact{share}")
         return
     yield from paragraph(f"{name}: {len(measured) - len(wrong)} of {len(measured)} observables exact{share}")
-    without_records = bool(cost.once_events)  # then lists of what it lacks are long
-    there = [each for each in wrong if each.lacking < each.count or not without_records]
-    if there:
-        yield ""
-        rows = [
-            (each.name, f"{each.count}", number(each.mean), number(each.p99), number(each.worst), together(each.unit))
-            for each in sorted(there, key=lambda each: -each.worst)
-        ]
-        yield from text_table(("observable", "count", "mean", "p99", "worst", ""), rows, range(1, 5))
-    for each in there:
+    yield ""
+    rows = [
+        (each.name, f"{each.count}", number(each.mean), number(each.p99), number(each.worst), together(each.unit))
+        for each in sorted(wrong, key=lambda each: -each.worst)
+    ]
+    yield from text_table(("observable", "count", "mean", "p99", "worst", ""), rows, range(1, 5))
+    for each in wrong:
         if isinf(each.worst):
             yield from paragraph(f"{each.name}: {without_partner(each)}")
-    lacks = [each.name for each in wrong if each not in there]
-    if lacks:
-        yield from paragraph(f"lacks altogether, each an infinite error: {', '.join(lacks)}")
-
-
-def _once(cost: Cost) -> str:
-    if not cost.once_events:
-        return ""
-    terms = f"{cost.once_cpu_s:.2g} s of CPU and {cost.once_events} events on {duration_text(cost.once_s)} of edges"
-    many = f"{TOGETHER} scenarios in a call: {number(cost.together_s * 1e6)} us of CPU a simulated second"
-    return f"; its terms took {terms}; {many}"
 
 
 def without_partner(each: Errors) -> str:
@@ -143,10 +129,6 @@ def _outcome_as_json(outcome: Outcome) -> dict[str, object]:
         "byte_level_bytes": cost.byte_level,
         "sci_frames": cost.sci_frames,
         "sci_frames_at_byte_level": cost.sci_frames_passed,
-        "terms_cpu_s": cost.once_cpu_s,
-        "terms_events": cost.once_events,
-        "terms_s": cost.once_s,
-        "cpu_s_per_simulated_s_of_many": cost.together_s,
     }
     return told | {
         "cost": costs,

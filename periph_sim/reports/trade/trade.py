@@ -9,7 +9,6 @@ from math import inf
 
 from ...core.kernel import SimulationStuck
 from ...f28335.system.memory_map import NoSuchAddress
-from ...levels.judged import SCHEDULE
 from ...processor.error_origin import FirmwareError
 from ...processor.user_code import output_muted
 from ...scene.case.model import BadCase, Case
@@ -26,17 +25,12 @@ Make = Callable[[Sequence[str]], Case]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a level. refused: why it could not be run. errors: empty of the reference.
-
-    asked: the measures that a bound is about; None: all observables. A level that gives verdicts and no records is
-    asked for those of the case's budgets alone.
-    """
+    """What came of a level. refused: why it could not be run. errors: empty of the reference."""
 
     level: Level
     refused: str = ""
     cost: Cost | None = None
     errors: tuple[Errors, ...] = ()
-    asked: frozenset[str] | None = None
 
     @property
     def worst(self) -> float:
@@ -44,14 +38,7 @@ class Outcome:
         return inf if self.cost is None else worst_of(self.errors)
 
     def holds(self, cycles: float) -> bool:
-        return self.cost is not None and within(self.bounded, cycles)
-
-    @property
-    def bounded(self) -> tuple[Errors, ...]:
-        """The errors that a bound is about."""
-        if self.asked is None:
-            return self.errors
-        return tuple(each for each in self.errors if each.name in self.asked)
+        return self.cost is not None and within(self.errors, cycles)
 
 
 @dataclass(frozen=True)
@@ -124,7 +111,6 @@ def _outcome(make: Make, level: Level, reference: Observed, length: Fraction, tr
     try:
         case = make(level.changes)
         errors = compare(reference, observe(case, length))
-        asked = frozenset(budget.measure for budget in case.budget) if case.fidelity == SCHEDULE else None
-        return Outcome(level, "", cost_of(case, length, traced), tuple(errors), asked or None)
+        return Outcome(level, "", cost_of(case, length, traced), tuple(errors))
     except REFUSED as error:
         return Outcome(level, str(error))

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
 
 from msgspec import Struct
 
+from ... import removed
 from ...core.convert import Before
 from ...core.suggest import did_you_mean
 from .wiring import SciLines, Wiring, sci_lines, sci_named
@@ -21,11 +22,9 @@ from .wiring import SciLines, Wiring, sci_lines, sci_named
 if TYPE_CHECKING:
     from .model import Case
 
-Level: TypeAlias = Literal["edge", "adaptive", "byte", "schedule"]
-BusLevel: TypeAlias = Literal["edge", "adaptive", "byte"]
+Level: TypeAlias = Literal["edge", "adaptive", "byte"]
 LEVELS: tuple[str, ...] = get_args(Level)
-BUS_LEVELS: tuple[str, ...] = get_args(BusLevel)
-EDGE, BYTE, SCHEDULE = "edge", "byte", "schedule"
+EDGE, BYTE = "edge", "byte"
 I2C = "I2C-A"
 
 
@@ -33,15 +32,21 @@ def _checked(value: object) -> object:
     """A word, or a table with the names of SCIs in one piece: {"left": {"SCI-B": ...}} is {"left.SCI-B": ...}."""
     if not isinstance(value, dict):
         if value not in LEVELS:
+            _refuse_removed(value)
             raise ValueError(f"it is one of {', '.join(LEVELS)}, or a table with one of them for each bus")
         return value
     table = dict(_flat(value))
     for name, level in table.items():
-        if level == SCHEDULE:
-            raise ValueError(f'{name}: "schedule" is a level of a whole scene: fidelity = "schedule"')
-        if level not in BUS_LEVELS:
-            raise ValueError(f"{name}: there is no level {level!r} of a bus; {did_you_mean(str(level), BUS_LEVELS)}")
+        if level not in LEVELS:
+            _refuse_removed(level)
+            raise ValueError(f"{name}: there is no level {level!r} of a bus; {did_you_mean(str(level), LEVELS)}")
     return table
+
+
+def _refuse_removed(level: object) -> None:
+    """Raise ValueError, which says what to use instead, for a level of an earlier version."""
+    if isinstance(level, str) and level in removed.LEVELS:
+        raise ValueError(removed.LEVELS[level])
 
 
 def _flat(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, object]]:
@@ -52,7 +57,7 @@ def _flat(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, obj
             yield f"{before}{name}", level
 
 
-Fidelity: TypeAlias = Annotated[Level | dict[str, BusLevel | dict[str, BusLevel]], Before(_checked)]
+Fidelity: TypeAlias = Annotated[Level | dict[str, Level | dict[str, Level]], Before(_checked)]
 
 
 class BusLevels(Struct, frozen=True):
@@ -98,7 +103,7 @@ def bus_levels(case: Case, wiring: Wiring) -> BusLevels:
     for sci in scis:
         name, said = of_sci.get((sci.unit, sci.module), ("", EDGE))
         for wire in (sci.rx, sci.tx):
-            if wire not in lines or BUS_LEVELS.index(said) < BUS_LEVELS.index(lines[wire]):
+            if wire not in lines or LEVELS.index(said) < LEVELS.index(lines[wire]):
                 lines[wire], named[wire] = said, name
     return BusLevels(i2c, {wire: level for wire, level in lines.items() if level != EDGE}, named)
 

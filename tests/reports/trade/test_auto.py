@@ -17,7 +17,6 @@ from periph_sim.reports.trade.levels import level_of
 from periph_sim.reports.trade.trade import trade
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
-from periph_sim.scene.scene import Scene
 
 TIMING = Path(__file__).resolve().parents[3] / "timing"
 US = 1e-6
@@ -84,47 +83,6 @@ def test_what_was_not_met_in_the_measured_part_is_run_on_edges(tmp_path: Path):
 def test_what_was_met_there_may_come_again(tmp_path: Path):
     _, result, choice = run_within(later(tmp_path, 10), US, None)
     assert (choice.level, choice.unmet, result.fidelity) == ("byte", "", "byte")
-
-
-def told(*changes: str) -> Callable[[Sequence[str]], Case]:
-    """The published case with those of its budgets that the level "schedule" tells."""
-
-    def make(more: Sequence[str]) -> Case:
-        case = load(TIMING / "imu_hil_published.toml", [*changes, *more])
-        budgets = tuple(budget for budget in case.budget if budget.measure in ("round", "age", "nacked rounds"))
-        return case.model_copy(update={"budget": budgets})
-
-    return make
-
-
-def test_schedule_is_chosen_by_what_the_budgets_measure_and_for_how_long_it_runs():
-    scene, result, choice = run_within(told(), US, Fraction(2))
-    assert (choice.level, choice.unmet, result.fidelity) == ("schedule", "", "schedule")
-    assert "events for its terms against" in choice.best.why and "what the budgets measure exact" in choice.best.why
-    assert scene.case.fidelity == "edge" and result.simulated_s == 2
-    assert result.budgets == Scene(told()(())).run(Fraction(2)).budgets
-    _, result, _ = run_within(told(), US, Fraction(6, 100))  # too short for terms to be worth measuring
-    assert result.fidelity == "byte"
-
-
-def test_a_level_is_chosen_for_the_length_of_the_case_where_none_is_said():
-    """Its terms are measured once, however long the run."""
-    found = trade(told(), (level_of("edge"), level_of("schedule")), Fraction(3, 100), traced=False)
-    names = [best.level and best.level.name for best in (best_within(found, 1e-6), best_within(found, 1e-6, 0.03))]
-    assert names == ["schedule", "edge"]
-
-
-def test_a_budget_that_schedule_does_not_tell_is_an_infinite_error():
-    _, result, choice = run_within(made(TIMING / "imu_hil_published.toml"), US, Fraction(2))
-    assert (choice.level, result.fidelity) == ("byte", "byte")
-
-
-def test_a_nack_that_the_measured_part_has_not_is_run_on_edges():
-    changes = "controller.first=30 ms", "unit.dsp.settings.model_cost=17340 us to 17379500 ns", "seed=8"
-    _, result, choice = run_within(told(*changes), US, Fraction(1))
-    assert choice.best.level is not None and choice.best.level.name == "schedule"
-    assert (choice.level, choice.unmet) == ("edge", "a NACK, which the measured part has not")
-    assert result.fidelity == "edge" and result.counts["nacked"] > 0
 
 
 def test_a_part_in_which_nothing_occurs_is_refused(tmp_path: Path):

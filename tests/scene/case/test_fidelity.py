@@ -76,9 +76,10 @@ def test_i2c_that_nobody_is_on_is_refused():
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        ("fidelity=bytes", "it is one of edge, adaptive, byte, schedule, or a table with one of them for each bus"),
+        ("fidelity=bytes", "it is one of edge, adaptive, byte, or a table with one of them for each bus"),
         ("fidelity=3", "it is one of edge"),
-        ("fidelity.SCI-A=schedule", 'SCI-A: "schedule" is a level of a whole scene: fidelity = "schedule"'),
+        ("fidelity=schedule", "fidelity: level 'schedule' was removed: its arithmetic"),
+        ("fidelity.SCI-A=schedule", "level 'schedule' was removed"),
         ("fidelity.SCI-A=bytes", "SCI-A: there is no level 'bytes' of a bus; did you mean byte?"),
         ("fidelity.SCI-A=[]", "SCI-A: there is no level [] of a bus"),
     ],

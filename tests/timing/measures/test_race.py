@@ -12,15 +12,15 @@ from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
 from periph_sim.records.races import races
 from periph_sim.records.run import NotInRun
+from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.measures.factory import make_of_events
 from periph_sim.timing.verdict import Verdict
-from tests.explain.bound.cases import imu_hil
 from tests.records.scenes import ADDRESS, asks, ran
-from tests.scene.runs import run_case
+from tests.scene.runs import TIMING, run_case
 from tests.scene.small import case
 from tests.timing.events_by_hand import ONE, records, tell
 
@@ -182,10 +182,11 @@ def test_over_a_recording_without_such_accesses_it_says_so(monkeypatch: pytest.M
 
 def test_a_flag_that_was_read_but_not_looked_at_is_lost_and_cleared_along():
     """A service routine of 40 us: SDIR has risen when RRDY is read, is cleared with SCD, and then waited for."""
-    case_ = imu_hil("controller.rate=400 kHz", "host.first=3990 us", frame_us=40)
+    changes = ["unit.dsp.settings.frame_cost=40 us", "controller.rate=400 kHz", "host.first=3990 us"]
+    flawed = load(TIMING / "imu_hil_published.toml", changes)
     names = ("lost flags I2C-A.I2CSTR", "cleared along I2C-A.I2CSTR.SDIR", "cleared along I2C-A.I2CSTR.SCD")
     budgets = tuple(Budget(name=name, measure=name, max=0) for name in names)
-    ran = run_case(case_.model_copy(update={"budget": budgets}), "0.03")
+    ran = run_case(flawed.model_copy(update={"budget": budgets}), "0.03")
     lost, sdir, scd = ran.result.budgets
     assert (lost.worst, sdir.worst, sdir.count, sdir.verdict) == (1, 1, 1, "fail")
     assert (scd.worst, scd.verdict) == (0, "pass")

@@ -1,1 +1,0 @@
-"""Coarser levels than edges, for what many runs of one scene come to."""

@@ -30,6 +30,16 @@ def test_what_drivers_call() -> None:
     assert got == b"\x00\xe5\x77\x88"
 
 
+def test_without_bounds_a_buffer_is_transferred_whole() -> None:
+    """S 53W 01 P   S 53R 02 03 P   S 53W 00 Sr 53R E5 02 P"""
+    i2c, got = bus(), bytearray(2)
+    i2c.writeto(0x53, b"\x01")
+    i2c.readfrom_into(0x53, got)
+    assert got == b"\x02\x03"
+    i2c.writeto_then_readfrom(0x53, b"\x00", got)
+    assert got == b"\xe5\x02"
+
+
 def test_a_scan_leaves_out_the_reserved_addresses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(I2C, "_asks", lambda _, address: True)
     assert bus().scan() == list(range(0x08, 0x78))

@@ -73,7 +73,8 @@ def test_the_status_says_rate_lines_pull_ups_and_checksum() -> None:
     driver.take(b"4u\x09" + WRITE + b"\xc0\x31p")
     checksum = f"{crc_hqx(bytes([0xA0, 0x31]), 0xFFFF):04x}"
     assert driver.take(b"?").split()[9:12] == [b"400", b"09", checksum.encode()]
-    assert driver.take(b"_?") == booted
+    assert driver.take(b"1?").split()[9] == b"100"
+    assert driver.take(b"4_?") == booted
     assert len(driver.take(b"J")) == 80
 
 
@@ -141,6 +142,15 @@ def test_a_capture_is_what_others_do_on_the_bus() -> None:
     driver.take(b"c")
     session.advance(session.ticks("65 ms"))
     assert driver.take(b"c") == driver.captured() == b"", "what a capture did not hand over is gone with it"
+
+
+def test_a_capture_lets_go_of_the_bus() -> None:
+    """START and an address: SCL is held low for the next byte, until a capture begins."""
+    session = slave(registers="0a")
+    driver = adapter(session)
+    assert driver.take(WRITE) == ACKED and session.level("SCL") == 0
+    driver.take(b"c")
+    assert session.level("SCL") == 1
 
 
 def test_garbage_is_stood_and_forgotten() -> None:

@@ -12,7 +12,7 @@ import pytest
 serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
 import periph_sim.live  # noqa: E402
-from periph_sim.outside import replay  # noqa: E402
+from periph_sim.outside import Session, replay  # noqa: E402
 from periph_sim.outside.live import protocol_f28335  # noqa: E402
 from periph_sim.outside.live.backlog import Backlog  # noqa: E402
 from tests.outside.live.echo import written  # noqa: E402
@@ -46,6 +46,39 @@ def test_bytes_that_wait_are_counted_before_they_are_read(tmp_path: Path) -> Non
         line.flush()
         line._session.advance(line._session.now + line._session.ticks("1 ms"))
         assert line.in_waiting == 2
+
+
+def test_bytes_that_were_there_are_gone_behind_a_reset_of_the_input(tmp_path: Path) -> None:
+    with port(tmp_path) as line:
+        line.write(b"ab")
+        line.read_until(b"x", 1)
+        line._session.advance(line._session.now + line._session.ticks("1 ms"))
+        assert line.in_waiting == 1
+        line.reset_input_buffer()
+        line.write(b"d")
+        assert line.read(1) == b"e"
+
+
+class InHours:
+    """A session in which each step is an hour long, since nobody has the time for 36 million of them."""
+
+    def __init__(self, session: Session) -> None:
+        self.advance, self.ticks_per_second, self._session = session.advance, session.ticks_per_second, session
+
+    @property
+    def now(self) -> int:
+        return self._session.now
+
+    def ticks(self, _: str) -> int:
+        return 3600 * self.ticks_per_second
+
+
+def test_a_read_without_time_out_ends_after_an_hour_of_simulated_time(tmp_path: Path) -> None:
+    with port(tmp_path, timeout=None) as line:
+        session = line._session
+        line._session = InHours(session)
+        assert (line.read(1), line.clock()) == (b"", 3600.0)
+        line._session = session
 
 
 def test_at_the_pace_of_a_clock(tmp_path: Path) -> None:
@@ -105,14 +138,18 @@ def test_a_break_has_its_length_in_simulated_time(tmp_path: Path) -> None:
         line.write(b"\xff")
         line.send_break(0.0002)
         line.read(100)
+        line.send_break()
+        line.timeout = 0.3
+        line.read(1000)
+        line.timeout = 0.01
         line.break_condition = True
         line.read(100)
         assert (line.cts, line.dsr, line.ri, line.cd) == (False,) * 4
     rows = [row for row in map(json.loads, log.read_text().splitlines()) if isinstance(row, list)]
-    assert [row[1]["RX"] for row in rows] == [0, 1, 0, 1, 0]
-    begin, end, broken, over, _ = [row[0] for row in rows]
+    assert [row[1]["RX"] for row in rows] == [0, 1, 0, 1, 0, 1, 0]
+    begin, end, broken, over, usual, usual_over, _ = [row[0] for row in rows]
     bit = 3_000_000_000 // 115_200
-    assert (end - begin, over - broken) == (bit, 600_000)
+    assert (end - begin, over - broken, usual_over - usual) == (bit, 600_000, 750_000_000), "pyserial's own are 0.25 s"
     assert broken - begin >= 3_000_000, "a millisecond, in which the frame ends"
 
 

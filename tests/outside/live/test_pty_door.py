@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import termios
@@ -13,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.outside import OutsideError, Session
-from periph_sim.outside.live import pty_door
+from periph_sim.outside.live import pseudo_terminal, pty_door
 from periph_sim.outside.live.loop import Loop
 from periph_sim.outside.live.pacing import Pacer
 from periph_sim.outside.live.pty_door import PtyDoor
@@ -85,6 +86,18 @@ def test_what_comes_while_nobody_listens_waits(tmp_path: Path) -> None:
         served.passes("1 ms")
     assert sent == len(data)
     assert got == bytes(byte + 1 & 0xFF for byte in data)
+    os.close(file)
+    served.door.close()
+
+
+def test_a_client_that_sets_nothing_has_a_raw_line(tmp_path: Path) -> None:
+    """No CR becomes LF, no LF becomes CR LF, Ctrl-C and Ctrl-D are bytes, and what the SCI sends is not sent back."""
+    served = Served(tmp_path)
+    file = os.open(served.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    os.write(file, b"\r\n\x03\x04\x11\x09\x0c")
+    assert heard(served, file, b"\x0d") == b"\x0e\x0b\x04\x05\x12\x0a\x0d"
+    served.passes("2 ms")
+    assert served.line.sent == 7
     os.close(file)
     served.door.close()
 
@@ -161,6 +174,31 @@ def test_a_link_that_a_session_left_behind_is_replaced_and_any_other_is_refused(
     with pytest.raises(OutsideError, match=r"dsp: it is a link to .*/gone already"):
         Served(tmp_path, link)
     assert link.is_symlink()
+
+
+def test_a_link_that_may_not_be_replaced_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is of an earlier pseudo-terminal with the number of the new one, in a folder that nobody may write to."""
+
+    def unlink(path: Path, missing_ok: bool = False) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    link = tmp_path / "dsp"
+    monkeypatch.setattr(os, "ttyname", lambda _: "/dev/pts/99999")
+    monkeypatch.setattr(pseudo_terminal, "Openings", Unopened)
+    monkeypatch.setattr(Path, "unlink", unlink)
+    link.symlink_to("/dev/pts/99999")
+    with pytest.raises(OutsideError, match="dsp: it is a link to /dev/pts/99999 already; give the link another name"):
+        pseudo_terminal.PseudoTerminal(link)
+
+
+class Unopened:
+    """Nobody opens a pseudo-terminal that is not there."""
+
+    def __init__(self, path: str) -> None:
+        assert path == "/dev/pts/99999"
+
+    def close(self) -> None:
+        """It has no file open."""
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")

@@ -24,6 +24,7 @@ from tests.outside.live.echo import written
 
 serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
+from periph_sim.outside.live import rfc2217_door  # noqa: E402
 from periph_sim.outside.live.rfc2217_door import Port, Rfc2217Door  # noqa: E402
 
 
@@ -288,6 +289,38 @@ def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(serv
     served.passes("2 ms")
     assert second.recv(4096).strip(b"y") == b"ifmmp" and not served.line.waiting
     second.close()
+
+
+def test_the_end_of_a_client_that_is_ahead_is_seen_when_the_next_one_comes(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its last bytes are discarded unread; the next client is let in, and not turned away."""
+    first = served.client()
+    monkeypatch.setattr(rfc2217_door, "MOST", 100)
+    first.send(bytes(5000))
+    served.door.turn()
+    assert served.line.waiting == backlog.AT_ONCE
+    first.close()
+    with socket.create_connection(served.address) as second:
+        served.door.turn()
+        assert [sentence.partition(" ")[2].partition(" ")[2] for sentence in served.said[1:]] == [
+            "left",
+            f"came; {backlog.AT_ONCE} bytes of the one before were not sent yet, and are discarded",
+        ]
+        second.send(b"a")
+        served.passes("2 ms")
+        assert second.recv(100).endswith(b"b")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems name these options otherwise")
+def test_a_client_whose_computer_went_is_let_go_in_25_seconds(served: Served) -> None:
+    """10 s of silence, then three probes, 5 s apart."""
+    with served.client():
+        connection = served.door._client._connection
+        options = (socket.TCP_KEEPIDLE, socket.TCP_KEEPINTVL, socket.TCP_KEEPCNT)
+        idle, every, count = (connection.getsockopt(socket.IPPROTO_TCP, option) for option in options)
+        assert connection.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE) == 1
+        assert (idle, every, count, idle + every * count) == (10, 5, 3, 25)
 
 
 def test_a_client_that_the_system_cannot_let_in_is_told(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -42,13 +42,17 @@ class Wave(TypedDict):
 
 
 class LastRound(Listener):
-    """wires: their names, in the order in which they are shown. To be subscribed as the scene is built."""
+    """Edges of the wires shown; call `subscribe` as the scene is built.
+
+    wires: names, in the order in which they are shown.
+    """
+
+    _per_us: int  # ticks
 
     def __init__(self, wires: Iterable[str]) -> None:
         self._wires = tuple(wires)
         self._edges: deque[tuple[int, int, int]] = deque(maxlen=KEPT)  # tick, number of the wire, level
         self._span: Span | None = None
-        self._per_us = 1
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
         self._per_us = timebase.per_second // 1_000_000

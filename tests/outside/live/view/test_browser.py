@@ -120,6 +120,7 @@ def test_the_door_puts_a_snapshot_some_times_a_second_and_one_at_the_end() -> No
         numbers.append(board.after(0, 0.0)[0])
         now[0] += EVERY / 2
     assert numbers == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5]
+    assert [*door.files()] == [] and not board.closed
     door.close()
     number, last = board.after(5, 0.0)
     assert number == 6 and last is not None and last["over"] and board.closed

@@ -31,7 +31,7 @@ from ..traces.capture.gaps import gap_notes
 from ..traces.decode import uart as decode
 from . import BadReplay
 from .ambiguous import Word, settled
-from .compare import NOTHING, Divergence, Happened, compare
+from .compare import NOTHING, Divergence, compare
 from .divergence_history import AS_RECEIVER, CaptureOrigin, with_history
 from .history import FlagHistory
 from .line_errors import line_errors
@@ -262,11 +262,8 @@ class UartReplay:
         history.watch(again._scene)
         again.kernel.run_until(until + 1)
 
-    def received(self) -> list[Happened]:
-        """What the firmware has read from SCIRXBUF so far."""
-        return [word.happened for word in self._received()]
-
     def _received(self) -> list[Word]:
+        """Return what the firmware has read from SCIRXBUF so far."""
         rxdt, sciffe, sciffpe = (SCIRXBUF[name] for name in ("RXDT", "SCIFFFE", "SCIFFPE"))
         return [
             Word(

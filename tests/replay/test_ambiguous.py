@@ -52,15 +52,21 @@ def test_an_unsure_bit_may_be_read_either_way_and_no_other_may(word: int, ambigu
     assert (expected, found) == ((["55"], ["55"]) if ambiguous else (["41", "55"], ["45", "55"]))
 
 
-def test_an_unsure_stop_bit_leaves_a_frame_error_open_and_an_unsure_bit_the_parity():
+def test_an_unsure_stop_bit_leaves_a_frame_error_open_and_any_other_bit_the_parity():
     even = Line(100_000, parity="even")
-    stop, data = 1 << 10, 1 << 3
+    stop, parity, data = 1 << 10, 1 << 9, 1 << 3
     (found,) = settled([frame(0, 0x41, stop)], even, Fraction(10**6), [Word(0x41, True, False, Fraction(0))]).ambiguous
+    assert found.value == 0x41
+    (found,) = settled(
+        [frame(0, 0x41, parity)], even, Fraction(10**6), [Word(0x41, False, True, Fraction(0))]
+    ).ambiguous
     assert found.value == 0x41
     (found,) = settled([frame(0, 0x41, data)], even, Fraction(10**6), [Word(0x45, False, True, Fraction(0))]).ambiguous
     assert found.value == 0x41
     refused = settled([frame(0, 0x41, data)], even, Fraction(10**6), [Word(0x41, True, False, Fraction(0))])
     assert not refused.ambiguous and [e.words for e in refused.expected] == ["41"]
+    refused = settled([frame(0, 0x41, stop)], even, Fraction(10**6), [Word(0x41, False, True, Fraction(0))])
+    assert not refused.ambiguous, "an unsure stop bit does not excuse a parity error"
 
 
 @pytest.mark.parametrize("words", [(0x41, 0x55, 0x66), (0x55, 0x66), (0x12, 0x55, 0x66), (0x12, 0xF0, 0x55, 0x66)])

@@ -46,6 +46,7 @@ def test_a_firmware_that_is_in_time_would_have_driven_what_the_capture_shows(sty
     report = replay("imu_round.sr", *settings)
     assert (report.verdict, report.loop, report.divergences) == ("pass", "open", [])
     assert (report.events, report.agreed, report.late_worst_us) == (63, 63, 0)
+    assert (report.stretch_worst_us, report.stretch_total_us) == (0, 0)
 
 
 def test_a_firmware_of_several_addresses_and_refusals_at_the_start():

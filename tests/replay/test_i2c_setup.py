@@ -49,6 +49,29 @@ def test_only_the_first_transfers_are_played_and_all_are_counted():
     assert list(one.answers_of_others([0x50])) == [] and [len(a) for a in one.answers_of_others([]).values()] == [2]
 
 
+@pytest.mark.parametrize(
+    ("wave", "where"),
+    [
+        ("S A0+ 0:", "in the middle of a byte, after 1 bit"),
+        ("S A0+ 0: 0: 0:", "in the middle of a byte, after 3 bits"),
+        ("S A0+ 0: 0: 0: 0: 0: 0: 0: 0:", "in the middle of a byte, after 8 bits"),
+        ("S A0+ 07+", "before a STOP"),  # the ninth bit is the ACK, with which a byte is whole
+        ("S A0+ 07+ P", ""),
+    ],
+)
+def test_a_note_says_where_the_capture_cuts_its_last_transfer(wave: str, where: str):
+    sentence = f"the capture ends {where}: what follows in its last transfer is not compared"
+    assert part(wave).notes == [sentence] * bool(where)
+
+
+@pytest.mark.parametrize(("low", "step"), [(16, 8), (15, 1), (12, 1), (8, 1)])
+def test_edges_lie_on_an_analyser_s_raster_only_if_a_low_phase_has_two_samples(low: int, step: int):
+    """Times in a file, with all edges 8 positions or multiples of it apart: a sample, or the raster of an ideal bus."""
+    one = part("S A0+ 07+ P", half=20)
+    vars(one).update(half_sample=Fraction(8, 2), low=Fraction(low))
+    assert (one.step, one.sample_rate) == (step, Fraction(4_000_000, step))
+
+
 def test_clock_pulses_before_the_first_start_are_told():
     wave = wave_of("S A0+ 07+ P")
     pulses = bytes([0b11] * 20 + ([0b10] * 20 + [0b11] * 20) * 3)

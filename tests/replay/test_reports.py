@@ -34,7 +34,7 @@ WRITTEN = (
 def clock(monkeypatch: pytest.MonkeyPatch) -> None:
     """A wall clock that stands at 100 s as a run begins, and 2.5 s later as it ends; microseconds are told."""
     for module in (i2c_closed_loop, i2c_open_loop, i2c_master, uart):
-        monkeypatch.setattr(module, "perf_counter", iter((100.0, 102.5000004)).__next__)
+        monkeypatch.setattr(module, "perf_counter", iter((100.0, 102.5000124)).__next__)
 
 
 def told(report: Report) -> dict[str, object]:
@@ -105,7 +105,7 @@ def test_a_closed_loop(tmp_path: Path):
     report = I2cReplay(case, mixed_reads(), "SCL", "SDA", **given).run(progress.append)
     assert progress == [1.0] and (report.case, report.capture) == ("slow", "samples")
     assert told(report) == {
-        "wall_s": 2.5,
+        "wall_s": 2.500012,
         "kind": "i2c",
         "verdict": "not judged",
         "events": 18,
@@ -140,7 +140,7 @@ def test_an_open_loop(tmp_path: Path):
     report = I2cOpenReplay(case, mixed_reads(), "SCL", "SDA", addresses=[OWN]).run(progress.append)
     assert progress == [step / 100 for step in range(1, 101)]
     assert told(report) == {
-        "wall_s": 2.5,
+        "wall_s": 2.500012,
         "kind": "i2c",
         "loop": "open",
         "verdict": "fail",
@@ -185,7 +185,7 @@ def test_a_master():
     notes = report.notes
     assert notes.pop().startswith("dsp: main returned at ")
     assert told(report) == {
-        "wall_s": 2.5,
+        "wall_s": 2.500012,
         "kind": "i2c",
         "role": "master",
         "verdict": "fail",
@@ -227,7 +227,7 @@ def test_a_serial_line():
     report = UartReplay(case, capture, "RX", line_format(100_000)).run(progress.append)
     assert progress == [step / 100 for step in range(1, 101)]
     assert told(report) == {
-        "wall_s": 2.5,
+        "wall_s": 2.500012,
         "kind": "uart",
         "loop": "open",
         "verdict": "not judged",

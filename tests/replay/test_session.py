@@ -80,8 +80,9 @@ def test_the_trace_of_the_repository_is_such_a_session():
     assert came["response"].worst == pytest.approx(5, abs=1) and came["response"].count == 9
     assert came["data age"].worst == pytest.approx(23_933, abs=2) and came["SCI FIFO high-water"].worst == 12
     assert came["data age"].at_s == pytest.approx(0.026975, abs=2e-6), "counted from the capture's begin"
-    later = by_name(replay(formats.read(FOLDER / "imu_session.sr"), "start=10 s").budgets)
-    assert later["data age"].at_s == came["data age"].at_s
+    later = replay(formats.read(FOLDER / "imu_session.sr"), "start=10 s")
+    assert by_name(later.budgets)["data age"].at_s == came["data age"].at_s
+    assert later.simulated_s == report.simulated_s == pytest.approx(0.051), "from 1 ms before the capture's 50 ms"
 
 
 def test_budgets_on_rounds_that_the_capture_does_not_have_are_left_out_by_name():

@@ -144,12 +144,13 @@ def test_a_capture_is_what_others_do_on_the_bus() -> None:
     assert driver.take(b"c") == driver.captured() == b"", "what a capture did not hand over is gone with it"
 
 
-def test_a_capture_lets_go_of_the_bus() -> None:
-    """START and an address: SCL is held low for the next byte, until a capture begins."""
+@pytest.mark.parametrize("sent", [b"c", b"b", b"b\x02@"])
+def test_a_capture_and_bits_let_go_of_the_bus(sent: bytes) -> None:
+    """START and an address: SCL is held low for the next byte, until a capture or bits begin, or the bits end."""
     session = slave(registers="0a")
     driver = adapter(session)
     assert driver.take(WRITE) == ACKED and session.level("SCL") == 0
-    driver.take(b"c")
+    driver.take(sent)
     assert session.level("SCL") == 1
 
 

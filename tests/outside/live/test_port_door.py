@@ -91,6 +91,25 @@ def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(tmp_path: Path) 
     cable.unplug()
 
 
+def test_a_port_that_went_is_left_alone_for_a_second(tmp_path: Path) -> None:
+    """
+    s      0             0.99      1.0
+    port   gone, there   there     there
+    door   closed        closed    open
+    """
+    cable, now = Cable(tmp_path / "ttyUSB0"), [0.0]
+    session = Session(written(tmp_path), ("RX", "TX"))
+    door = PortDoor(session.serial("scia"), str(cable.name), 115_200, "8n1", clock=lambda: now[0])
+    cable.unplug()
+    door.turn()
+    cable.plug()
+    for now[0], is_open in ((0.0, False), (0.99, False), (1.0, True)):
+        door.turn()
+        assert bool(door.files()) == is_open
+    door.close()
+    cable.unplug()
+
+
 def test_a_port_that_is_ahead_of_the_line_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """100 bytes may wait: the next one stays in the system until one is sent, and is counted if it is lost."""
     monkeypatch.setattr(port_door, "MOST", 100)

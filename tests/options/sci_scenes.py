@@ -15,7 +15,8 @@ def sci(
 ) -> Scene:
     """rxd: samples. received, sent: scripts of the service routines of SCIRXINTA, SCITXINTA."""
     service = {vector: text for vector, text in (("SCIRXINTA", received), ("SCITXINTA", sent)) if text}
-    return Scene(ON + firmware, ("SCI-A",), service=service, rxd=rxd, cycles=cycles, answers={"sci": answers})
+    levels = {"SCIRXDA": rxd} if rxd else {}
+    return Scene(ON + firmware, ("SCI-A",), service=service, levels=levels, cycles=cycles, answers={"sci": answers})
 
 
 def bits(levels: str) -> str:

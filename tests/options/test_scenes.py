@@ -8,19 +8,20 @@ from functools import cache
 import pytest
 
 from periph_sim.core.options import Value
-from tests.options import i2c_scenes, sci_scenes, system_scenes
+from tests.options import i2c_scenes, sci_scenes, spi_scenes, system_scenes
 from tests.options.test_unrecorded import UNRECORDED
 from tests.options.unit import KINDS, Outcome, Scene, run
 
 SCENES: dict[str, dict[str, Scene]] = {
     "i2c": i2c_scenes.SCENES,
     "sci": sci_scenes.SCENES,
+    "spi": spi_scenes.SCENES,
     "system": system_scenes.SCENES,
 }
 ROWS = [
     (group, *row)
-    for group, rows in (("i2c", i2c_scenes.ROWS), ("sci", sci_scenes.ROWS), ("system", system_scenes.ROWS))
-    for row in rows
+    for group, scenes in (("i2c", i2c_scenes), ("sci", sci_scenes), ("spi", spi_scenes), ("system", system_scenes))
+    for row in scenes.ROWS
 ]
 ALL = [(group, name) for group, scenes in SCENES.items() for name in scenes]
 
@@ -66,6 +67,9 @@ NEAR = [  # scenes that come near a question and do not depend on it
     ("i2c", "tx_underflow_policy", "IRS = 1 in a stretch"),
     ("sci", "rxerr_int_mode", "long break"),
     ("sci", "rxffovf_interrupt", "words in the FIFO"),
+    ("spi", "int_flag_point", "not read"),
+    ("spi", "rxffovf_interrupt", "status in FIFO mode"),
+    ("spi", "ste_high_mid_character", "answered"),
     ("system", "pf2_read_ws", "frame 2 written"),
     ("system", "saram_conflict", "asleep"),
     ("system", "stalls", "push"),

@@ -1,10 +1,11 @@
 """A unit whose firmware and bus partners are short scripts: its records, and the options listed as assumed, come out.
 
     "I2CMDR=20 ~RRDY I2CDRR" --> firmware --> Dsp <-- wires <-- partners of tests/f28335/i2c_bus.py
-    image source             --> program  --'             '---- levels of RXD
+    image source             --> program  --'             '---- levels of RXD, or of the pins of the SPI
 
 Words of a firmware script: REGISTER=hex writes, REGISTER reads, +n computes for n cycles, ~FLAG waits for a flag of
-I2CSTR, or TIF of TIMER0; HALT=1 and HALT=0 are a debugger that stops the CPU and lets it run on.
+I2CSTR, or TIF of TIMER0; HALT=1 and HALT=0 are a debugger that stops the CPU and lets it run on, as the first module of
+the scene sees it.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from periph_sim.f28335.cpu.compiled_code_costs import BARE
 from periph_sim.f28335.i2c.options import I2cOptions
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.sci.options import SciOptions
+from periph_sim.f28335.spi.options import SpiOptions
 from periph_sim.f28335.system.options import SystemOptions
 from periph_sim.firmware import start_pie
 from periph_sim.image.assemble import assemble
@@ -30,19 +32,20 @@ from periph_sim.processor.dsp import Dsp, DspPlan
 from tests.f28335.i2c_bus import RELEASED, SCL, SDA, Party
 from tests.f28335.i2c_registers import FLAGS
 
-KINDS: dict[str, type[Answers]] = {"i2c": I2cOptions, "sci": SciOptions, "system": SystemOptions}
+KINDS: dict[str, type[Answers]] = {"i2c": I2cOptions, "sci": SciOptions, "spi": SpiOptions, "system": SystemOptions}
 SIGNALS = ("SCLA", "SDAA", "SCIRXDA", "SCITXDA")
+SPI_SIGNALS = ("SPISIMOA", "SPISOMIA", "SPICLKA", "SPISTEA")
 CYCLE = 20  # ticks at 150 MHz
 START = 4000  # cycles after which partners begin,
-RXD_START = 4032  # and RXD: so that a cycle less of the synchroniser puts its first edge before a sample
+RXD_START = 4032  # and levels: so that a cycle less of the synchroniser puts its first edge before a sample
 SAMPLE = 100  # cycles of a sample on RXD, an SCICLK; a bit has eight
 
 
 class Scene(NamedTuple):
     """firmware: a script. source: of an image, in its place. service: vector -> script of its service routine.
 
-    partners: makes the other parties on the I2C bus. rxd: levels of RXD, one a sample. answers: to options by group
-    and name, where a scene needs others than the defaults.
+    partners: makes the other parties on the I2C bus. levels: of signals that other chips drive, one a sample; the last
+    one stays. answers: to options by group and name, where a scene needs others than the defaults.
     """
 
     firmware: str = ""
@@ -50,7 +53,7 @@ class Scene(NamedTuple):
     source: str = ""
     service: dict[str, str] = {}
     partners: Callable[[], Iterable[Party]] = list
-    rxd: str = ""
+    levels: dict[str, str] = {}
     cycles: int = 60_000
     answers: dict[str, dict[str, Value]] = {}
 
@@ -64,7 +67,8 @@ def run(scene: Scene, group: str = "i2c", **answers: Value) -> Outcome:
     """Run a scene. answers: to options of this group. Flags are left out: they change without being read."""
     kernel, recorder, records = Kernel(), Recorder(), list[Record]()
     recorder.subscribe(set(Kind) - {Kind.FLAG}, records.append)
-    wires = {name: Wire(kernel, name, recorder) for name in SIGNALS}
+    signals = SIGNALS + SPI_SIGNALS * ("SPI-A" in scene.modules)
+    wires = {name: Wire(kernel, name, recorder) for name in signals}
     given = scene.answers | {group: scene.answers.get(group, {}) | answers}
     options = {name: options_from(kind, given.get(name, {})) for name, kind in KINDS.items()}
     pins = {PART.pins[name]: wire for name, wire in wires.items()}
@@ -74,8 +78,8 @@ def run(scene: Scene, group: str = "i2c", **answers: Value) -> Outcome:
     dsp = Dsp(kernel, Timebase(150_000_000), recorder, plan)
     for party in scene.partners():
         OnWires(kernel, (wires["SCLA"], wires["SDAA"]), party)
-    if scene.rxd:
-        EdgePlayer(kernel, wires["SCIRXDA"], edges_of(scene.rxd))
+    for signal, samples in scene.levels.items():
+        EdgePlayer(kernel, wires[signal], edges_of(samples))
     if scene.source:
         dsp.start_image(assemble(scene.source))
     else:
@@ -105,7 +109,7 @@ class Firmware:
         for word in text.split():
             name, writes, value = word.partition("=")
             if name == "HALT":
-                socket = dsp.socket("I2C-A")
+                socket = dsp.socket(self._scene.modules[0])
                 socket.chip.suspend(dsp.cpu.cycle, value == "1")
                 socket.publish(dsp.cpu.cycle)
             elif name.startswith("+"):
@@ -166,7 +170,7 @@ class OnWires:
 
 
 def edges_of(samples: str) -> list[tuple[int, int]]:
-    """(tick, level) of the edges of RXD."""
+    """(tick, level) of the edges of a signal that is high before."""
     edges, time, before = [], RXD_START * CYCLE, "1"
     for level, run_of in groupby(samples):
         if level != before:

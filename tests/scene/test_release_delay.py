@@ -50,7 +50,10 @@ def test_the_time_to_the_release_of_scl(
 
 
 def test_a_look_at_the_registers_depends_on_no_open_question(monkeypatch: pytest.MonkeyPatch):
-    scene = small.scene_with(monkeypatch, lambda dsp: dsp.compute(1000), ["I2C-A"])
+    def main(dsp: Dsp) -> None:
+        dsp.compute(1000)
+
+    scene = small.scene_with(monkeypatch, main, ["I2C-A"])
     scene.run()
     assert scene.i2c_release_delay("dsp").ticks(scene.kernel.now) > 0
     assert not scene.units["dsp"].socket("I2C-A").chip.touched

@@ -13,7 +13,7 @@ from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.sci.module import Sci
 from periph_sim.firmware.sci import start_sci
 from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.case.model import BadCase, Case
+from periph_sim.scene.case.model import Case
 from periph_sim.scene.case.origin import Source
 from periph_sim.scene.scene import Scene
 from tests.scene.small import case, scene_with
@@ -130,11 +130,6 @@ def test_a_run_starts_where_the_case_says():
     scene.head.on_round.append(lambda over: starts.append(over.start))
     scene.run()
     assert starts == [scene.timebase.ticks("30 d") + scene.timebase.ticks("1 ms")]
-
-
-def test_a_scene_has_wires_and_so_no_schedule_alone():
-    with pytest.raises(BadCase, match='"schedule" has neither wires nor records: it is for run, sweep and trade; here'):
-        Scene(case(unit={"dsp": {"firmware": "responder", "modules": ["I2C-A"]}}, fidelity="schedule"))
 
 
 def test_a_device_that_is_never_built_ends_the_run_as_it_begins(tmp_path: Path):

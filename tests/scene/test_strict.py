@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.chip import Note, joined
+from periph_sim.processor.dsp import Dsp
 from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
@@ -61,13 +62,17 @@ def test_broken_duty_of_any_module_ends_a_strict_run_with_its_line(tmp_path: Pat
     assert any(note.code == "duty" for _, note in scene.units["dsp"].socket(module).notes)
 
 
+def waits(dsp: Dsp, settings: object) -> None:
+    dsp.compute(100_000)
+
+
 @pytest.mark.parametrize("strict", [True, False])
 def test_a_broken_duty_of_a_device_or_a_sensor_chip_ends_a_strict_run(strict: bool):
     for name, table in {
         "it": {"device": {"it": {"model": "24lc64"}}},
         "chip": {"chip": {"chip": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}},
     }.items():
-        program = Firmware("waits", lambda dsp, settings: dsp.compute(100_000), None)
+        program = Firmware("waits", waits, None)
         unit = {"dsp": {"firmware": "waits", "modules": ["I2C-A"]}}
         scene = Scene(small.case(unit=unit, strict=strict, **table), programs={"dsp": program})
         tick = scene.start + scene.timebase.ticks(Fraction(2, 10**6))

@@ -202,6 +202,23 @@ class Unopened:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
+def test_all_that_a_client_wrote_before_it_left_goes_on_the_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """3000 bytes, of which 100 may wait while a client is there: it writes between two turns, and leaves."""
+    monkeypatch.setattr(pty_door, "MOST", 100)
+    served = Served(tmp_path)
+    file = client(served.door.path)
+    served.door.turn()
+    assert os.write(file, bytes(3000)) == 3000
+    os.close(file)
+    served.door.turn()
+    assert served.line.waiting == 3000
+    served.door.close()
+    assert served.door.unheard == 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
 def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(tmp_path: Path) -> None:
     said: list[str] = []
     served = Served(tmp_path)

@@ -191,6 +191,20 @@ def test_reads_with_another_access_between_are_no_wait():
     assert (place.before and place.before.cycles, place.polls) == (397, 0)
 
 
+@pytest.mark.parametrize(("between", "closest", "polls"), [(read, 7, 1), (write, 397, 0)])
+def test_a_loop_of_an_image_that_only_reads_is_a_wait_and_one_that_writes_is_none(between, closest: int, polls: int):
+    """
+    cycle          100  104  110  114          507          510
+    wait           R    R    R    R    polls   RRDY rises   R
+    other loop     R    W    R    W            RRDY rises   R
+    """
+    first, second = "_f (m.c:7, 0x009001)", "_f (m.c:7, 0x009004)"
+    passes = [row for at in (100, 110) for row in (read(at, place=first), between(at + 4, SCD, place=second))]
+    run = by_hand(*passes, flag(507, "RRDY", 1), read(510, RRDY, place=first))
+    (one,) = [place for place in races(run).places if place.place == first]
+    assert (one.before and one.before.cycles, one.polls) == (closest, polls)
+
+
 def poll_main(dsp: Dsp) -> None:
     start_i2c(dsp)
     i2c = dsp.module("I2C-A")

@@ -12,13 +12,11 @@ from bisect import bisect_right
 from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple
 
+from ..descriptor import FLASH
 from .ram import BLOCKS
 
 if TYPE_CHECKING:
     from ..descriptor import Part
-
-
-FLASH = range(0x30_0000, 0x34_0000)  # of the F28335, which has the most
 
 
 class Content(Enum):

@@ -21,9 +21,9 @@ from typing import Annotated
 from ...c28x.execution.registers import IllegalOperation
 from ...core.chip import Note
 from ...f28335.cpu.interrupts import CpuInterrupts
-from ...f28335.descriptor import Part
+from ...f28335.descriptor import FLASH, Part
 from ...f28335.parts.f28335 import PART
-from ...f28335.system.address_space import FLASH, Area, Content, area_at
+from ...f28335.system.address_space import Area, Content, area_at
 from ...f28335.system.register_names import full_name, is_protected, register_name
 from ...form.c_types import UInt8, UInt16
 from ..firmware_notes import FirmwareNotes

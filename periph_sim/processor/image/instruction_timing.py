@@ -19,7 +19,7 @@ from ...c28x.fetch_queue import DEPTH, FetchQueue
 from ...c28x.hazards import hazards
 from ...c28x.pipeline import Pipeline
 from ...f28335.cpu.interrupts import CpuInterrupts
-from ...f28335.system.address_space import FLASH
+from ...f28335.descriptor import FLASH
 from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import block_at
 from .elsewhere import Elsewhere

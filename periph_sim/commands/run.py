@@ -27,7 +27,7 @@ from .usage_error import running_user_code
 
 if TYPE_CHECKING:
     from ..explain.chain import Chain
-    from ..reports.trade.auto import Choice
+    from ..reports.level_choice.auto import Choice
 
 SECTION = "run"
 EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
@@ -80,7 +80,7 @@ def run(
                 scene = Scene(loaded, subscribe, keep_values=html is not None)
                 result = scene.run(length, told)
             else:
-                from ..reports.trade.auto import run_within
+                from ..reports.level_choice.auto import run_within
 
                 made = run_within(lambda more: load(case, [*changes, *more]), bound, length, html is not None, told)
                 scene, result, choice = made

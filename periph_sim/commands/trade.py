@@ -1,9 +1,11 @@
-"""`periph-sim trade CASE`: what each level of a case costs, and how far it is off."""
+"""`periph-sim trade CASE`: what each choice that a user has costs, and how far it is off."""
 
 from __future__ import annotations
 
-from fractions import Fraction
+from collections.abc import Sequence
+from math import inf
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,64 +14,64 @@ from .json_output import print_json
 from .progress import progress
 from .usage_error import running_user_code
 
-SECTION = "understand"
-EXAMPLE = "periph-sim trade timing/imu_hil.toml --level adaptive"
+if TYPE_CHECKING:
+    from ..scene.case.model import Case
 
-USUAL = Fraction(6, 100)  # seconds, where --seconds says nothing: a poll model makes each pass of each wait
+SECTION = "understand"
+EXAMPLE = "periph-sim trade timing/imu_hil.toml --seconds 1"
 
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option("--seconds", type=str, help="Simulate this long instead of the first 60 ms; 10 or '10 s'.")
+@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
-@click.option("--level", "names", multiple=True, metavar="LEVEL", help="Leave out all other levels but edge.")
-@click.option("--max-error", metavar="TIME", help="Name the cheapest level that is off by no more, as '1 us'.")
-@click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.svg", help="Draw worst error against CPU time.")
+@click.option(
+    "--firmware",
+    "others",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="CASE",
+    help="Add the units of CASE.",
+)
+@click.option("--row", "--level", "names", multiple=True, metavar="ROW", help="Leave out all other rows but two.")
+@click.option("--max-error", metavar="TIME", help="Recommend a row whose times are off by no more, as '1 us'.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def trade(
     case: Path,
     seconds: str | None,
     changes: tuple[str, ...],
+    others: tuple[Path, ...],
     names: tuple[str, ...],
     max_error: str | None,
-    plot: Path | None,
     as_json: bool,
 ) -> int:
-    """Run CASE at every level, against edge: how far each is off, and what it costs.
+    """Run CASE with each choice that you have, and compare errors and CPU time.
 
-    Levels are those of `fidelity`, of the firmware's arithmetic and of how waits are polled. What happens is paired by
-    occurrence, the n-th set of a flag with the n-th; what a level lacks, adds or puts in another order is an infinite
-    error. LEVEL may be given several times. Exit status 1 if no level is within TIME.
+    Rows are firmware of other kinds, an image or C (--firmware), arithmetics of the sensor models, the other words of
+    `fidelity`, and recordings. Errors are against the most accurate row: budgets with the same verdict, and the largest
+    difference of the n-th occurrence of a time, and of the n-th sample that a chip answered. The case as given and the
+    most accurate row are always run.
     """
-    from ..reports.trade.choose import best_within
-    from ..reports.trade.levels import chosen, levels_of
-    from ..reports.trade.plot import picture
+    from ..reports.trade.rows import chosen, rows_of
     from ..reports.trade.text_report import as_json as as_dict
     from ..reports.trade.text_report import text
     from ..reports.trade.trade import trade as trade_of
     from ..scene.case.load import load
-    from ..traces.formats.atomic_write import atomic_write
     from .fidelity_choice import error_given
 
     with running_user_code():
-        if plot is not None and plot.suffix != ".svg":
-            raise click.ClickException(f"{plot}: the picture is SVG; give a name that ends with .svg")
-        bound = None if max_error is None else error_given(max_error)
+        bound = inf if max_error is None else error_given(max_error)
         loaded = load(case, list(changes))
-        length = min(loaded.duration, USUAL) if seconds is None else length_given(seconds)
-        levels = chosen(levels_of(loaded), names)
+        length = loaded.duration if seconds is None else length_given(seconds)
+
+        def make(more: Sequence[str]) -> Case:
+            return load(case, [*changes, *more])
+
+        rows = chosen(rows_of(make, [load(other) for other in others]), names)
         with progress(loaded.name) as told:
-            found = trade_of(lambda more: load(case, [*changes, *more]), levels, length, told)
-        if plot is not None:
-            with atomic_write(plot) as unfinished:
-                unfinished.write_text(picture(found), encoding="utf-8")
-    best = None if bound is None else best_within(found, bound)
+            found = trade_of(make, rows, length, bound, told)
     if as_json:
-        print_json("trade", as_dict(found) | ({} if best is None else {"max_error": best.as_json()}))
+        print_json("trade", as_dict(found))
     else:
         click.echo(text(found))
-        if best is not None:
-            click.echo(f"\n{best.text()}")
-        if plot is not None:
-            click.echo(f"written: {plot}")
-    return 0 if best is None or best.level is not None else 1
+    return 0

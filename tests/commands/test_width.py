@@ -57,7 +57,7 @@ def case(name: str) -> str:
 
 CASES = sorted(path.stem for path in (ROOT / "timing").glob("*.toml"))
 SHORT = ("--seconds", "0.1")
-LEVELS = ("--level", "adaptive", "--level", "poll_pass=21", "--max-error", "1 us")
+ROWS = ("--row", "adaptive", "--row", "record .psr", "--max-error", "1 us")
 RECORDED = ("run", case("imu_hil_published"), *SHORT, "--record", "run.psr")
 COMMANDS = [
     *(
@@ -71,8 +71,8 @@ COMMANDS = [
     ("sweep", case("imu_hil_no_sdir"), *SHORT, "--jobs", "1", "--vary", "controller.rate=50 kHz, 100 kHz"),
     ("worst", case("imu_hil_no_sdir"), *SHORT),
     ("worst", case("imu_hil_drift"), "--seconds", "0.43", "--set", "unit.dsp.settings.frame_cost=200 us"),
-    ("trade", case("imu_hil"), "--seconds", "0.04", *LEVELS),
-    ("trade", case("uart_logger"), "--seconds", "0.01", *LEVELS),
+    ("trade", case("imu_hil"), "--seconds", "0.04", *ROWS),
+    ("trade", case("uart_logger"), "--seconds", "0.01", *ROWS),
     ("serve", case("uart_logger"), "--pty", "--pace", "0", "--for", "100 ms"),
     ("races", "run.psr"),
     ("races", "run.psr", "--register", "I2C-A.I2CSTR"),

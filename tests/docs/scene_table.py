@@ -10,9 +10,9 @@ import re
 from functools import cache
 from pathlib import Path
 
-from periph_sim.reports.trade.levels import REFERENCE, level_of
-from periph_sim.reports.trade.text_report import number
-from periph_sim.reports.trade.trade import Outcome, Trade, trade
+from periph_sim.reports.level_choice.compared import Comparison, Outcome, compare_levels
+from periph_sim.reports.level_choice.errors import number
+from periph_sim.reports.level_choice.levels import REFERENCE, level_of
 from periph_sim.scene.case.discover import cases_below
 from periph_sim.scene.case.load import load
 
@@ -24,15 +24,15 @@ TABLE = re.compile(rf"{re.escape(HEAD)}((?:\|.*\n)*)")
 
 
 @cache
-def traded(name: str) -> Trade:
+def compared(name: str) -> Comparison:
     """A scene at every level of fidelity, over all its length."""
     path = SCENES / f"{name}.toml"
     levels = [level_of(level) for level in (REFERENCE, "adaptive", *LEVELS)]
-    return trade(lambda more: load(path, list(more)), levels, load(path).duration, traced=False)
+    return compare_levels(lambda more: load(path, list(more)), levels, load(path).duration)
 
 
 def outcome(name: str, level: str) -> Outcome:
-    return next(each for each in traded(name).outcomes if each.level.name == level)
+    return next(each for each in compared(name).outcomes if each.level.name == level)
 
 
 def cell(found: Outcome) -> str:

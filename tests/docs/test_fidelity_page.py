@@ -38,7 +38,7 @@ def test_each_row_that_is_to_be_proved_names_a_test():
 
 
 def test_the_table_of_scenes_is_made_anew_with_what_people_wrote_of_each(monkeypatch: pytest.MonkeyPatch):
-    """That its figures are those of a measurement is `tests/reports/trade/test_scenes.py`."""
+    """That its figures are those of a measurement is `tests/reports/level_choice/test_scenes.py`."""
     monkeypatch.setattr(scene_table, "cell", lambda found: "measured")
     monkeypatch.setattr(scene_table, "outcome", lambda name, level: None)
     first = next(iter(rows(PAGE)))

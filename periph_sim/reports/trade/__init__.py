@@ -1,5 +1,5 @@
-"""Speed against accuracy: one scene at every level goes in; how far each level is off, and what it costs, comes out.
+"""Speed against accuracy: what a user can choose for one scene, how far each choice is off, and what it costs.
 
-levels --> runs --> moments and values --paired by occurrence--> errors --> table, JSON, plot
-             '----> CPU seconds, events, memory ------------------------------'
+rows --> runs --> budgets and values, against the most accurate row --> one table, JSON
+          '-----> CPU time behind the start, repeated -----------------'
 """

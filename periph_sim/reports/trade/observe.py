@@ -1,153 +1,171 @@
-"""One level observed: a case goes in; when everything happened in its run, and what was measured, come out.
-
-    case + budgets on OBSERVED --> scene --> moments by label, data by place, values by measure
-
-Measures that the case does not name are taken besides, as far as its scene can have them. Moments count from the run's
-begin, in ticks.
-"""
+"""One run of a row and its errors: verdicts and occurrences of budgets, and what was read on the I2C bus."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
+from math import inf, isinf
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...core.records import Recorder
-from ...core.time import Timebase
-from ...processor.user_code import output_muted
+from ...bus.i2c.transfer import Transfer
+from ...devices.sensor_rounds import CHIPS
+from ...records.if_recorded import if_recorded
 from ...scene.case.model import BadCase, Case
+from ...scene.clocks import clocks_of
 from ...scene.scene import Scene
 from ...timing.budget_schema import Budget
-from ...timing.budgets import BudgetJudge
-from ...timing.measures.measure import MILLIONTHS, Measure
-from .errors import CYCLES, Errors, errors_of
-from .moments import Ints, Label, Met, MomentListener
-from .pairing import Paired, pair, pair_moments
+from ...timing.verdict import NOT_JUDGED
 
-OBSERVED: dict[str, str | int] = {  # beside a case's own budgets; with a limit, as every budget must have one
-    "response": "1 s",
-    "stretch": "1 s",
-    "round": "1 s",
-    "slack": "1 s",
-    "age": "1 s",
-    "margin of I2CDXR": "1 s",
-    "value error": "1 LSB",
-    "missed rounds": 0,
-    "nacked": 0,
-    "wrong bytes": 0,
-    "lost flags": 0,
-    "overruns": 0,
-}
-DIFFER = "differ"
-NOMINAL = 150_000_000  # SYSCLKOUT in Hz, where a scene has no unit
+SAMPLE = 6  # bytes of a read that carries a whole sample
+UNITS = ("s", 1), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)
+DIGITS = 13  # of seconds: what differs behind them comes of dividing ticks
 
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """What came of a run. values: by measure, its unit and int64[n] as they came. cycle: ticks of a SYSCLKOUT cycle of
-    the case's first unit. per_second: ticks. met: the sorts of records that there were.
+    """verdicts: of the budgets that this run can measure, by name. times: occurrences of budgets on times, in seconds.
+
+    samples: codes of each chip of the controller's order, int64[n, 3]. others: bytes of other reads, by address.
     """
 
-    moments: dict[Label, Ints]
-    data: dict[str, Ints]
-    values: dict[str, tuple[str, Ints]]
-    cycle: float
-    per_second: int
-    met: Met
+    verdicts: dict[str, str]
+    times: dict[str, NDArray[np.float64]]
+    samples: dict[str, NDArray[np.int64]]
+    others: dict[str, NDArray[np.int64]]
+
+    @property
+    def is_empty(self) -> bool:
+        """True if nothing occurred that two runs could be compared by."""
+        occurred = [*self.times.values(), *self.samples.values(), *self.others.values()]
+        return not any(map(len, occurred)) and set(self.verdicts.values()) <= {NOT_JUDGED}
 
 
-def observe(case: Case, length: Fraction) -> Observed:
-    """Run `case` for `length` seconds, recorded. BadCase and its like where it cannot be run."""
-    watched = case.model_copy(update={"budget": (*case.budget, *_more(case)), "breaks": ()})
-    listener = MomentListener()
+@dataclass(frozen=True, order=True)
+class Error:
+    """The largest of some differences. amount: infinite where one of the runs has more. place: a budget or chip."""
 
-    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-        listener.subscribe(recorder)
+    amount: float
+    unit: str
+    place: str = ""
 
-    scene = Scene(watched, subscribe, keep_values=True)
-    scene.run(length)
-    values = _values(scene.limits)
-    moments = {label: at - scene.start for label, at in listener.moments().items()}
+    @property
+    def text(self) -> str:
+        """`none`, `12.3 us`, `2 LSB`, or `other count` where one of the runs has more occurrences."""
+        if not self.amount:
+            return "none"
+        if isinf(self.amount):
+            return "other count"
+        if self.unit != "s":
+            return f"{self.amount:g} {self.unit}"
+        unit, per_second = next(one for one in UNITS if one[1] * self.amount >= 1 or one is UNITS[-1])
+        return f"{float(f'{self.amount * per_second:.3g}'):g} {unit}"
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors of a run against the reference. differ: which of the budgets that the reference judges have another
+    verdict. value: in LSB of what the chips answered; in bytes that differ if only other reads do.
+    """
+
+    judged: int
+    differ: tuple[str, ...]
+    time: Error
+    value: Error
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return the cells of a table: `20 of 21`, the error of times and that of values."""
+        return f"{self.judged - len(self.differ)} of {self.judged}", self.time.text, self.value.text
+
+
+@contextmanager
+def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterator[Scene]:
+    """Build a scene and finish its recording after its run. record: the suffix of a temporary file, "" for none."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder, f"run{record}") if record else None
+        with if_recorded(path, case.recorded_modules) as (subscribe, ended_at):
+            scene = Scene(case, subscribe, keep_values=keep_values)
+            yield scene
+            ended_at(scene.kernel.now, clocks_of(scene))
+
+
+def observe(case: Case, length: Fraction, record: str = "") -> Observed:
+    """Run `case` for `length` seconds. BadCase and its like if it cannot be run."""
+    order = () if case.controller is None else case.controller.order
+    chips = {CHIPS[name].address: name for name in order}
+    samples: dict[str, list[Sequence[int]]] = {}
+    others: dict[str, list[int]] = {}
+
+    def keep(transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            name = chips.get(phase.address, "")
+            if phase.read and name and len(phase.got) == SAMPLE:
+                samples.setdefault(name, []).append(CHIPS[name].values(bytes(phase.got)))
+            elif phase.read:
+                others.setdefault(f"0x{phase.address:02x}", []).extend(phase.got)
+
+    with built(_measurable(case), record, keep_values=True) as scene:
+        scene.on_transfer(keep)
+        result = scene.run(length)
+    kept = {limit.budget.name: limit.measure.kept for limit in scene.limits if limit.measure.unit == "time"}
     return Observed(
-        moments, listener.data(), values, float(_cycle(case, scene.timebase)), scene.timebase.per_second, listener.met()
+        {verdict.name: verdict.verdict for verdict in result.budgets},
+        {name: values[0] / scene.timebase.per_second for name, values in kept.items() if values is not None},
+        {name: np.array(codes, np.int64) for name, codes in samples.items()},
+        {name: np.array(data, np.int64) for name, data in others.items()},
     )
 
 
-def _values(limits: Iterable[BudgetJudge]) -> dict[str, tuple[str, Ints]]:
-    found: dict[str, tuple[str, Ints]] = {}
-    for limit in limits:
-        found.setdefault(limit.budget.measure, (limit.measure.unit, _taken(limit.measure)))
-    return found
+def compare(reference: Observed, run: Observed) -> Errors:
+    """Compare a run with the reference: the n-th occurrence of each budget, sample and byte with the n-th."""
+    judged = {name: verdict for name, verdict in reference.verdicts.items() if verdict != NOT_JUDGED}
+    differ = tuple(name for name, verdict in judged.items() if run.verdicts.get(name) != verdict)
+    measured = {name: times for name, times in reference.times.items() if name in run.times}
+    value = _largest(reference.samples, run.samples, "LSB", _distance)
+    if not value.amount:
+        value = _largest(
+            reference.others, run.others, "bytes", lambda one, other: float(np.count_nonzero(one != other))
+        )
+    return Errors(len(judged), differ, _largest(measured, run.times, "s", _distance), value)
 
 
-def _more(case: Case) -> Iterator[Budget]:
-    """Budgets on what the case does not measure and its scene can have."""
-    known = {budget.measure for budget in case.budget}
-    for measure, limit in OBSERVED.items():
-        if measure not in known:
-            budget = Budget.model_validate({"name": f"{measure} observed", "measure": measure, "max": limit})
-            try:
-                with output_muted():
-                    Scene(case.model_copy(update={"budget": (budget,), "breaks": ()}))
-            except BadCase:
-                continue
-            yield budget
+def _distance(one: NDArray[Any], other: NDArray[Any]) -> float:
+    return round(float(np.abs(one - other).max(initial=0)), DIGITS)
 
 
-def _taken(measure: Measure) -> Ints:
-    """All values of a series; of what is one number a run, that; empty if nothing was there to be measured."""
-    if measure.series and measure.kept is not None:
-        return measure.kept[0]
-    nothing = measure.silent or (measure.occasions is not None and not measure.measured)
-    return np.array([] if nothing else [measure.worst], np.int64)
+def _largest(
+    reference: Mapping[str, NDArray[Any]],
+    run: Mapping[str, NDArray[Any]],
+    unit: str,
+    distance: Callable[[NDArray[Any], NDArray[Any]], float],
+) -> Error:
+    errors = [
+        Error(distance(one, run[name]) if len(run.get(name, ())) == len(one) else inf, unit, name)
+        for name, one in reference.items()
+    ]
+    return max((error for error in errors if error.amount), default=Error(0.0, unit))
 
 
-def _cycle(case: Case, timebase: Timebase) -> Fraction:
-    hertz = next((unit.oscclk * unit.pll / 2 for unit in case.unit.values()), Fraction(NOMINAL))
-    return timebase.per_second / hertz
+def _measurable(case: Case) -> Case:
+    """Return the case with those of its budgets that its units can have: others belong to other firmware."""
+    try:
+        Scene(case)
+    except BadCase:
+        kept = tuple(budget for budget in case.budget if _can_have(case, budget))
+        return case.model_copy(update={"budget": kept, "breaks": ()})
+    return case
 
 
-def compare(reference: Observed, level: Observed) -> list[Errors]:
-    """Of every observable of either run: measures first, then data, then what happened, by place."""
-    cycle, nothing = reference.cycle, np.empty(0, np.int64)
-    found: list[Errors] = []
-    for name in _both(reference.values, level.values):
-        unit, before = reference.values.get(name, (level.values.get(name, ("", nothing))[0], nothing))
-        after = level.values.get(name, ("", nothing))[1]
-        told, scale = _units(unit, cycle)
-        found.append(errors_of(name, told, [pair(before, after)], scale))
-    for place in _both(reference.data, level.data):
-        paired = pair(reference.data.get(place, nothing), level.data.get(place, nothing))
-        unlike = Paired((paired.differences != 0).astype(np.int64), paired.lacking, paired.added)
-        found.append(errors_of(place, DIFFER, [unlike]))
-    moments = pair_moments(reference.moments, level.moments)
-    shown: dict[str, list[Paired]] = {}
-    counted = {(label.stream, label.what) for label in moments if label.value > 1}
-    for label, paired in moments.items():
-        shown.setdefault(_name(label, (label.stream, label.what) in counted), []).append(paired)
-    found += [errors_of(name, CYCLES, pairs, cycle) for name, pairs in sorted(shown.items())]
-    return found
-
-
-def _both(first: Mapping[str, object], second: Mapping[str, object]) -> list[str]:
-    return list(dict.fromkeys([*first, *second]))
-
-
-def _units(unit: str, cycle: float) -> tuple[str, float]:
-    """How an error in this unit is told, and how many of the differences are one of it."""
-    if unit == "time":
-        return CYCLES, cycle
-    if unit == "%":
-        return unit, MILLIONTHS / 100
-    return unit, MILLIONTHS if unit == "LSB" else 1.0
-
-
-def _name(label: Label, counted: bool) -> str:
-    """A row: all values of a number, but setting and clearing of a flag apart."""
-    place, _, kind = label.stream.rpartition(" ")
-    if kind != "flag":
-        return f"{place} {label.what}"
-    name = f"{place}.{label.what}"
-    return name if counted else f"{name} {'set' if label.value else 'clear'}"
+def _can_have(case: Case, budget: Budget) -> bool:
+    try:
+        Scene(case.model_copy(update={"budget": (budget,), "breaks": ()}))
+    except BadCase:
+        return False
+    return True

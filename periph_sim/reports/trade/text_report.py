@@ -1,146 +1,90 @@
-"""A trade for people and for programs: a `Trade` goes in; tables of 80 columns, or what `--json` prints, come out."""
+"""A trade as one table for people, and as JSON."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from math import inf, isinf
+from itertools import pairwise
+from math import isinf
 
-from ...core.text_table import paragraph, text_table, together
+from ...core.text_table import paragraph, text_table
 from ...timing.format_value import duration_text
-from .cost import TRACED
-from .errors import CYCLES, Errors
-from .levels import REFERENCE
-from .trade import LONGER, Outcome, Trade
+from .observe import Error
+from .trade import Outcome, Trade
 
-INFINITE = "infinite"
-MEMORY = f"most that Python had allocated in the first {duration_text(float(TRACED))} (tracemalloc)"
+TITLES = ("row", "budgets agree", "time error", "value error", "CPU s/s", "spread")
 
 
 def text(found: Trade) -> str:
-    """What each level costs and how far it is off; then, level by level, each observable that is not exact."""
+    """Return the header, the table, what it cannot show, and the row to take."""
     return "\n".join(_lines(found))
 
 
 def _lines(found: Trade) -> Iterator[str]:
-    part = "" if found.simulated_s >= found.duration_s else f" the first {duration_text(found.simulated_s)} of"
+    reference = found.outcomes[0]
+    ran, half = duration_text(found.ran_s), duration_text(found.ran_s / 2)
+    settled = f"{', '.join(found.changed)} changed since {half}" if found.changed else f"{half} gives the same errors"
+    runs = reference.cost.runs
     yield from paragraph(
-        f"{found.case}:{part} {duration_text(found.duration_s)}, {found.observables} observables, {found.occurrences} "
-        f"occurrences; against {REFERENCE}, in SYSCLKOUT cycles of {found.cycle_s * 1e9:.3f} ns"
+        f"{found.case}: {ran}, n-th occurrence and value against n-th of {reference.row.name}; {settled}; CPU time of "
+        f"{runs} runs of {duration_text(found.timed_s)} behind the first {duration_text(found.start_s)}"
     )
-    if found.unmeasured:
-        yield from paragraph(f"unmeasured, since they do not occur in it: {', '.join(found.unmeasured)}")
-    cost = found.reference.cost
-    if cost is not None and not cost.i2c_bytes and not cost.sci_bytes:
-        yield from paragraph(f"no bus carries a byte in it, so errors in bytes are not known; {LONGER}")
     yield ""
-    yield from _costs(found)
-    yield "CPU: seconds of processor time a simulated second, without records"
-    yield from paragraph(f"memory: {MEMORY}")
-    for outcome in found.outcomes[1:]:
-        yield ""
-        yield from _level(outcome, found)
-
-
-def _costs(found: Trade) -> list[str]:
-    rows = [_row(outcome, outcome is found.reference) for outcome in found.outcomes]
-    return text_table(("level", "CPU", "I2C bytes/s", "events/byte", "memory", "worst error"), rows, range(1, 6))
+    yield from text_table(TITLES, [_row(outcome, outcome is reference) for outcome in found.outcomes], range(1, 6))
+    for outcome in found.outcomes:
+        if outcome.errors.differ:
+            yield from paragraph(f"{outcome.row.name} judges otherwise: {', '.join(outcome.errors.differ)}")
+    worst = [
+        f"{outcome.row.name} in {outcome.errors.time.place}"
+        for outcome in found.outcomes
+        if outcome.errors.time.amount and not outcome.row.record
+    ]
+    if worst:
+        yield from paragraph(f"largest errors of times: {'; '.join(worst)}")
+    for name, why in found.refused.items():
+        yield from paragraph(f"{name} is refused: {why}")
+    in_order = sorted(found.outcomes, key=lambda outcome: outcome.cost.cpu_s)
+    same = [f"{one.row.name} and {two.row.name}" for one, two in pairwise(in_order) if not one.cost.is_below(two.cost)]
+    if same:
+        yield from paragraph(f"cost the same within their spread: {', '.join(same)}")
+    yield from paragraph(f"recommended: {found.best.row.name}: {found.why}")
 
 
 def _row(outcome: Outcome, is_reference: bool) -> tuple[str, ...]:
     cost = outcome.cost
-    if cost is None:
-        return (outcome.level.name, "-", "-", "-", "-", "refused")
-    worst = "reference" if is_reference else _worst(outcome)
-    speed = f"{cost.bytes_per_cpu_second:.0f}" if cost.i2c_bytes else "-"
-    events = f"{cost.events_per_byte:.1f}" if cost.events_per_byte else "-"
-    memory = f"{cost.memory / 1e6:.2f} MB"
-    return (outcome.level.name, f"{cost.cpu_per_second:.3g} s", speed, events, memory, worst)
-
-
-def _worst(outcome: Outcome) -> str:
-    """In cycles; what is no time has an error of its own."""
-    others = any(each.worst for each in outcome.errors if each.unit != CYCLES)
-    if not outcome.worst:
-        return "values" if others else "exact"
-    return number(outcome.worst)
-
-
-def _level(outcome: Outcome, found: Trade) -> Iterator[str]:
-    name, cost = outcome.level.name, outcome.cost
-    if cost is None:
-        yield from paragraph(f"{name}: refused: {outcome.refused}")
-        return
-    measured = [each for each in outcome.errors if each.measured]
-    wrong = [each for each in measured if not each.exact]
-    share = f"; {cost.share}" if cost.share else ""
-    if not wrong:
-        yield from paragraph(f"{name}: all {len(measured)} observables exact{share}")
-        return
-    yield from paragraph(f"{name}: {len(measured) - len(wrong)} of {len(measured)} observables exact{share}")
-    yield ""
-    rows = [
-        (each.name, f"{each.count}", number(each.mean), number(each.p99), number(each.worst), together(each.unit))
-        for each in sorted(wrong, key=lambda each: -each.worst)
-    ]
-    yield from text_table(("observable", "count", "mean", "p99", "worst", ""), rows, range(1, 5))
-    for each in wrong:
-        if isinf(each.worst):
-            yield from paragraph(f"{each.name}: {without_partner(each)}")
-
-
-def without_partner(each: Errors) -> str:
-    """`lacks 2, adds 1, 3 in another order`: why an error is infinite."""
-    told = [f"lacks {each.lacking}"] * bool(each.lacking) + [f"adds {each.added}"] * bool(each.added)
-    return ", ".join(told + [f"{each.disordered} in another order"] * bool(each.disordered))
-
-
-def number(value: float) -> str:
-    """`infinite`, `0`, `13`, `3.75`, `93686.2`: no more digits than tell something."""
-    if isinf(value):
-        return INFINITE
-    digits = f"{value:.1f}" if value >= 100 else f"{value:.3g}"
-    return digits.rstrip("0").rstrip(".") if "." in digits and "e" not in digits else digits
+    agree, time, value = outcome.errors.cells
+    cells = (agree, "reference", "reference") if is_reference else (agree, time, value)
+    return (outcome.row.name, *cells, f"{cost.cpu_s:.3g}", f"{cost.spread_s / cost.cpu_s:.1%}")
 
 
 def as_json(found: Trade) -> dict[str, object]:
-    """Infinite errors are the text "infinite"; of what is unmeasured they are null."""
+    """Return the whole trade. Infinite errors are the text "infinite"."""
     return {
         "case": found.case,
-        "simulated_s": found.simulated_s,
-        "cycle_s": found.cycle_s,
-        "unmeasured": list(found.unmeasured),
-        "memory": MEMORY,
-        "levels": [_outcome_as_json(outcome) for outcome in found.outcomes],
+        "ran_s": found.ran_s,
+        "changed_in_second_half": list(found.changed),
+        "start_s": found.start_s,
+        "timed_s": found.timed_s,
+        "rows": [_outcome_as_json(outcome) for outcome in found.outcomes],
+        "refused": found.refused,
+        "recommended": found.best.row.name,
+        "why": found.why,
     }
 
 
 def _outcome_as_json(outcome: Outcome) -> dict[str, object]:
-    cost = outcome.cost
-    told: dict[str, object] = {"name": outcome.level.name, "changes": list(outcome.level.changes)}
-    if cost is None:
-        return told | {"refused": outcome.refused}
-    costs = {
-        "cpu_s_per_simulated_s": cost.cpu_per_second,
-        "i2c_bytes_per_cpu_s": cost.bytes_per_cpu_second,
-        "events_per_byte": cost.events_per_byte,
-        "events": cost.events,
-        "memory_bytes": cost.memory,
-        "byte_level_bytes": cost.byte_level,
-        "sci_frames": cost.sci_frames,
-        "sci_frames_at_byte_level": cost.sci_frames_passed,
-    }
-    return told | {
-        "cost": costs,
-        "worst_cycles": _finite(outcome.worst),
-        "observables": [_errors_as_json(each) for each in outcome.errors],
+    errors = outcome.errors
+    return {
+        "name": outcome.row.name,
+        "changes": list(outcome.row.changes),
+        "record": outcome.row.record,
+        "budgets": errors.judged,
+        "differ": list(errors.differ),
+        "time_error": _error_as_json(errors.time),
+        "value_error": _error_as_json(errors.value),
+        "cost": asdict(outcome.cost),
     }
 
 
-def _errors_as_json(errors: Errors) -> dict[str, object]:
-    shown = {key: _finite(value) if isinstance(value, float) else value for key, value in asdict(errors).items()}
-    return shown if errors.measured else shown | dict.fromkeys(("mean", "p99", "worst"))
-
-
-def _finite(value: float) -> float | str:
-    return INFINITE if value == inf else value
+def _error_as_json(error: Error) -> dict[str, object]:
+    return asdict(error) | ({"amount": "infinite"} if isinf(error.amount) else {})

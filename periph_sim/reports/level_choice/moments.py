@@ -1,4 +1,4 @@
-"""When things happened in a run: records go in as they are made; ticks by label come out.
+"""Instants of a run by label, noted as its records are made.
 
     FLAG, IRQ, BUS, NOTE --> label --> ticks, values        label: place, thing, value
 
@@ -25,7 +25,7 @@ DATA = ("I2CDXR", "I2CDRR", "SCIRXBUF", "SCIRXEMU", "SCITXBUF")
 
 @dataclass(frozen=True, order=True)
 class Label:
-    """What happens again and again. stream: within which order counts. value: of a flag; of all else 0."""
+    """A kind of occurrence. stream: occurrences among which order counts. value: of a flag; else 0."""
 
     stream: str
     what: str
@@ -37,7 +37,7 @@ Met = dict[Topic, frozenset[int]]
 
 
 def sort_of(kind: Kind, what: str, value: int) -> int:
-    """Which of its sorts a record is: of bytes on the bus ACK 0 and NACK 1, of flags 0 and set, of interrupts both."""
+    """Return the sort of a record: ACK 0 or NACK 1 of bytes, 0 or set of flags, left or entered of interrupts."""
     if kind is Kind.BUS:
         return value & 1 if what in ON_BUS else 0
     return 0 if kind is Kind.NOTE else min(value, 1)
@@ -84,7 +84,7 @@ class MomentListener(Listener):
         return {label: at for label, at in found.items() if len(at)}
 
     def met(self) -> Met:
-        """What sorts of each record there were."""
+        """Return the sorts of each record that there were."""
         found: dict[Topic, frozenset[int]] = {}
         for (kind, where, what), (_, values) in zip(self._topics, self._kept, strict=True):
             found[kind, where, what] = frozenset(sort_of(kind, what, value) for value in set(values))

@@ -1,0 +1,158 @@
+"""A trade of rows: how long they run, which are refused, and which one is recommended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from math import inf
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from periph_sim.reports.trade import trade as module
+from periph_sim.reports.trade.cpu import Cost
+from periph_sim.reports.trade.observe import Error, Errors, Observed
+from periph_sim.reports.trade.rows import AS_GIVEN, Row, rows_of
+from periph_sim.reports.trade.text_report import as_json, text
+from periph_sim.reports.trade.trade import Outcome, Trade, trade
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase, Case
+
+TIMING = Path(__file__).resolve().parents[3] / "timing"
+ROUND = Fraction(3, 100)
+Times = Callable[[float], list[float]]
+
+
+@pytest.fixture(autouse=True)
+def timed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """CPU times of rows fall by a tenth of a second from one to the next."""
+
+    def costs_of(rows: dict[str, object], start: Fraction, length: Fraction) -> dict[str, Cost]:
+        return {name: Cost(1 - 0.1 * number, 0.01, 5) for number, name in enumerate(rows)}
+
+    monkeypatch.setattr(module, "costs_of", costs_of)
+
+
+def traded(case: str, *names: str, length: Fraction = ROUND, max_error_s: float = inf) -> Trade:
+    def make(more: Sequence[str]) -> Case:
+        return load(TIMING / f"{case}.toml", [*more])
+
+    return trade(make, [row for row in rows_of(make, []) if row.name in names], length, max_error_s)
+
+
+def observing(monkeypatch: pytest.MonkeyPatch, byte: Times, recorded: float = 1.0) -> list[tuple[str, float, str]]:
+    """Replace runs by values of one budget: 1 s, but for level byte and recorded runs. Return the list of runs."""
+    runs = []
+
+    def observe(case: Case, length: Fraction, record: str = "") -> Observed:
+        runs.append((str(case.fidelity), float(length), record))
+        times = byte(float(length)) if case.fidelity == "byte" else [recorded if record else 1.0]
+        return Observed({"a": "pass"}, {"a": np.array(times)}, {}, {})
+
+    monkeypatch.setattr(module, "observe", observe)
+    return runs
+
+
+def test_rows_that_are_the_same_in_half_of_the_run_are_not_run_longer(monkeypatch: pytest.MonkeyPatch):
+    runs = observing(monkeypatch, lambda length: [1.5])
+    found = traded("responder", AS_GIVEN, "byte", length=Fraction(2))
+    assert runs == [(level, length, "") for length in (1.0, 2.0) for level in ("edge", "byte")]
+    assert (found.ran_s, found.changed) == (2.0, ()) and found.outcomes[1].errors.time == Error(0.5, "s", "a")
+    said = (
+        "responder: 2 s, n-th occurrence and value against n-th of as given; 1 s gives the same errors; CPU time of 5"
+    )
+    assert " ".join(text(found).split()).startswith(said)
+
+
+def test_a_row_that_changes_in_the_second_half_is_run_twice_as_long(monkeypatch: pytest.MonkeyPatch):
+    observing(monkeypatch, lambda length: [1.5 if length < 2 else 1.7])
+    found = traded("responder", AS_GIVEN, "byte", length=Fraction(2))
+    assert (found.ran_s, found.changed) == (4.0, ()) and found.outcomes[1].errors.time.amount == pytest.approx(0.7)
+
+
+def test_a_row_that_goes_on_changing_is_named(monkeypatch: pytest.MonkeyPatch):
+    observing(monkeypatch, lambda length: [1 + length])
+    found = traded("responder", AS_GIVEN, "byte", length=Fraction(2))
+    assert (found.ran_s, found.changed) == (4.0, ("byte",)) and "; byte changed since 2 s;" in " ".join(
+        text(found).split()
+    )
+
+
+def test_a_recording_that_changes_nothing_has_the_errors_of_the_unrecorded_row(monkeypatch: pytest.MonkeyPatch):
+    runs = observing(monkeypatch, lambda length: [1.5])
+    found = traded("responder", AS_GIVEN, "record .psr", length=Fraction(2))
+    assert runs[-2:] == [("edge", 1.1, ""), ("edge", 1.1, ".psr")]
+    assert found.outcomes[1].errors == found.outcomes[0].errors
+    observing(monkeypatch, lambda length: [1.5], recorded=1.25)
+    assert traded("responder", AS_GIVEN, "record .psr").outcomes[1].errors.time.amount == 0.25
+
+
+def test_a_level_that_a_case_refuses_is_told_with_the_reason_and_has_no_row():
+    found = traded("imu_hil_spikes", AS_GIVEN, "adaptive", "byte")
+    assert [outcome.row.name for outcome in found.outcomes] == [AS_GIVEN, "adaptive"]
+    assert [*found.refused] == ["byte"] and "fault 0" in found.refused["byte"]
+    assert "\nbyte is refused: " in text(found)
+
+
+def test_a_run_in_which_nothing_occurs_is_refused():
+    with pytest.raises(
+        BadCase, match="nothing to compare: no budget is judged and nothing is read on I2C in the first 0"
+    ):
+        traded("responder", AS_GIVEN, "byte", length=Fraction(0))
+
+
+def test_values_of_another_arithmetic_differ_and_its_times_do_not():
+    found = traded("imu_hil", "arithmetic=float64", AS_GIVEN, length=Fraction(1, 10))
+    errors = found.outcomes[1].errors
+    assert 0 < errors.value.amount <= 4 and errors.value.unit == "LSB" and errors.time == Error(0, "s")
+    assert errors.judged > 15 and errors.differ == ()
+
+
+def outcome(name: str, cpu_s: float, time_s: float = 0, differ: Sequence[str] = (), record: str = "") -> Outcome:
+    errors = Errors(5, tuple(differ), Error(time_s, "s", "a"), Error(0, "LSB"))
+    return Outcome(Row(name, record=record), errors, Cost(cpu_s, 0.1, 5))
+
+
+@pytest.mark.parametrize(
+    ("others", "max_error_s", "best"),
+    [
+        ([outcome("quick", 1.0)], inf, "quick"),
+        ([outcome("as quick", 3.1), outcome("slow", 5)], inf, "exact"),
+        ([outcome("as quick", 1.1), outcome("quick", 1.0)], inf, "as quick"),
+        ([outcome("quick", 1.0, differ=["a"])], inf, "exact"),
+        ([outcome("quick", 1.0, record=".psr")], inf, "exact"),
+        ([outcome("off", 1.0, 2e-6), outcome("quick", 2.0, 1e-6)], 1e-6, "quick"),
+    ],
+)
+def test_the_cheapest_row_that_judges_alike_is_recommended(others: list[Outcome], max_error_s: float, best: str):
+    found, why = module._best([outcome("exact", 3.0), *others], max_error_s)
+    assert found.row.name == best
+    assert why.startswith(
+        "its budgets agree with the most accurate row" if best != "exact" else "it is the most accurate"
+    )
+
+
+def test_budgets_that_judge_otherwise_and_the_place_of_errors_are_named():
+    rows = (outcome("exact", 3.0), outcome("late", 1.0, 2e-6, differ=["margin", "age"]), outcome("as late", 1.05))
+    said = text(Trade("mine", 2.0, (), 0.1, 1.0, rows, {}, rows[0], "why")).splitlines()
+    assert [line.split() for line in said[5:8]] == [
+        [*["exact", "5", "of", "5", "reference", "reference", "3", "3.3%"]],
+        [*["late", "3", "of", "5", "2", "us", "none", "1", "10.0%"]],
+        [*["as", "late", "5", "of", "5", "none", "none", "1.05", "9.5%"]],
+    ]
+    assert said[8:] == [
+        "late judges otherwise: margin, age",
+        "largest errors of times: late in a",
+        "cost the same within their spread: late and as late",
+        "recommended: exact: why",
+    ]
+
+
+def test_json_has_every_row_and_infinite_errors_as_text(monkeypatch: pytest.MonkeyPatch):
+    observing(monkeypatch, lambda length: [])
+    told = as_json(traded("responder", AS_GIVEN, "byte"))
+    assert told["recommended"] == "byte" and told["refused"] == {} and told["ran_s"] == 0.03
+    given, byte = told["rows"]  # type: ignore[misc]
+    assert given["changes"] == ["fidelity=edge"] and given["cost"] == {"cpu_s": 1.0, "spread_s": 0.01, "runs": 5}
+    assert byte["time_error"] == {"amount": "infinite", "unit": "s", "place": "a"}

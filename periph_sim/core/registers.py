@@ -52,6 +52,14 @@ class Tie(Enum):
     HARDWARE = "hardware"
 
 
+class Yields(Enum):
+    """What a read of a register yields."""
+
+    STATE = "what hardware or software set last; each change that firmware can see is an event"
+    DATA = "one of the words that pass through it; each word is an event, though it be equal to the one before"
+    TIME = "a count that goes on by itself; no event tells when it changes"
+
+
 # The manual's shorthand for the first three axes.
 ACCESS: dict[str, tuple[Cpu, OnRead, OnWrite]] = {
     "R/W": (Cpu.RW, OnRead.KEEP, OnWrite.STORE),
@@ -122,12 +130,14 @@ class Register(Struct, frozen=True, dict=True):
     fields: tuple[Field, ...]
     protected: bool = False  # writes need EALLOW
     width: int = 16
-    free_running: bool = False  # counts by itself, and no wake-up tells when it changes
+    yields: Yields = Yields.STATE
     read_acts: bool = False  # a read does something beyond this register: takes a word, clears another's flag
-    data: str = ""  # the field that takes a word at a time: each is an event, though it be equal to the one before
+    data: str = ""  # the field that holds the word, if it yields data
     upper: str = ""  # the register of bits 31:16 where C headers make one `all` of the two, and `half` of each
 
     def __post_init__(self) -> None:
+        if (self.yields is Yields.DATA) != bool(self.data):
+            raise RegisterMapError(f"{self.name} yields {self.yields.name}, and its data field is {self.data!r}")
         seen = 0
         for f in self.fields:
             if f.mask >> self.width:
@@ -164,6 +174,12 @@ class Register(Struct, frozen=True, dict=True):
     def reads_are_harmless(self) -> bool:
         """True if a CPU read changes nothing."""
         return not self.read_acts and all(f.on_read is OnRead.KEEP for f in self.fields)
+
+    @cached_property
+    def reads_take(self) -> bool:
+        """True if a read takes what it yields: a word out of a buffer, or a flag."""
+        word = self.yields is Yields.DATA and self.read_acts
+        return word or any(f.on_read is OnRead.CLEAR for f in self.fields)
 
     @cached_property
     def reset(self) -> int:

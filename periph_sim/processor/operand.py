@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, final
 
 from ..core.records import NOWHERE, OF_MODIFIES, Topic
-from ..core.registers import Field, Register
+from ..core.registers import Field, Register, Yields
 from ..f28335.cpu.pie_map import PIEACK
 from ..f28335.system.memory_map import BOTH, HIGH, LOW, WORDS_MASK, ModuleRange, WaitStates
 
@@ -119,7 +119,7 @@ class Operand:
         self.placed = False
         self.harmless = harmless and not neighbour
         self.meets = not self.harmless or socket.before is not None
-        self.steady = harmless and not register.free_running
+        self.steady = harmless and register.yields is not Yields.TIME
         self.looks = harmless and words == LOW and register.width == 16 and socket.before is None
 
     def record(self, reads: Topic, writes: Topic) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..core.registers import Cpu, Field, OnWrite, Register, RegisterMap
+from ..core.registers import Cpu, Field, OnWrite, Register, RegisterMap, Yields
 from ..f28335.parts.f28335 import PART
 
 
@@ -16,6 +16,18 @@ def register_of(module: str, name: str) -> Register | None:
     """A register by its name; None where it is not known."""
     registers = registers_of(module)
     return registers[name] if registers is not None and name in registers else None
+
+
+def reads_take(name: str) -> bool:
+    """True if a read of "MODULE.REGISTER" takes what it yields: a word out of a buffer, or a flag."""
+    register = register_of(*name.partition(".")[::2])
+    return register is not None and register.reads_take
+
+
+def yields_data(name: str) -> bool:
+    """True if a read of "MODULE.REGISTER" yields one of the words that pass through it."""
+    register = register_of(*name.partition(".")[::2])
+    return register is not None and register.yields is Yields.DATA
 
 
 def is_status(register: Register) -> bool:

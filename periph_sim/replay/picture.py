@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
+from ..records.register_maps import reads_take, yields_data
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
@@ -195,10 +196,15 @@ def _accesses(history: Sequence[Change], side: Side, window: tuple[float, float]
     ticks: dict[str, list[Tick]] = {}
     for change in history:
         at = change.at_s - side.agreed
-        if _shown(at, window) and (change.what.startswith("W ") or change.what.endswith(("I2CDRR", "SCIRXBUF"))):
+        if _shown(at, window) and (change.what.startswith("W ") or _takes_word(change)):
             name = f"{change.what[0]} {change.what.rpartition('.')[2]}"
             ticks.setdefault(name, []).append(Tick(at, f"{change.value:X}"))
     return [Lane(name, "firmware", GREY, ticks=tuple(of)) for name, of in list(ticks.items())[:MOST_FLAGS]]
+
+
+def _takes_word(change: Change) -> bool:
+    way, _, register = change.what.partition(" ")
+    return way == "R" and yields_data(register) and reads_take(register)
 
 
 def _access(change: Change) -> bool:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.core.registers import Register, RegisterMap, RegisterMapError, Tie, field
+from periph_sim.core.registers import Register, RegisterMap, RegisterMapError, Tie, Yields, field
 
 EVERY = Register(
     "EVERY",
@@ -24,6 +24,12 @@ EVERY = Register(
     ),
 )
 FLAG, HARD, ONCE, RO = (EVERY[n].mask for n in ("FLAG", "HARD", "ONCE", "RO"))
+
+
+@pytest.mark.parametrize(("yields", "data"), [(Yields.DATA, ""), (Yields.STATE, "B"), (Yields.TIME, "B")])
+def test_a_register_that_yields_data_names_the_field_of_the_word(yields: Yields, data: str):
+    with pytest.raises(RegisterMapError, match=f"^R yields {yields.name}, and its data field is '{data}'$"):
+        Register("R", 0, "", (field("B", "7:0"),), yields=yields, data=data)
 
 
 def test_reset_follows_from_the_fields():

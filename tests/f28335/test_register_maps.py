@@ -7,17 +7,21 @@ wins against a write of the same cycle. "A1 to A9 x2" are fields of two bits eac
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from msgspec.structs import replace
 
-from periph_sim.core.registers import Field, Register, RegisterMap, Tie
+from periph_sim.core.registers import Field, Register, RegisterMap, Tie, Yields
 from periph_sim.f28335.cpu import pie_map, xint_map
 from periph_sim.f28335.gpio import register_map as gpio_map
 from periph_sim.f28335.i2c import register_map as i2c_map
+from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.sci import register_map as sci_map
 from periph_sim.f28335.spi import register_map as spi_map
 from periph_sim.f28335.system import clocks_map
 from periph_sim.f28335.system import cpu_timer_map as timer_map
+from periph_sim.records.register_maps import reads_take, yields_data
 
 MAPS: dict[str, RegisterMap] = {
     "system control": clocks_map.MAP,
@@ -200,7 +204,7 @@ def printed(register: Register) -> str:
     marks = {
         "EALLOW": register.protected,
         "32": register.width == 32,
-        "runs": register.free_running,
+        "runs": register.yields is Yields.TIME,
         "acts": register.read_acts,
         f"+{register.upper}": register.upper,
     }
@@ -300,3 +304,21 @@ def test_lines_of_the_pie():
 def test_vectors_that_come_through_no_group():
     others = ["INT13", "INT14", "DATALOG", "RTOSINT", "EMUINT", "NMI", "ILLEGAL", *(f"USER{n}" for n in range(1, 13))]
     assert {"RESET": 0} | dict(zip(others, range(13, 32), strict=True)) == pie_map.CPU_VECTORS
+
+
+def names(holds: Callable[[Register], bool]) -> set[str]:
+    return {f"{one.name}.{register.name}" for one in PART.modules for register in one.registers if holds(register)}
+
+
+def test_each_register_says_what_a_read_of_it_yields():
+    scis = ("SCI-A", "SCI-B", "SCI-C")
+    received = {"I2C-A.I2CDRR", "SPI-A.SPIRXBUF", *(f"{sci}.SCIRXBUF" for sci in scis)}
+    copies = {"SPI-A.SPIRXEMU", *(f"{sci}.SCIRXEMU" for sci in scis)}
+    sent = {"I2C-A.I2CDXR", "SPI-A.SPITXBUF", *(f"{sci}.SCITXBUF" for sci in scis)}
+    counts = {f"TIMER{n}.{name}" for n in range(3) for name in ("TIM", "TIMH", "TPR", "TPRH")} | {"SYS.WDCNTR"}
+    assert names(lambda register: register.yields is Yields.DATA) == received | copies | sent
+    assert names(lambda register: register.yields is Yields.TIME) == counts
+    assert names(lambda register: register.reads_take) == received | {"I2C-A.I2CISRC"}
+    assert {name for name in names(lambda register: True) if reads_take(name)} == received | {"I2C-A.I2CISRC"}
+    assert {name for name in names(lambda register: True) if yields_data(name)} == received | copies | sent
+    assert not any(holds(name) for holds in (reads_take, yields_data) for name in ("", "I2CDRR", "ADC.ADCST"))

@@ -7,7 +7,7 @@ TI SPRUG03B, tables 4 to 22; I2CEMDR also in the C header, but not in the data m
 
 from __future__ import annotations
 
-from ...core.registers import OnWrite, Register, RegisterMap, field
+from ...core.registers import OnWrite, Register, RegisterMap, Yields, field
 
 BASE = 0x7900
 
@@ -64,6 +64,7 @@ I2CDRR = Register(
     "SPRUG03B table 19",
     (field("DATA", "7:0", "R", doc="Byte received; output of the RX FIFO."),),
     read_acts=True,
+    yields=Yields.DATA,
     data="DATA",
 )
 I2CSAR = Register(
@@ -74,6 +75,7 @@ I2CDXR = Register(
     0x08,
     "SPRUG03B table 20",
     (field("DATA", "7:0", doc="Byte to send; input of the TX FIFO."),),
+    yields=Yields.DATA,
     data="DATA",
 )
 I2CMDR = Register(

@@ -8,7 +8,7 @@ Source: TI SPRUFZ5A chapter 2.
 
 from __future__ import annotations
 
-from ...core.registers import Register, RegisterMap, field
+from ...core.registers import Register, RegisterMap, Yields, field
 
 BASES = {"SCI-A": 0x7050, "SCI-B": 0x7750, "SCI-C": 0x7770}
 
@@ -83,6 +83,7 @@ SCI_MAP = RegisterMap(
             "SPRUFZ5A F2-8",
             (field("ERXDT", "7:0", "R", doc="SCIRXBUF's data, without the effects of reading it."),),
             width=8,
+            yields=Yields.DATA,
             data="ERXDT",
         ),
         Register(
@@ -95,6 +96,7 @@ SCI_MAP = RegisterMap(
                 field("RXDT", "7:0", "R", doc="The character; reading it takes it."),
             ),
             read_acts=True,
+            yields=Yields.DATA,
             data="RXDT",
         ),
         Register(
@@ -103,6 +105,7 @@ SCI_MAP = RegisterMap(
             "SPRUFZ5A F2-10",
             (field("TXDT", "7:0", doc="A write queues a character for sending."),),
             width=8,
+            yields=Yields.DATA,
             data="TXDT",
         ),
         Register(

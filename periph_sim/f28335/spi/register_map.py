@@ -8,7 +8,7 @@ Source: TI SPRUEU3 chapter 2. Its sections are numbered like those of SPRUG72, t
 
 from __future__ import annotations
 
-from ...core.registers import Register, RegisterMap, field
+from ...core.registers import Register, RegisterMap, Yields, field
 
 BASE = 0x7040
 
@@ -64,6 +64,7 @@ SPI_MAP = RegisterMap(
             0x6,
             "SPRUEU3 §2.1.5",
             (field("ERXB", "15:0", "R", doc="SPIRXBUF's character, without the effects of reading it."),),
+            yields=Yields.DATA,
             data="ERXB",
         ),
         Register(
@@ -72,6 +73,7 @@ SPI_MAP = RegisterMap(
             "SPRUEU3 §2.1.6",
             (field("RXB", "15:0", "R", doc="The character received, right-justified; reading it takes it."),),
             read_acts=True,
+            yields=Yields.DATA,
             data="RXB",
         ),
         Register(
@@ -79,6 +81,7 @@ SPI_MAP = RegisterMap(
             0x8,
             "SPRUEU3 §2.1.7",
             (field("TXB", "15:0", doc="A write queues a character, left-justified."),),
+            yields=Yields.DATA,
             data="TXB",
         ),
         Register(

@@ -7,7 +7,7 @@ so that firmware reads back what it wrote.
 
 from __future__ import annotations
 
-from ...core.registers import Register, RegisterMap, field
+from ...core.registers import Register, RegisterMap, Yields, field
 
 BASE = 0x7010
 
@@ -141,7 +141,7 @@ WDCNTR = Register(
     "SPRUFB0D Table 28",
     (field("WDCNTR", "7:0", "R", doc="the watchdog's count"),),
     protected=True,
-    free_running=True,
+    yields=Yields.TIME,
 )
 
 WDKEY = Register(

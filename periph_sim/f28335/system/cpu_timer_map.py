@@ -5,7 +5,7 @@ TIM with TIMH and PRD with PRDH are one 32-bit `all` in C2000Ware's DSP2833x_Cpu
 
 from __future__ import annotations
 
-from ...core.registers import Register, RegisterMap, field
+from ...core.registers import Register, RegisterMap, Yields, field
 
 BASES = (0x0C00, 0x0C08, 0x0C10)  # timers 0, 1, 2
 
@@ -19,11 +19,11 @@ TIM = Register(
     0x0,
     "SPRUFB0D Table 32",
     (field("TIM", "15:0", doc="low half of the count"),),
-    free_running=True,
+    yields=Yields.TIME,
     upper="TIMH",
 )
 TIMH = Register(
-    "TIMH", 0x1, "SPRUFB0D Table 33", (field("TIMH", "15:0", doc="high half of the count"),), free_running=True
+    "TIMH", 0x1, "SPRUFB0D Table 33", (field("TIMH", "15:0", doc="high half of the count"),), yields=Yields.TIME
 )
 PRD = Register(
     "PRD",
@@ -54,7 +54,7 @@ TPR = Register(
         field("PSC", "15:8", "R", doc="low half of the prescale count"),
         field("TDDR", "7:0", doc="low half of the prescale divider, less one"),
     ),
-    free_running=True,
+    yields=Yields.TIME,
 )
 TPRH = Register(
     "TPRH",
@@ -64,7 +64,7 @@ TPRH = Register(
         field("PSCH", "15:8", "R", doc="high half of the prescale count"),
         field("TDDRH", "7:0", doc="high half of the prescale divider, less one"),
     ),
-    free_running=True,
+    yields=Yields.TIME,
 )
 
 MAP = RegisterMap("CPU timer", "SPRUFB0D section 5.5", (TIM, TIMH, PRD, PRDH, TCR, TPR, TPRH))

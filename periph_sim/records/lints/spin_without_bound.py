@@ -17,12 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..lint_finding import Fault, Options
-from ..register_maps import register_of
+from ..register_maps import reads_take, register_of
 from ..run import Rows, Run
 
 Bools = NDArray[np.bool_]
 LONGEST_PASS = 4  # reads
-TAKING = ("I2C-A.I2CDRR", "I2C-A.I2CISRC", "SCI-A.SCIRXBUF", "SCI-B.SCIRXBUF", "SCI-C.SCIRXBUF")
 SAYS = "a place that polls registers for longer than --bound, or to the end of the run without ever getting past"
 
 
@@ -65,7 +64,7 @@ def _of_loops(run: Run, unit: str, bound: int) -> Iterator[Fault]:
     rows, following = run.in_order(unit)
     what = table.columns["what"][rows]
     ids = what.astype(np.int64) << 32 | table.columns["text"][rows]
-    looks = [name.startswith("R ") and name[2:] not in TAKING for name in table.names["what"]]
+    looks = [name.startswith("R ") and not reads_take(name[2:]) for name in table.names["what"]]
     is_look = np.array(looks)[what]
     found: dict[tuple[int, ...], list[tuple[int, int, bool]]] = {}  # begin, length, cut by the run's end; by its reads
     for reads in range(2, LONGEST_PASS + 1):

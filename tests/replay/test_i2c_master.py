@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.replay import BadReplay
-from periph_sim.replay.i2c_master import I2cMasterReplay
+from periph_sim.replay.i2c_master import I2cMasterReplay, _cycles
 from periph_sim.replay.report import Report
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
@@ -53,6 +53,24 @@ def test_bytes_acks_and_repeated_starts_come_out_as_captured(wave):
     report = replay(wave)
     assert (report.verdict, report.agreed) == ("pass", report.events)
     assert unplanned(report.notes) == []
+
+
+@pytest.mark.parametrize(
+    ("us", "register"),
+    [
+        ("5", 45),
+        ("5.05", 45),
+        ("5.15", 47),
+        ("0.6", 1),
+        ("0.5", 1),
+        ("6554", 65_535),
+        ("6553.9", 65_534),
+        ("10_000", 65_535),
+    ],
+)
+def test_i2cclkl_and_i2cclkh_are_the_captured_low_and_high_times_as_far_as_they_can_be(us, register):
+    """At 10 MHz the low or high time is the register and 5 cycles, rounded half to even; it holds 1 to 65,535."""
+    assert _cycles(Fraction(us.replace("_", "")) / 1_000_000) == register
 
 
 def test_stretches_of_the_captured_target_are_played_with_their_length():

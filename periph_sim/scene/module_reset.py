@@ -21,11 +21,11 @@ class ModuleReset:
         self._kernel = kernel
         self._clock = unit.clock
         self._socket = unit.socket("I2C-A")
-        self._was_on = False
+        self._was_on: bool  # IRS when the wire fell; the wire is high at first
         wire.watch(self._changed)
 
     def _changed(self, tick: int, level: int) -> None:
-        """The write lands with the next cycle."""
+        """Write I2CMDR.IRS in the cycle of this edge."""
         cycle = self._clock.cycle_at(tick)
         self._kernel.at(self._clock.tick(cycle), partial(self._write, cycle, level))
 

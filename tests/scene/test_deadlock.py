@@ -381,3 +381,22 @@ def test_an_address_that_nobody_acknowledged_is_told_and_an_output_of_the_unit_i
     head, _, told = sentence.partition("nobody will move ")
     assert "waits for I2C-A.I2CSTR.SCD since" in head
     assert re.fullmatch(r"SDA or SCL; I2CSTR.NACK is set since (\d+\.\d+) us: address 0x51 was not acknowledged", told)
+
+
+@pytest.mark.parametrize(("module", "vector", "line"), [("TIMER1", "INT13", 13), ("TIMER2", "INT14", 14)])
+def test_a_timer_without_the_pie_may_wake_a_unit_if_it_runs(
+    monkeypatch: pytest.MonkeyPatch, module: str, vector: str, line: int
+):
+    def sleeps(dsp: Dsp, stop: int) -> None:
+        timer = dsp.module(module)
+        timer.PRD.all = 0xFFFF
+        timer.PRDH.all = 0xFFFF
+        timer.TCR.all = 0x4020 | stop << 4
+        dsp.handle(vector, lambda: None)
+        dsp.enable_interrupt(line)
+        dsp.eint()
+        dsp.cpu.idle()
+
+    assert scene_with(monkeypatch, lambda dsp: sleeps(dsp, 0), [module]).run().stuck == []
+    (sentence,) = scene_with(monkeypatch, lambda dsp: sleeps(dsp, 1), [module]).run().stuck
+    assert sentence.endswith(f"{module} has nothing due and no wire leads there")

@@ -11,7 +11,7 @@ COMMANDS = {
 LEVELS = {
     "schedule": (
         "level 'schedule' was removed: its arithmetic knew one firmware only; `periph-sim prove`, planned, will make "
-        "tables that replace it; until then use 'edge', or `periph-sim sweep` for many phases"
+        "tables that replace it; until then `periph-sim sweep` runs many phases"
     ),
 }
 NAMES = {

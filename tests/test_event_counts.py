@@ -20,11 +20,13 @@ BIT_8N1 = 4 * 8 * (40 + 1)  # SYSCLKOUT cycles: LSPCLK is a quarter, BRR 40
 TICKS = 20  # per cycle of 150 MHz
 
 
-def i2c_events(request: dict[str, object], byte: str, modules: tuple[str, ...] = ("I2C-A",)) -> int:
+def i2c_events(
+    request: dict[str, object], byte: str, modules: tuple[str, ...] = ("I2C-A",), disable: object = "bits"
+) -> int:
     """Events of one transfer with a responder that polls and answers with `byte` again and again."""
     unit = {"firmware": "responder", "modules": modules, "settings": {"replies": [" ".join([byte] * 20)]}}
     head = {"first": "1 ms", "rounds": 1, "request": [{"address": 0x50, **request}]}
-    ran = run_case(case(unit={"dsp": unit}, controller=head), "0.02")
+    ran = run_case(case(unit={"dsp": unit}, controller=head, disable=disable), "0.02")
     assert ran.result.verdict == "not judged" and ran.result.counts["nacked"] == 0
     return ran.result.events
 
@@ -42,7 +44,7 @@ SCL = 4 * 9  # nine bits: the controller moves SCL twice a bit, and each edge le
     ],
 )
 @pytest.mark.parametrize("count", [2, 5, 16])
-def test_an_i2c_byte_read_costs(byte: str, events: int, count: int):
+def test_an_i2c_byte_read_edge_by_edge_costs(byte: str, events: int, count: int):
     assert i2c_events({"count": count + 1}, byte) - i2c_events({"count": count}, byte) == events
 
 
@@ -55,9 +57,34 @@ def test_an_i2c_byte_read_costs(byte: str, events: int, count: int):
     ],
 )
 @pytest.mark.parametrize("count", [2, 5, 16])
-def test_an_i2c_byte_written_costs(byte: str, events: int, count: int):
+def test_an_i2c_byte_written_edge_by_edge_costs(byte: str, events: int, count: int):
     more, fewer = (i2c_events({"count": 0, "write": " ".join([byte] * n)}, "00") for n in (count + 1, count))
     assert more - fewer == events
+
+
+TWO_BITS = 4 * 2 + 1  # two of nine bits are left, and the step over the other seven is one event of the controller
+
+
+@pytest.mark.parametrize(
+    ("request_", "byte", "events"),
+    [
+        ("read", "00", TWO_BITS + 4 + 2),
+        ("read", "ff", TWO_BITS + 4 + 2 + 1),
+        ("read", "55", TWO_BITS + 4 + 2 - 1),
+        ("written", "ff", TWO_BITS + 2 + 2),
+        ("written", "55", TWO_BITS + 2 + 2 + 2),
+    ],
+)
+@pytest.mark.parametrize("count", [2, 5, 16])
+def test_an_i2c_byte_of_which_bits_are_skipped_costs(request_: str, byte: str, events: int, count: int):
+    """The parts are those of a byte edge by edge; of the changes of SDA those around the ACK are left."""
+
+    def total(length: int) -> int:
+        if request_ == "read":
+            return i2c_events({"count": length}, byte, disable=())
+        return i2c_events({"count": 0, "write": " ".join([byte] * length)}, "00", disable=())
+
+    assert total(count + 1) - total(count) == events
 
 
 def sci_events(data: bytes, modules: list[str]) -> int:

@@ -14,15 +14,15 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import final
 
+from ..core.kernel import Agent
 from ..core.time import NO_TIME
 from ..core.wire import Wire, watch
 from .uart.frame_format import UartFormat
 from .uart.reader import Line
-from .uart.whole_frames import FrameParty
 
 
 @final
-class UartCounter(FrameParty):
+class UartCounter(Agent):
     """line: as of a `UartReader`. told: each character's start bit, when the next one begins or as the run ends."""
 
     def __init__(self, wire: Wire, line: Line) -> None:
@@ -42,13 +42,6 @@ class UartCounter(FrameParty):
         self._set_line()
         self._begun_at = now
         self._over_at, self._free_at = now + self._lasted, now + self._taken
-
-    def hears_whole(self, first: int, second: int, last: int) -> bool:
-        """It takes no edge of it for another start bit."""
-        if first < self._free_at:
-            return False
-        self._set_line()
-        return last < first + self._taken
 
     def _set_line(self) -> None:
         """How the next character is sent."""

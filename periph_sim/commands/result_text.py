@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from ..core.counted import counted
 from ..scene.case.model import Case
-from ..scene.result import BYTE_LEVEL, FRAMES, FRAMES_PASSED, SKIPPED, Result
+from ..scene.result import SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
 from ..timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
@@ -17,25 +17,22 @@ THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets":
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 
-def show(console: Screen, result: Result, case: Case, verbose: bool = False, chosen: str = "") -> None:
-    """verbose: list what the run assumed, and tell what it skipped. chosen: how its level was chosen, for the first
-    line.
-    """
-    say(console, f"{result.case}: {title(result)}{chosen}{estimated(result)}", style="bold")
+def show(console: Screen, result: Result, case: Case, verbose: bool = False) -> None:
+    """verbose: list what the run assumed, and how much it skipped."""
+    say(console, f"{result.case}: {title(result)}{estimated(result)}", style="bold")
     if result.budgets:
         console.print(budget_table(result.budgets))
     else:
         say(console, f"no budget says what must hold; put one at the top of the case, for instance:\n{A_BUDGET}")
     for line in legend(result.budgets):
         say(console, line)
-    share = f", {result.share_above_edges}" if result.share_above_edges else ""
     say(
         console,
-        f"{simulated(result.simulated_s)} simulated at {result.fidelity} fidelity{share}; "
+        f"{simulated(result.simulated_s)} simulated; "
         f"{counted(result.wire_bytes, 'I2C byte')}, {_sci_bytes(result)}, "
         f"{counted(result.events, 'event')}",
     )
-    for line in _counts(result.counts, verbose):
+    for line in _counts(result, verbose):
         say(console, line)
     for line in found_lines(result.budgets):
         say(console, line)
@@ -62,12 +59,12 @@ def found_lines(budgets: Sequence[Verdict]) -> list[str]:
     return [f"{each.name}: {each.found}" for each in budgets if each.found and not each.broken]
 
 
-def _counts(counts: Mapping[str, int], verbose: bool) -> list[str]:
-    ours = (SKIPPED, BYTE_LEVEL, FRAMES, FRAMES_PASSED)
-    told = [_count(name, count) for name, count in counts.items() if count and name not in ours]
-    lines = [", ".join(told)] if told else []
-    if verbose and counts.get(SKIPPED):
-        lines.append(f"skipped {rounded(counts[SKIPPED])} polls")
+def _counts(result: Result, verbose: bool) -> list[str]:
+    shown = [_count(name, count) for name, count in result.counts.items() if count and name != SKIPPED]
+    lines = [", ".join(shown)] if shown else []
+    skipped = ((result.counts.get(SKIPPED), "polls"), (result.bytes_skipped, "times seven bits of an I2C byte"))
+    if verbose:
+        lines += [f"skipped {rounded(count)} {what}" for count, what in skipped if count]
     return lines
 
 

@@ -10,14 +10,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..core.text_table import paragraph
 from ..records.if_recorded import if_recorded
 from ..scene.case.load import load
 from ..scene.clocks import clocks_of
 from ..scene.result import Result
 from ..scene.scene import Scene
 from .command_line import command_line
-from .fidelity_choice import fidelity_given
 from .input_options import GUARANTEED, apart, length_given, refuse_guaranteed
 from .json_output import print_json
 from .progress import progress
@@ -27,7 +25,6 @@ from .usage_error import running_user_code
 
 if TYPE_CHECKING:
     from ..explain.chain import Chain
-    from ..reports.level_choice.auto import Choice
 
 SECTION = "run"
 EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
@@ -37,8 +34,11 @@ EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
-@click.option("--fidelity", metavar="LEVEL", help="edge, adaptive, byte; auto: cheapest within --max-error.")
-@click.option("--max-error", metavar="TIME", help="How far times may be off with --fidelity auto, as '1 us'.")
+@click.option(
+    "--disable", multiple=True, metavar="NAME", help="Switch off an optimization: bits, polls, decoding; or all."
+)
+@click.option("--fidelity", metavar="LEVEL", hidden=True, help="Obsolete: every run is exact.")
+@click.option("--max-error", metavar="TIME", hidden=True, help="Obsolete: every run is exact.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a report with plots and timelines to this file.")
 @GUARANTEED
@@ -51,6 +51,7 @@ def run(
     case: Path,
     seconds: str | None,
     changes: tuple[str, ...],
+    disable: tuple[str, ...],
     fidelity: str | None,
     max_error: str | None,
     record: Path | None,
@@ -64,8 +65,7 @@ def run(
     apart(record=record, html=html)
     with running_user_code(), ExitStack() as outputs:
         refuse_guaranteed(guaranteed)
-        level, bound = fidelity_given(fidelity, max_error, record)
-        changes += tuple(level)
+        changes += _as_changes(disable, fidelity or ("auto" if max_error else None))
         loaded = load(case, list(changes))
         length = None if seconds is None else length_given(seconds)
         unfinished = None
@@ -74,16 +74,9 @@ def run(
 
             unfinished = outputs.enter_context(atomic_write(html))
         subscribe, ended_at = outputs.enter_context(if_recorded(record, loaded.recorded_modules))
-        choice: Choice | None = None
         with progress(loaded.name) as told:
-            if bound is None:
-                scene = Scene(loaded, subscribe, keep_values=html is not None)
-                result = scene.run(length, told)
-            else:
-                from ..reports.level_choice.auto import run_within
-
-                made = run_within(lambda more: load(case, [*changes, *more]), bound, length, html is not None, told)
-                scene, result, choice = made
+            scene = Scene(loaded, subscribe, keep_values=html is not None)
+            result = scene.run(length, told)
         ended_at(scene.kernel.now, clocks_of(scene))
         chains = _chains(scene, result, length) if explain else {}
         if unfinished is not None:
@@ -95,18 +88,22 @@ def run(
             report = case_report(loaded, result, values, scene.typical(), per_second, length, changes)
             unfinished.write_text(page([report], loaded.name, command_line()), encoding="utf-8")
     if as_json:
-        told_of_choice = {} if choice is None else {"choice": choice.as_json()}
-        print_json("run", _object(result, chains if explain else None) | told_of_choice)
+        print_json("run", _object(result, chains if explain else None))
     else:
-        show(terminal(), result, loaded, verbose, "" if choice is None else choice.heading())
-        if choice is not None:
-            click.echo("\n".join(paragraph(choice.sentence())))
+        show(terminal(), result, loaded, verbose)
         if chains:
             from ..explain.text_report import text
 
             for chain in chains.values():
                 click.echo("\n".join(["", *text(chain)]))
     return status(result)
+
+
+def _as_changes(disable: tuple[str, ...], fidelity: str | None) -> tuple[str, ...]:
+    """Return the options as changes of the case."""
+    names = ", ".join(f'"{name}"' for name in disable)
+    changes = (f"disable=[{names}]",) if disable else ()
+    return changes if fidelity is None else (*changes, f"fidelity={fidelity}")
 
 
 def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, Chain]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..core.settings import duration
 from .input_options import length_given
 from .json_output import print_json
 from .progress import progress
@@ -19,6 +20,14 @@ if TYPE_CHECKING:
 
 SECTION = "understand"
 EXAMPLE = "periph-sim trade timing/imu_hil.toml --seconds 1"
+
+
+def _error_given(text: str) -> float:
+    """Return `--max-error` in seconds."""
+    try:
+        return float(duration(text))
+    except ValueError as error:
+        raise click.ClickException(f"--max-error: {error}") from None
 
 
 @click.command()
@@ -47,20 +56,19 @@ def trade(
 ) -> int:
     """Run CASE with each choice that you have, and compare errors and CPU time.
 
-    Rows are firmware of other kinds, an image or C (--firmware), arithmetics of the sensor models, the other words of
-    `fidelity`, and recordings. Errors are against the most accurate row: budgets with the same verdict, and the largest
-    difference of the n-th occurrence of a time, and of the n-th sample that a chip answered. The case as given and the
-    most accurate row are always run.
+    Rows are firmware of other kinds, an image or C (--firmware), arithmetics of the sensor models, and recordings.
+    Errors are against the most accurate row: budgets with the same verdict, and the largest difference of the n-th
+    occurrence of a time, and of the n-th sample that a chip answered. The case as given and the most accurate row are
+    always run.
     """
     from ..reports.trade.rows import chosen, rows_of
     from ..reports.trade.text_report import as_json as as_dict
     from ..reports.trade.text_report import text
     from ..reports.trade.trade import trade as trade_of
     from ..scene.case.load import load
-    from .fidelity_choice import error_given
 
     with running_user_code():
-        bound = inf if max_error is None else error_given(max_error)
+        bound = inf if max_error is None else _error_given(max_error)
         loaded = load(case, list(changes))
         length = loaded.duration if seconds is None else length_given(seconds)
 

@@ -12,8 +12,9 @@ not including it, nothing else can happen (a lease), so it may move `now` by its
 Who has to wait in the middle of its turn, as firmware does, may do what is due from there (`help`): its turn goes on as
 soon as `released` says so. A plain function is never called from there: it may do anything, end that very turn, too.
 
-What nobody can tell from its end may pass at once, without its events (`Shortcut`). Who could tell after all, since it
-looks or meddles in the middle, says so before (`catch_up`): the events are then done up to now, in their order.
+A sequence of events whose intermediate states nobody observes can be applied in one step (`Shortcut`). Before anything
+reads or changes an intermediate state, it must call `materialize`, which runs the skipped events up to now in their
+normal order.
 """
 
 # core: compiled without checks for None
@@ -134,19 +135,18 @@ class Samples:
 
 
 class Shortcut:
-    """What passes without its events, and can make up for them."""
+    """A sequence of events that was applied in one step, and can be undone as long as it is not over."""
 
     __slots__ = ()
 
-    def catch_up(self) -> None:
-        """Somebody looks: whatever is behind is as it would be now had each event been done."""
+    def materialize(self) -> None:
+        """Bring everything into the state that it would have now if each event had been run."""
         raise NotImplementedError
 
 
 @final
 class Kernel:
-    """shortcut: what passes at once now, if anything does. events: how many were done, cancelled ones not counted; the
-    measure of cost.
+    """shortcut: the sequence of events that is skipped now, or None. events: the number of events that were run.
     helper: in whose turn events are done now; None: in nobody's. released: its turn goes on after the present event.
     home: where the events are done that no helper does, for those who know the way there. fault: raised in a helper's
     turn, and not its own: to be raised at home.
@@ -344,7 +344,7 @@ class Kernel:
         self._do(time, _BEHIND)
         if not self._stop:
             self.now, self._phase = time, _BEHIND
-        self.catch_up()
+        self.materialize()
 
     def help(self, helper: object) -> bool:
         """Do what is due in the middle of `helper`'s turn. True when that goes on.
@@ -401,10 +401,10 @@ class Kernel:
         event.agent.act(event.tag)
         return True
 
-    def catch_up(self) -> None:
-        """Before somebody looks at what a shortcut left out, or meddles with it."""
+    def materialize(self) -> None:
+        """Run the events that are skipped now; call this before reading or changing their intermediate states."""
         if self.shortcut is not None:
-            self.shortcut.catch_up()
+            self.shortcut.materialize()
 
     def replay(self, since: int, agent: Agent, tag: int) -> None:
         """Go back to `since`, where `agent.act(tag)` was due, and do all that comes of it up to now.

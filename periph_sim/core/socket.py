@@ -16,7 +16,6 @@ from .chip import ALL, LATER, NEVER, OUTPUTS, Chip, Note
 from .chip_input import Input, Marks
 from .kernel import CHIP, Agent, Event, Kernel
 from .records import Kind, Recorder
-from .shortcuts import Untold
 from .time import Clock
 from .watched_register import WatchedRegister
 from .wire import BITS, MOST, Pin, Sampler
@@ -34,17 +33,14 @@ MOVE = (1 << RECORD) - 1
 _NO_PINS: list[Pin] = []  # stays empty
 
 
-class Release:
-    """Who is asked as a module's first output moves at the pin: who passes bits at once."""
+class PinReleaseGate:
+    """Decides whether a module's first output is released at the pin now or later."""
 
     __slots__ = ()
 
     def holds_back(self) -> bool:
-        """The pin is about to be let go: whether it stays as it is for now."""
+        """Return True if the pin, which is about to be released, stays low for now."""
         raise NotImplementedError
-
-    def pulls(self) -> None:
-        """The pin is about to go low."""
 
 
 class Onlooker:
@@ -103,7 +99,6 @@ class Socket(Agent):
         "pins",
         "release",
         "traces",
-        "untold",
         "watchers",
     )
 
@@ -132,8 +127,7 @@ class Socket(Agent):
         self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
         self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
         self._held = 0
-        self.release: Release | None = None
-        self.untold: Untold | None = None  # what passes at once, and the chip has not been told of
+        self.release: PinReleaseGate | None = None
         self.watchers: list[Onlooker] = []
         self.on_watch: Callable[[], None] | None = None  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
@@ -198,8 +192,6 @@ class Socket(Agent):
     def read(self, cycle: int, offset: int) -> int:
         if self.before is not None:
             self.before(cycle)
-        if self.untold is not None:
-            self.untold.settle()
         if self.traces:
             self.given(cycle)
         value = self.chip.read(cycle, offset)
@@ -212,7 +204,7 @@ class Socket(Agent):
         Were the chip to advance here, the outputs, requests and flags of that wake-up would be published late or never.
         """
         if self._kernel.shortcut is not None:
-            self._kernel.catch_up()
+            self._kernel.materialize()
         wake = self.chip.next_wake
         seen = cycle if cycle < wake else wake - 1
         return self.chip.peek(seen, offset) if self.on_peek is None else self.on_peek(seen, offset)
@@ -225,11 +217,9 @@ class Socket(Agent):
 
     def write(self, cycle: int, offset: int, value: int) -> None:
         if self._kernel.shortcut is not None and offset < MOST and self._mid_byte >> offset & 1:
-            self._kernel.catch_up()
+            self._kernel.materialize()
         if self.before is not None:
             self.before(cycle)
-        if self.untold is not None:
-            self.untold.settle()
         if self.traces:
             self.given(cycle)
             if self.marks is not None:
@@ -370,28 +360,31 @@ class Socket(Agent):
         else:  # also where an edge fell between two cycles: the answer comes with the cycle
             self._kernel.ask(tick, self, self._recorder.cause << RECORD | (index + 1) << 1 | level)
 
-    def move(self, cycle: int, index: int, level: int) -> None:
-        """What its chip would do in a wake-up at `cycle`: an output has this level from then on."""
-        outer = self._recorder.cause
-        if self._watched or self.traces:
-            self._recorder.cause = self._cause_at(cycle)
-        self._move(cycle, index, level)
-        self._recorder.cause = outer
-
     def _set_pins(self, index: int, level: int) -> None:
-        if not index and self.release is not None:
-            if not level:
-                self.release.pulls()
-            elif self.release.holds_back():
-                return
+        if not index and level and self.release is not None and self.release.holds_back():
+            return
         pins = self.pins[index]
         pin: Pin
         for pin in pins:
             pin.wire.pull(pin.mask, level)
 
-    def looked_at(self) -> bool:
-        """Whether somebody looks at what the chip shows by itself: watchers, or records."""
-        return bool(self.watchers) or bool(self._watched)
+    def shows_output(self) -> bool:
+        """Return True if the pins were given what the chip shows now."""
+        return self._out == self.chip.out
+
+    def accept_output(self) -> None:
+        """Take the chip's present outputs as those of the pins, whose wires are set by the caller."""
+        self._out = self.chip.out
+
+    def present_cause(self) -> int:
+        """Return the number of the record under whose effects the simulation runs now."""
+        return self._recorder.cause
+
+    def repeat_output(self, index: int, cause: int) -> None:
+        """Release the pins of an output again, as an effect of the record `cause`."""
+        outer, self._recorder.cause = self._recorder.cause, cause
+        self._set_pins(index, 1)
+        self._recorder.cause = outer
 
     def watch(self, watcher: Onlooker) -> None:
         """`watcher.look(cycle)` after every input from now on: a CPU that spins looks at the chip there."""

@@ -48,7 +48,7 @@ class Wire(Settles):
     """cause: the record of the last edge. recorded: somebody wants each edge, and perhaps who holds a low one.
 
     pulling: who pulls it low in the settled state; bit i is party i. attached: how many parties there are. version:
-    another one whenever a party comes, or one who listens comes or goes. tape: keeps the numbers of its records.
+    another one whenever a party comes, or one who listens comes or goes.
     """
 
     _records_holds: bool
@@ -73,7 +73,6 @@ class Wire(Settles):
         self._names_of: dict[int, str] = {}  # of those who pull, as records tell them
         self._named = 0  # who pulled it as somebody did when a record was made last, and their names
         self._names = ""
-        self.tape: Tape | None = None
         self._watches: _Watch | None = None  # who is told: the first of a chain
         self._pull_watches: PullWatch | None = None
         self._queued = False
@@ -221,31 +220,27 @@ class Wire(Settles):
         """No pull is unsettled."""
         return self._pulling == self.pulling
 
-    def ears(self) -> list[Sampler | PullWatch]:
-        """Through which those are told who look at its level, or at who pulls it."""
-        ears: list[Sampler | PullWatch] = []
+    def listeners(self) -> list[Sampler | PullWatch]:
+        """Return the subscribers to its level and to the parties that pull it."""
+        listeners: list[Sampler | PullWatch] = []
         look, watch = self._watches, self._pull_watches
         while look is not None:
-            ears.append(look.sampler)
+            listeners.append(look.sampler)
             look = look.following
         while watch is not None:
             if watch.sampler is None:  # else it is among those already
-                ears.append(watch)
+                listeners.append(watch)
             watch = watch.following
-        return ears
+        return listeners
 
     def _record(self, topic: Topic, level: int, cause: int) -> int:
-        recorder, tape = self.recorder, self.tape
+        recorder = self.recorder
         self._pulling_recorded = pulling = self._pulling
-        if tape is not None and tape.again:
-            return tape.again.pop(0)
         if pulling and pulling != self._named:
             self._named, self._names = pulling, self._names_for(pulling)
         outer, recorder.cause = recorder.cause, cause
         number = topic.emit(self.kernel.now, level, self._names if pulling else "")
         recorder.cause = outer
-        if tape is not None:
-            tape.numbers.append(number)
         return number
 
     def _names_for(self, pulling: int) -> str:
@@ -284,19 +279,8 @@ class Wire(Settles):
 
     def _changed(self) -> None:
         """There are others on the wire than before: what passes at once does so for those only whom it knows."""
-        self.kernel.catch_up()
+        self.kernel.materialize()
         self.version += 1
-
-
-@final
-class Tape:
-    """numbers: of the records made of some wires. again: of those that come once more, as what was is played again."""
-
-    __slots__ = ("again", "numbers")
-
-    def __init__(self) -> None:
-        self.numbers: list[int] = []
-        self.again: list[int] = []
 
 
 @final
@@ -457,7 +441,7 @@ def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:
     """
     if not wires:
         raise ValueError("there is no wire to watch")
-    wires[0].kernel.catch_up()
+    wires[0].kernel.materialize()
     levels = sum(wire.level << i for i, wire in enumerate(wires))
     sampler = Sampler(wires[0].kernel, wires[0].recorder, watcher, levels)
     for line, wire in enumerate(wires):

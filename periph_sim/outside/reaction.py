@@ -155,7 +155,7 @@ class Reaction(Agent):
             version += wire.version
         if version != self._version:
             self._version = version
-            agents = [ear.agent for wire in self._wires for ear in wire.ears() if isinstance(ear, Sampler)]
+            agents = [ear.agent for wire in self._wires for ear in wire.listeners() if isinstance(ear, Sampler)]
             self._direct = [socket for socket in self._clocks if any(agent is socket for agent in agents)]
             self._routers = [agent for agent in dict.fromkeys(agents) if isinstance(agent, Router)]
         elif not self._routers:

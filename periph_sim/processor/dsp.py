@@ -70,6 +70,7 @@ class DspPlan(Struct):
     ppm: Fraction = Fraction(0)
     from_boot: bool = False
     skip_polls: bool = True
+    keeps_decoded: bool = True
     strict: bool = False
     seed: int = 0
     stall_limit: float = 0.0  # seconds of CPU time that firmware may take at one instant; 0: any
@@ -142,8 +143,9 @@ class Dsp(FirmwareView):
 
         require_loadable(image, self.plan.part)
         entry = entry_of(image, boot)
+        plan = self.plan
         program = self.program = ImageProgram(
-            self.processor, self.clock, image, entry, self.plan.system, self.plan.skip_polls
+            self.processor, self.clock, image, entry, plan.system, plan.skip_polls, plan.keeps_decoded
         )
         self.processor.notes.placed = True
         program.cpu.elsewhere.set_part(self.plan.part)
@@ -277,7 +279,7 @@ class Dsp(FirmwareView):
         lspclk = (control.lspclk_divider, control.lspclk_phase)
         retuned = control.sysclk_hz != self._nominal_hz
         if retuned or lspclk != self._lspclk or control.gates != self._gates:
-            self._kernel.catch_up()
+            self._kernel.materialize()
         if retuned:
             self._nominal_hz = control.sysclk_hz
             self.clock.retune(cycle, self._sysclk_hz())
@@ -355,7 +357,7 @@ class Dsp(FirmwareView):
 
     def _enter_reset(self) -> None:
         """Every module to its reset state; firmware stops where it stands."""
-        self._kernel.catch_up()
+        self._kernel.materialize()
         self.resets += 1
         for told in self.on_reset:
             told()

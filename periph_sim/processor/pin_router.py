@@ -174,7 +174,7 @@ class Router(Agent):
 
     def _tell_all_pads(self, cycle: int) -> None:
         """Before an access: also the pads that the machine is not told of edge by edge."""
-        self._kernel.catch_up()
+        self._kernel.materialize()
         self._gpio.edges(cycle, self._levels_on_wires())
 
     def _peek(self, cycle: int, offset: int) -> int:
@@ -192,30 +192,6 @@ class Router(Agent):
             if wire.level:
                 levels |= BIT[n]
         return levels
-
-    # Edges that pass untold ------------------------------------------------------
-
-    def pads_of(self, wire: Wire) -> BigInt:
-        """Mask of the pads on a wire."""
-        return sum(BIT[n] for n, other in self._wires.items() if other is wire)
-
-    def only_shows(self, pads: BigInt) -> bool:
-        """Whether an edge at these pads does nothing before somebody reads their level."""
-        for n in self._feeds:
-            if pads >> n & 1:
-                return False
-        return not self._gpio_socket.looked_at() and self._gpio.only_shows(pads)
-
-    def moved(self, tick: int, pads: BigInt, level: int) -> None:
-        """These pads, which only show, moved at `tick`, not long ago."""
-        gpio, clock = self._gpio, self._clock
-        if bool(gpio.pads & pads) == bool(level):
-            return
-        cycle = clock.cycle_at(tick)
-        if cycle < clock.cycle_at(self._kernel.now):
-            gpio.moved_before(pads)
-        else:
-            gpio.edges(cycle, gpio.pads ^ pads, clock.tick(cycle) == tick)
 
     # Routes --------------------------------------------------------------------
 
@@ -279,7 +255,7 @@ class Router(Agent):
 
     def _reconnect(self) -> None:
         """Outputs to the pins that are theirs now."""
-        self._kernel.catch_up()
+        self._kernel.materialize()
         for signal in OUTPUTS:
             if signal in self._outputs:
                 socket: Socket

@@ -31,7 +31,7 @@ from ..traces.capture.gaps import gap_notes
 from ..traces.decode import uart as decode
 from . import BadReplay
 from .ambiguous import Word, settled
-from .compare import NOTHING, Divergence, compare
+from .compare import NOTHING, Divergence, Happened, compare
 from .divergence_history import AS_RECEIVER, CaptureOrigin, with_history
 from .history import FlagHistory
 from .line_errors import line_errors
@@ -261,6 +261,10 @@ class UartReplay:
         again = UartReplay(*self._given, subscribe=history.subscribe, lead=self._lead)
         history.watch(again._scene)
         again.kernel.run_until(until + 1)
+
+    def received(self) -> list[Happened]:
+        """Return what the firmware has read from SCIRXBUF so far, without the flags of the words."""
+        return [word.happened for word in self._received()]
 
     def _received(self) -> list[Word]:
         """Return what the firmware has read from SCIRXBUF so far."""

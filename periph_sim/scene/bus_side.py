@@ -16,9 +16,9 @@ from ..devices.sensor_rounds import CHIPS
 from ..timing.rounds import Asked, BusRounds
 
 if TYPE_CHECKING:
+    from ..bus.i2c.bit_skip import BitSkip
     from ..bus.i2c.monitor import I2cMonitor
     from ..bus.i2c.transfer import Transfer
-    from ..bus.i2c.whole_bytes import WholeBytes
     from ..core.wire import Wire
 
 SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is not read
@@ -27,14 +27,14 @@ SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is 
 class BusSide:
     """asked: what the master asks, None where nobody knows. spike: ticks. before: given each transfer first.
 
-    wire_bytes, nacked: of the transfers that were counted. whole_bytes: through which bytes pass at once.
+    wire_bytes, nacked: of the transfers that were counted. bit_skip: what skips bits, None where nothing does.
     """
 
     def __init__(self, wires: Mapping[str, Wire], spike: int) -> None:
         self.asked: Asked | None = None
         self.before: list[Callable[[Transfer], None]] = []
         self.wire_bytes = self.nacked = 0
-        self.whole_bytes: WholeBytes | None = None
+        self.bit_skip: BitSkip | None = None
         self._wires = wires
         self._spike = spike
         self._watch: I2cMonitor | None = None
@@ -80,8 +80,8 @@ class BusSide:
 
     @property
     def passed(self) -> int:
-        """The number of bytes that passed at once, some perhaps before their end."""
-        return 0 if self.whole_bytes is None else self.whole_bytes.passed
+        """The number of bytes of which bits were skipped."""
+        return 0 if self.bit_skip is None else self.bit_skip.passed
 
     def finish(self, now: int) -> None:
         """The run is over."""

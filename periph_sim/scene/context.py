@@ -11,15 +11,15 @@ from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.time import Timebase, TimeError
 from ..core.wire import Wire
-from .case.fidelity import BusLevels
 from .case.model import Case
+from .case.optimizations import is_on
 from .case.wiring import Wiring
 
 
 class SceneContext(Struct, frozen=True):
     """wire: the wire of a name, made when it is asked for first. wiring: the names of the wires on each unit's pins.
 
-    start: the tick at which the run begins. levels: how each bus is simulated.
+    start: the tick at which the run begins.
     """
 
     case: Case
@@ -29,7 +29,10 @@ class SceneContext(Struct, frozen=True):
     wire: Callable[[str], Wire]
     wiring: Wiring
     start: int
-    levels: BusLevels
+
+    def optimizes(self, name: str) -> bool:
+        """Return True if an optimization of `case.optimizations` is on."""
+        return is_on(name, self.case.disable)
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
         """Return a length in seconds, counted by a clock that is off by `ppm`, in ticks to the nearest.

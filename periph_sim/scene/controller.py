@@ -20,6 +20,7 @@ from ..devices.sensor_head import SensorHead
 from ..devices.sensor_rounds import CHIPS, Request, Schedule
 from ..timing.rounds import Asked
 from .case.model import Controller, RequestTable, RoundsTable
+from .case.optimizations import BITS
 from .context import SceneContext
 
 if TYPE_CHECKING:
@@ -35,12 +36,17 @@ class ControllerAgent(Struct, frozen=True):
     asked: Asked
 
 
-def _agent_of(fidelity: str) -> type[I2cController]:
-    if fidelity == "edge":
+def _agent_of(context: SceneContext) -> type[I2cController]:
+    if not skips_bits(context):
         return I2cController
-    from ..bus.i2c.byte_controller import ByteController
+    from ..bus.i2c.skipping_controller import SkippingController
 
-    return ByteController
+    return SkippingController
+
+
+def skips_bits(context: SceneContext) -> bool:
+    """Return True if bits of I2C bytes are skipped: that optimization is on, and no edge of the bus is recorded."""
+    return context.optimizes(BITS) and not (context.wire("SCL").recorded or context.wire("SDA").recorded)
 
 
 def build_head(context: SceneContext, table: Controller, on_stuck: Callable[[Wire], None]) -> ControllerAgent:
@@ -55,7 +61,7 @@ def build_head(context: SceneContext, table: Controller, on_stuck: Callable[[Wir
     half = Fraction(1, 2) / table.rate
     low = ticks(half if table.low is None else table.low)
     high = ticks(half if table.high is None else table.high)
-    controller = _agent_of(context.levels.i2c)(
+    controller = _agent_of(context)(
         context.kernel,
         context.recorder,
         context.wire("SCL"),

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from ..f28335.i2c.options import I2cOptions
     from ..timing.measures.reply import Reply
     from ..timing.measures.value import ValueDeviation
-    from .controller import build_head, rounds_of
+    from .bit_skip import bit_skip_of
+    from .controller import build_head, rounds_of, skips_bits
     from .deadlock import deadlock_reason
     from .devices import build_devices, put_on_bus
     from .faults import build_faults
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from .serial.side import SerialSide
     from .unit import build_unit
     from .watch import watcher_of
-    from .whole_bytes import refuse_byte_level, whole_bytes_of
 
 _HOMES = {
     "bus.i2c.byte_counter": ("I2cByteCounter",),
@@ -41,7 +41,8 @@ _HOMES = {
     "f28335.i2c.options": ("I2cOptions",),
     "timing.measures.reply": ("Reply",),
     "timing.measures.value": ("ValueDeviation",),
-    "scene.controller": ("build_head", "rounds_of"),
+    "scene.bit_skip": ("bit_skip_of",),
+    "scene.controller": ("build_head", "rounds_of", "skips_bits"),
     "scene.deadlock": ("deadlock_reason",),
     "scene.devices": ("build_devices", "put_on_bus"),
     "scene.faults": ("build_faults",),
@@ -57,7 +58,6 @@ _HOMES = {
     "scene.serial.side": ("SerialSide",),
     "scene.unit": ("build_unit",),
     "scene.watch": ("watcher_of",),
-    "scene.whole_bytes": ("refuse_byte_level", "whole_bytes_of"),
 }
 __all__ = [
     "STUCK_AFTER",
@@ -71,6 +71,7 @@ __all__ = [
     "StuckWatch",
     "ValueDeviation",
     "as_driven",
+    "bit_skip_of",
     "build_chip",
     "build_devices",
     "build_faults",
@@ -84,10 +85,9 @@ __all__ = [
     "not_run",
     "origins_of",
     "put_on_bus",
-    "refuse_byte_level",
     "rounds_of",
+    "skips_bits",
     "variable_value",
     "watcher_of",
-    "whole_bytes_of",
 ]
 __getattr__ = lazy_names("periph_sim", _HOMES)

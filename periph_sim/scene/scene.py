@@ -24,7 +24,6 @@ from ..core.uncollected import uncollected
 from ..processor.error_origin import FirmwareStalled
 from . import parts
 from .bus_side import SPIKE, BusSide
-from .case.fidelity import EDGE, bus_levels
 from .case.model import Case, RoundsTable
 from .case.wiring import wiring_of
 from .context import SceneContext
@@ -133,8 +132,8 @@ class Scene:
         self.log_ends_early = ""  # in a sentence, where [outside] has a log of an unfinished session
         self.stalled = ""  # by what the run ended before its time
         self._wall = 0.0  # seconds that it has taken
-        wire, levels = self.wires.wire, bus_levels(case, wiring)
-        context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring, self.start, levels)
+        wire = self.wires.wire
+        context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring, self.start)
         for name, unit in case.unit.items():
             built = parts.build_unit(context, name, unit, (programs or {}).get(name))
             self.units[name], self.firmware[name] = built.dsp, built.firmware
@@ -149,11 +148,11 @@ class Scene:
             side.controller.beside_others = shared
             if not shared:
                 self.head.on_transfer.append(self.bus.count)
-            if levels.i2c != EDGE:
-                self.bus.whole_bytes = parts.whole_bytes_of(context, side.controller, self.units)
+            if parts.skips_bits(context):
+                self.bus.bit_skip = parts.bit_skip_of(context, side.controller, self.units)
         has_bus = "SCL" in self.wires and "SDA" in self.wires
-        if has_bus and self.head is None and levels.i2c != EDGE:
-            self.bus.whole_bytes = parts.whole_bytes_of(context, None, self.units)
+        if has_bus and self.head is None and parts.skips_bits(context):
+            self.bus.bit_skip = parts.bit_skip_of(context, None, self.units)
         if has_bus and (self.head is None or shared):
             self._counter = parts.I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
             if self.recorder.wants(Kind.BUS):
@@ -171,15 +170,12 @@ class Scene:
         if case.fault:
             parts.build_faults(context, self.wires, self.units)
         self._uart = UartSide(context, self.wires, self.units, self._host_side, serial, self)
-        self.frame_counts = self._uart.frame_counts  # of SCI frames, where some pass in two events
         self._there = self._what_is_there()
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
             for measure in limit.own_measures:
                 measure.listen(proxy(self))
-        if levels.has_bytes:
-            parts.refuse_byte_level(context, self.bus.whole_bytes, self._uart.whole_frames, self.wires, self.limits)
         if case.outside is not None:
             parts.check_outside(case, self.wires)
             self._uart.count(case.outside.wires)
@@ -270,7 +266,7 @@ class Scene:
             length = parts.STUCK_AFTER if self.case.rounds is None else self.case.rounds.stuck_after
             for name in ("SCL", "SDA"):
                 wire, limit = self.wires[name], self._ticks(length)
-                parts.StuckWatch(self.kernel, self.recorder, wire, limit, self.stuck.report, self.bus.whole_bytes)
+                parts.StuckWatch(self.kernel, self.recorder, wire, limit, self.stuck.report, self.bus.bit_skip)
         self.stuck.told.append(told)
 
     def on_sci(self, listener: ReceiverListener) -> None:
@@ -424,7 +420,7 @@ class Scene:
     def finish(self, length: int) -> Result:
         """What it came to in so many ticks; where firmware let no time pass, up to there."""
         length = min(length, self.kernel.now - self.start) if self.stalled else length
-        self.kernel.catch_up()
+        self.kernel.materialize()
         self.bus.finish(self.kernel.now)
         self._uart.finish(self.kernel.now)
         for limit in self.limits:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from ..core.chip import joined
 from ..core.counted import counted
 from ..timing.verdict import FAIL, NOT_JUDGED, PASS
-from .case.fidelity import fidelity_text
-from .result import BYTE_LEVEL, SKIPPED, Result
+from .case.optimizations import obsolete_fidelity
+from .result import SKIPPED, Result
 
 if TYPE_CHECKING:
     from ..devices.chips.register_chip import RegisterChip
@@ -39,9 +39,6 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         counts["beyond_16_bits"] = scene.frames.beyond.total()
     counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
     counts[SKIPPED] = sum(dsp.program.polls_skipped for dsp in scene.units.values())
-    if scene.bus.whole_bytes is not None:
-        counts[BYTE_LEVEL] = min(scene.bus.passed, scene.bytes_on_bus())
-    counts |= scene.frame_counts()
     counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
     parts: dict[str, Dsp | RegisterChip] = {
         **scene.units,
@@ -51,7 +48,6 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
     return Result(
         case=scene.case.name,
         verdict=FAIL if failed else PASS if verdicts else NOT_JUDGED,
-        fidelity=fidelity_text(scene.case.fidelity),
         simulated_s=float(scene.timebase.seconds(length)),
         wall_s=round(wall, 6),
         events=scene.kernel.events,
@@ -65,6 +61,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         stuck=stuck,
         wrong=wrong,
         first_wrong=first_wrong,
+        bytes_skipped=min(scene.bus.passed, scene.bytes_on_bus()),
         estimated=[name for name, unit in scene.case.unit.items() if unit.sources],
     )
 
@@ -83,7 +80,8 @@ def wrong_bytes(scene: Scene) -> tuple[dict[str, int], str]:
 
 def notes_of(scene: Scene) -> list[str]:
     """What was noted of each unit and chip, a line each: broken duties, what is not modelled, an ended main."""
-    lines = [*scene.case.replaced, *([scene.log_ends_early] if scene.log_ends_early else [])]
+    obsolete = [obsolete_fidelity(scene.case.fidelity)] if scene.case.fidelity else []
+    lines = [*obsolete, *scene.case.replaced, *([scene.log_ends_early] if scene.log_ends_early else [])]
     for name, dsp in scene.units.items():
         for module, socket in dsp.sockets.items():
             for tick, note in joined(socket.notes) if socket.notes else ():

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, cast
 
 from .case.wiring import sci_lines
 from .context import SceneContext
-from .result import FRAMES, FRAMES_PASSED
 
 if TYPE_CHECKING:
     from ..bus.receiver_listener import ReceiverListener
@@ -26,14 +25,10 @@ if TYPE_CHECKING:
     from .sci_monitor import SciMonitor
     from .serial.side import SerialSide
     from .uart_lines import UartLines
-    from .whole_frames import FramesSide
 
 
 class UartSide:
-    """host: who sends on RX, where there is one. serial: who else talks, not yet on the wires.
-
-    whole_frames: through which frames pass in two events, where they may.
-    """
+    """host: who sends on RX, where there is one. serial: who else talks, not yet on the wires."""
 
     def __init__(
         self,
@@ -44,7 +39,6 @@ class UartSide:
         serial: SerialSide | None,
         events: SceneEvents,
     ) -> None:
-        self.whole_frames: FramesSide | None = None
         self._units = units
         self._serial = serial
         self._scis = sci_lines(context.case, context.wiring)
@@ -66,27 +60,12 @@ class UartSide:
             from .uart_lines import UartLines
 
             self._lines = UartLines(context, wires, units, senders)
-        if context.levels.lines:
-            self.whole_frames = self._frames_side(context, host)
 
     def _pairs_of(self, context: SceneContext) -> Pairs:
         from .pairs import Pairs
         from .uart_lines import sci_line
 
         return Pairs(context, lambda unit, module: partial(sci_line, context, self._units[unit], module))
-
-    def _frames_side(self, context: SceneContext, host: HostAgent | None) -> FramesSide:
-        from .whole_frames import FramesSide
-
-        senders = {} if self._serial is None else self._serial.senders()
-        outside = [sender.who for sender in senders.values()] + ([] if host is None else [host.peer.who])
-        side = FramesSide(context, self._units, self._scis, outside)
-        if host is not None:
-            host.peer.whole_frames = side.lines.get("RX")
-        for wire, sender in senders.items():
-            if wire in side.lines:
-                sender.let_pass(side.lines[wire])
-        return side
 
     @property
     def has_sci(self) -> bool:
@@ -118,11 +97,6 @@ class UartSide:
         """What went wrong on pairs, and what was to be sent and never was."""
         told = [] if self._pairs is None else self._pairs.notes()
         return told + ([] if self._serial is None else self._serial.notes())
-
-    def frame_counts(self) -> dict[str, int]:
-        """How many frames were sent, and how many of them passed; nothing where each goes edge by edge."""
-        side = self.whole_frames
-        return {} if side is None else {FRAMES: side.frames, FRAMES_PASSED: side.passed}
 
     def finish(self, now: int) -> None:
         """The run is over."""

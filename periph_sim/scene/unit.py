@@ -19,6 +19,7 @@ from ..processor.dsp import Dsp, DspPlan
 from ..processor.error_origin import Misuse
 from ..processor.user_code import UserCode
 from .case.model import Case, Unit
+from .case.optimizations import DECODING, POLLS
 from .case.transceiver import pulled_down
 from .context import SceneContext
 from .firmware_loader import (
@@ -69,7 +70,8 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         pll=unit.pll,
         ppm=unit.ppm,
         from_boot=unit.from_boot or bool(unit.image or unit.sources),
-        skip_polls=unit.skip_polls,
+        skip_polls=unit.skip_polls and context.optimizes(POLLS),
+        keeps_decoded=context.optimizes(DECODING),
         strict=case.strict,
         seed=case.seed,
         stall_limit=float(case.stall_limit),

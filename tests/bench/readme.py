@@ -19,6 +19,7 @@ from typing import Any
 from periph_sim.form import COMPILED, INTERPRETED
 
 from .child import ROOT
+from .levels import EXACT, PLAIN
 from .peers import BUS_OF_OTHERS
 from .start import COMMANDS, SHORT
 from .targets import BYTES, DECLARED, cell, recorded, speed
@@ -40,12 +41,12 @@ def times(what: str) -> Read:
 
 # What README calls it, how it is read of a bench, and how it is shown.
 ROWS: tuple[tuple[str, Read, str], ...] = (
-    ("`imu_hil` with all its budgets", per_second("imu_hil", "edge"), "rate"),
-    ('`imu_hil`, `arithmetic = "bytes"`, no budgets', per_second(BYTES, "edge"), "rate"),
-    ('the same, `fidelity = "adaptive"`', per_second(BYTES, "adaptive"), "rate"),
-    ("`responder`", per_second("responder", "edge"), "rate"),
-    ('the same, `fidelity = "byte"`', per_second("responder", "byte"), "rate"),
-    ("the same, its waits declared", per_second(DECLARED, "byte"), "rate"),
+    ("`imu_hil` with all its budgets", per_second("imu_hil", EXACT), "rate"),
+    ('`imu_hil`, `arithmetic = "bytes"`, no budgets', per_second(BYTES, EXACT), "rate"),
+    ("the same without optimizations", per_second(BYTES, PLAIN), "rate"),
+    ("`responder`", per_second("responder", EXACT), "rate"),
+    ("the same without optimizations", per_second("responder", PLAIN), "rate"),
+    ("`responder`, its waits declared", per_second(DECLARED, EXACT), "rate"),
     ("`imu_hil` with its flags recorded", recorded("flags, kept"), "factor"),
     ("`imu_hil` recorded as `.psr`", recorded(".psr"), "factor"),
     ("10 ms of `imu_hil` from Python, set-up included", times(SHORT), "time"),
@@ -81,7 +82,7 @@ def table(kept: Mapping[str, Any]) -> str:
     busy = f", beside other work (load {machine['load']:.0f})" if machine["load"] >= 1 else ""
     told = (
         f"{machine['date']}, one core of {machine['processor']}, {machine['python']}{busy}: "
-        "I2C bytes per second of CPU time, medians. `make bench` measures these, all cases and levels, and growth."
+        "I2C bytes per second of CPU time, medians. `make bench` measures these, all cases, and growth."
     )
     if kept["others"]["per_s"] is not None:
         rate, of = f"{kept['others']['per_s']:,.0f}", kept["others"]["lacks"].partition(";")[0]

@@ -8,6 +8,7 @@ from typing import Any
 from periph_sim.form import COMPILED, INTERPRETED
 
 from .images import BACK_TO_BACK, WITH_GAPS
+from .levels import EXACT
 from .recorded import FLAGS
 from .start import SHORT
 
@@ -29,11 +30,6 @@ def speed(parts: Parts, case: str, level: str, form: str) -> float | None:
     return cell(parts, "levels", "bytes_per_s", case=case, level=level, form=form)
 
 
-def over_edge(parts: Parts, form: str) -> float | None:
-    adaptive, edge = (speed(parts, BYTES, level, form) for level in ("adaptive", "edge"))
-    return adaptive / edge if adaptive and edge else None
-
-
 def recorded(way: str) -> Callable[[Parts, str], float | None]:
     return lambda parts, form: cell(parts, "recorded", "times_as_long", case="imu_hil", recorded=way, form=form)
 
@@ -45,13 +41,11 @@ def image(key: str, program: str) -> Callable[[Parts, str], float | None]:
 # What it is, how it is read, its unit; compiled, interpreted: at least, or at most where the unit is a time or a factor
 # of it ("x as long"), None where there is no target.
 TARGETS: tuple[tuple[str, Callable[[Parts, str], float | None], str, float | None, float | None], ...] = (
-    (f"{BYTES}, edge", lambda p, f: speed(p, BYTES, "edge", f), "bytes/s", 100_000, 3_500),
-    ("imu_hil as it ships, edge", lambda p, f: speed(p, "imu_hil", "edge", f), "bytes/s", 60_000, 3_000),
-    ("responder, edge", lambda p, f: speed(p, "responder", "edge", f), "bytes/s", 150_000, 4_000),
-    ("two_dsps, edge", lambda p, f: speed(p, "two_dsps", "edge", f), "bytes/s", 50_000, 1_700),
-    (f"{BYTES}, adaptive over edge", over_edge, "times", 1.3, 2.0),
-    ("responder, byte", lambda p, f: speed(p, "responder", "byte", f), "bytes/s", 250_000, None),
-    (f"{DECLARED}, byte", lambda p, f: speed(p, DECLARED, "byte", f), "bytes/s", 400_000, None),
+    (BYTES, lambda p, f: speed(p, BYTES, EXACT, f), "bytes/s", 130_000, 7_000),
+    ("imu_hil as it ships", lambda p, f: speed(p, "imu_hil", EXACT, f), "bytes/s", 75_000, 3_750),
+    ("responder", lambda p, f: speed(p, "responder", EXACT, f), "bytes/s", 240_000, 6_400),
+    ("two_dsps", lambda p, f: speed(p, "two_dsps", EXACT, f), "bytes/s", 60_000, 2_040),
+    (DECLARED, lambda p, f: speed(p, DECLARED, EXACT, f), "bytes/s", 240_000, None),
     ("imu_hil, flags recorded", recorded(FLAGS), "x as long", 1.3, 1.3),
     ("imu_hil, .psr recorded", recorded(".psr"), "x as long", 2.0, 2.0),
     (SHORT, lambda p, f: cell(p, "start", "cpu_s", what=SHORT, form=f), "s", 0.003, 0.015),

@@ -19,14 +19,17 @@ def test_every_shipped_case_and_the_one_without_arithmetic_is_measured() -> None
     assert set(levels.cases()) == shipped | set(levels.VARIANTS)
 
 
-def test_a_case_has_a_row_for_each_level_or_the_reason_why_not() -> None:
+def test_a_case_has_a_row_with_optimizations_and_one_without() -> None:
     rows = in_form(INTERPRETED, "levels", "measured", "responder", "responder", [], "0.01", 1)
     assert [(row["level"], row["form"]) for row in rows] == [(level, INTERPRETED) for level in levels.LEVELS]
-    events = {row["level"]: row["events_per_byte"] for row in rows}
-    assert events["edge"] > events["adaptive"] > events["byte"] > 0
-    rows = in_form(INTERPRETED, "levels", "measured", "imu_hil_spikes", "imu_hil_spikes", [], "0.01", 1)
-    (refused,) = (row for row in rows if "refused" in row)
-    assert refused["level"] == "byte" and "fault 0" in refused["refused"] and "refused: " in levels.line(refused)
+    exact, plain = (row["events_per_byte"] for row in rows)
+    assert 0 < 2 * exact < plain
+
+
+def test_a_run_that_carries_other_bytes_counts_as_stuck(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(levels.LEVELS, levels.PLAIN, ("controller.period=3 ms",))
+    with pytest.raises(AssertionError, match="responder: runs of the same case carried"):
+        levels.measured("responder", "responder", [], "0.01", 1)
 
 
 def test_a_bus_takes_61_slaves_besides_the_controller_and_refuses_100_in_a_sentence() -> None:

@@ -7,6 +7,7 @@ import json
 import pytest
 
 from tests.bench import targets
+from tests.bench.levels import EXACT
 from tests.bench.readme import KEPT, README, ROWS, figures, table, with_table
 
 MACHINE = {"date": "2026-01-02", "processor": "a processor", "python": "CPython 3.11", "load": 0.1, "cores": 2}
@@ -24,7 +25,7 @@ def test_readme_shows_the_figures_that_are_kept() -> None:
 
 
 def test_the_table_names_machine_date_and_form_and_leaves_out_nothing() -> None:
-    row = {"case": "imu_hil", "level": "edge", "form": "compiled", "bytes_per_s": 61234.5}
+    row = {"case": "imu_hil", "level": EXACT, "form": "compiled", "bytes_per_s": 61234.5}
     shown = table(figures(bench(levels=[row])))
     assert "| compiled | interpreted |" in shown and "2026-01-02, one core of a processor, CPython 3.11: I2C" in shown
     assert "| `imu_hil` with all its budgets | 61,200 bytes/s | - |" in shown
@@ -48,12 +49,12 @@ def test_a_readme_without_its_marks_is_refused() -> None:
 
 
 def test_targets_are_rows_of_what_was_measured() -> None:
-    edge = {"case": "responder", "level": "edge", "form": "compiled", "bytes_per_s": 75_000.0}
+    edge = {"case": "responder", "level": EXACT, "form": "compiled", "bytes_per_s": 120_000.0}
     psr = {"case": "imu_hil", "recorded": ".psr", "form": "interpreted", "times_as_long": 1.6}
     found = list(targets.rows({"levels": [edge], "recorded": [psr]}))
     assert [(row["what"], row["form"], row["part"]) for row in found] == [
-        ("responder, edge", "compiled", 0.5),
+        ("responder", "compiled", 0.5),
         ("imu_hil, .psr recorded", "interpreted", 1.25),
     ]
-    assert targets.line(found[0]).endswith("75,000 bytes/s, >= 150,000: 0.50 of it")
+    assert targets.line(found[0]).endswith("120,000 bytes/s, >= 240,000: 0.50 of it")
     assert targets.line(found[1]).endswith("1.6 x as long, <= 2: reached")

@@ -57,7 +57,7 @@ def case(name: str) -> str:
 
 CASES = sorted(path.stem for path in (ROOT / "timing").glob("*.toml"))
 SHORT = ("--seconds", "0.1")
-ROWS = ("--row", "adaptive", "--row", "record .psr", "--max-error", "1 us")
+ROWS = ("--row", "record .psr", "--max-error", "1 us")
 RECORDED = ("run", case("imu_hil_published"), *SHORT, "--record", "run.psr")
 COMMANDS = [
     *(

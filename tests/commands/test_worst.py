@@ -104,12 +104,3 @@ def test_budgets_whose_pictures_would_share_a_file_are_refused(periph_sim: Run, 
 def test_nothing_measured_is_said(periph_sim: Run, case: str):
     came = periph_sim("worst", case, "response", "--seconds", "1 ms")
     assert came.status == 1 and came.out.startswith("response: nothing was measured")
-
-
-def test_a_level_without_edges_is_refused_and_the_one_that_has_them_gives_the_same(periph_sim: Run, case: str):
-    refused = periph_sim("worst", case, "response", "--set", "fidelity=byte", *LATE)
-    assert refused.status == 2
-    assert "edges of SCL and SDA are recorded (--record, worst and others do), and bytes have none" in refused.err
-    assert 'use "edge", or "adaptive" with the same records' in refused.err
-    edge = periph_sim("worst", case, *LATE)
-    assert periph_sim("worst", case, "--set", "fidelity=adaptive", *LATE) == edge

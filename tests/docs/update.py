@@ -15,7 +15,6 @@ from tests.docs.limits_table import refreshed_limits
 from tests.docs.pages import PAGES, ROOT, refreshed
 from tests.docs.photographs import digest, digest_in, photographs, taken, written
 from tests.docs.pictures import draw, pictures
-from tests.docs.scene_table import refreshed_table
 
 
 def main(names: list[str]) -> None:
@@ -27,7 +26,7 @@ def main(names: list[str]) -> None:
             continue
         text = page.read_text(encoding="utf-8")
         with tempfile.TemporaryDirectory() as folder:
-            fresh = refreshed_limits(refreshed_table(refreshed(text, Path(folder))))
+            fresh = refreshed_limits(refreshed(text, Path(folder)))
         if fresh != text:
             page.write_text(fresh, encoding="utf-8")
             print(f"{page.relative_to(ROOT)}: rewritten")

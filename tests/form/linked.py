@@ -34,7 +34,6 @@ CHAINS = {
     ("timing.measures.pair", "Open", "following"),
 }
 NO_CHAINS = {
-    ("core.shortcuts", "Shortcuts", "_first"): "a kernel has one `Shortcuts`, which never begins itself",
     ("processor.python.port_fields", "Port", "_half"): "a half has no half",
 }
 

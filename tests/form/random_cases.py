@@ -86,7 +86,7 @@ def draw(random: Random) -> Drawn:
             if random.random() < 0.04
         ]
     if random.random() < 0.25:
-        changes.append("fidelity=adaptive")
+        changes.append("disable=bits")
     measures = random.sample(sorted(MEASURED), random.randrange(4))
     return Drawn(name, changes, measures, f"0.0{random.randint(20, 60)}")
 

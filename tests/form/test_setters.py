@@ -61,7 +61,7 @@ def test_a_wire_of_the_compiled_core_keeps_its_kernel(name: str):
     with pytest.raises(TypeError, match=f"Wire.{name} cannot be None"):
         delattr(wire, name)
     assert getattr(wire, name) is before
-    wire.tape = None
+    wire.cause = 0
 
 
 @pytest.mark.skipif(form.running == form.INTERPRETED, reason="setters are of the compiled core")

@@ -57,7 +57,6 @@ ROOMS = {
             "tests/replay/test_session.py",
             "tests/scene",
         ),
-        without=("periph_sim/scene/whole_bytes.py",),
     ),
     "replay": Room(("periph_sim/replay",), ("tests/replay",)),
     "records": Room(("periph_sim/records",), ("tests/records",)),

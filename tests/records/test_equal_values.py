@@ -80,10 +80,10 @@ def answers(dsp: Dsp) -> None:
 
 
 @pytest.mark.parametrize(("field", "value"), [("I2CDRR.DATA", 0x55), ("I2CDXR.DATA", 0x77)])
-@pytest.mark.parametrize("fidelity", ["edge", "adaptive"])
-def test_each_equal_byte_of_i2c_is_a_record(monkeypatch: pytest.MonkeyPatch, field: str, value: int, fidelity: str):
+@pytest.mark.parametrize("disable", ["bits", ()])
+def test_each_equal_byte_of_i2c_is_a_record(monkeypatch: pytest.MonkeyPatch, field: str, value: int, disable: object):
     head = {"first": "1 ms", "rounds": 1, "request": [REQUEST]}
-    found = changes(monkeypatch, answers, "I2C-A", field, controller=head, fidelity=fidelity)
+    found = changes(monkeypatch, answers, "I2C-A", field, controller=head, disable=disable)
     assert [record.value for record in found] == [value] * 3
 
 

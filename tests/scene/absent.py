@@ -114,13 +114,6 @@ ROWS: dict[str, Row] = {
         ("bus.uart.rs485", "scene.pairs"),
         {"unit": {"dsp": {**LOGGER, "modules": ["SCI-A", "GPIO"]}}, "transceiver": [DE]},
     ),
-    "level adaptive or byte": Row(
-        ("bus.i2c.byte_controller", "bus.i2c.byte_level", "processor.i2c_slave_bytes", "scene.whole_bytes"),
-        of_slave(fidelity="byte"),
-    ),
-    "SCI frames above edges": Row(
-        ("processor.sci_frames", "scene.whole_frames"), {"unit": {"dsp": LOGGER}, "fidelity": "adaptive"}
-    ),
     "budgets": Row(("timing.budgets", "timing.measures."), present=("slave",)),
     "budgets on lost flags": Row(
         ("timing.measures.lost_flags", "timing.measures.watched", "timing.measures.modifies", "records.modify_window"),

@@ -14,7 +14,7 @@ from periph_sim.scene.scene import Scene
 TIMING = Path(__file__).parents[2] / "timing"
 
 
-@pytest.mark.parametrize("changes", [[], ["fidelity=adaptive"]], ids=["edge", "adaptive"])
+@pytest.mark.parametrize("changes", [["disable=bits"], []], ids=["by edges", "skipping"])
 def test_bytes_are_counted_as_they_end_and_not_only_with_their_stop(changes: list[str]):
     scene = Scene(load(TIMING / "responder.toml", [*changes, "controller.first=100 us"]))
     counter = I2cByteCounter(scene.wires["SCL"], scene.wires["SDA"])

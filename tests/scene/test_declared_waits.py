@@ -20,7 +20,7 @@ WRITES = (
 )
 
 
-def ran(firmware: str, level: str, kinds: tuple[Kind, ...], *changes: str) -> tuple[Result, list[tuple[Any, ...]]]:
+def ran(firmware: str, disable: str, kinds: tuple[Kind, ...], *changes: str) -> tuple[Result, list[tuple[Any, ...]]]:
     """The case with this firmware; its records without the places, which lie in two files."""
     found: list[tuple[Any, ...]] = []
 
@@ -31,15 +31,15 @@ def ran(firmware: str, level: str, kinds: tuple[Kind, ...], *changes: str) -> tu
         if kinds:
             recorder.subscribe(kinds, hear)
 
-    case = load(TIMING / "responder.toml", [f"unit.dsp.firmware={firmware}", f"fidelity={level}", *changes])
+    case = load(TIMING / "responder.toml", [f"unit.dsp.firmware={firmware}", f"disable={disable}", *changes])
     return run_case(case, "0.03", subscribe).result, found
 
 
-@pytest.mark.parametrize("level", ["edge", "adaptive", "byte"])
+@pytest.mark.parametrize("disable", ["bits", "[]"])
 @pytest.mark.parametrize("kinds", [(), (Kind.FLAG, Kind.WAIT), (Kind.ACCESS, Kind.WAIT)], ids=["none", "waits", "all"])
 @pytest.mark.parametrize("changes", [(), WRITES], ids=["reads", "writes"])
-def test_the_responder_with_declared_waits_is_the_polled_one(level: str, kinds: tuple[Kind, ...], changes):
-    asked, declared = (ran(name, level, kinds, *changes) for name in ("responder", "responder_declared"))
+def test_the_responder_with_declared_waits_is_the_polled_one(disable: str, kinds: tuple[Kind, ...], changes):
+    asked, declared = (ran(name, disable, kinds, *changes) for name in ("responder", "responder_declared"))
     assert declared[1] == asked[1] and bool(kinds) == bool(asked[1])
     assert declared[0].events == asked[0].events and declared[0].counts == asked[0].counts
     assert [(b.name, b.verdict, b.worst) for b in declared[0].budgets] == [
@@ -53,4 +53,4 @@ def test_the_other_styles_are_those_of_the_responder(change: str):
     with pytest.raises(
         FirmwareError, match="responder_declared is polled and has no FIFO; take responder for the other"
     ):
-        ran("responder_declared", "edge", (), change)
+        ran("responder_declared", "[]", (), change)

@@ -74,8 +74,10 @@ def test_sigroks_decoder_of_eeproms_reads_the_same(tmp_path: Path):
     assert re.search(r"read \(addr=0038, 16 bytes\): A0 A1 .* AF", told), told
 
 
-@pytest.mark.parametrize("at", ["edge", "adaptive", "byte"])
-def test_a_refused_address_counts_though_the_master_hangs_without_a_stop(monkeypatch: pytest.MonkeyPatch, at: str):
+@pytest.mark.parametrize("disable", ["bits", ()])
+def test_a_refused_address_counts_though_the_master_hangs_without_a_stop(
+    monkeypatch: pytest.MonkeyPatch, disable: object
+):
     def reads_where_nobody_is(dsp: Dsp) -> None:
         start_i2c(dsp)
         i2c = dsp.module("I2C-A")
@@ -86,6 +88,6 @@ def test_a_refused_address_counts_though_the_master_hangs_without_a_stop(monkeyp
         dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
 
     budget = [{"name": "there", "measure": "nacked", "max": 0}]
-    scene = scene_with(monkeypatch, reads_where_nobody_is, ["I2C-A"], duration="1 ms", budget=budget, fidelity=at)
+    scene = scene_with(monkeypatch, reads_where_nobody_is, ["I2C-A"], duration="1 ms", budget=budget, disable=disable)
     (there,) = scene.run().budgets
     assert (there.word, there.worst, there.count) == ("broken", 1, 1)

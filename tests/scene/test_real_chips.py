@@ -52,9 +52,9 @@ def test_a_register_that_the_case_sets_leaves_its_note_though_nobody_asks_the_ch
 
 
 def test_what_a_round_of_three_chips_costs():
-    """The guard on speed: 27 bytes on the wire, two events a bit and one for each change of SDA."""
+    """The guard on speed: 27 bytes on the wire, each one a step of seven bits and two more clocks."""
     rounds = [Scene(case("1 s", chip=THREE, controller={"order": ORDER, "rounds": n})).run().events for n in (10, 20)]
-    assert rounds[1] - rounds[0] == 10 * 645
+    assert rounds[1] - rounds[0] == 10 * 237
 
 
 def test_a_unit_and_a_chip_share_the_bus():

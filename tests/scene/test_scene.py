@@ -88,14 +88,12 @@ def sends_ten(dsp: Dsp) -> None:
     dsp.spin(lambda: sci.SCICTL2.TXEMPTY == 1)
 
 
-@pytest.mark.parametrize("fidelity", ["edge", "adaptive"])
-def test_characters_count_in_both_directions(monkeypatch: pytest.MonkeyPatch, fidelity: str):
+@pytest.mark.parametrize("disable", ["bits", ()])
+def test_characters_count_in_both_directions(monkeypatch: pytest.MonkeyPatch, disable: object):
     """What units send, and what others send to them, whether the frames go edge by edge or at once."""
-    result = scene_with(
-        monkeypatch, sends_ten, ["SCI-A"], host={"frames": 1}, fidelity=fidelity, duration="40 ms"
-    ).run()
+    result = scene_with(monkeypatch, sends_ten, ["SCI-A"], host={"frames": 1}, disable=disable, duration="40 ms").run()
     assert (result.sci_bytes, result.sci_bytes_sent) == (12, 10)
-    silent = scene_with(monkeypatch, idle, ["SCI-A"], host={"frames": 1}, fidelity=fidelity).run()
+    silent = scene_with(monkeypatch, idle, ["SCI-A"], host={"frames": 1}, disable=disable).run()
     assert (silent.sci_bytes, silent.sci_bytes_sent) == (12, 0)
 
 

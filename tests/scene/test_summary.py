@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-import pytest
-
 from periph_sim.core.chip import Note
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.firmware_loader import Firmware
@@ -23,27 +21,8 @@ def test_ten_sentences_of_stuck_lines_are_shown_and_all_are_counted():
     assert result.stuck == scene.stuck.sentences[:10] and result.counts["stuck"] == 12
 
 
-def result(counts: dict[str, int], wire_bytes: int = 0) -> Result:
-    return Result("x", "pass", "edge", 1.0, 1.0, 0, wire_bytes, 0, [], counts, [], [], [])
-
-
-@pytest.mark.parametrize(
-    ("counts", "wire_bytes", "text"),
-    [
-        ({}, 200, ""),
-        ({"byte_level": 0}, 0, ""),
-        ({"byte_level": 200}, 200, "100.0 % of the I2C bytes at byte level"),
-        ({"byte_level": 0}, 200, "0.0 % of the I2C bytes at byte level"),
-        ({"sci_frames": 60, "sci_frames_passed": 59}, 0, "98.3 % of the SCI frames at byte level"),
-        (
-            {"byte_level": 3, "sci_frames": 4, "sci_frames_passed": 1},
-            4,
-            "75.0 % of the I2C bytes and 25.0 % of the SCI frames at byte level",
-        ),
-    ],
-)
-def test_how_much_went_at_byte_level(counts: dict[str, int], wire_bytes: int, text: str):
-    assert result(counts, wire_bytes).share_above_edges == text
+def result(counts: dict[str, int]) -> Result:
+    return Result("x", "pass", 1.0, 1.0, 0, 0, 0, [], counts, [], [], [])
 
 
 def test_what_is_not_said_of_a_run_is_nothing():

@@ -1,4 +1,4 @@
-"""When SCL moves in seven bits that pass at once: how it is clocked goes in; the tick of each rise and fall comes out.
+"""Ticks of the edges of SCL in seven bits that are skipped.
 
 SCL  _|~|_|~|_ ... _|~|_
       0   1    rises   7, the eighth bit's
@@ -13,9 +13,11 @@ from typing import final
 
 from ...core.time import NO_TIME, Clock
 
+SKIPPED_BITS = 7  # skipped in one step; the eighth decides
+
 
 class BitTimes:
-    """Of one who clocks in whole ticks: since the first rise, high and low for so many."""
+    """Edges of a party that clocks in whole ticks. since: the first rise. low, high: lengths of the phases of SCL."""
 
     __slots__ = ("high", "low", "since")
 
@@ -24,17 +26,17 @@ class BitTimes:
         self.low = self.high = 0
 
     def rise(self, number: int) -> int:
-        """The tick of this rise: 0 to 7."""
+        """Return the tick of this rise, 0 to 7."""
         return self.since + number * (self.low + self.high)
 
     def fall(self, number: int) -> int:
-        """The tick of this fall: 1 to 7."""
+        """Return the tick of this fall, 1 to 7."""
         return self.rise(number - 1) + self.high
 
 
 @final
 class CycleTimes(BitTimes):
-    """Of one who clocks in cycles of its own: since, low and high are such."""
+    """Edges of a party that clocks in cycles of its own: since, low and high are cycles."""
 
     __slots__ = ("_clock",)
 

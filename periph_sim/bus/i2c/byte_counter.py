@@ -8,15 +8,14 @@ For scenes in which no agent is the controller and so nobody else counts.
 from __future__ import annotations
 
 from ...core.wire import Wire, watch
-from .bit_times import BitTimes
-from .edge_play import BITS
+from .bit_skip import BitParty
+from .bit_times import SKIPPED_BITS, BitTimes
 from .line_events import EVENTS, FALL, IDLE, RISE, SDA, START, STOP
-from .whole_bytes import ByteParty
 
 PULSES = 9  # eight bits and the acknowledge
 
 
-class I2cByteCounter(ByteParty):
+class I2cByteCounter(BitParty):
     """bytes: whole ones, each with its acknowledge; what is cut off by a START or STOP does not count."""
 
     def __init__(self, scl: Wire, sda: Wire) -> None:
@@ -38,9 +37,6 @@ class I2cByteCounter(ByteParty):
             self.bytes += 1
             self._pulses = 0
 
-    def edge(self, tick: int, levels: int) -> None:
-        self.sampled(tick, levels)
-
-    def heard(self, shown: int, times: BitTimes) -> None:
+    def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
         self._lines = SDA if shown & 1 else 0
-        self._pulses = BITS if self._active else 0
+        self._pulses = SKIPPED_BITS if self._active else 0

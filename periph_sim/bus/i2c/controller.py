@@ -21,10 +21,10 @@ from ...core.kernel import Event, Kernel
 from ...core.records import Kind, Recorder, Topic
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
+from .bit_skip import BitParty
 from .bus_clear import BusClear
 from .line_events import EVENTS, IDLE, NOTHING, SCL, SDA, START, STOP
 from .transfer import BusTiming, Phase, Transfer
-from .whole_bytes import ByteParty
 
 if TYPE_CHECKING:
     from ...core.wire import Sampler
@@ -37,7 +37,7 @@ ADDRESS = -1  # instead of the number of a data byte
 NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
 
 
-class I2cController(ByteParty):
+class I2cController(BitParty):
     """who: its name on the wires and in records. stuck_after: a line low longer than this is reported by `on_stuck`.
 
     clear_after: so long after a START that was refused, since nobody let go of SDA or nobody gave the STOP that was

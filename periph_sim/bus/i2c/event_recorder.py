@@ -12,16 +12,15 @@ from __future__ import annotations
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
 from ...core.wire import Wire, watch
-from .bit_times import BitTimes
-from .edge_play import BITS as SEVEN
-from .whole_bytes import ByteParty
+from .bit_skip import BitParty
+from .bit_times import SKIPPED_BITS, BitTimes
 
 SCL, SDA = 1, 2  # bits of the sampled levels
 BITS = 9
 WHO = "bus"
 
 
-class BusRecorder(ByteParty):
+class BusRecorder(BitParty):
     """text of its records: the address of the phase, "0x68"."""
 
     def __init__(self, kernel: Kernel, recorder: Recorder, scl: Wire, sda: Wire) -> None:
@@ -45,10 +44,10 @@ class BusRecorder(ByteParty):
         elif self._busy and self._bits == BITS:
             self._byte_over()
 
-    def heard(self, shown: int, times: BitTimes) -> None:
+    def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
         self._levels = SDA if shown & 1 else 0
-        self._bits += SEVEN
-        self._in = self._in << SEVEN | shown >> 1
+        self._bits += SKIPPED_BITS
+        self._in = self._in << SKIPPED_BITS | shown >> 1
 
     def _condition(self, stop: bool) -> None:
         if stop:

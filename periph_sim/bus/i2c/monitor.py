@@ -19,17 +19,16 @@ from typing import final
 
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
-from .bit_times import BitTimes
-from .edge_play import BITS as SEVEN
+from .bit_skip import BitParty
+from .bit_times import SKIPPED_BITS, BitTimes
 from .line_events import SCL, SDA
 from .transfer import Phase, Transfer
-from .whole_bytes import ByteParty
 
 BITS = 9  # of a byte, its ACK included
 
 
 @final
-class I2cMonitor(ByteParty):
+class I2cMonitor(BitParty):
     """told: given each transfer with its STOP. names: what to call a transfer, by address.
 
     filter: ticks; a level of SDA that lasts less is not read.
@@ -110,19 +109,17 @@ class I2cMonitor(ByteParty):
                 self._sda_seen = before >> 1
             self._sda_at = now
 
-    def edge(self, tick: int, levels: int) -> None:
-        self.sampled(tick, levels)
-
-    def heard(self, shown: int, times: BitTimes) -> None:
+    def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
         self._levels = SDA if shown & 1 else 0
         self._sda_seen = shown & 1
         if not self._scl_mask:
             return
         if self._index == 0 and self._acked:
             self._phase.answer_at = times.rise(0)
-        self._bits, self._in = SEVEN, shown >> 1
-        self._pulled_at, self._clock_length = times.fall(SEVEN), times.fall(SEVEN) - times.fall(SEVEN - 1)
-        self._rose_at = times.rise(SEVEN - 1)
+        self._bits, self._in = SKIPPED_BITS, shown >> 1
+        self._pulled_at = times.fall(SKIPPED_BITS)
+        self._clock_length = self._pulled_at - times.fall(SKIPPED_BITS - 1)
+        self._rose_at = times.rise(SKIPPED_BITS - 1)
         self._pulls_sda = bool(self._sda.pulling & self._sda_mask)
 
     # START and STOP ----------------------------------------------------------------

@@ -14,16 +14,15 @@ from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
-from .bit_times import BitTimes
-from .edge_play import BITS
+from .bit_skip import BitParty, BitSkip
+from .bit_times import SKIPPED_BITS, BitTimes
 from .event_recorder import WHO
-from .whole_bytes import ByteParty, WholeBytes
 
 STUCK_AFTER = Fraction(25, 1000)
 
 
-class StuckWatch(ByteParty):
-    """told: with the wire, once for each time that it is low for `limit` ticks. whole_bytes: what passes on its bus."""
+class StuckWatch(BitParty):
+    """told: with the wire, once for each time that it is low for `limit` ticks. bit_skip: what passes on its bus."""
 
     def __init__(
         self,
@@ -32,7 +31,7 @@ class StuckWatch(ByteParty):
         wire: Wire,
         limit: int,
         told: Callable[[Wire], None],
-        whole_bytes: WholeBytes | None = None,
+        bit_skip: BitSkip | None = None,
     ) -> None:
         self._kernel = kernel
         self._recorder = recorder
@@ -42,7 +41,7 @@ class StuckWatch(ByteParty):
         self._fell = kernel.now
         self._guarded = False
         self._reported = False
-        self._whole_bytes = whole_bytes
+        self._bit_skip = bit_skip
         watch([wire], self)
 
     def sampled(self, now: int, levels: int) -> None:
@@ -50,11 +49,11 @@ class StuckWatch(ByteParty):
             self._falls(now)
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        return self._limit > (BITS + 1) * (low + high)
+        return self._limit > (SKIPPED_BITS + 1) * (low + high)
 
-    def heard(self, shown: int, times: BitTimes) -> None:
-        assert self._whole_bytes is not None
-        fell = times.fall(BITS) if self._wire.name == "SCL" else self._whole_bytes.sda_fell()
+    def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
+        assert self._bit_skip is not None
+        fell = times.fall(SKIPPED_BITS) if self._wire.name == "SCL" else self._bit_skip.sda_fell()
         if fell != NO_TIME:
             self._falls(fell)
 
@@ -69,7 +68,7 @@ class StuckWatch(ByteParty):
         self._kernel.at(self._fell + self._limit, self._look)
 
     def _look(self) -> None:
-        self._kernel.catch_up()
+        self._kernel.materialize()
         self._guarded = False
         if self._wire.level or self._reported:
             return

@@ -18,9 +18,9 @@ from typing import Protocol
 
 from ...core.kernel import Kernel
 from ...core.wire import Wire, watch
-from .edge_play import BITS, SdaFollows
+from .bit_skip import ONES, BitParty
+from .bit_times import SKIPPED_BITS
 from .line_events import EVENTS, FALL, IDLE, RISE, SCL, SDA, START
-from .whole_bytes import ONES, ByteParty
 
 # What the target does: nothing, since it is not meant or no START has come; the rest is as it says.
 NOT_MEANT, HEARS_ADDRESS, HEARS_DATA, SENDS_DATA = range(4)
@@ -55,7 +55,7 @@ def _ignore(stop: bool, whole: bool) -> None:
     """Nobody asked for ends."""
 
 
-class TargetSide(ByteParty):
+class TargetSide(BitParty):
     """answer: given the address byte, R/W included. hold: ticks from SCL's fall to its change of SDA.
 
     on_end: told when a phase that `answer` acknowledged ends, by a STOP or else by another START; whole: not in the
@@ -92,7 +92,6 @@ class TargetSide(ByteParty):
         self._taken = False  # the phase under way is acknowledged
         self._held_until = 0
         self._powered = True
-        self._mover = SdaFollows(kernel, sda, self._sda.mask, hold)
         watch([scl, sda], self)
 
     def act(self, tag: int) -> None:
@@ -144,7 +143,7 @@ class TargetSide(ByteParty):
 
     def power(self, on: bool) -> None:
         """Off: both lines are let go at once, and no START is seen until power comes back."""
-        self._kernel.catch_up()
+        self._kernel.materialize()
         self._powered = on
         if not on:
             self._does, self._taken = NOT_MEANT, False
@@ -193,12 +192,12 @@ class TargetSide(ByteParty):
         else:
             self._put(1)
 
-    # Seven bits at once ---------------------------------------------------------
+    # Skipped bits ---------------------------------------------------------
 
     def pulls(self, line: int) -> int:
         return self._scl.mask if line == SCL else self._sda.mask
 
-    def follow_at(self, fall: int) -> int:
+    def sda_follows_at(self, fall: int) -> int:
         return fall + self._hold
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
@@ -208,23 +207,14 @@ class TargetSide(ByteParty):
         least = self._hold if each else hold
         return not self._bit and not self._stretches and hold <= self._hold <= low - least
 
-    def steps(self) -> bool:
-        return False
-
     def byte(self) -> int:
         return self._out & ONES if self._does == SENDS_DATA else ONES
 
-    def meanwhile(self) -> SdaFollows | None:
-        if self._does != SENDS_DATA:
-            return None
-        self._mover.begin(self.byte())
-        return self._mover
-
-    def stand(self, shown: int, bit: int, fell: int) -> None:
-        self._lines = SDA if shown >> (BITS - bit) & 1 else 0
+    def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
+        self._lines = SDA if shown >> (SKIPPED_BITS - bit) & 1 else 0
         if self._does != NOT_MEANT:
-            self._bit, self._in = bit, shown >> (BITS + 1 - bit)
-            self._level = self.byte() >> (BITS - bit) & 1
+            self._bit, self._in = bit, shown >> (SKIPPED_BITS + 1 - bit)
+            self._level = self.byte() >> (SKIPPED_BITS - bit) & 1
 
     def _put(self, level: int) -> None:
         if level != self._level:

@@ -18,7 +18,6 @@ from ...core.kernel import Kernel
 from ...core.wire import Pin
 from .edge_sender import EdgeSender
 from .frame_format import UartFormat
-from .whole_frames import WholeFrames
 
 
 class Drives(Protocol):
@@ -65,22 +64,21 @@ class Burst:
     idle: int = 0
     name: str = ""
 
-    def edges(self, start: int) -> tuple[list[list[int]], int]:
-        """Ticks of the edges of each character, a fall first, and the end of the last stop bit, of a burst that begins
-        at a tick.
+    def edges(self, start: int) -> tuple[list[int], int]:
+        """Return the ticks of the edges, a fall first, and of the end of the last stop bit, of a burst that begins at
+        tick `start`.
         """
         if self.low:
-            return [[start, start + self.low]], start + self.low
-        edges: list[list[int]] = []
+            return [start, start + self.low], start + self.low
+        edges: list[int] = []
         level, at = 1, Fraction(start)
         for number, character in enumerate(self.characters):
             if number:
                 at += self.gap
-            edges.append([])
             for bit in character.levels(self.form):
                 if bit != level:
                     level = bit
-                    edges[-1].append(int(at))
+                    edges.append(int(at))
                 at += self.bit
         return edges, int(at)
 
@@ -118,17 +116,12 @@ class BurstSender:
         self._began = self._ends_at = 0  # of the last one
         self._kernel = kernel
         self._edges = _Edges(kernel, out)
-        self._whole_frames: WholeFrames | None = None
         self._enabled = enabled
         self._hold = hold
         self._waiting: deque[tuple[Burst, Callable[[int], None], Callable[[int], None]]] = deque()
         self._busy = False
         self._free_at = 0
         self._line: tuple[Fraction, UartFormat] | None = None
-
-    def let_pass(self, whole_frames: WholeFrames) -> None:
-        """Its characters may pass from now on."""
-        self._whole_frames = whole_frames
 
     @property
     def line(self) -> tuple[Fraction, UartFormat] | None:
@@ -164,13 +157,11 @@ class BurstSender:
         self._line = burst.bit, burst.form
         edges, end = burst.edges(now)
         self._burst, self._began, self._ends_at = burst, now, end
-        self._edges.whole_frames = None if burst.low else self._whole_frames
         if self._enabled is not None:
             self._enabled.enable(True)
         begins(now)
         if edges:
-            ticks = [tick for character in edges for tick in character]
-            self._edges.make(ticks[::-1], [len(character) for character in edges][::-1])
+            self._edges.make(edges[::-1])
         self._kernel.at(end, lambda: self._end(ends))
 
     def _end(self, ends: Callable[[int], None]) -> None:

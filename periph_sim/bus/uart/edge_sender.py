@@ -1,31 +1,23 @@
-"""Makes the edges of UART frames on a line: their ticks go in; one event each comes out, or two of a frame that passes.
-
-A frame begins with a fall and ends with a rise. Before the fall it is asked whether the edges between may pass (see
-`whole_frames`).
-"""
+"""Base of the senders on a UART line: makes edges at given ticks, one kernel event each."""
 
 # core: compiled
 
 from __future__ import annotations
 
-from ...core.kernel import Event, Kernel
-from .whole_frames import FrameSender, WholeFrames
+from ...core.kernel import Agent, Event, Kernel
 
-EDGE = 0x100  # what an event is for: an edge; a subclass may have others
+EDGE = 0x100  # tag of the events of edges; a subclass may have others
 
 
-class EdgeSender(FrameSender):
-    """mask: its hold on the line. whole_frames: through which frames pass, where they may."""
+class EdgeSender(Agent):
+    """mask: its hold on the line."""
 
-    __slots__ = ("_counts", "_edges", "_kernel", "_left", "_level", "_mask", "_next", "whole_frames")
+    __slots__ = ("_edges", "_kernel", "_level", "_mask", "_next")
 
     def __init__(self, kernel: Kernel, mask: int) -> None:
-        self.whole_frames: WholeFrames | None = None
         self._kernel = kernel
         self._mask = mask
         self._edges: list[int] = []  # ticks, last first
-        self._counts: list[int] = []  # how many edges each frame has that is still to begin, last first
-        self._left = 0  # edges to come of the frame under way
         self._level = 1
         self._next: Event | None = None
 
@@ -34,57 +26,26 @@ class EdgeSender(FrameSender):
         raise NotImplementedError
 
     def last_edge(self) -> None:
-        """The last edge of all has been made."""
+        """Called when the last edge has been made."""
 
-    def make(self, edges: list[int], counts: list[int]) -> None:
-        """Make these edges; `counts` says how many of them each frame has. Both are lists with the last first."""
-        self._edges, self._counts = edges, counts
+    def make(self, edges: list[int]) -> None:
+        """Make edges at these ticks, which are listed with the last one first. The first edge is a fall."""
+        self._edges = edges
         self._then(edges[-1])
 
     def act(self, tag: int) -> None:
         self.edge()
 
     def edge(self) -> None:
-        """The next edge is due."""
+        """Make the edge that is due."""
         edges = self._edges
         edges.pop()
         self._level ^= 1
-        if not self._left:
-            self._begin_frame()
-        else:
-            self._left -= 1
-            if not self._left and self.whole_frames is not None:
-                self.whole_frames.over()
         self.drive(self._level)
         if edges:
             self._then(edges[-1])
         else:
             self.last_edge()
-
-    def _begin_frame(self) -> None:
-        edges = self._edges
-        left: int
-        left = self._left = self._counts.pop() - 1
-        if self.whole_frames is None:
-            return
-        behind: int = len(edges) - left + 1  # the edges up to the last of this frame begin there
-        between = edges[behind:]
-        between.reverse()
-        if self.whole_frames.passes(self, self._mask, between, edges[behind - 1]):
-            del edges[behind:]
-            self._left = 1
-
-    def take_back(self, edges: list[int]) -> None:
-        if edges:
-            self._left += len(edges)
-            self._level = len(edges) & 1
-            edges.reverse()
-            self._edges += edges
-            assert self._next is not None
-            self._kernel.cancel(self._next)
-            self._then(self._edges[-1])
-        else:
-            self._level = 0
 
     def _then(self, tick: int) -> None:
         if self._next is None:

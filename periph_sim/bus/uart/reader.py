@@ -15,11 +15,10 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...core.kernel import Event, Kernel
+from ...core.kernel import Agent, Event, Kernel
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .frame_format import UartFormat
-from .whole_frames import FrameParty
 
 Line = Callable[[], tuple[Fraction, UartFormat]]
 
@@ -34,7 +33,7 @@ class Heard(NamedTuple):
     address: int
 
 
-class UartReader(FrameParty):
+class UartReader(Agent):
     """line: the length of a bit in ticks, exact, and the format of frames; asked at each start bit."""
 
     __slots__ = (
@@ -82,16 +81,6 @@ class UartReader(FrameParty):
             self._edges.append(now)
         elif not levels:
             self._begin(now)
-
-    def hears_whole(self, first: int, second: int, last: int) -> bool:
-        """Its own frame is not yet over then."""
-        if self._ending is not None and first < self._start + self._halves[2 * self._length - 1]:
-            return False
-        if self._ending is None:
-            self._set_line(first)
-        elif self._line() != (self._bit, self._format):
-            return False
-        return last - first < self._halves[2 * self._length - 1]
 
     def _set_line(self, now: int) -> None:
         """How a frame that begins now is read."""

@@ -89,23 +89,20 @@ class UartSender(EdgeSender):
             done(start)
             return
         self._measure(len(data), gap)
-        edges, counts = [], []
+        edges = []
         first = 0  # the first bit of the frame
         byte: int
         for byte in data:
             if self._recorder is not None:
                 self._kernel.ask(start + self._begins[first], self, byte)
-            bits = self._edges_in(byte)
-            counts.append(len(bits))
             bit: int
-            for bit in bits:
+            for bit in self._edges_in(byte):
                 edges.append(start + self._begins[first + bit])
             first += self._length + 1
         self._ends_at = start + self._begins[first - 1]
         self._done = done
         edges.reverse()
-        counts.reverse()
-        self.make(edges, counts)
+        self.make(edges)
 
     def act(self, tag: int) -> None:
         if tag == EDGE:

@@ -25,13 +25,18 @@ PAGES, PAGE_SIZE, IN_PAGE = CODE + 1 >> PAGE, 1 << PAGE, (1 << PAGE) - 1
 
 
 class Engine(Cpu):
-    """left: passes that RPT still wants of the instruction at `pc`; 0 between instructions."""
+    """Executes instructions.
+
+    left: passes that RPT still wants of the instruction at `pc`; 0 between instructions.
+    keeps_decoded: an instruction is decoded once, and again after its words were written; else each time.
+    """
 
     _code: Annotated[list[UInt8], PAGES]
 
     def __init__(self) -> None:
         super().__init__()
         self.left = 0
+        self.keeps_decoded = True
         self._decoded: list[list[Operation | None] | None] = [None] * PAGES
         self._code = [0] * PAGES  # 1 where something of the page has been decoded
 
@@ -42,16 +47,18 @@ class Engine(Cpu):
         return self.finish(f)
 
     def fetch(self) -> Operation:
-        """The instruction that `pc` points at. IllegalOperation where there is none."""
+        """Return the instruction that `pc` points at. IllegalOperation where there is none."""
         page = self._decoded[self.pc >> PAGE]
-        if page is not None:
+        if page is not None and self.keeps_decoded:
             found = page[self.pc & IN_PAGE]
             if found is not None:
                 return found
         return self._decode()
 
     def after(self, f: Operation) -> Operation:
-        """The instruction that `pc` points at, now that f is executed."""
+        """Return the instruction that `pc` points at, now that f is executed."""
+        if not self.keeps_decoded:
+            return self.fetch()
         found = f.following
         if found is not None and found.place == self.pc:
             return found

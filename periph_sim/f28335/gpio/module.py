@@ -148,12 +148,8 @@ class Gpio(GpioSettings):
         if moved:
             self._flip(now, moved, exact)
 
-    def only_shows(self, pads: BigInt) -> bool:
-        """Whether an edge at these pads is seen by who reads their level, and by nobody else."""
-        return not pads & (self._sampled | self.watched)
-
     def moved_before(self, pads: BigInt) -> None:
-        """These pads, which only show, moved in a cycle before the present one."""
+        """Change the levels of pads whose edges were not reported, as of a cycle before the present one."""
         self.pads ^= pads
         self._before ^= pads
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import NEVER
+from .bit_skip import I2cMasterBitSkip
 from .clock import (
     CONDITION,
     FALL,
@@ -37,7 +38,6 @@ from .clock import (
 )
 from .limits import I2cLimits
 from .master_receiver import ADDRESS, NO_BYTE, SEND, START_BYTE, TAKE
-from .master_transmitter import I2cMasterTransmitter
 from .register_map import (
     MDR_DLB,
     MDR_FDF,
@@ -62,7 +62,7 @@ FIRST_BYTE = 0x01  # what a START byte is
 
 
 @final
-class I2cMaster(I2cMasterTransmitter):
+class I2cMaster(I2cMasterBitSkip):
     """active: this module has the bus. sees_idle: both lines are high behind the filter."""
 
     def __init__(self, state: I2cRegisters, limits: I2cLimits) -> None:
@@ -75,6 +75,7 @@ class I2cMaster(I2cMasterTransmitter):
         """IRS = 0: lines released, no transfer."""
         self.let_go()
         self.reset_bytes()
+        self.reset_bit_skip()
         self._waits_for_bus = False
         self._addresses: list[int] = []
         self._starting = False  # our START, or repeated START, is not seen yet

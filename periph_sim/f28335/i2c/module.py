@@ -31,6 +31,7 @@ from .register_map import (
     I2C_MAP,
     MDR_BC,
     MDR_DLB,
+    MDR_FDF,
     MDR_FREE,
     MDR_IRS,
     MDR_MST,
@@ -193,6 +194,43 @@ class I2c(Chip):
             return -1
         silent = self.target.silent_edges(bool(self._lines.levels & SCL))
         return silent - 1 if silent > 0 and not behind_filter and self._lines.scl_moves() else silent
+
+    # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------
+
+    def waits_for_byte(self, clocks: bool) -> bool:
+        """Return True if the module waits for the first bit of a byte, and nothing but SDA changes before the eighth.
+
+        clocks: the module is the one that clocks this byte.
+        """
+        state, lines, master = self.state, self._lines, self.master
+        if (not clocks) if master.active else master.due != NEVER:
+            return False
+        if self._suspended or state.mdr & (MDR_DLB | MDR_FDF):
+            return False
+        if self._pins & SCL or lines.due != NEVER or lines.levels != self._pins:
+            return False
+        return not self.target.follows() or (self._clocked and self.target.waits_for_byte())
+
+    def only_clocks_byte(self) -> bool:
+        """Return True if the module, as the master, does nothing but clock a byte of eight bits."""
+        if not self._clocked or self.state.mdr & (MDR_DLB | MDR_FDF):
+            return False
+        return self.target.is_not_addressed() and self.master.only_clocks()
+
+    def byte_on_sda(self) -> int:
+        """Return the byte that the module shifts out; 0xFF where it leaves SDA released."""
+        return self.master.byte() if self.master.active else self.target.byte()
+
+    def set_bit_position(self, shown: int, bit: int) -> None:
+        """Take the state in which `bit` bits, 0 or 7, of the byte `shown` have passed on the lines."""
+        self._pins = self.master.lines = SDA if shown >> (7 - bit) & 1 else 0
+        self._lines.settle(self._pins)
+        self.target.set_bit_position(shown, bit)
+        if self.master.active:
+            self.master.set_bit_position(shown, bit)
+            self._timer = self._next_timer()
+            self.next_wake = self._timer
+        self.out = self._levels()
 
     def _timer_due(self, now: int) -> None:
         if self.state.code_at == now:

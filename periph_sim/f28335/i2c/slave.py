@@ -83,6 +83,31 @@ class I2cSlave(I2cSlaveTransmitter):
             return int(options.rrdy_point.unrecorded() != "rise9")
         return int(not self._address.read or options.dxr_to_xsr_copy_point.unrecorded() != "ack_rise9")
 
+    # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------------
+
+    def waits_for_byte(self) -> bool:
+        """Return True if SCL is low before the first bit of a byte of eight, which needs nothing but its clocks."""
+        if self.bit or self._n != 8 or self.due != NEVER or self.pulls & SCL:
+            return False
+        return self.phase != TRANSMIT or self._shifting
+
+    def is_not_addressed(self) -> bool:
+        """Return True if no byte of this transfer is for us so far."""
+        return self.phase in (ADDRESS, IGNORE, OFF)
+
+    def byte(self) -> int:
+        """Return the byte that is shifted out; 0xFF in every other phase."""
+        return self.state.xsr & 0xFF if self.phase == TRANSMIT else 0xFF
+
+    def set_bit_position(self, shown: int, bit: int) -> None:
+        """Take the state in which `bit` bits, 0 or 7, of the byte `shown` have passed."""
+        if self.phase == TRANSMIT:
+            self.bit = bit
+            self._drive(self.state.xsr >> (7 - bit) & 1)
+        elif self.phase >= LISTENS:
+            self.bit = bit
+            self._shift = shown >> (8 - bit)
+
     # Line events --------------------------------------------------------------------
 
     def start(self, now: int) -> None:

@@ -132,41 +132,6 @@ class SciLines(Chip):
         self._tx.word_line = not self._ccr & LOOPBKENA
         return self._tx.sent
 
-    # Frames whose edges pass at once -----------------------------------------
-
-    def hears_whole(self, first: int, second: int, last: int) -> bool:
-        """Whether a frame on RXD with edges in these cycles and others between does nothing before its last."""
-        if self._ccr & LOOPBKENA or self._autobaud.armed or not self._sync:
-            return False
-        clock = self._rx_clock
-        if not self._listening or not clock.running:
-            return True
-        self._bits.settle(clock.passed(first))
-        complete = self._bits.complete_at(clock.from_cycle(first + self._sync), clock.from_cycle(second + self._sync))
-        return complete > 0 and clock.at(complete) > last
-
-    def coming_edges(self) -> list[int]:
-        """The cycles of a frame's edges on TXD, where its first has just been made and the rest is sure; else none."""
-        if not self._tx.bits.fresh or self._ccr & LOOPBKENA or self._autobaud.armed:
-            return []
-        return [self._tx_clock.at(tick) for tick in self._tx.bits.coming()]
-
-    def take_edges(self, now: int) -> None:
-        """All of these but the last are somebody else's."""
-        self._tx.bits.take()
-        self._resume_edges(now)
-
-    def give_back_edges(self, now: int, count: int) -> None:
-        """The last `count` of those that were taken come after `now`, and are made here."""
-        self._tx.bits.give_back(count)
-        self._resume_edges(now)
-        self.out = self._tx.bits.level
-
-    def _resume_edges(self, now: int) -> None:
-        self._tx.edges_moved(now)
-        self._plan_tx()
-        self._schedule()
-
     # Inputs: pin, time, clock, debugger -------------------------------------
 
     def pins(self, now: int, levels: int) -> int:

@@ -93,25 +93,6 @@ class SciRxBits:
         self._plan()
         return True
 
-    def complete_at(self, fall: int, second: int) -> int:
-        """The tick at which a frame will be complete that falls at sample `fall`; 0 where that is open.
-
-        second: the sample from which its next edge shows; a frame before it has to be over by then, with its stop bit
-        seen.
-        """
-        if not self._open or not self._line or self._break_at != FAR:
-            return 0
-        toggles = self._toggles
-        if self.framed:
-            start, frame = self._start, self._frame
-            if frame.early_hunt or fall <= start + frame.voted_at or second <= start + frame.due:
-                return 0
-            if toggles and toggles[-1] > start + frame.vote_at:
-                return 0
-        elif toggles or not self._level:
-            return 0
-        return fall + self._layout.due
-
     def set_layout(self, tick: int, layout: SciFormat, at_once: bool) -> None:
         """A new format from the next start bit on, or for the frame under way too. `tick`: the last one past."""
         self.settle(tick)

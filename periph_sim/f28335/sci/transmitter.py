@@ -141,10 +141,6 @@ class SciTx:
         self._plan(now)
         self._set_next(now)
 
-    def edges_moved(self, now: int) -> None:
-        """Other edges of this frame are to come than before."""
-        self._set_next(now)
-
     def resume(self, now: int) -> None:
         """The clock runs or stands still from now on; what waited for a tick gone by takes the next."""
         self.stopping = False

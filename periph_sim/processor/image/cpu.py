@@ -80,9 +80,13 @@ class ImageCpu(Engine):
     _kept: Annotated[list[int], PACKED]
     _written: Annotated[list[UInt8], RAM_TO]
 
-    def __init__(self, processor: Processor, options: SystemOptions, skip_polls: bool = True) -> None:
+    def __init__(
+        self, processor: Processor, options: SystemOptions, skip_polls: bool = True, keeps_decoded: bool = True
+    ) -> None:
         self._core = processor.interrupts.core
         super().__init__()
+        self.keeps_decoded = keeps_decoded
+        self._slots_seen: set[int] = set()  # addresses of FPU instructions whose delay slots were looked at
         self._processor = processor
         self._time = processor.time
         self._bus = processor.bus
@@ -243,10 +247,12 @@ class ImageCpu(Engine):
 
     def written(self, address: int) -> None:
         Engine.written(self, address)
+        self._slots_seen.difference_update((address - 1, address))
         if self.polls.counting:
             self.polls.soil()  # it may be an instruction of the loop
         if L0_AGAIN <= address + MIRROR < L4_AGAIN:
             Engine.written(self, address + MIRROR)
+            self._slots_seen.difference_update((address + MIRROR - 1, address + MIRROR))
         if self.watched is not None and address in self.watched.addresses:
             self.polls.soil()
             self.watched.written(address, self._time.cycle)
@@ -302,6 +308,9 @@ class ImageCpu(Engine):
         found = decode_at(f.address, self.word_at(f.address), self.word_at(f.address + 1))
         assert found is not None
         f.late = late_results(found)
+        if f.address in self._slots_seen:
+            return
+        self._slots_seen.add(f.address)
         for text in not_kept(found, self.word_at):
             self._options.fpu_delay_slot.assume(self._core.touched)
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRUEO2A section 3.2"))

@@ -52,11 +52,21 @@ class ImageProgram(Program):
     _stack_end: int
 
     def __init__(
-        self, processor: Processor, clock: Clock, image: Image, entry: int, options: SystemOptions, skip_polls: bool
+        self,
+        processor: Processor,
+        clock: Clock,
+        image: Image,
+        entry: int,
+        options: SystemOptions,
+        skip_polls: bool,
+        keeps_decoded: bool = True,
     ) -> None:
-        """entry: where PC begins. skip_polls: sleep through passes of waits that come out as those before."""
+        """entry: the address at which execution begins.
+
+        skip_polls: passes of a wait that repeat the pass before are not run. keeps_decoded: see `Engine`.
+        """
         super().__init__()
-        self.cpu = ImageCpu(processor, options, skip_polls)
+        self.cpu = ImageCpu(processor, options, skip_polls, keeps_decoded)
         self.image = image
         self.instructions = 0
         self._processor = processor

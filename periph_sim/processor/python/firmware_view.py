@@ -107,7 +107,7 @@ class FirmwareView:
             raise Misuse(f"dsp.{what}: pass_cycles is {cycles!r}; expected a whole number of cycles above 0")
         return self._fitting(cycles, f"dsp.{what}: pass_cycles = {cycles}") if cycles > LONG else cycles
 
-    def compute(self, cost: Spread | Fraction | int, name: Text = "") -> None:
+    def compute(self, cost: Spread | Fraction | int, name: Text = "") -> None:  # core: python
         """Work that takes `cost`: a whole number of cycles, or seconds (rounded up to a cycle).
 
         Of a spread each occurrence takes a whole number of cycles, all of them equally likely.
@@ -145,18 +145,18 @@ class FirmwareView:
             raise Misuse(f"dsp.span needs the name of the stretch, but got {name!r}")
         return Span(self.cpu, name)
 
-    def report_overflow(self, text: Text) -> None:
+    def report_overflow(self, text: Text) -> None:  # core: python
         """Report a result of fixed-point arithmetic that does not fit, for the notes of the run and `overflows`.
 
         text: which result, and what it does not fit.
         """
         self.cpu.processor.notes.note(self.cpu.time.cycle, Note("overflow", text, "IQmath guide V1.70"))
 
-    def set_pin(self, pin: BigInt) -> None:
+    def set_pin(self, pin: BigInt) -> None:  # core: python
         """GPxSET = bit: one whole-register write. Nothing where the scene has no GPIO."""
         self._write_pin("SET", pin)
 
-    def clear_pin(self, pin: BigInt) -> None:
+    def clear_pin(self, pin: BigInt) -> None:  # core: python
         """GPxCLEAR = bit."""
         self._write_pin("CLEAR", pin)
 
@@ -167,19 +167,19 @@ class FirmwareView:
             _require(pin, range(PINS), "a pin")
             self.module("GPIO")[f"GP{'ABC'[pin // 32]}{what}"].all = 1 << pin % 32
 
-    def eallow(self) -> None:
+    def eallow(self) -> None:  # core: python
         self.cpu.eallow()
 
-    def edis(self) -> None:
+    def edis(self) -> None:  # core: python
         self.cpu.edis()
 
-    def eint(self) -> None:
+    def eint(self) -> None:  # core: python
         self.cpu.eint()
 
-    def dint(self) -> None:
+    def dint(self) -> None:  # core: python
         self.cpu.dint()
 
-    def enable_interrupt(self, number: BigInt) -> None:
+    def enable_interrupt(self, number: BigInt) -> None:  # core: python
         """IER |= M_INTn. number: 1 to 14 for INT1 to INT14, 15 for DLOGINT, 16 for RTOSINT."""
         _require(number, range(1, MASKABLE + 1), "a CPU interrupt")
         self.cpu.or_ier(1 << (number - 1))

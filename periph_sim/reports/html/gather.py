@@ -65,7 +65,6 @@ def case_report(
         about=case.about,
         verdict=_verdict(result, findings),
         standing=_standing(case, result, findings),
-        fidelity=result.fidelity,
         simulated_s=result.simulated_s,
         wall_s=result.wall_s,
         clocks=tuple((name, f"{float(_sysclk(unit) / 1_000_000):.9g} MHz") for name, unit in case.unit.items()),

@@ -54,7 +54,6 @@ class CaseReport:
     about: str
     verdict: str  # "pass" or "fail"
     standing: Standing
-    fidelity: str
     simulated_s: float
     wall_s: float
     clocks: tuple[tuple[str, str], ...]

@@ -2,7 +2,6 @@
 
 firmware     an image, C sources or Python with stated costs: the units of other cases in this scene
 arithmetic   what the sensor models of Python firmware compute in, at the cost that the case states
-fidelity     the words and the table that `fidelity` takes beside "edge"
 recording    none, .psr or .vcd
 """
 
@@ -14,7 +13,6 @@ from dataclasses import dataclass
 from ...core.suggest import did_you_mean
 from ...scene.case.model import BadCase, Case, Unit
 from ...scene.firmware_loader import BadFirmware, BadSetting, load_firmware, settings_for
-from ..level_choice.levels import REFERENCE, fidelities_of
 
 KINDS = ("image", "C", "Python")  # of firmware: cycles of instructions, cycles estimated from C, stated cycles
 ARITHMETICS = ("float64", "float32", "q16")
@@ -44,13 +42,12 @@ class Row:
 
 def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
     """Return all rows of a case. others: cases whose units are rows, too."""
-    case, exact = make(()), (f"fidelity={REFERENCE}",)
-    given = Row(AS_GIVEN, exact)
+    case = make(())
+    given = Row(AS_GIVEN)
     firmware = [(kind_of(case), [*_arithmetics(case, given)])]
-    firmware += [(kind, [Row(f"{kind} of {other.name}", exact, other)]) for other in others if (kind := kind_of(other))]
+    firmware += [(kind, [Row(f"{kind} of {other.name}", units=other)]) for other in others if (kind := kind_of(other))]
     found = [row for _, rows in sorted(firmware, key=lambda one: KINDS.index(one[0])) for row in rows]
-    found += [Row(level.name, level.changes) for level in fidelities_of(case)[1:]]
-    return [*found, *(Row(f"record {suffix}", exact, record=suffix) for suffix in RECORDINGS)]
+    return [*found, *(Row(f"record {suffix}", record=suffix) for suffix in RECORDINGS)]
 
 
 def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
@@ -82,7 +79,7 @@ def _arithmetics(case: Case, given: Row) -> Iterator[Row]:
             yield given
         elif computing:
             changes = [change for name, one in computing.items() for change in _computed_in(arithmetic, name, one)]
-            yield Row(f"arithmetic={arithmetic}", (*given.changes, *changes))
+            yield Row(f"arithmetic={arithmetic}", tuple(changes))
     if not first:
         yield given
 

@@ -72,7 +72,7 @@ def trade(
     changed: list[str] = []
     ran = length / 2
     with output_muted():
-        errors = runs.errors(ran)
+        errors = runs.errors(ran, may_be_empty=True)
         for step, ran in enumerate((length, 2 * length), 2):
             if told is not None:
                 told(step / 5)
@@ -104,15 +104,15 @@ class _Runs:
     def running(self) -> list[Row]:
         return [row for row in self.rows if row.name not in self.refused]
 
-    def errors(self, length: Fraction) -> dict[str, Errors]:
-        """Return the errors of all rows without a recording, by name."""
+    def errors(self, length: Fraction, may_be_empty: bool = False) -> dict[str, Errors]:
+        """Return the errors of all rows without a recording, by name. BadCase if nothing occurs in the first row."""
         found: dict[str, Errors] = {}
         reference: Observed | None = None
         for row in self.running:
             if not row.record:
                 with self._refusing(row):
                     run = observe(self.cases[row.name], length)
-                    reference = reference or self._with_occurrences(run, length)
+                    reference = reference or (run if may_be_empty else self._with_occurrences(run, length))
                     found[row.name] = compare(reference, run)
         return found
 

@@ -20,8 +20,8 @@ from ...core.table import Table
 from ...f28335.cpu.compiled_code_costs import CodeCosts
 from ...timing.budget_schema import Budget
 from .device_tables import BusParty, DeviceTable
-from .fidelity import Fidelity
 from .named_files import named_files
+from .optimizations import Disabled, Fidelity
 from .origin import Source, key_of, line_of
 from .scalars import (
     Address,
@@ -281,6 +281,8 @@ def _begins_in_order(table: Controller | HostTable) -> None:
 class Case(Table, frozen=True, kw_only=True):
     """fault: the settings of a kind of `bus.faults` each, which is its `kind`.
 
+    disable: optimizations that are off. fidelity: a level of earlier versions, which has no effect.
+
     breaks: names of the budgets that a known bug breaks; `periph-sim check` passes only if exactly those do."""
 
     name: str
@@ -288,7 +290,8 @@ class Case(Table, frozen=True, kw_only=True):
     duration: Duration
     start: Duration = Fraction(0)
     seed: int = 0
-    fidelity: Fidelity = "edge"
+    disable: Disabled = ()
+    fidelity: Fidelity = ""
     strict: bool = False
     stall_limit: Duration = Fraction(10)
     unit: dict[str, Unit] = {}

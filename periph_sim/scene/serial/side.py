@@ -80,10 +80,6 @@ class SerialSide:
         """By wire, how its sender sends."""
         return {wire: self._line_of(sender) for wire, sender in self._senders.items()}
 
-    def senders(self) -> Mapping[str, BurstSender]:
-        """By wire, who sends there."""
-        return self._senders
-
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         """BadCase if no such reply is expected."""
         names = [expect.name for expect in self._table.expect]

@@ -12,9 +12,8 @@ Source: UM10204 sections 3.1.4 to 3.1.10.
 
 from __future__ import annotations
 
-from ...bus.i2c.bit_times import BitTimes
-from ...bus.i2c.edge_play import BITS as SEVEN
-from ...bus.i2c.whole_bytes import ByteParty
+from ...bus.i2c.bit_skip import BitParty
+from ...bus.i2c.bit_times import SKIPPED_BITS, BitTimes
 from ...core.time import NO_TIME
 from ...core.wire import Wire
 
@@ -22,7 +21,7 @@ SCL, SDA = 0, 1  # which wire it is that is pulled
 BITS = 9  # of a byte, its ACK included
 
 
-class BusFromWires(ByteParty):
+class BusFromWires(BitParty):
     """unit: whose pins are ours, "" for none. Subclasses say what they do with what they hear."""
 
     _unit: str
@@ -67,15 +66,15 @@ class BusFromWires(ByteParty):
             if wire.pulling != known:
                 self.pulled(line, tick, wire.pulling)
 
-    def heard(self, shown: int, times: BitTimes) -> None:
+    def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
         self.settle()
         if self.phase_at != NO_TIME:
-            for number in range(SEVEN):
+            for number in range(SKIPPED_BITS):
                 at = times.rise(number)
                 self.held(at, at)
                 if not number and self.index >= 0 and self._acked:
                     self.first_bit(at, at)
-            self._bits, self._in = SEVEN, shown >> 1
+            self._bits, self._in = SKIPPED_BITS, shown >> 1
         self._sda = self._sda_before = shown & 1
         self._sda_pulling = self._sda_wire.pulling
         self.others_held_until = NO_TIME

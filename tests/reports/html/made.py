@@ -147,7 +147,6 @@ def report(*budgets: BudgetReport, name: str = "by hand") -> CaseReport:
         about="Made by hand.",
         verdict=verdict,
         standing="good" if verdict == "pass" else "bad",
-        fidelity="edge",
         simulated_s=1.0,
         wall_s=0.25,
         clocks=(("dsp", "150 MHz"),),

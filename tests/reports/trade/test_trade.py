@@ -22,6 +22,8 @@ from periph_sim.scene.case.model import BadCase, Case
 TIMING = Path(__file__).resolve().parents[3] / "timing"
 ROUND = Fraction(3, 100)
 Times = Callable[[float], list[float]]
+LATE = Row("late", ("seed=7",))  # of which `observing` says the times
+WRONG = Row("wrong", ("controller.perod=5 ms",))
 
 
 @pytest.fixture(autouse=True)
@@ -38,16 +40,18 @@ def traded(case: str, *names: str, length: Fraction = ROUND, max_error_s: float 
     def make(more: Sequence[str]) -> Case:
         return load(TIMING / f"{case}.toml", [*more])
 
-    return trade(make, [row for row in rows_of(make, []) if row.name in names], length, max_error_s)
+    rows = [*rows_of(make, []), LATE, WRONG]
+    return trade(make, [row for row in rows if row.name in names], length, max_error_s)
 
 
-def observing(monkeypatch: pytest.MonkeyPatch, byte: Times, recorded: float = 1.0) -> list[tuple[str, float, str]]:
-    """Replace runs by values of one budget: 1 s, but for level byte and recorded runs. Return the list of runs."""
+def observing(monkeypatch: pytest.MonkeyPatch, late: Times, recorded: float = 1.0) -> list[tuple[str, float, str]]:
+    """Replace runs by values of one budget: 1 s, but for the row LATE and recorded runs. Return the list of runs."""
     runs = []
 
     def observe(case: Case, length: Fraction, record: str = "") -> Observed:
-        runs.append((str(case.fidelity), float(length), record))
-        times = byte(float(length)) if case.fidelity == "byte" else [recorded if record else 1.0]
+        name = "late" if case.seed == 7 else AS_GIVEN
+        runs.append((name, float(length), record))
+        times = late(float(length)) if name == "late" else [recorded if record else 1.0]
         return Observed({"a": "pass"}, {"a": np.array(times)}, {}, {})
 
     monkeypatch.setattr(module, "observe", observe)
@@ -56,8 +60,8 @@ def observing(monkeypatch: pytest.MonkeyPatch, byte: Times, recorded: float = 1.
 
 def test_rows_that_are_the_same_in_half_of_the_run_are_not_run_longer(monkeypatch: pytest.MonkeyPatch):
     runs = observing(monkeypatch, lambda length: [1.5])
-    found = traded("responder", AS_GIVEN, "byte", length=Fraction(2))
-    assert runs == [(level, length, "") for length in (1.0, 2.0) for level in ("edge", "byte")]
+    found = traded("responder", AS_GIVEN, "late", length=Fraction(2))
+    assert runs == [(level, length, "") for length in (1.0, 2.0) for level in (AS_GIVEN, "late")]
     assert (found.ran_s, found.changed) == (2.0, ()) and found.outcomes[1].errors.time == Error(0.5, "s", "a")
     said = (
         "responder: 2 s, n-th occurrence and value against n-th of as given; 1 s gives the same errors; CPU time of 5"
@@ -67,14 +71,14 @@ def test_rows_that_are_the_same_in_half_of_the_run_are_not_run_longer(monkeypatc
 
 def test_a_row_that_changes_in_the_second_half_is_run_twice_as_long(monkeypatch: pytest.MonkeyPatch):
     observing(monkeypatch, lambda length: [1.5 if length < 2 else 1.7])
-    found = traded("responder", AS_GIVEN, "byte", length=Fraction(2))
+    found = traded("responder", AS_GIVEN, "late", length=Fraction(2))
     assert (found.ran_s, found.changed) == (4.0, ()) and found.outcomes[1].errors.time.amount == pytest.approx(0.7)
 
 
 def test_a_row_that_goes_on_changing_is_named(monkeypatch: pytest.MonkeyPatch):
     observing(monkeypatch, lambda length: [1 + length])
-    found = traded("responder", AS_GIVEN, "byte", length=Fraction(2))
-    assert (found.ran_s, found.changed) == (4.0, ("byte",)) and "; byte changed since 2 s;" in " ".join(
+    found = traded("responder", AS_GIVEN, "late", length=Fraction(2))
+    assert (found.ran_s, found.changed) == (4.0, ("late",)) and "; late changed since 2 s;" in " ".join(
         text(found).split()
     )
 
@@ -82,24 +86,24 @@ def test_a_row_that_goes_on_changing_is_named(monkeypatch: pytest.MonkeyPatch):
 def test_a_recording_that_changes_nothing_has_the_errors_of_the_unrecorded_row(monkeypatch: pytest.MonkeyPatch):
     runs = observing(monkeypatch, lambda length: [1.5])
     found = traded("responder", AS_GIVEN, "record .psr", length=Fraction(2))
-    assert runs[-2:] == [("edge", 1.1, ""), ("edge", 1.1, ".psr")]
+    assert runs[-2:] == [(AS_GIVEN, 1.1, ""), (AS_GIVEN, 1.1, ".psr")]
     assert found.outcomes[1].errors == found.outcomes[0].errors
     observing(monkeypatch, lambda length: [1.5], recorded=1.25)
     assert traded("responder", AS_GIVEN, "record .psr").outcomes[1].errors.time.amount == 0.25
 
 
-def test_a_level_that_a_case_refuses_is_told_with_the_reason_and_has_no_row():
-    found = traded("imu_hil_spikes", AS_GIVEN, "adaptive", "byte")
-    assert [outcome.row.name for outcome in found.outcomes] == [AS_GIVEN, "adaptive"]
-    assert [*found.refused] == ["byte"] and "fault 0" in found.refused["byte"]
-    assert "\nbyte is refused: " in text(found)
+def test_a_row_that_a_case_refuses_is_reported_with_the_reason():
+    found = traded("imu_hil_spikes", AS_GIVEN, "late", "wrong")
+    assert [outcome.row.name for outcome in found.outcomes] == [AS_GIVEN, "late"]
+    assert [*found.refused] == ["wrong"] and "did you mean period" in found.refused["wrong"]
+    assert "\nwrong is refused: " in text(found)
 
 
 def test_a_run_in_which_nothing_occurs_is_refused():
     with pytest.raises(
         BadCase, match="nothing to compare: no budget is judged and nothing is read on I2C in the first 0"
     ):
-        traded("responder", AS_GIVEN, "byte", length=Fraction(0))
+        traded("responder", AS_GIVEN, "late", length=Fraction(0))
 
 
 def test_values_of_another_arithmetic_differ_and_its_times_do_not():
@@ -151,8 +155,12 @@ def test_budgets_that_judge_otherwise_and_the_place_of_errors_are_named():
 
 def test_json_has_every_row_and_infinite_errors_as_text(monkeypatch: pytest.MonkeyPatch):
     observing(monkeypatch, lambda length: [])
-    told = as_json(traded("responder", AS_GIVEN, "byte"))
-    assert told["recommended"] == "byte" and told["refused"] == {} and told["ran_s"] == 0.03
-    given, byte = told["rows"]  # type: ignore[misc]
-    assert given["changes"] == ["fidelity=edge"] and given["cost"] == {"cpu_s": 1.0, "spread_s": 0.01, "runs": 5}
-    assert byte["time_error"] == {"amount": "infinite", "unit": "s", "place": "a"}
+    told = as_json(traded("responder", AS_GIVEN, "late"))
+    assert told["recommended"] == "late" and told["refused"] == {} and told["ran_s"] == 0.03
+    given, late = told["rows"]  # type: ignore[misc]
+    assert (
+        given["changes"] == []
+        and late["changes"] == ["seed=7"]
+        and given["cost"] == {"cpu_s": 1.0, "spread_s": 0.01, "runs": 5}
+    )
+    assert late["time_error"] == {"amount": "infinite", "unit": "s", "place": "a"}

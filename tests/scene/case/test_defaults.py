@@ -27,7 +27,7 @@ def joined(one: Any, more: Any) -> Any:
 @pytest.mark.parametrize(
     ("needed", "left_out"),
     [
-        ({}, {"about": "", "start": "0 s", "seed": 0, "fidelity": "edge", "strict": False, "stall_limit": "10 s"}),
+        ({}, {"about": "", "start": "0 s", "seed": 0, "disable": [], "strict": False, "stall_limit": "10 s"}),
         ({}, {"cable": [], "transceiver": [], "fault": [], "budget": [], "breaks": [], "watch": {}, "device": {}}),
         (UNIT, {"unit": {"dsp": {"oscclk": "30 MHz", "pll": 10, "ppm": 0, "from_boot": False, "skip_polls": True}}}),
         (

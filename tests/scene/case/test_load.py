@@ -29,7 +29,7 @@ def test_defaults_are_those_of_the_sensor_head_and_the_host():
     assert case.controller is not None and case.host is not None
     assert (case.controller.rate, case.controller.period, case.controller.jitter) == (100_000, Fraction(1, 50), 0)
     assert (case.host.baud, case.host.period, case.host.gap) == (115_200, Fraction(1, 50), 0)
-    assert (case.start, case.seed, case.fidelity, case.strict) == (0, 0, "edge", False)
+    assert (case.start, case.seed, case.disable, case.strict) == (0, 0, (), False)
 
 
 def test_the_files_of_a_unit_are_below_the_folder_of_the_case(tmp_path: Path):

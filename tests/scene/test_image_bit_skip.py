@@ -1,12 +1,10 @@
-"""A scene with an image at each level of its buses: what Python firmware is promised there holds for machine code."""
+"""Optimizations of a scene with an image: skipped bits and skipped polls change no record and no figure."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-
-import pytest
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.records.races import races
@@ -16,7 +14,6 @@ from periph_sim.scene.clocks import clocks_of
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
 from periph_sim.traces.formats.record_table import Columns
-from tests.commands.conftest import Run, periph_sim  # noqa: F401
 
 TIMING = Path(__file__).parents[2] / "timing"
 TO_ONE_ROUND = ("duration=12.3 ms", "host.first=5 ms")
@@ -30,29 +27,14 @@ def run(*changes: str) -> tuple[Result, list[Record]]:
     return scene.run(), records
 
 
-@pytest.fixture(scope="module")
-def at_edges() -> tuple[Result, list[Record]]:
-    return run()
-
-
-def test_whole_bytes_where_nobody_can_tell_give_the_same_records(at_edges: tuple[Result, list[Record]]):
-    result, records = run("fidelity=adaptive")
+def test_skipped_bits_give_the_same_records_and_figures():
+    result, records = run()
+    by_edges, expected = run('disable=["bits"]')
     assert len(records) > 900
-    without_numbers = [[record._replace(number=0, cause=0) for record in some] for some in (records, at_edges[1])]
+    without_numbers = [[record._replace(number=0, cause=0) for record in some] for some in (records, expected)]
     assert without_numbers[0] == without_numbers[1]
-    assert result.budgets == at_edges[0].budgets
-    assert result.events < at_edges[0].events / 2
-
-
-@pytest.mark.parametrize("levels", ["fidelity=byte", 'fidelity={ "I2C-A" = "byte", "SCI-A" = "adaptive" }'])
-def test_whole_bytes_give_the_same_figures(at_edges: tuple[Result, list[Record]], levels: str):
-    """But for the load: passes of a wait that are made before it is found to be one count, and edges begin it anew."""
-    result, _ = run(levels)
-    figures = [{one.name: (one.worst, one.count) for one in some.budgets} for some in (result, at_edges[0])]
-    loads = [some.pop("CPU load")[0] for some in figures]
-    assert figures[0] == figures[1] and len(figures[0]) == 20
-    assert loads[0] == pytest.approx(loads[1], abs=0.01)
-    assert result.events < at_edges[0].events / 3
+    assert result.budgets == by_edges.budgets
+    assert result.events < by_edges.events / 2
 
 
 def recorded_run(*changes: str) -> RecordedRun:

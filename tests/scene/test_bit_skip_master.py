@@ -1,4 +1,4 @@
-"""At the level "adaptive" bytes of an F28335 that is the master pass at once, too, with the records of "edge".
+"""Bits of bytes that an F28335 clocks as the master are skipped, too, and change no record and no figure.
 
     head (master) --SCL, SDA--> unit, EEPROM: each on a clock of its own
 
@@ -16,12 +16,11 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.result import BYTE_LEVEL
 from periph_sim.scene.scene import Scene
 from tests.profiles import explores
 from tests.scene import small
 from tests.scene.runs import TIMING
-from tests.scene.test_adaptive import BUT_EDGES, RECORDED, run, told
+from tests.scene.test_bit_skip import BUT_EDGES, BY_EDGES, SKIPPING, Disable, figures, run
 
 
 class MeddlingMaster:
@@ -113,7 +112,7 @@ class MeddlingMaster:
         self.off_and_on(dsp)
 
 
-def meddled(seed: int, level: str, kinds: tuple[Kind, ...]):
+def meddled(seed: int, disable: Disable):
     random = Random(seed)
     units, programs, meddlers = {}, {}, []
     for name, own, master in (("head", 0x50, 0.7), ("imu", 0x51, random.choice((0.0, 0.2)))):
@@ -125,35 +124,37 @@ def meddled(seed: int, level: str, kinds: tuple[Kind, ...]):
         programs[name] = Firmware(name, meddler, None)
     eeprom = {"model": "24lc64", "address": 0x52, "write_time": "100 us to 2 ms"}
     made = small.case(unit=units, device={"eeprom": eeprom}, seed=seed)
-    return *run(made, level, kinds, "0.03", programs), [meddler.seen for meddler in meddlers]
+    return *run(made, disable, BUT_EDGES, "0.03", programs), [meddler.seen for meddler in meddlers]
 
 
-@RECORDED
 @pytest.mark.parametrize("seed", range(200) if explores() else range(20))
-def test_masters_that_meddle_give_what_edges_give(seed: int, kinds: tuple[Kind, ...]):
-    edge, adaptive = meddled(seed, "edge", kinds), meddled(seed, "adaptive", kinds)
-    assert adaptive[2] == edge[2]
-    assert adaptive[1] == edge[1]
-    assert told(adaptive[0]) == told(edge[0])
+def test_masters_that_meddle_give_what_edges_give(seed: int):
+    by_edges, skipping = meddled(seed, BY_EDGES), meddled(seed, SKIPPING)
+    assert skipping[2] == by_edges[2]
+    assert skipping[1] == by_edges[1]
+    assert figures(skipping[0]) == figures(by_edges[0])
 
 
 def test_bytes_of_the_masters_above_have_passed_at_once():
     """Else the test above would prove nothing."""
-    results = [meddled(seed, "adaptive", ())[0] for seed in range(10)]
-    passed, bytes_ = sum(result.counts[BYTE_LEVEL] for result in results), sum(result.wire_bytes for result in results)
+    results = [meddled(seed, SKIPPING)[0] for seed in range(10)]
+    passed, bytes_ = (
+        sum(result.bytes_skipped for result in results),
+        sum(result.wire_bytes for result in results),
+    )
     assert bytes_ > 150 and passed > bytes_ // 2
 
 
 @pytest.mark.parametrize("name", ["two_dsps", "eeprom_log", "eeprom_overrun"])
 def test_bytes_of_shipped_masters_pass_at_once(name: str):
-    edge, adaptive = (run(load(TIMING / f"{name}.toml"), level, (), "0.1")[0] for level in ("edge", "adaptive"))
-    assert adaptive.counts[BYTE_LEVEL] >= 0.99 * adaptive.wire_bytes > 100
-    assert adaptive.events < 0.7 * edge.events
-    assert told(adaptive) == told(edge)
+    by_edges, skipping = (run(load(TIMING / f"{name}.toml"), disable, (), "0.1")[0] for disable in (BY_EDGES, SKIPPING))
+    assert skipping.bytes_skipped >= 0.99 * skipping.wire_bytes > 100
+    assert skipping.events < 0.7 * by_edges.events
+    assert figures(skipping) == figures(by_edges)
 
 
-def test_a_line_that_stays_low_is_told_at_the_same_tick():
-    """SDA is held from the middle of a byte on: who watches for it has not seen the edges of that byte."""
+def test_a_line_that_stays_low_is_reported_at_the_same_tick():
+    """SCL is held after a byte whose edges the watch has not seen."""
 
     def firmware(dsp: Dsp, settings: object) -> None:
         master = MeddlingMaster("", False, 0x50, 0)
@@ -169,13 +170,13 @@ def test_a_line_that_stays_low_is_told_at_the_same_tick():
         MeddlingMaster("", False, 0x51, 0).start(dsp)
 
     came: list[list[Record]] = []
-    for level in ("edge", "adaptive"):
+    for disable in (BY_EDGES, SKIPPING):
         records: list[Record] = []
         case = small.case(
             unit={name: {"firmware": name, "modules": ["I2C-A"]} for name in ("head", "imu")},
             rounds={"period": "10 ms", "stuck_after": "2 ms", "request": [{"address": 0x51, "count": 1}]},
             budget=[{"name": "stuck", "measure": "stuck", "max": 9}],
-            fidelity=level,
+            disable=disable,
         )
         programs = {"head": Firmware("head", firmware, None), "imu": Firmware("imu", silent, None)}
         scene = Scene(case, lambda recorder, _, to=records: recorder.subscribe(BUT_EDGES, to.append), programs)
@@ -188,7 +189,7 @@ def test_a_line_that_stays_low_is_told_at_the_same_tick():
 def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
     """Between output and pin: the bits have passed, and SCL never rises for the one that is due."""
 
-    def resetting(delay: int, level: str) -> list[Record]:
+    def resetting(delay: int, disable: Disable) -> list[Record]:
         def firmware(dsp: Dsp, settings: object) -> None:
             master = MeddlingMaster("", True, 0x50, 0)
             master.start(dsp)
@@ -206,7 +207,7 @@ def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
         records: list[Record] = []
         options = {"i2c": {"stt_while_busy": "always_repeated_start"}}  # a reset leaves BB set
         unit = {"dsp": {"firmware": "resetting", "modules": ["I2C-A", "GPIO"], "options": options}}
-        case = small.case(unit=unit, fidelity=level, duration="1 ms")
+        case = small.case(unit=unit, disable=disable, duration="1 ms")
         programs = {"dsp": Firmware("resetting", firmware, None)}
         Scene(case, lambda recorder, _: recorder.subscribe(tuple(Kind), records.append), programs).run()
         return records
@@ -214,13 +215,13 @@ def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
     def rises(records: list[Record]) -> list[int]:
         return [record.tick for record in records if record.where == "SCL" and record.value]
 
-    whole = resetting(40_000, "edge")
+    whole = resetting(40_000, BY_EDGES)
     command = next(r.tick for r in whole if r.what == "W I2C-A.I2CMDR" and r.value == 0x6E20)
     eighth = (rises(whole)[7] - command) // 20  # ticks in a cycle
     lost = 0
     for delay in range(eighth - 16, eighth + 8):
-        edge, adaptive = resetting(delay, "edge"), resetting(delay, "adaptive")
-        assert adaptive == edge, delay
-        lost += rises(edge)[7] != rises(whole)[7]  # it is the reset that lets go
-        assert len(rises(edge)) > 16
+        by_edges, skipping = resetting(delay, BY_EDGES), resetting(delay, SKIPPING)
+        assert skipping == by_edges, delay
+        lost += rises(by_edges)[7] != rises(whole)[7]  # it is the reset that lets go
+        assert len(rises(by_edges)) > 16
     assert 0 < lost < 24

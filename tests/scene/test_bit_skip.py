@@ -1,10 +1,10 @@
-"""The level "adaptive" gives what "edge" gives, record by record, and leaves out what nobody can tell.
+"""Skipped bits of I2C bytes change no record and no figure: each scene runs with them and edge by by_edges.
 
-             START  address + R      A    data              A
-    edge      ~|_|~|_|~|_..._|~|_|~|_|~|_|~|_..._|~|_|~|_|~    an event each
-    adaptive  ~|________________|~|_|~|______________|~|_|~|_|~    seven bits pass at once
+                   START  address + R      A    data              A
+    edge by edge    ~|_|~|_|~|_..._|~|_|~|_|~|_|~|_..._|~|_|~|_|~    an event each
+    bits skipped    ~|________________|~|_|~|______________|~|_|~|_|~    seven bits in one step
 
-Firmware, hosts and faults may look at the lines or meddle with the module in the middle of a byte at any time.
+Firmware, hosts and faults may read the lines or change the module in the middle of a byte at any time.
 """
 
 from __future__ import annotations
@@ -21,74 +21,60 @@ from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.result import BYTE_LEVEL, FRAMES, FRAMES_PASSED, Result
+from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
 from tests.profiles import explores
 from tests.scene import small
 from tests.scene.runs import TIMING
 
-CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
 BUT_EDGES = tuple(kind for kind in Kind if kind not in (Kind.EDGE, Kind.HOLD))
-RECORDED = pytest.mark.parametrize("kinds", [BUT_EDGES, tuple(Kind)], ids=["but edges", "edges, too"])
-# At byte level, where an agent is the controller; not where faults can pull a line.
+Disable = tuple[str, ...]
+Programs = dict[str, Firmware]
+BY_EDGES: Disable = ("bits",)
+SKIPPING: Disable = ()
+# Cases in which an agent is the controller and no fault can pull a line.
 WHOLLY = ("imu_chips", "imu_hil", "imu_hil_400k", "imu_hil_lost_byte", "imu_moving", "real_chips", "responder")
 
 
-def run(case: Case, level: str, kinds: tuple[Kind, ...], seconds: str, programs: dict[str, Firmware] | None = None):
-    """(result, records, share at byte level) of a case at a level."""
+def run(case: Case, disable: Disable, kinds: tuple[Kind, ...], seconds: str, programs: Programs | None = None):
+    """Return (result, records) of a case."""
     records: list[Record] = []
-    made = case.model_copy(update={"fidelity": level})
+    made = case.model_copy(update={"disable": disable})
     scene = Scene(made, lambda recorder, _: recorder.subscribe(kinds, records.append), programs)
     return scene.run(Fraction(seconds)), records
 
 
-def told(result: Result) -> dict[str, object]:
-    """All that a result says of the case, and not of the simulator."""
-    of_levels = (BYTE_LEVEL, FRAMES, FRAMES_PASSED)
-    counts = {name: count for name, count in result.counts.items() if name not in of_levels}
-    return asdict(replace(result, wall_s=0.0, events=0, fidelity="", counts=counts))
-
-
-@RECORDED
-@pytest.mark.parametrize("name", CASES)
-def test_every_case_gives_the_same_records(name: str, kinds: tuple[Kind, ...]):
-    case = load(TIMING / f"{name}.toml")
-    seconds = "0.0077" if name == "imu_hil_c" else "0.05"  # each poll of C sources is made
-    edge, adaptive = (run(case, level, kinds, seconds) for level in ("edge", "adaptive"))
-    assert told(adaptive[0]) == told(edge[0])
-    assert adaptive[1] == edge[1] and len(edge[1]) > 20
+def figures(result: Result) -> dict[str, object]:
+    """Return all that a result says of the case, without what it says of the simulator."""
+    return asdict(replace(result, wall_s=0.0, events=0, bytes_skipped=0))
 
 
 @pytest.mark.parametrize("name", WHOLLY)
-def test_where_nobody_can_tell_every_byte_is_at_byte_level(name: str):
-    edge, adaptive = (run(load(TIMING / f"{name}.toml"), level, (), "0.05")[0] for level in ("edge", "adaptive"))
-    assert adaptive.counts[BYTE_LEVEL] == adaptive.wire_bytes > 40
-    assert adaptive.events < edge.events / 2
-    assert BYTE_LEVEL not in edge.counts and told(adaptive) == told(edge)
+def test_bits_of_every_byte_are_skipped_where_nothing_acts_in_mid_byte(name: str):
+    by_edges, skipping = (
+        run(load(TIMING / f"{name}.toml"), disable, (), "0.05")[0] for disable in (BY_EDGES, SKIPPING)
+    )
+    assert skipping.bytes_skipped == skipping.wire_bytes > 40
+    assert skipping.events < by_edges.events / 2
+    assert by_edges.bytes_skipped == 0 and figures(skipping) == figures(by_edges)
 
 
-@pytest.mark.parametrize("wires", [("SCL", "SDA"), ("SCL",), ("SDA",)])
-@pytest.mark.parametrize("name", ["imu_hil", "imu_chips", "responder"])
-def test_recorded_edges_are_made_of_bytes_that_pass_at_once(name: str, wires: tuple[str, ...]):
-    case = load(TIMING / f"{name}.toml")
-    told: list[tuple[list[Record], Result]] = []
-    for level in ("edge", "adaptive"):
-        records: list[Record] = []
-        scene = Scene(
-            case.model_copy(update={"fidelity": level}),
-            lambda recorder, _, to=records: recorder.subscribe([Kind.EDGE, Kind.HOLD], to.append, {Kind.EDGE: wires}),
-        )
-        told.append((records, scene.run(Fraction("0.05"))))
-    (edges, edge), (rebuilt, adaptive) = told
-    assert rebuilt == edges and {record.where for record in edges} == set(wires) and len(edges) > 300
-    assert adaptive.counts[BYTE_LEVEL] == adaptive.wire_bytes > 40
-    assert adaptive.events < edge.events or name == "imu_chips"
+@pytest.mark.parametrize("wire", ["SCL", "SDA"])
+def test_a_bus_of_which_edges_are_recorded_passes_edge_by_edge(wire: str):
+    records: list[Record] = []
+    scene = Scene(
+        load(TIMING / "responder.toml"),
+        lambda recorder, _: recorder.subscribe([Kind.EDGE], records.append, {Kind.EDGE: (wire,)}),
+    )
+    result = scene.run(Fraction("0.05"))
+    assert result.bytes_skipped == 0 and result.wire_bytes > 40
+    assert {record.where for record in records} == {wire} and len(records) > 300
 
 
 @pytest.mark.parametrize("name", ["imu_hil_spikes", "imu_hil_stuck_sda", "imu_hil_glitches"])
-def test_who_may_pull_a_line_at_any_time_keeps_the_bus_at_edges(name: str):
-    adaptive = run(load(TIMING / f"{name}.toml"), "adaptive", (), "0.05")[0]
-    assert adaptive.counts[BYTE_LEVEL] == 0 and adaptive.wire_bytes > 40
+def test_a_fault_that_may_pull_a_line_at_any_time_keeps_the_bus_at_edges(name: str):
+    skipping = run(load(TIMING / f"{name}.toml"), SKIPPING, (), "0.05")[0]
+    assert skipping.bytes_skipped == 0 and skipping.wire_bytes > 40
 
 
 # Meddling ------------------------------------------------------------------------------
@@ -163,25 +149,24 @@ class Meddler:
         dsp.edis()
 
 
-def meddled(seed: int, level: str, kinds: tuple[Kind, ...] = BUT_EDGES):
+def meddled(seed: int, disable: Disable):
     request = [{"address": 0x50, "count": 6}, {"address": 0x50, "pointer": 3, "count": 2}]
     table = {"rate": "100 kHz", "first": "1 ms", "period": "2 ms", "request": request, "on_nack": "give up"}
     unit = {"dsp": {"firmware": "meddler", "modules": ["I2C-A", "GPIO"]}}
     meddler = Meddler(seed)
     program = {"dsp": Firmware("meddler", meddler, None)}
-    return *run(small.case(unit=unit, controller=table), level, kinds, "0.02", program), meddler.seen
+    return *run(small.case(unit=unit, controller=table), disable, BUT_EDGES, "0.02", program), meddler.seen
 
 
 SEEDS = range(200) if explores() else [*range(26), 95]
 
 
-@RECORDED
 @pytest.mark.parametrize("seed", SEEDS)
-def test_meddling_in_the_middle_of_a_byte_gives_what_edges_give(seed: int, kinds: tuple[Kind, ...]):
-    edge, adaptive = meddled(seed, "edge", kinds), meddled(seed, "adaptive", kinds)
-    assert adaptive[2] == edge[2]
-    assert adaptive[1] == edge[1]
-    assert told(adaptive[0]) == told(edge[0])
+def test_meddling_in_the_middle_of_a_byte_gives_what_edges_give(seed: int):
+    by_edges, skipping = meddled(seed, BY_EDGES), meddled(seed, SKIPPING)
+    assert skipping[2] == by_edges[2]
+    assert skipping[1] == by_edges[1]
+    assert figures(skipping[0]) == figures(by_edges[0])
 
 
 class OwnRate(Meddler):
@@ -199,7 +184,7 @@ class OwnRate(Meddler):
         i2c.I2CMDR.IRS = 1
 
 
-def near_the_filter(seed: int, level: str, kinds: tuple[Kind, ...]):
+def near_the_filter(seed: int, disable: Disable):
     """The meddler, where one of SCL's and SDA's times lasts about as long as the noise filter, or a module clock."""
     random = Random(f"near the filter {seed}")
     prescaler, width = random.choice((0, 1, 5, 14, 29)), random.choice((1, 1, 2, 5))
@@ -224,19 +209,18 @@ def near_the_filter(seed: int, level: str, kinds: tuple[Kind, ...]):
     unit = {"firmware": "meddler", "modules": ["I2C-A", "GPIO"], "ppm": random.choice((0, 37, -61))}
     meddler = OwnRate(seed, prescaler)
     made = small.case(unit={"dsp": {**unit, "options": {"i2c": options}}}, controller=table)
-    return *run(made, level, kinds, "0.006", {"dsp": Firmware("meddler", meddler, None)}), meddler.seen
+    return *run(made, disable, BUT_EDGES, "0.006", {"dsp": Firmware("meddler", meddler, None)}), meddler.seen
 
 
-@RECORDED
 @pytest.mark.parametrize("seed", range(200) if explores() else [*range(22), 39])
-def test_times_that_the_noise_filter_just_sees_give_what_edges_give(seed: int, kinds: tuple[Kind, ...]):
-    edge, adaptive = near_the_filter(seed, "edge", kinds), near_the_filter(seed, "adaptive", kinds)
-    assert adaptive[2] == edge[2]
-    assert adaptive[1] == edge[1]
-    assert told(adaptive[0]) == told(edge[0])
+def test_times_that_the_noise_filter_just_sees_give_what_edges_give(seed: int):
+    by_edges, skipping = near_the_filter(seed, BY_EDGES), near_the_filter(seed, SKIPPING)
+    assert skipping[2] == by_edges[2]
+    assert skipping[1] == by_edges[1]
+    assert figures(skipping[0]) == figures(by_edges[0])
 
 
-def beside_devices(seed: int, level: str, kinds: tuple[Kind, ...]):
+def beside_devices(seed: int, disable: Disable):
     """The meddler, an EEPROM and a register map, which stretch, refuse and lose their power as a seed says."""
     random = Random(seed)
     off = random.randrange(1_000, 15_000) // 2_000 * 2_000 + 1_700 + random.randrange(600)  # late in a round
@@ -261,17 +245,16 @@ def beside_devices(seed: int, level: str, kinds: tuple[Kind, ...]):
     unit = {"dsp": {"firmware": "meddler", "modules": ["I2C-A", "GPIO"]}}
     meddler = Meddler(seed)
     made = small.case(unit=unit, controller=table, device=devices, seed=seed)
-    return *run(made, level, kinds, "0.02", {"dsp": Firmware("meddler", meddler, None)}), meddler.seen
+    return *run(made, disable, BUT_EDGES, "0.02", {"dsp": Firmware("meddler", meddler, None)}), meddler.seen
 
 
-@RECORDED
 @pytest.mark.parametrize("seed", range(200) if explores() else [*range(15), 134])
-def test_devices_that_stretch_refuse_and_lose_their_power_give_what_edges_give(seed: int, kinds: tuple[Kind, ...]):
-    edge, adaptive = beside_devices(seed, "edge", kinds), beside_devices(seed, "adaptive", kinds)
-    assert adaptive[2] == edge[2]
-    assert adaptive[1] == edge[1]
-    assert told(adaptive[0]) == told(edge[0])
-    assert adaptive[0].counts[BYTE_LEVEL] > 0
+def test_devices_that_stretch_refuse_and_lose_their_power_give_what_edges_give(seed: int):
+    by_edges, skipping = beside_devices(seed, BY_EDGES), beside_devices(seed, SKIPPING)
+    assert skipping[2] == by_edges[2]
+    assert skipping[1] == by_edges[1]
+    assert figures(skipping[0]) == figures(by_edges[0])
+    assert skipping[0].bytes_skipped > 0
 
 
 def test_the_meddling_is_seen_in_the_middle_of_bytes_that_had_passed(monkeypatch: pytest.MonkeyPatch):
@@ -283,17 +266,17 @@ def test_the_meddling_is_seen_in_the_middle_of_bytes_that_had_passed(monkeypatch
     if not isinstance(replay, type(lambda: 0)):
         pytest.skip("the compiled kernel shows nothing of itself")
     monkeypatch.setattr(Kernel, "replay", lambda self, *given: (went_back.append(self.now), replay(self, *given))[1])
-    results = [meddled(seed, "adaptive", ())[0] for seed in range(5)]
+    results = [meddled(seed, SKIPPING)[0] for seed in range(5)]
     assert len(went_back) > 20
-    assert sum(result.counts[BYTE_LEVEL] for result in results) > 20
+    assert sum(result.bytes_skipped for result in results) > 20
 
 
 def test_a_run_that_ends_in_the_middle_of_a_byte_leaves_the_lines_as_they_are(tmp_path: Path):
     case = load(TIMING / "responder.toml")
     for ticks in range(0, 400, 7):
         levels = []
-        for level in ("edge", "adaptive"):
-            scene = Scene(case.model_copy(update={"fidelity": level}))
+        for disable in (BY_EDGES, SKIPPING):
+            scene = Scene(case.model_copy(update={"disable": disable}))
             scene.kernel.run_until(scene.start + scene.timebase.ticks(Fraction(1, 1000) + Fraction(ticks, 10**6)))
             levels.append([(wire.level, wire.held_by()) for wire in (scene.wires["SCL"], scene.wires["SDA"])])
         assert levels[0] == levels[1], ticks

@@ -1,0 +1,244 @@
+"""Skips the line-only part of an I2C byte: seven bits pass in one step, and everything else is as if they had not.
+
+    SCL  _|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_       each edge is an event
+    SCL  ____________________________|~|_|~|_        the same byte, the same ticks, the same states before and after
+          ^ the clocking party asks   ^ events resume here
+
+During the first seven bits of a byte only the lines change: flags, FIFOs, interrupts and the ACK move with the eighth
+rise of SCL or later. So these bits are unobservable unless edges are recorded, a line is held, or a party acts in
+mid-byte. Where edges are recorded, no bit is skipped. Where a party may hold a line, the byte passes edge by edge.
+Where firmware or a device acts in mid-byte, the skipped events are run up to now, in their order (`materialize`).
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...core.kernel import Agent, Event, Kernel, Shortcut
+from ...core.time import NO_TIME
+from ...core.wire import Wire
+from .bit_times import SKIPPED_BITS, BitTimes
+from .line_events import SCL, SDA
+
+ONES = 0xFF
+
+
+class BitParty(Agent):
+    """A party on SCL and SDA that knows what seven skipped bits do to it."""
+
+    __slots__ = ()
+
+    def pulls(self, line: int) -> int:
+        """Return the mask of its holds on a line, SCL or SDA; 0 if it has none."""
+        return 0
+
+    def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
+        """Return True if it waits for the first bit of a byte and changes nothing but SDA before the eighth.
+
+        low, high, hold: ticks, as the controller clocks. each: `separates` will be called for each change of SDA.
+        """
+        return True
+
+    def sda_follows_at(self, fall: int) -> int:
+        """Return the tick at which it changes SDA after a fall of SCL at tick `fall`."""
+        return fall
+
+    def separates(self, fall: int, moved: int) -> bool:
+        """Return True if it samples SCL's fall and a later change of SDA by another party as two events."""
+        return True
+
+    def byte(self) -> int:
+        """Return the byte that it shifts out; 0xFF where it leaves SDA released."""
+        return ONES
+
+    def keeps_bus(self, shown: int) -> bool:
+        """Return True if it goes on when the lines show this byte, which other parties have pulled at, too."""
+        return True
+
+    def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
+        """Take the state in which `bit` bits, 0 or 7, of the byte `shown` have passed.
+
+        fell: the tick of SCL's last fall.
+        """
+
+    def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
+        """Called when the skipped bits are over and SCL is about to rise for the eighth.
+
+        Parties that only listen change their state here, others in `set_bit_position`.
+        """
+
+
+class BitSkip(Shortcut):
+    """Skips bits on one bus.
+
+    passed: number of bytes of which seven bits were skipped.
+    """
+
+    __slots__ = (
+        "_controller",
+        "_eighth",
+        "_ends",
+        "_fell",
+        "_kernel",
+        "_known",
+        "_parties",
+        "_scl",
+        "_sda",
+        "_shown",
+        "_since",
+        "_stand_in",
+        "_steady",
+        "_tag",
+        "_times",
+        "_versions",
+        "passed",
+    )
+
+    def __init__(
+        self, kernel: Kernel, scl: Wire, sda: Wire, controller: BitParty | None, stand_in: Mapping[Agent, BitParty]
+    ) -> None:
+        """controller: the agent that clocks the bus, if there is one. stand_in: parties that act for other agents."""
+        self.passed = 0
+        self._kernel = kernel
+        self._scl = scl
+        self._sda = sda
+        self._controller = controller  # the party that clocks this byte
+        self._stand_in = stand_in
+        self._parties: list[BitParty] = []
+        self._known = False  # every agent on the lines is one of these parties
+        self._versions = -1  # of the wires, when the parties were collected
+        self._since = NO_TIME  # the tick at which the skipped bits began
+        self._fell = NO_TIME
+        self._shown = ONES
+        self._steady = BitTimes()
+        self._times = self._steady  # of this byte
+        self._ends = 0  # the tick from which on the state is that of edges
+        self._eighth: Event | None = None
+        self._tag = 0
+
+    def skips(self, low: int, high: int, hold: int, tag: int) -> bool:
+        """Skip seven bits if they are unobservable; the controller then acts on `tag` at the eighth rise of SCL.
+
+        The controller calls this when it is about to release SCL for the first bit. low, high, hold: ticks.
+        """
+        now, controller = self._kernel.now, self._controller
+        assert controller is not None
+        shown = -1 if self._since == now else self._byte_on_lines(controller, low, high, hold, False)
+        if shown < 0:
+            return False
+        times = self._steady
+        times.since, times.low, times.high = now, low, high
+        self._begin(times, shown, now - low, tag)
+        self._ends = times.rise(SKIPPED_BITS)
+        self._eighth = self._kernel.ask(self._ends, controller, tag)
+        return True
+
+    def skips_for(self, party: BitParty, times: BitTimes, fell: int, ends: int) -> bool:  # core: C only
+        """Do the same for a party that clocks in cycles of its own and wakes itself at `ends`.
+
+        fell: the tick of SCL's last fall.
+        """
+        if self._since == self._kernel.now:
+            return False
+        low, high = times.rise(1) - times.fall(1) - 1, times.fall(1) - times.rise(0) - 1
+        shown = self._byte_on_lines(party, low, high, 0, True)
+        if shown < 0 or not self._all_separate(times):
+            return False
+        self._controller, self._eighth = party, None
+        self._begin(times, shown, fell, 0)
+        self._ends = ends
+        return True
+
+    def sda_fell(self) -> int:
+        """Return the tick of the last fall of SDA in these bits; NO_TIME if there is none."""
+        for number in range(SKIPPED_BITS, 0, -1):
+            if self._shown >> (SKIPPED_BITS - number) & 3 == 2:
+                fall = self._times.fall(number)
+                return min(p.sda_follows_at(fall) for p in self._parties if not p.byte() >> (SKIPPED_BITS - number) & 1)
+        return NO_TIME
+
+    def over(self) -> None:
+        """SCL is about to rise for the eighth bit of a byte, of which bits may have been skipped."""
+        if self._kernel.shortcut is self:
+            self._kernel.shortcut = None
+            self.passed += 1
+            party: BitParty
+            for party in self._parties:
+                party.on_bits_skipped(self._shown, self._times)
+        self._since = NO_TIME
+
+    def materialize(self) -> None:
+        kernel, controller = self._kernel, self._controller
+        if self._ends <= kernel.now:
+            self.over()  # the controller acts in this very tick, or has acted, from the present state
+            return
+        assert controller is not None
+        kernel.shortcut = None
+        if self._eighth is not None:
+            kernel.cancel(self._eighth)
+        self._set_bit_position(0, self._fell)
+        recorder = self._scl.recorder
+        outer, recorder.cause = recorder.cause, 0  # the present record is not the cause of these events
+        kernel.replay(self._since, controller, self._tag)
+        recorder.cause = outer
+
+    def _begin(self, times: BitTimes, shown: int, fell: int, tag: int) -> None:
+        self._times, self._since, self._fell, self._shown, self._tag = times, self._kernel.now, fell, shown, tag
+        self._set_bit_position(SKIPPED_BITS, times.fall(SKIPPED_BITS))
+        self._kernel.shortcut = self
+
+    def _byte_on_lines(self, controller: BitParty, low: int, high: int, hold: int, each: bool) -> int:
+        """Return the byte that the lines will show; -1 where it must pass edge by edge."""
+        scl, sda = self._scl, self._sda
+        if self._kernel.shortcut is not None or not scl.quiet() or not sda.quiet():
+            return -1
+        if scl.version + sda.version != self._versions:
+            self._collect_parties()
+        if not self._known or scl.pulling != controller.pulls(SCL):
+            return -1
+        shown: int = ONES
+        party: BitParty
+        for party in self._parties:
+            if not party.ready(low, high, hold, each):
+                return -1
+            shown &= party.byte()
+        return shown if controller.keeps_bus(shown) else -1
+
+    def _all_separate(self, times: BitTimes) -> bool:
+        """Return True if each party separates the changes of SDA by others from the falls of SCL before them."""
+        sender: BitParty
+        for sender in self._parties:
+            byte: int = sender.byte()
+            number: int
+            for number in range(1, SKIPPED_BITS + 1):
+                if 0 < byte >> (SKIPPED_BITS - number) & 3 < 3:
+                    fall = times.fall(number)
+                    moved: int = sender.sda_follows_at(fall)
+                    party: BitParty
+                    for party in self._parties:
+                        if party is not sender and not party.separates(fall, moved):
+                            return False
+        return True
+
+    def _set_bit_position(self, bit: int, fell: int) -> None:
+        pulling: int = 0
+        party: BitParty
+        for party in self._parties:
+            if not party.byte() >> (SKIPPED_BITS - bit) & 1:
+                pulling |= party.pulls(SDA)
+            party.set_bit_position(self._shown, bit, fell)
+        self._sda.jump(pulling)
+
+    def _collect_parties(self) -> None:
+        """All agents that listen to the lines, and all that can pull them, must be parties."""
+        scl, sda = self._scl, self._sda
+        self._versions = scl.version + sda.version
+        agents = {listener.agent for listener in (*scl.listeners(), *sda.listeners())}
+        found = [agent if isinstance(agent, BitParty) else self._stand_in.get(agent) for agent in agents]
+        self._parties = [party for party in found if party is not None]
+        self._known = len(self._parties) == len(found) and all(
+            sum(party.pulls(line) for party in self._parties) == (1 << wire.attached) - 1
+            for wire, line in ((scl, SCL), (sda, SDA))
+        )

@@ -1,0 +1,55 @@
+"""An I2C controller that skips the bits of a byte that are unobservable (`bit_skip`).
+
+RELEASE of the first bit --edge by edge--> BIT_END ...
+   +----seven bits skipped--> RELEASE of the eighth
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from .bit_skip import ONES, BitSkip
+from .bit_times import SKIPPED_BITS
+from .controller import NO_BYTE, RELEASE, I2cController
+from .line_events import NOTHING, SCL, SDA
+
+
+class SkippingController(I2cController):
+    """bit_skip: set before the first transfer."""
+
+    __slots__ = ("bit_skip",)
+
+    bit_skip: BitSkip
+
+    def _release(self) -> None:
+        if self._index != NO_BYTE:
+            if self._bit == 0:
+                if self.bit_skip.skips(self._low_time, self._high, self._hold, RELEASE):
+                    return
+            elif self._bit == SKIPPED_BITS:
+                self.bit_skip.over()
+        I2cController._release(self)
+
+    def pulls(self, line: int) -> int:
+        return self._scl_mask if line == SCL else self._sda_mask
+
+    def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
+        """Its filter sees each level of a bit, and no line is being watched for being stuck."""
+        return self._guard is None and self._filter <= min(high, hold, low - hold)
+
+    def byte(self) -> int:
+        return ONES if self._receiving else self._byte
+
+    def keeps_bus(self, shown: int) -> bool:
+        """It loses arbitration where another party pulls SDA while it sends 1."""
+        return self._receiving or shown == self._byte
+
+    def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
+        level = shown >> (SKIPPED_BITS - bit) & 1
+        self._bit, self._in = bit, shown >> (SKIPPED_BITS + 1 - bit)
+        self._sda_level = self.byte() >> (SKIPPED_BITS - bit) & 1
+        self._lines = SDA if level else 0
+        self._sda_seen, self._sda_event, self._sda_moved = level, NOTHING, fell + self._hold
+        self._scl_seen, self._scl_moved = SCL, fell
+        if bit and self._index == 0:
+            self._phase.answer_at = self._kernel.now

@@ -1,0 +1,96 @@
+"""The I2C master's part in skipped bits: the state in which seven bits of a byte have passed, or none of them.
+
+    SCL, released at the output  __|~~|__|~~|_ ... _|~~|_      cycles: `release` + n (low + high)
+                                   ^ bit position 0      ^ 7: the module wakes to release SCL for the eighth bit
+
+`bus.i2c.bit_skip` says when bits are skipped, and why nobody can observe it.
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from ...core.chip import NEVER
+from .clock import FALL, NO_STEP, RELEASE
+from .master_receiver import NO_BYTE, TAKE
+from .master_transmitter import I2cMasterTransmitter
+from .register_map import SCL
+
+SKIPPED_BITS = 7  # that are skipped of a byte
+NO_BIT = -1
+ONES = 0xFF
+
+
+class I2cMasterBitSkip(I2cMasterTransmitter):
+    """Adds the positions 0 and 7 of a byte to the master's states."""
+
+    def reset_bit_skip(self) -> None:
+        """Forget the last skip."""
+        self._skip_low = self._skip_high = self._skip_delay = 0  # cycles
+        self._in_before = self._sampled_before = self._low_from_before = self._rose_before = self._release_before = 0
+
+    def released_bit(self) -> int:
+        """Return the number of the bit, 0 to 8, for which SCL has just been released; NO_BIT for a condition."""
+        if not self._waits_for_rise or self._after_high != FALL or self._kind == NO_BYTE:
+            return NO_BIT
+        return self._bit
+
+    def only_clocks(self) -> bool:
+        """Return True if nothing but the bits of a byte of eight is under way."""
+        return not (self.frozen or self.halting) and self._n == SKIPPED_BITS + 1 and self.due == NEVER
+
+    def byte(self) -> int:
+        """Return the byte that the master puts on SDA; 0xFF where it receives."""
+        return ONES if self._kind == TAKE else self._byte
+
+    def keeps_bus(self, shown: int) -> bool:
+        """Return True if the master does not lose arbitration when the bus shows this byte."""
+        return self._kind == TAKE or shown == self._byte
+
+    def begin_skip(self, delay: int) -> None:
+        """Remember the state in which SCL was just released for the first bit. delay: cycles from output to pin."""
+        late = self.state.options.scl_sync_cycles.assume(self.state.touched) * self.state.tm if delay else 0
+        self._skip_low, self._skip_high, self._skip_delay = self.low(), delay + late + self.high(), delay
+        self._in_before, self._sampled_before = self._in, self._sampled
+        self._low_from_before, self._rose_before, self._release_before = self._low_from, self._rose_at, self._let_go_at
+
+    @property
+    def skip_release(self) -> int:
+        """The cycle in which SCL was released for the first bit."""
+        return self._release_before
+
+    @property
+    def skip_low(self) -> int:
+        """The low time of SCL in skipped bits, in cycles."""
+        return self._skip_low
+
+    @property
+    def skip_high(self) -> int:
+        """The high time of SCL in skipped bits, in cycles, from the release to the next fall of the output."""
+        return self._skip_high
+
+    @property
+    def skip_fell(self) -> int:
+        """The cycle in which the output SCL fell before the first bit."""
+        return self._low_from_before
+
+    def set_bit_position(self, shown: int, bit: int) -> None:
+        """Take the state in which `bit` bits, 0 or 7, of the byte `shown` have passed."""
+        period = self._skip_low + self._skip_high
+        self._bit = bit
+        self._drive(self.byte() >> (SKIPPED_BITS - bit) & 1)
+        if bit:
+            self.pulls |= SCL
+            self._waits_for_rise = False
+            self._in, self._sampled = (self._in_before & 1) << SKIPPED_BITS | shown >> 1, shown >> 1 & 1
+            self._let_go_at = self._release_before + (SKIPPED_BITS - 1) * period
+            self._rose_at = self._let_go_at + self._skip_delay
+            self._at(self._release_before + SKIPPED_BITS * period, RELEASE)
+            self._low_from = self.due - self._skip_low
+        else:
+            self.pulls &= ~SCL
+            self._waits_for_rise = True
+            self._in, self._sampled = self._in_before, self._sampled_before
+            self._let_go_at, self._rose_at = self._release_before, self._rose_before
+            self._low_from = self._low_from_before
+            self._at(NEVER, NO_STEP)

@@ -1,0 +1,154 @@
+"""An F28335's I2C module as a party whose bits are skipped, as a slave and as the master of the bus.
+
+    out SCL  __|~~|__|~~|_ ... _|~~|_          cycles of SYSCLKOUT
+    wire     ___|~~|__|~~|_ ... _|~~|_         later by the delay from output to pin
+               ^ the master asks here
+
+`bus.i2c.bit_skip` says when bits are skipped; `f28335.i2c.bit_skip` has the master's states.
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING, final
+
+from ..bus.i2c.bit_skip import BitParty, BitSkip
+from ..bus.i2c.bit_times import SKIPPED_BITS, CycleTimes
+from ..core.chip import OUTPUTS
+from ..core.socket import PinReleaseGate, Socket
+from ..core.time import Clock
+from ..f28335.i2c.module import I2c
+from ..f28335.i2c.register_map import SCL
+
+if TYPE_CHECKING:
+    from ..core.wire import Pin
+
+MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
+SCL_INDEX = 0  # among the module's outputs
+
+
+@final
+class I2cModuleParty(BitParty):
+    """socket: of the module. clock: SYSCLKOUT."""
+
+    __slots__ = ("_asking", "_calm", "_calm_for", "_chip", "_clock", "_hz", "_release_cause", "_socket")
+
+    _hz: Fraction
+
+    def __init__(self, socket: Socket, chip: I2c, clock: Clock) -> None:
+        self._socket = socket
+        self._chip = chip
+        self._clock = clock
+        self._calm = False
+        self._calm_for = -1  # sum of the figures that `_calm` depends on,
+        self._hz = clock.hz  # and the rate
+        self._asking = False  # the module, as the master, is about to skip bits
+        self._release_cause = 0  # the record under which it released SCL for the first of them
+
+    def act(self, tag: int) -> None:
+        """SCL is released for the first bit once more, and now passes edge by edge."""
+        self._socket.reclock()
+        self._socket.repeat_output(SCL_INDEX, self._release_cause)
+
+    # As any party ---------------------------------------------------------------
+
+    def pulls(self, line: int) -> int:
+        mask: int = 0
+        pin: Pin
+        for pin in self._socket.pins[0 if line == SCL else 1]:
+            mask |= pin.mask
+        return mask
+
+    def byte(self) -> int:
+        return self._chip.byte_on_sda()
+
+    def keeps_bus(self, shown: int) -> bool:
+        return self._chip.master.keeps_bus(shown)
+
+    def sda_follows_at(self, fall: int) -> int:
+        chip, cycle = self._chip, self._clock.cycle_at(fall)
+        if chip.master.active:
+            return self._clock.tick(cycle + chip.state.tm)
+        return self._clock.tick(cycle + chip.filter_width + self._socket.out_delay)
+
+    def separates(self, fall: int, moved: int) -> bool:
+        """Edges less than a module clock apart may be one event to it (option `unequal_arrival`)."""
+        return self._clock.cycle_at(moved) - self._clock.cycle_at(fall) >= self._chip.state.tm
+
+    def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
+        chip = self._chip
+        if not chip.waits_for_byte(self._asking) or not self._socket.shows_output():
+            return False
+        figures = each + 2 * low + 3 * high + 5 * hold + 7 * chip.filter_width + 11 * chip.state.tm
+        if figures != self._calm_for or self._clock.hz is not self._hz:
+            self._calm_for, self._hz = figures, self._clock.hz
+            self._calm = self._is_calm(low, high, hold, each)
+        return self._calm
+
+    def _is_calm(self, low: int, high: int, hold: int, each: bool) -> bool:
+        """Return True if each level outlasts the noise filter, and SDA, also where this module moves it, moves apart
+        from SCL.
+        """
+        width, module_clock = self._chip.filter_width, self._chip.state.tm
+        apart = max(width, module_clock) + MARGIN
+        low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)
+        own = width + self._socket.out_delay + MARGIN
+        if width <= 0 or (not each and hold < module_clock + MARGIN):
+            return False
+        return min(high, low - hold, low - own) >= apart
+
+    def _cycles(self, ticks: int) -> int:
+        """Return the number of whole cycles in so many ticks."""
+        return self._clock.cycle_at(self._clock.tick(0) + ticks) - 1
+
+    def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
+        self._chip.set_bit_position(shown, bit)
+        self._socket.accept_output()
+
+    # As the master ----------------------------------------------------------------
+
+    def skips(self, bit_skip: BitSkip, times: CycleTimes) -> bool:
+        """Skip the bits of the byte for which SCL has just been released, if they are unobservable."""
+        master, delay = self._chip.master, self._socket.out_delay
+        master.begin_skip(delay)
+        release = master.skip_release
+        times.since, times.low, times.high = release + delay, master.skip_low, master.skip_high
+        ends = self._clock.tick(release + SKIPPED_BITS * (master.skip_low + master.skip_high))
+        self._release_cause = self._socket.present_cause()
+        self._asking = True
+        skips = bit_skip.skips_for(self, times, self._clock.tick(master.skip_fell + delay), ends)
+        self._asking = False
+        if skips:
+            self._socket.publish(release, OUTPUTS)  # plans the wake-up for the eighth bit
+        return skips
+
+
+@final
+class I2cMasterGate(PinReleaseGate):
+    """Holds SCL's pin low while the bits are skipped that the module clocks."""
+
+    __slots__ = ("_bit_skip", "_chip", "_party", "_times")
+
+    def __init__(self, party: I2cModuleParty, chip: I2c, clock: Clock, bit_skip: BitSkip) -> None:
+        self._party = party
+        self._chip = chip
+        self._bit_skip = bit_skip
+        self._times = CycleTimes(clock)
+
+    def holds_back(self) -> bool:
+        bit = self._chip.master.released_bit()
+        if bit == SKIPPED_BITS:
+            self._bit_skip.over()
+        return not bit and self._chip.only_clocks_byte() and self._party.skips(self._bit_skip, self._times)
+
+
+def party_of(socket: Socket, clock: Clock, bit_skip: BitSkip, clocks: bool) -> I2cModuleParty:  # core: python
+    """Return an I2C module as a party. clocks: as the master it skips the bits of the bytes that it clocks."""
+    chip = socket.chip
+    assert isinstance(chip, I2c)
+    party = I2cModuleParty(socket, chip, clock)
+    if clocks:
+        socket.release = I2cMasterGate(party, chip, clock, bit_skip)
+    return party

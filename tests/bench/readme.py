@@ -43,9 +43,9 @@ def times(what: str) -> Read:
 ROWS: tuple[tuple[str, Read, str], ...] = (
     ("`imu_hil` with all its budgets", per_second("imu_hil", EXACT), "rate"),
     ('`imu_hil`, `arithmetic = "bytes"`, no budgets', per_second(BYTES, EXACT), "rate"),
-    ("the same without optimizations", per_second(BYTES, PLAIN), "rate"),
+    ("that case edge by edge", per_second(BYTES, PLAIN), "rate"),
     ("`responder`", per_second("responder", EXACT), "rate"),
-    ("the same without optimizations", per_second("responder", PLAIN), "rate"),
+    ("`responder` edge by edge", per_second("responder", PLAIN), "rate"),
     ("`responder`, its waits declared", per_second(DECLARED, EXACT), "rate"),
     ("`imu_hil` with its flags recorded", recorded("flags, kept"), "factor"),
     ("`imu_hil` recorded as `.psr`", recorded(".psr"), "factor"),

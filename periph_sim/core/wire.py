@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from operator import attrgetter
 from typing import final
 
-from .kernel import BY_WIRE, NOT_DUE, Agent, Kernel, Samples, Settles
+from .kernel import BY_WIRE, NOT_DUE, Agent, Kernel, Samples, Settles, Shortcut
 from .records import Kind, Recorder, Topic
 
 Watcher = Callable[[int, int], None]
@@ -66,6 +66,7 @@ class Wire(Settles):
         self._edges = recorder.topic(Kind.EDGE, name, "level")
         self._holds = recorder.topic(Kind.HOLD, name, "held")
         self.pulling = 0
+        self.shortcut: Shortcut | None = None  # what skips edges of this wire now
         self.attached = 0
         self._pulling = 0  # the same, in an instant that is not settled yet
         self._pulling_recorded = 0  # the same when it was recorded last
@@ -126,7 +127,9 @@ class Wire(Settles):
         return [who for i, who in enumerate(self._parties) if self._pulling >> i & 1]
 
     def pull(self, mask: int, level: int) -> None:
-        """The parties of `mask` let go (1) or pull low (0)."""
+        """Release (1) or pull low (0) the holds of `mask`. Edges that are skipped now are run before."""
+        if self.shortcut is not None:
+            self.shortcut.materialize()
         pulling = self._pulling & ~mask if level else self._pulling | mask
         if pulling == self._pulling:
             return

@@ -271,6 +271,34 @@ def test_the_meddling_is_seen_in_the_middle_of_bytes_that_had_passed(monkeypatch
     assert sum(result.bytes_skipped for result in results) > 20
 
 
+HOLDS_IN_MID_BYTE = """
+class Device:
+    def __init__(self, bus):
+        self.bus, self.count = bus, 0
+
+    def on_write(self, byte):
+        self.bus.after("33 us", lambda: self.bus.stretch("47 us"))
+
+    def on_read(self):
+        self.count += 1
+        self.bus.after("41 us", lambda: self.bus.stretch("29 us"))
+        return self.count
+"""
+
+
+def test_a_device_that_holds_scl_in_the_middle_of_a_byte_gives_what_edges_give(tmp_path: Path):
+    (tmp_path / "holds.py").write_text(HOLDS_IN_MID_BYTE, "utf-8")
+    made = small.case(
+        device={"it": {"model": str(tmp_path / "holds.py"), "address": 0x51}},
+        controller={"rate": "100 kHz", "first": "1 ms", "request": [{"address": 0x51, "pointer": 3, "count": 6}]},
+        budget=[{"name": "stretch", "measure": "stretch", "max": "100 us"}],
+    )
+    by_edges, skipping = (run(made, disable, BUT_EDGES, "0.01") for disable in (BY_EDGES, SKIPPING))
+    assert skipping[1] == by_edges[1] and figures(skipping[0]) == figures(by_edges[0])
+    (stretch,) = skipping[0].budgets
+    assert stretch.worst is not None and stretch.worst > 30
+
+
 def test_a_run_that_ends_in_the_middle_of_a_byte_leaves_the_lines_as_they_are(tmp_path: Path):
     case = load(TIMING / "responder.toml")
     for ticks in range(0, 400, 7):

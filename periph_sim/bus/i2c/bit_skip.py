@@ -7,7 +7,8 @@
 During the first seven bits of a byte only the lines change: flags, FIFOs, interrupts and the ACK move with the eighth
 rise of SCL or later. So these bits are unobservable unless edges are recorded, a line is held, or a party acts in
 mid-byte. Where edges are recorded, no bit is skipped. Where a party may hold a line, the byte passes edge by edge.
-Where firmware or a device acts in mid-byte, the skipped events are run up to now, in their order (`materialize`).
+Where firmware acts in mid-byte, or any party pulls a line, the skipped events are run up to now, in their order
+(`materialize`).
 """
 
 # core: compiled
@@ -162,7 +163,7 @@ class BitSkip(Shortcut):
     def over(self) -> None:
         """SCL is about to rise for the eighth bit of a byte, of which bits may have been skipped."""
         if self._kernel.shortcut is self:
-            self._kernel.shortcut = None
+            self._set_active(None)
             self.passed += 1
             party: BitParty
             for party in self._parties:
@@ -175,7 +176,7 @@ class BitSkip(Shortcut):
             self.over()  # the controller acts in this very tick, or has acted, from the present state
             return
         assert controller is not None
-        kernel.shortcut = None
+        self._set_active(None)
         if self._eighth is not None:
             kernel.cancel(self._eighth)
         self._set_bit_position(0, self._fell)
@@ -187,7 +188,11 @@ class BitSkip(Shortcut):
     def _begin(self, times: BitTimes, shown: int, fell: int, tag: int) -> None:
         self._times, self._since, self._fell, self._shown, self._tag = times, self._kernel.now, fell, shown, tag
         self._set_bit_position(SKIPPED_BITS, times.fall(SKIPPED_BITS))
-        self._kernel.shortcut = self
+        self._set_active(self)
+
+    def _set_active(self, shortcut: Shortcut | None) -> None:
+        """Register what skips edges of this bus, so that it is materialized before a party pulls a line."""
+        self._kernel.shortcut = self._scl.shortcut = self._sda.shortcut = shortcut
 
     def _byte_on_lines(self, controller: BitParty, low: int, high: int, hold: int, each: bool) -> int:
         """Return the byte that the lines will show; -1 where it must pass edge by edge."""

@@ -22,7 +22,10 @@ STUCK_AFTER = Fraction(25, 1000)
 
 
 class StuckWatch(BitParty):
-    """told: with the wire, once for each time that it is low for `limit` ticks. bit_skip: what passes on its bus."""
+    """Reports a wire to `told`, once each time that it has been low for `limit` ticks.
+
+    bit_skip: what skips bits on its bus.
+    """
 
     def __init__(
         self,

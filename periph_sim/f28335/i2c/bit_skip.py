@@ -3,7 +3,7 @@
     SCL, released at the output  __|~~|__|~~|_ ... _|~~|_      cycles: `release` + n (low + high)
                                    ^ bit position 0      ^ 7: the module wakes to release SCL for the eighth bit
 
-`bus.i2c.bit_skip` says when bits are skipped, and why nobody can observe it.
+`bus.i2c.bit_skip` says when bits are skipped, and why that is unobservable.
 """
 
 # core: compiled
@@ -16,18 +16,24 @@ from .master_receiver import NO_BYTE, TAKE
 from .master_transmitter import I2cMasterTransmitter
 from .register_map import SCL
 
-SKIPPED_BITS = 7  # that are skipped of a byte
+SKIPPED_BITS = 7  # of a byte; the eighth decides
 NO_BIT = -1
 ONES = 0xFF
 
 
 class I2cMasterBitSkip(I2cMasterTransmitter):
-    """Adds the positions 0 and 7 of a byte to the master's states."""
+    """Adds the positions 0 and 7 of a byte to the master's states.
+
+    skip_release: the cycle in which SCL was released for the first bit.
+    skip_fell: the cycle in which the output SCL fell before it.
+    skip_low: the low time of SCL in skipped bits, in cycles.
+    skip_high: the time from a release of SCL to the next fall of the output, in cycles.
+    """
 
     def reset_bit_skip(self) -> None:
         """Forget the last skip."""
-        self._skip_low = self._skip_high = self._skip_delay = 0  # cycles
-        self._in_before = self._sampled_before = self._low_from_before = self._rose_before = self._release_before = 0
+        self.skip_low = self.skip_high = self._skip_delay = 0  # cycles
+        self._in_before = self._sampled_before = self.skip_fell = self._rose_before = self.skip_release = 0
 
     def released_bit(self) -> int:
         """Return the number of the bit, 0 to 8, for which SCL has just been released; NO_BIT for a condition."""
@@ -50,47 +56,27 @@ class I2cMasterBitSkip(I2cMasterTransmitter):
     def begin_skip(self, delay: int) -> None:
         """Remember the state in which SCL was just released for the first bit. delay: cycles from output to pin."""
         late = self.state.options.scl_sync_cycles.assume(self.state.touched) * self.state.tm if delay else 0
-        self._skip_low, self._skip_high, self._skip_delay = self.low(), delay + late + self.high(), delay
+        self.skip_low, self.skip_high, self._skip_delay = self.low(), delay + late + self.high(), delay
         self._in_before, self._sampled_before = self._in, self._sampled
-        self._low_from_before, self._rose_before, self._release_before = self._low_from, self._rose_at, self._let_go_at
-
-    @property
-    def skip_release(self) -> int:
-        """The cycle in which SCL was released for the first bit."""
-        return self._release_before
-
-    @property
-    def skip_low(self) -> int:
-        """The low time of SCL in skipped bits, in cycles."""
-        return self._skip_low
-
-    @property
-    def skip_high(self) -> int:
-        """The high time of SCL in skipped bits, in cycles, from the release to the next fall of the output."""
-        return self._skip_high
-
-    @property
-    def skip_fell(self) -> int:
-        """The cycle in which the output SCL fell before the first bit."""
-        return self._low_from_before
+        self.skip_fell, self._rose_before, self.skip_release = self._low_from, self._rose_at, self._let_go_at
 
     def set_bit_position(self, shown: int, bit: int) -> None:
         """Take the state in which `bit` bits, 0 or 7, of the byte `shown` have passed."""
-        period = self._skip_low + self._skip_high
+        period = self.skip_low + self.skip_high
         self._bit = bit
         self._drive(self.byte() >> (SKIPPED_BITS - bit) & 1)
         if bit:
             self.pulls |= SCL
             self._waits_for_rise = False
             self._in, self._sampled = (self._in_before & 1) << SKIPPED_BITS | shown >> 1, shown >> 1 & 1
-            self._let_go_at = self._release_before + (SKIPPED_BITS - 1) * period
+            self._let_go_at = self.skip_release + (SKIPPED_BITS - 1) * period
             self._rose_at = self._let_go_at + self._skip_delay
-            self._at(self._release_before + SKIPPED_BITS * period, RELEASE)
-            self._low_from = self.due - self._skip_low
+            self._at(self.skip_release + SKIPPED_BITS * period, RELEASE)
+            self._low_from = self.due - self.skip_low
         else:
             self.pulls &= ~SCL
             self._waits_for_rise = True
             self._in, self._sampled = self._in_before, self._sampled_before
-            self._let_go_at, self._rose_at = self._release_before, self._rose_before
-            self._low_from = self._low_from_before
+            self._let_go_at, self._rose_at = self.skip_release, self._rose_before
+            self._low_from = self.skip_fell
             self._at(NEVER, NO_STEP)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .scene.case.load import load
     from .scene.case.model import BadCase, Case
     from .scene.firmware_loader import Firmware
+    from .scene.prepared import PreparedScene
     from .scene.result import Result
     from .scene.scene import Scene
     from .timing.verdict import Verdict
@@ -50,6 +51,7 @@ __all__ = [
     "Firmware",
     "FirmwareError",
     "NotInRun",
+    "PreparedScene",
     "Result",
     "Run",
     "Scene",
@@ -86,6 +88,7 @@ _HOMES = {
     "scene.case.load": ("load",),
     "scene.case.model": ("BadCase", "Case"),
     "scene.firmware_loader": ("Firmware",),
+    "scene.prepared": ("PreparedScene",),
     "scene.result": ("Result",),
     "scene.scene": ("Scene",),
     "timing.verdict": ("Verdict",),

@@ -5,25 +5,19 @@ make_case(...) or load(file) --> Case --run--> Result
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from .core.convert import BadTable
-from .core.input_files import inputs_of_one_command, note_inputs_of
-from .core.settings import duration
-from .records.if_recorded import if_recorded
-from .scene.case.load import apply, built, load, refusal
-from .scene.case.model import BadCase, Case
+from .scene.case.load import apply, built, refusal
+from .scene.case.model import Case
 from .scene.case.named_files import texts_in
 from .scene.case.origin import Source
-from .scene.clocks import clocks_of
 from .scene.firmware_loader import Firmware
+from .scene.prepared import PreparedScene, Program
 from .scene.result import Result
-from .scene.scene import Scene
-
-Program = Callable[[Any, Any], None]
 
 
 def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
@@ -57,36 +51,4 @@ def run(
     BadCase, FirmwareError and their like, one sentence each, where it cannot be run; BadRecording where `record` is a
     file that this run has read.
     """
-    with inputs_of_one_command():
-        return _run(case, changes, seconds, programs or {}, record)
-
-
-def _run(
-    case: Case | str | Path,
-    changes: Sequence[str],
-    seconds: str | Fraction | None,
-    programs: Mapping[str, Program | Firmware],
-    record: str | Path | None,
-) -> Result:
-    if isinstance(case, Case):
-        if changes:
-            raise BadCase("changes go with a file; give them to load or make_case")
-    else:
-        case = load(Path(case), list(changes))
-    note_inputs_of(case.files())
-    try:
-        length = None if seconds is None else duration(seconds)
-    except ValueError as error:
-        raise BadCase(f"seconds={seconds!r}: {error}") from None
-    firmware = {unit: _firmware(unit, program) for unit, program in programs.items()}
-    for unit in firmware.keys() - case.unit.keys():
-        raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
-    with if_recorded(None if record is None else Path(record), case.recorded_modules) as (subscribe, ended_at):
-        scene = Scene(case, subscribe, firmware)
-        result = scene.run(length)
-        ended_at(scene.kernel.now, clocks_of(scene))
-    return result
-
-
-def _firmware(unit: str, program: Program | Firmware) -> Firmware:
-    return program if isinstance(program, Firmware) else Firmware(unit, program, None)
+    return PreparedScene(case, changes).run(seconds=seconds, programs=programs, record=record)

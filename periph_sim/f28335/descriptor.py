@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import import_module
 from itertools import pairwise
 from typing import Any, cast
@@ -142,6 +142,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
         return DescriptorError(f"descriptor of {self.name}: {what}")
 
 
+@cache
 def named_class(name: str) -> Any:
     """Return the class of a name like "i2c.module.I2c" in this package. Its module is imported with the first use."""
     module, _, attribute = name.rpartition(".")

@@ -20,7 +20,7 @@ from msgspec import Struct, field
 
 from ..core.chip import Chip, Note
 from ..core.kernel import CHIP, PADS, Kernel
-from ..core.options import Answers
+from ..core.options import Answers, options_from
 from ..core.records import Recorder
 from ..core.socket import Socket
 from ..core.suggest import did_you_mean
@@ -82,7 +82,8 @@ class DspPlan(Struct):
 
     def answers(self, kind: type[T]) -> T:
         """Return the answers of this class, or its defaults."""
-        return next((one for one in self.options.values() if isinstance(one, kind)), kind())
+        found = next((one for one in self.options.values() if isinstance(one, kind)), None)
+        return options_from(kind, {}) if found is None else found
 
 
 class Dsp(FirmwareView):

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from pathlib import Path
 
 from ..bus.i2c.transfer import Transfer
@@ -22,6 +23,7 @@ from ..processor.user_code import output_muted
 from ..replay.wire_log import WireLog
 from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
+from ..scene.prepared import PreparedScene
 from ..scene.result import Result
 from ..scene.scene import Scene
 from ..timing.verdict import NOTHING_PROVEN, Verdict
@@ -47,8 +49,13 @@ class Plan:
     programs: Mapping[str, Firmware] = field(default_factory=dict)
 
     def scene(self, subscribe: Callable[[Recorder, Timebase], None] | None = None) -> Scene:
-        """A new scene, not yet run. BadCase if it cannot be built."""
-        return Scene(self.case, subscribe, self.programs)
+        """Return a new scene, not yet run. BadCase if it cannot be built."""
+        return self._prepared.scene((), subscribe, self.programs)
+
+    @cached_property
+    def _prepared(self) -> PreparedScene:
+        """What all scenes of this plan have in common: a run, and one more for the edges of its wires."""
+        return PreparedScene(self.case)
 
     @property
     def length(self) -> Fraction:

@@ -16,18 +16,11 @@ from .case.optimizations import is_on
 from .case.wiring import Wiring
 
 
-class SceneContext(Struct, frozen=True):
-    """wire: the wire of a name, made when it is asked for first. wiring: the names of the wires on each unit's pins.
-
-    start: the tick at which the run begins.
-    """
+class CaseTicks(Struct, frozen=True):
+    """Converts the times of a case into ticks. start: the tick at which the run begins."""
 
     case: Case
-    kernel: Kernel
-    recorder: Recorder
     timebase: Timebase
-    wire: Callable[[str], Wire]
-    wiring: Wiring
     start: int
 
     def optimizes(self, name: str) -> bool:
@@ -58,9 +51,18 @@ class SceneContext(Struct, frozen=True):
             raise self.case.mistake(str(error), *place) from None
 
     def _ticks(self, length: Fraction, ppm: Fraction) -> tuple[int, int]:
-        """The same as a count of parts of a tick, and how many of these a tick has."""
+        """Return the same as a count of parts of a tick, and the number of these in a tick."""
         clock = 1_000_000 * ppm.denominator
         return length.numerator * self.timebase.per_second * clock, length.denominator * (clock + ppm.numerator)
+
+
+class SceneContext(CaseTicks, frozen=True):
+    """wire: the wire of a name, made when it is asked for first. wiring: the names of the wires on each unit's pins."""
+
+    kernel: Kernel
+    recorder: Recorder
+    wire: Callable[[str], Wire]
+    wiring: Wiring
 
 
 def _places(table: object, length: Fraction) -> Iterator[tuple[str | int, ...]]:

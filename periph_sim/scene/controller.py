@@ -1,5 +1,7 @@
 """The I2C controller of a case: [controller] goes in, the sensor head on SCL and SDA comes out; and what is asked.
 
+    Case --head_plan--> HeadPlan, of all scenes of the case --build_head--> ControllerAgent, of one scene
+
 All its times are counted by its own clock, `ppm` off. Rounds keep to that clock however long the run; of a phase of SCL
 the nearest tick is taken.
 """
@@ -19,21 +21,37 @@ from ..core.suggest import did_you_mean
 from ..devices.sensor_head import SensorHead
 from ..devices.sensor_rounds import CHIPS, Request, Schedule
 from ..timing.rounds import Asked
-from .case.model import Controller, RequestTable, RoundsTable
+from .case.model import Case, Controller, RequestTable, RoundsTable
 from .case.optimizations import BITS
-from .context import SceneContext
+from .context import CaseTicks, SceneContext
 
 if TYPE_CHECKING:
     from ..core.wire import Wire
 
 
+class HeadPlan(Struct, frozen=True):
+    """What a [controller] asks for, and when.
+
+    requests: those of each round.
+    startup: requests before the first round.
+    asked: the transfers that are to be seen on the bus.
+    stuck_after, clear_after: ticks.
+    """
+
+    requests: tuple[Request, ...]
+    startup: tuple[Request, ...]
+    timing: BusTiming
+    schedule: Schedule
+    asked: Asked
+    stuck_after: int
+    clear_after: int
+
+
 class ControllerAgent(Struct, frozen=True):
-    """requests: of each round. asked: what of it is to be seen on the bus."""
+    """The agent of a scene: its I2C controller, and the sensor head that uses it."""
 
     controller: I2cController
     head: SensorHead
-    requests: list[Request]
-    asked: Asked
 
 
 def _agent_of(context: SceneContext) -> type[I2cController]:
@@ -49,74 +67,92 @@ def skips_bits(context: SceneContext) -> bool:
     return context.optimizes(BITS) and not (context.wire("SCL").recorded or context.wire("SDA").recorded)
 
 
-def build_head(context: SceneContext, table: Controller, on_stuck: Callable[[Wire], None]) -> ControllerAgent:
-    """BadCase, with its line, for requests that nobody can make."""
-    requests = _requests(context, table, "controller")
-    startup = _startup(context, table, requests)
+def head_plan(scale: CaseTicks) -> HeadPlan:
+    """Return the plan of a case's [controller]. BadCase, with its line, for requests that cannot be made."""
+    table = scale.case.controller
+    assert table is not None
+    requests = _requests(scale.case, table, "controller")
+    startup = _startup(scale.case, table, requests)
     by_stop = table.pointer_by == "STOP"
 
     def ticks(length: Fraction) -> int:
-        return context.ticks(length, table.ppm)
+        return scale.ticks(length, table.ppm)
 
     half = Fraction(1, 2) / table.rate
     low = ticks(half if table.low is None else table.low)
     high = ticks(half if table.high is None else table.high)
-    controller = _agent_of(context)(
-        context.kernel,
-        context.recorder,
-        context.wire("SCL"),
-        context.wire("SDA"),
-        BusTiming(low, high, ticks(table.hold), high, low, high, low, ticks(table.filter)),
-        who="controller",
-        stuck_after=context.ticks(table.stuck_after),
-        on_stuck=on_stuck,
-        clear_after=ticks(table.clear_after or Fraction(0)),
-        gives_up=table.on_nack == "give up",
-    )
+    timing = BusTiming(low, high, ticks(table.hold), high, low, high, low, ticks(table.filter))
+    stuck_after, clear_after = scale.ticks(table.stuck_after), ticks(table.clear_after or Fraction(0))
     schedule = Schedule(
         first=ticks(table.first),
-        period=context.exact_ticks(table.period, table.ppm),
+        period=scale.exact_ticks(table.period, table.ppm),
         gap=ticks(table.gap),
         jitter=ticks(table.jitter),
         rounds=table.rounds,
         ahead=ticks(table.initialise or Fraction(0)),
     )
-    seed = context.case.seed
-    head = SensorHead(context.kernel, controller, requests, schedule, startup=startup, by_stop=by_stop, seed=seed)
     asked = Asked(
         requests=_transfers(requests, by_stop),
         period=schedule.period,
         startup=_transfers(startup, by_stop),
-        first=context.kernel.now + schedule.first,
+        first=scale.start + schedule.first,
         late=schedule.jitter,
         rounds=schedule.rounds,
     )
-    return ControllerAgent(controller, head, requests, asked)
+    return HeadPlan(tuple(requests), tuple(startup), timing, schedule, asked, stuck_after, clear_after)
+
+
+def build_head(
+    context: SceneContext, table: Controller, plan: HeadPlan, on_stuck: Callable[[Wire], None]
+) -> ControllerAgent:
+    """Return the agent of a planned [controller], on the wires of a scene."""
+    controller = _agent_of(context)(
+        context.kernel,
+        context.recorder,
+        context.wire("SCL"),
+        context.wire("SDA"),
+        plan.timing,
+        who="controller",
+        stuck_after=plan.stuck_after,
+        on_stuck=on_stuck,
+        clear_after=plan.clear_after,
+        gives_up=table.on_nack == "give up",
+    )
+    head = SensorHead(
+        context.kernel,
+        controller,
+        list(plan.requests),
+        plan.schedule,
+        startup=list(plan.startup),
+        by_stop=table.pointer_by == "STOP",
+        seed=context.case.seed,
+    )
+    return ControllerAgent(controller, head)
 
 
 def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
     """What a master that is no agent asks: [rounds]. BadCase, with its line, for requests that nobody can make."""
-    requests = _requests(context, table, "rounds")
+    requests = _requests(context.case, table, "rounds")
     transfers = _transfers(requests, table.pointer_by == "STOP")
     period = context.exact_ticks(table.period, Fraction(0))
     return Asked(transfers, period, rounds=table.rounds, ack_polling=table.ack_polling)
 
 
-def _requests(context: SceneContext, table: Controller | RoundsTable, name: str) -> list[Request]:
-    requests = [_chip(context, chip, name, "order") for chip in table.order]
-    requests += [_request(context, request, name, "request", i) for i, request in enumerate(table.request)]
+def _requests(case: Case, table: Controller | RoundsTable, name: str) -> list[Request]:
+    requests = [_chip(case, chip, name, "order") for chip in table.order]
+    requests += [_request(case, request, name, "request", i) for i, request in enumerate(table.request)]
     if not requests:
-        raise context.case.mistake(f"it has no requests; give it order or [[{name}.request]]", name)
+        raise case.mistake(f"it has no requests; give it order or [[{name}.request]]", name)
     return requests
 
 
-def _startup(context: SceneContext, table: Controller, requests: list[Request]) -> list[Request]:
+def _startup(case: Case, table: Controller, requests: list[Request]) -> list[Request]:
     if table.initialise is None:
         return []
     asked = {request.address for request in requests}
     startup = [request for chip in CHIPS.values() if chip.address in asked for request in chip.startup]
     if not startup:
-        raise context.case.mistake("no known chip is asked, so there is none to set up", "controller", "initialise")
+        raise case.mistake("no known chip is asked, so there is none to set up", "controller", "initialise")
     return startup
 
 
@@ -124,16 +160,16 @@ def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
     return tuple(transfer for request in requests for transfer in request.transfers(by_stop))
 
 
-def _chip(context: SceneContext, name: str, *place: str | int) -> Request:
+def _chip(case: Case, name: str, *place: str | int) -> Request:
     if name not in CHIPS:
-        raise context.case.mistake(f"there is no chip {name!r}; {did_you_mean(name, CHIPS)}", *place)
+        raise case.mistake(f"there is no chip {name!r}; {did_you_mean(name, CHIPS)}", *place)
     chip = CHIPS[name]
     return Request(name, chip.address, chip.pointer, 6)
 
 
-def _request(context: SceneContext, table: RequestTable, *place: str | int) -> Request:
+def _request(case: Case, table: RequestTable, *place: str | int) -> Request:
     if table.chip is not None:
-        known = _chip(context, table.chip, *place, "chip")
+        known = _chip(case, table.chip, *place, "chip")
         return replace(known, name=table.name or known.name, expect=table.expect)
     assert table.address is not None
     name = table.name or f"{table.address:#04x}"

@@ -5,13 +5,14 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import is_dataclass
+from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from msgspec import Struct
 
-from ..core.convert import BadTable, convert
+from ..core.convert import BadTable, convert, keys_of
 from ..core.suggest import did_you_mean
 from ..processor.error_origin import Misuse, defined_at, flaw_of
 from ..processor.user_code import PASSES
@@ -51,9 +52,19 @@ class BadSetting(ValueError):
 
 
 def load_firmware(name: str) -> Firmware:
-    """A program: the name of a shipped one, or the path of a .py file. BadFirmware if it cannot be had."""
+    """Return a program: a shipped one by its name, or a .py file by its path. BadFirmware if there is none."""
     if not name:
         raise BadFirmware("its unit runs no Python firmware, which this needs")
+    return _loaded(name) if name.endswith(".py") else _loaded_once(name)
+
+
+@lru_cache(maxsize=64)
+def _loaded_once(name: str) -> Firmware:
+    """Return a shipped program, whose module is imported once."""
+    return _loaded(name)
+
+
+def _loaded(name: str) -> Firmware:
     try:
         module = _file_module(Path(name)) if name.endswith(".py") else _shipped_module(name)
     except (*PASSES, BadFirmware):
@@ -71,10 +82,10 @@ def load_firmware(name: str) -> Firmware:
 
 
 def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
-    """The names in a module's `REPLAY`. BadFirmware if they are no names of its settings."""
+    """Return the names in a module's `REPLAY`. BadFirmware if they are no names of its settings."""
     given: object = getattr(module, "REPLAY", ())
     kind = getattr(module, "Settings", None)
-    known = [*inspect.signature(kind).parameters] if inspect.isclass(kind) and is_dataclass(kind) else []
+    known = [*keys_of(kind)] if inspect.isclass(kind) and is_dataclass(kind) else []
     if not isinstance(given, tuple | list) or not all(isinstance(one, str) for one in given):
         raise BadFirmware(f"firmware {name!r}: REPLAY is {given!r}; expected a tuple of names of settings")
     for one in given:

@@ -14,6 +14,8 @@ from fractions import Fraction
 from functools import partial
 from typing import TypeVar
 
+from msgspec import Struct
+
 from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.sender import UartSender
 from ..devices.host_pc import Host, HostSchedule, ramp
@@ -21,11 +23,41 @@ from ..devices.truth import Axes, LineBetweenFrames, MotionTruth, Truth
 from ..sensors.host_frame import MotionFrames
 from ..sensors.models.parameters import ImuParameters
 from .case.model import HostTable
-from .context import SceneContext
+from .context import CaseTicks, SceneContext
 from .firmware_loader import BadSetting
 from .host_motion import encoding_of, frames_of
 
 T = TypeVar("T")
+
+
+class HostPlan(Struct, frozen=True):
+    """When a [host] sends what. bit: ticks of a bit on its line."""
+
+    schedule: HostSchedule
+    bit: Fraction
+
+
+def host_plan(scale: CaseTicks) -> HostPlan:
+    """Return the plan of a case's [host]. BadCase, with its line, for a time that is too long."""
+    table = scale.case.host
+    assert table is not None
+
+    def ticks(length: Fraction) -> int:
+        return scale.ticks(length, table.ppm)
+
+    spans = [(scale.start + scale.ticks(begin), scale.ticks(length)) for begin, length in table.silent]
+    schedule = HostSchedule(
+        first=ticks(table.first),
+        period=scale.exact_ticks(table.period, table.ppm),
+        jitter=ticks(table.jitter),
+        gap=table.gap,
+        lose=frozenset(table.lose),
+        frames=table.frames,
+        paced_by=table.paced_by,
+        silent=tuple((begin, begin + length) for begin, length in spans),
+        twice=frozenset(table.twice),
+    )
+    return HostPlan(schedule, scale.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100)))
 
 
 class HostAgent:
@@ -35,7 +67,7 @@ class HostAgent:
     sensors: those that firmware computes, None where chips show the values of frames.
     """
 
-    def __init__(self, context: SceneContext, table: HostTable, sensors: ImuParameters | None) -> None:
+    def __init__(self, context: SceneContext, table: HostTable, plan: HostPlan, sensors: ImuParameters | None) -> None:
         """BadCase, with its line, for a motion or an encoding that cannot be."""
         self._context = context
         self._period = table.period
@@ -45,30 +77,10 @@ class HostAgent:
             frames = partial(frames_of, table.motion, encoding, table.first, table.period)
             self.frames = self._settings("motion", frames)
         self.truth = self._truth(table, sensors)
-        bit = context.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100))
-        self._line = bit, UartFormat()
-        self.peer = UartSender(context.kernel, context.recorder, context.wire("RX"), bit)
+        self._line = plan.bit, UartFormat()
+        self.peer = UartSender(context.kernel, context.recorder, context.wire("RX"), plan.bit)
         seed = context.case.seed + 1
-        self.host = Host(context.kernel, self.peer, self._schedule(table), self.values, seed, encoding.byte_order)
-
-    def _schedule(self, table: HostTable) -> HostSchedule:
-        context = self._context
-
-        def ticks(length: Fraction) -> int:
-            return context.ticks(length, table.ppm)
-
-        spans = [(context.start + context.ticks(begin), context.ticks(length)) for begin, length in table.silent]
-        return HostSchedule(
-            first=ticks(table.first),
-            period=context.exact_ticks(table.period, table.ppm),
-            jitter=ticks(table.jitter),
-            gap=table.gap,
-            lose=frozenset(table.lose),
-            frames=table.frames,
-            paced_by=table.paced_by,
-            silent=tuple((begin, begin + length) for begin, length in spans),
-            twice=frozenset(table.twice),
-        )
+        self.host = Host(context.kernel, self.peer, plan.schedule, self.values, seed, encoding.byte_order)
 
     def _truth(self, table: HostTable, sensors: ImuParameters | None) -> Truth | None:
         """What chips should show. None where models make it of frames of which no motion is known."""

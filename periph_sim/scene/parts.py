@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from ..timing.measures.reply import Reply
     from ..timing.measures.value import ValueDeviation
     from .bit_skip import bit_skip_of
-    from .controller import build_head, rounds_of, skips_bits
+    from .controller import build_head, head_plan, rounds_of, skips_bits
     from .deadlock import deadlock_reason
     from .devices import build_devices, put_on_bus
     from .faults import build_faults
-    from .host import HostAgent
+    from .host import HostAgent, host_plan
     from .image_watching import variable_value
     from .limits import limits_of
     from .logged_outside import logged_outside
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from .release_delay import ReleaseDelay
     from .sensor_chips import build_chip
     from .serial.side import SerialSide
-    from .unit import build_unit
+    from .unit import build_unit, unit_plan
     from .watch import watcher_of
 
 _HOMES = {
@@ -42,11 +42,11 @@ _HOMES = {
     "timing.measures.reply": ("Reply",),
     "timing.measures.value": ("ValueDeviation",),
     "scene.bit_skip": ("bit_skip_of",),
-    "scene.controller": ("build_head", "rounds_of", "skips_bits"),
+    "scene.controller": ("build_head", "head_plan", "rounds_of", "skips_bits"),
     "scene.deadlock": ("deadlock_reason",),
     "scene.devices": ("build_devices", "put_on_bus"),
     "scene.faults": ("build_faults",),
-    "scene.host": ("HostAgent",),
+    "scene.host": ("HostAgent", "host_plan"),
     "scene.image_watching": ("variable_value",),
     "scene.limits": ("limits_of",),
     "scene.logged_outside": ("logged_outside",),
@@ -56,7 +56,7 @@ _HOMES = {
     "scene.release_delay": ("ReleaseDelay",),
     "scene.sensor_chips": ("build_chip",),
     "scene.serial.side": ("SerialSide",),
-    "scene.unit": ("build_unit",),
+    "scene.unit": ("build_unit", "unit_plan"),
     "scene.watch": ("watcher_of",),
 }
 __all__ = [
@@ -80,6 +80,8 @@ __all__ = [
     "check_outside",
     "deadlock_reason",
     "drives_bus",
+    "head_plan",
+    "host_plan",
     "limits_of",
     "logged_outside",
     "not_run",
@@ -87,6 +89,7 @@ __all__ = [
     "put_on_bus",
     "rounds_of",
     "skips_bits",
+    "unit_plan",
     "variable_value",
     "watcher_of",
 ]

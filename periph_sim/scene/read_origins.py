@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ..devices.model_codes import Computed
     from ..processor.dsp import Dsp
     from ..sensors.models.parameters import ImuParameters
-    from .case.model import Case
+    from .case.model import BadCase, Case
 
 MODEL_PIN = "MODEL"  # what a case calls the pin that firmware raises while its models run
 
@@ -37,17 +37,21 @@ class Parts(Sources, Protocol):
 
 
 def origins_of(scene: Parts) -> Origins:
-    """BadCase where the values of sensor models could not be told from others."""
+    """Return the origins of a scene's reads. BadCase if values of sensor models could not be told from others."""
     if scene.sensors is None:
         return FrameOrigins(scene)
-    place = ("rounds" if scene.case.line("rounds") else "controller", "check")
     if scene.computed is None:
-        raise scene.case.mistake("the firmware has sensor models, but no setting says their arithmetic", *place)
+        raise _mistake(scene.case, "the firmware has sensor models, but no setting says their arithmetic")
     if MODEL_PIN not in scene.wires:
         what = "what sensor models show can be checked only with the pin that is high while they run"
-        raise scene.case.mistake(f"{what}; give the unit pins = {{ {MODEL_PIN} = 34 }}", *place)
+        raise _mistake(scene.case, f"{what}; give the unit pins = {{ {MODEL_PIN} = 34 }}")
     origins = ModelOrigins(scene, scene.computed)
     scene.wires[MODEL_PIN].watch(origins.model_pin)
     for dsp in scene.units.values():
         dsp.on_reset.append(origins.reset)
     return origins
+
+
+def _mistake(case: Case, what: str) -> BadCase:
+    """Return an error about the key that asks for origins: `check` of the table that says the rounds."""
+    return case.mistake(what, "rounds" if case.line("rounds") else "controller", "check")

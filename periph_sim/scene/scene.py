@@ -25,10 +25,9 @@ from ..processor.error_origin import FirmwareStalled
 from . import parts
 from .bus_side import SPIKE, BusSide
 from .case.model import Case, RoundsTable
-from .case.wiring import wiring_of
 from .context import SceneContext
+from .plan import ScenePlan
 from .result import Result
-from .scope import scope_of_case
 from .strict import insist
 from .stuck_lines import StuckLines, doing, waits
 from .summary import result_of
@@ -69,6 +68,7 @@ NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 class Scene:
     """What is built, as long as somebody holds the scene itself: when it is let go, its firmware ends where it stands.
 
+    case: or its plan, where several scenes are built of one.
     subscribe: called while the scene is built, before anything runs; recorders subscribe there.
     programs: firmware given as Python functions, by unit; of these units the case's `firmware` is only a name.
     keep_values: of measures that take one value after the other, for `timing.values`.
@@ -80,26 +80,18 @@ class Scene:
     @uncollected
     def __init__(
         self,
-        case: Case,
+        case: Case | ScenePlan,
         subscribe: Callable[[Recorder, Timebase], None] | None = None,
         programs: Mapping[str, Firmware] | None = None,
         *,
         keep_values: bool = False,
         sources: Mapping[str, Source] | None = None,
     ) -> None:
-        if not (case.unit or case.chip or case.device or case.controller or case.host):
-            raise case.mistake("there is nothing to run; give it a [unit.NAME] with its firmware", "unit")
-        if case.outside is not None:
-            case = parts.as_driven(case)
-        self.case = case
-        self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
+        plan = case if isinstance(case, ScenePlan) else ScenePlan(case)
+        self.case = case = plan.case
         self.recorder = Recorder()
-        wiring = wiring_of(case)
-        scope = scope_of_case(case, wiring)
-        try:
-            self.start = self.timebase.ticks(case.start, "nearest")
-        except TimeError as error:
-            raise case.mistake(str(error), "start") from None
+        wiring, scope, ticks = plan.wiring, plan.scope, plan.ticks
+        self.timebase, self.start = ticks.timebase, ticks.start
         self.limits = parts.limits_of(case, scope, self.timebase, self.start) if case.budget else []
         for limit in self.limits:
             if keep_values and limit.measure.series:
@@ -133,18 +125,18 @@ class Scene:
         self.stalled = ""  # by what the run ended before its time
         self._wall = 0.0  # seconds that it has taken
         wire = self.wires.wire
-        context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring, self.start)
-        for name, unit in case.unit.items():
-            built = parts.build_unit(context, name, unit, (programs or {}).get(name))
+        context = SceneContext(case, self.timebase, self.start, self.kernel, self.recorder, wire, wiring)
+        for name in case.unit:
+            built = parts.build_unit(context, name, plan.unit(name), (programs or {}).get(name))
             self.units[name], self.firmware[name] = built.dsp, built.firmware
             self.sensors = self.sensors or built.sensors
             self.computed = self.computed or built.computed
         self._build_targets(context, sources or {})
         shared = case.outside is not None and parts.drives_bus(case.outside)  # the bus has other parties
         if case.controller is not None:
-            side = parts.build_head(context, case.controller, self.stuck.report)
+            side = parts.build_head(context, case.controller, plan.head, self.stuck.report)
             self.head = self.stuck.head = side.head
-            self.requests, self.bus.asked = side.requests, side.asked
+            self.requests, self.bus.asked = list(plan.head.requests), plan.head.asked
             side.controller.beside_others = shared
             if not shared:
                 self.head.on_transfer.append(self.bus.count)
@@ -162,7 +154,7 @@ class Scene:
         if has_bus and (shared or case.rounds is not None):
             self.on_transfer(self.bus.count_nacked)
         if case.host is not None:
-            self._host_side = parts.HostAgent(context, case.host, self.sensors)
+            self._host_side = parts.HostAgent(context, case.host, plan.host, self.sensors)
             self.host = self._host_side.host
             self.frames, self.truth = self._host_side.frames, self._host_side.truth
         for transceiver in case.transceiver:

@@ -1,4 +1,7 @@
-"""Builds a unit of a case: a [unit.NAME] table goes in; its F28335, with its firmware started, comes out."""
+"""Builds a unit of a case: a [unit.NAME] table goes in; its F28335, with its firmware started, comes out.
+
+Case --unit_plan--> UnitPlan, of all scenes of the case --build_unit--> BuiltUnit, of one scene
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from ..core.options import Answers, Value, options_from
 from ..core.suggest import did_you_mean
+from ..core.table import separate
 from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.descriptor import named_class
 from ..f28335.parts import part_named, part_names
@@ -21,7 +26,8 @@ from ..processor.user_code import UserCode
 from .case.model import Case, Unit
 from .case.optimizations import DECODING, POLLS
 from .case.transceiver import pulled_down
-from .context import SceneContext
+from .case.wiring import Wiring
+from .context import CaseTicks, SceneContext
 from .firmware_loader import (
     BadFirmware,
     BadSetting,
@@ -50,9 +56,17 @@ class BuiltUnit(Struct, frozen=True):
     computed: Computed | None
 
 
-def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware | None) -> BuiltUnit:
-    """The unit, its firmware started. program: instead of the case's firmware. BadCase for what it cannot have."""
-    case = context.case
+class UnitPlan(Struct, frozen=True):
+    """What a unit consists of. wires: the name of the wire at each GPIO number. dsp: all but its wires."""
+
+    wires: dict[int, str]
+    dsp: DspPlan
+
+
+def unit_plan(ticks: CaseTicks, wiring: Wiring, name: str) -> UnitPlan:
+    """Return what a unit of a case consists of. BadCase for what it cannot have."""
+    case = ticks.case
+    unit = case.unit[name]
     part = part_named(unit.part)
     if part is None:
         raise case.mistake(
@@ -62,16 +76,16 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         if module not in part.selectable:
             hint = did_you_mean(module, part.selectable)
             raise case.mistake(f"there is no module {module!r}; {hint}", "unit", name, "modules")
-    plan = DspPlan(
+    dsp = DspPlan(
         name,
         unit.modules,
-        {pin: context.wire(wire) for pin, wire in context.wiring.pins[name].items()},
+        {},
         oscclk_hz=int(unit.oscclk),
         pll=unit.pll,
         ppm=unit.ppm,
         from_boot=unit.from_boot or bool(unit.image or unit.sources),
-        skip_polls=unit.skip_polls and context.optimizes(POLLS),
-        keeps_decoded=context.optimizes(DECODING),
+        skip_polls=unit.skip_polls and ticks.optimizes(POLLS),
+        keeps_decoded=ticks.optimizes(DECODING),
         strict=case.strict,
         seed=case.seed,
         stall_limit=float(case.stall_limit),
@@ -81,7 +95,14 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         system=options_of(case, SystemOptions, unit.options.get("system", {}), name, "system"),
         options=_module_options(case, name, unit),
     )
-    dsp = Dsp(context.kernel, context.timebase, context.recorder, plan)
+    return UnitPlan(dict(wiring.pins[name]), dsp)
+
+
+def build_unit(context: SceneContext, name: str, plan: UnitPlan, program: Firmware | None) -> BuiltUnit:
+    """Return the unit, its firmware started. program: instead of the case's firmware. BadCase for wrong firmware."""
+    case, unit = context.case, context.case.unit[name]
+    wires = {pin: context.wire(wire) for pin, wire in plan.wires.items()}
+    dsp = Dsp(context.kernel, context.timebase, context.recorder, replace(plan.dsp, wires=wires))
     if unit.image:
         return BuiltUnit(dsp, _started_image(context, name, unit, dsp), None, None)
     if unit.sources:
@@ -92,7 +113,7 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
     except BadFirmware as error:
         raise case.mistake(str(error), "unit", name, "firmware") from None
     try:
-        settings = guard(settings_for, firmware, unit.settings)
+        settings = guard(settings_for, firmware, separate(unit.settings))
     except BadSetting as error:
         inside = (error.name,) if error.name else ()  # none: about several together
         raise case.mistake(str(error), "unit", name, "settings", *inside) from None

@@ -8,6 +8,8 @@ from typing import cast
 from ...core.discover import module_with
 from ..descriptor import Part
 
+_imported: dict[str, Part] = {}
+
 
 def part_names() -> tuple[str, ...]:
     """Return the names of all parts, as a case writes them."""
@@ -16,7 +18,9 @@ def part_names() -> tuple[str, ...]:
 
 def part_named(name: str) -> Part | None:
     """Return the part of that name; None if there is none. The files of other parts are not imported."""
-    if name != name.upper():
-        return None
-    module = module_with("PART", __name__, __path__, name.lower())
-    return None if module is None else cast(Part, module.PART)
+    found = _imported.get(name)
+    if found is None and name == name.upper():
+        module = module_with("PART", __name__, __path__, name.lower())
+        if module is not None:
+            found = _imported[name] = cast(Part, module.PART)
+    return found

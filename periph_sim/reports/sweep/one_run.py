@@ -9,15 +9,16 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import lru_cache
 from pathlib import Path
 
 from ...core.kernel import SimulationStuck
 from ...f28335.system.memory_map import NoSuchAddress
 from ...processor.error_origin import FirmwareError
-from ...scene.case.load import load
+from ...scene.case.load import text_of
 from ...scene.case.model import BadCase
 from ...scene.firmware_loader import Firmware
-from ...scene.scene import Scene
+from ...scene.prepared import PreparedScene
 from ...timing.verdict import Verdict
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
@@ -53,14 +54,20 @@ class Row:
 
 
 def rows_of(job: Job, runs: Sequence[Sequence[str]]) -> list[Row]:
-    """The rows of some runs, made one after the other. runs: the changes of each, as `--set` has them."""
+    """Return the rows of some runs, made one after the other. runs: the changes of each, as `--set` has them."""
     return [_row(job, changes) for changes in runs]
+
+
+@lru_cache(maxsize=4)
+def _prepared(file: str, text: str) -> PreparedScene:
+    """Return a file's prepared scene, which a worker keeps for the runs to come, until the file has another text."""
+    return PreparedScene(file)
 
 
 def _row(job: Job, changes: Sequence[str]) -> Row:
     try:
-        scene = Scene(load(job.file, list(changes)), None, job.programs)
-        result = scene.run(job.length)
+        prepared = _prepared(job.file, text_of(Path(job.file), "case"))
+        result = prepared.scene(changes, None, job.programs).run(job.length)
     except REFUSED as error:
         return Row(ERROR, _as_named(job, str(error)))
     return Row(

@@ -40,6 +40,14 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
     return case.model_copy(update={name: separate(getattr(case, name)) for name in changeable})
 
 
+def shared_case(path: Path, text: str, changes: tuple[str, ...]) -> Case:
+    """Return the case that a text says, with changes applied. BadCase if it says none.
+
+    path: of the file with the text. The case is shared: nobody may change a dict or a list in it.
+    """
+    return _loaded(path, text, changes)[0]
+
+
 @lru_cache(maxsize=16)
 def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> tuple[Case, list[str]]:
     """A case, and those of its fields that hold dicts or lists, of which each who loads it gets his own.
@@ -57,7 +65,7 @@ def _checked(path: Path, text: str, changes: tuple[str, ...]) -> Case:
     source = Source(path, text, places, tuple(texts_in(tree)))
     refuse_unusable(source, tree)
     try:
-        return built(_located(Case.model_validate(tree), path.parent), source)
+        return built(located(Case.model_validate(tree), path.parent), source)
     except BadTable as error:
         raise refusal(source, error, tree) from None
 
@@ -76,7 +84,7 @@ def case_of(tree: dict[str, Any], path: Path) -> Case:
     """The case that a tree says, as if it stood in a file there. BadCase with one sentence if it says none."""
     source = Source(path, "", values=tuple(texts_in(tree)))
     try:
-        return built(_located(Case.model_validate(_copy(tree)), path.parent), source)
+        return built(located(Case.model_validate(copied(tree)), path.parent), source)
     except BadTable as error:
         raise refusal(source, error, tree) from None
 
@@ -87,8 +95,8 @@ def refusal(source: Source, error: BadTable, tree: object) -> BadCase:
     return kind(explain(source, error, tree))
 
 
-def _located(case: Case, folder: Path) -> Case:
-    """The case with the paths of its firmware files and images below `folder`."""
+def located(case: Case, folder: Path) -> Case:
+    """Return the case with the paths of its firmware files and images below `folder`."""
     moved = {}
     for name, unit in case.unit.items():
         if unit.firmware.endswith(".py"):
@@ -132,7 +140,7 @@ def text_of(path: Path, what: str) -> str:
 def tree_of(path: Path, text: str) -> dict[str, Any]:
     """The tree that the text of a TOML file says. BadCase if it says none."""
     try:
-        return cast(dict[str, Any], _copy(_tables(text)))
+        return cast(dict[str, Any], copied(_tables(text)))
     except tomllib.TOMLDecodeError as error:
         raise BadCase(f"{path}: it is not TOML: {error}") from None
     except ValueError:
@@ -173,11 +181,11 @@ def _tables(text: str) -> dict[str, Any]:
     return tomllib.loads(text)
 
 
-def _copy(value: Any) -> Any:
-    """Tables and lists anew, values as they are: changes go into these."""
+def copied(value: Any) -> Any:
+    """Return tables and lists anew, with the same values in them: changes go into these."""
     if isinstance(value, dict):
-        return {key: _copy(inner) for key, inner in value.items()}
-    return [_copy(inner) for inner in value] if isinstance(value, list) else value
+        return {key: copied(inner) for key, inner in value.items()}
+    return [copied(inner) for inner in value] if isinstance(value, list) else value
 
 
 def apply(tree: dict[str, object], change: str) -> Place:

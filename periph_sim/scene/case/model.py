@@ -314,12 +314,15 @@ class Case(Table, frozen=True, kw_only=True):
 
     @classmethod
     def model_validate(cls, tree: object) -> Case:
-        """The case that a tree says, with a budget more for each reply that it expects and each wire that it watches.
+        """Return the case that a tree says. BadTable if it says none."""
+        return convert(cls, tree).completed()
 
-        BadTable if it says none.
+    def completed(self) -> Case:
+        """Return this case with a budget more for each reply that it expects and each wire that it watches.
+
+        BadTable for what contradicts another table.
         """
-        case = convert(cls, tree)
-        case = case.model_copy(update={"budget": with_watches(with_replies(case.budget, case.serial), case.watch)})
+        case = self.model_copy(update={"budget": with_watches(with_replies(self.budget, self.serial), self.watch)})
         known = [budget.name for budget in case.budget]
         strange = [
             Mistake(("breaks", number), f"there is no budget {name!r}; {did_you_mean(name, known)}")

@@ -1,0 +1,146 @@
+"""A prepared scene: a case goes in once; any number of runs of it, with changed keys, come out.
+
+    file or Case --> PreparedScene --scene(changes)--> Scene, not yet run
+                                   --run(changes)----> Result
+
+What a case decides alone is worked out once (`plan.ScenePlan`), and of a changed case only what its changes touch.
+Everything that a run changes is new in each run: firmware modules, devices, wires, chips and random generators.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..core.input_files import inputs_of_one_command, note_inputs_of
+from ..core.settings import duration
+from ..core.table import separate
+from .case.case_file import CaseFile
+from .case.model import BadCase, Case
+from .firmware_loader import Firmware
+from .plan import ScenePlan
+from .result import Result
+from .scene import Scene
+
+if TYPE_CHECKING:
+    from ..core.records import Recorder
+    from ..core.time import Timebase
+    from ..devices.chips.register_chip import Source
+
+Program = Callable[[Any, Any], None]
+
+MOST_PLANS = 16  # of changed cases, the latest: a sweep that comes back to one of them finds it
+
+
+class PreparedScene:
+    """A case of which many scenes are built.
+
+    case: of `load` or `make_case`, or a file, which is read now and not again.
+    changes: "key=value" texts applied to the file for all runs.
+
+    BadCase if the file cannot be read; that it says no case is told by `scene` and `run`.
+    """
+
+    def __init__(self, case: Case | str | Path, changes: Sequence[str] = ()) -> None:
+        self._file: CaseFile | None = None
+        self._plans: dict[tuple[str, ...], ScenePlan] = {}
+        self._unchanged: ScenePlan | None = None
+        if isinstance(case, Case):
+            _refuse_changes(changes)
+            own = {name: separate(getattr(case, name)) for name in case.__struct_fields__}
+            self._unchanged = ScenePlan(case.model_copy(update=own), kept=True)
+        else:
+            self._file = CaseFile(case, changes)
+
+    def plan(self, changes: Sequence[str] = ()) -> ScenePlan:
+        """Return the plan of the case with changes. BadCase if it cannot be run."""
+        if self._file is None:
+            _refuse_changes(changes)
+        elif changes:
+            return self._changed_plan(self._file, tuple(changes))
+        elif self._unchanged is None:
+            self._unchanged = ScenePlan(self._file.case, kept=True)
+        assert self._unchanged is not None
+        return self._unchanged
+
+    def _changed_plan(self, file: CaseFile, changes: tuple[str, ...]) -> ScenePlan:
+        plan = self._plans.pop(changes, None)
+        if plan is None:
+            try:
+                unchanged = self.plan()
+            except BadCase:  # the changes may be what makes it a case
+                unchanged = None
+            plan = ScenePlan(file.changed(changes), unchanged, kept=True)
+            if len(self._plans) == MOST_PLANS:
+                del self._plans[next(iter(self._plans))]
+        self._plans[changes] = plan
+        return plan
+
+    def scene(
+        self,
+        changes: Sequence[str] = (),
+        subscribe: Callable[[Recorder, Timebase], None] | None = None,
+        programs: Mapping[str, Firmware] | None = None,
+        *,
+        keep_values: bool = False,
+        sources: Mapping[str, Source] | None = None,
+    ) -> Scene:
+        """Return a new scene, not yet run, of the case with changes. The other arguments are those of `Scene`."""
+        plan = self.plan(changes)
+        note_inputs_of(plan.case.files())
+        return Scene(plan, subscribe, programs, keep_values=keep_values, sources=sources)
+
+    def run(
+        self,
+        changes: Sequence[str] = (),
+        *,
+        seconds: str | Fraction | None = None,
+        programs: Mapping[str, Program | Firmware] | None = None,
+        record: str | Path | None = None,
+    ) -> Result:
+        """Return the result of a run of the case with changes, judged as `periph-sim run` judges it.
+
+        seconds: instead of the case's own duration: "10 ms" or a Fraction.
+        programs: firmware given as functions (dsp, settings), by unit; the unit's own `firmware` is then only a name.
+        record: a file for the records; its suffix says the format.
+
+        BadCase, FirmwareError and their like, one sentence each, if it cannot be run; BadRecording if `record` is a
+        file that this run has read.
+        """
+        case = self.plan(changes).case
+        try:
+            length = None if seconds is None else duration(seconds)
+        except ValueError as error:
+            raise BadCase(f"seconds={seconds!r}: {error}") from None
+        firmware = {unit: _firmware(unit, program) for unit, program in (programs or {}).items()}
+        for unit in firmware.keys() - case.unit.keys():
+            raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
+        if record is None:
+            return self.scene(changes, None, firmware).run(length)
+        return self._recorded(changes, length, firmware, Path(record))
+
+    def _recorded(
+        self, changes: Sequence[str], length: Fraction | None, firmware: Mapping[str, Firmware], record: Path
+    ) -> Result:
+        from ..records.if_recorded import if_recorded
+        from .clocks import clocks_of
+
+        with inputs_of_one_command():
+            case = self.plan(changes).case
+            note_inputs_of(case.files())
+            with if_recorded(record, case.recorded_modules) as (subscribe, ended_at):
+                scene = self.scene(changes, subscribe, firmware)
+                result = scene.run(length)
+                ended_at(scene.kernel.now, clocks_of(scene))
+        return result
+
+
+def _refuse_changes(changes: Sequence[str]) -> None:
+    if changes:
+        raise BadCase("changes go with a file; give them to load or make_case")
+
+
+def _firmware(unit: str, program: Program | Firmware) -> Firmware:
+    return program if isinstance(program, Firmware) else Firmware(unit, program, None)

@@ -36,8 +36,18 @@ class Kind(Enum):
     NOTE = "note"  # a duty broken, something lost, something unknown
     WAIT = "wait"  # firmware begins (1) or ends (0) to wait: what = the fields it polls, or IDLE
     HOLD = "hold"  # a wire stays low, but others pull it now: who in `text`
+    # Made only where a subscriber names them, by `scene/derived_records.py`. They follow from the records above. Their
+    # ticks may lie before those of the records around them, and they have the number of the record before them.
+    TRANSFER = "transfer"  # an I2C transfer that is over: its phases, answers, stretches
+    ROUND = "round"  # a round of requests: due, over, missed
+    RECEIVER = "receiver"  # an SCI's receiver: words waiting, characters received and lost
+    DATA = "data"  # bytes that were read: whether they are right, how old they are, how far from the truth
 
     __hash__ = object.__hash__  # each is one object; Enum's own hash is a call in Python, made for every record
+
+
+DERIVED = frozenset({Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA})
+RECORDED = tuple(kind for kind in Kind if kind not in DERIVED)  # the kinds that recordings of a whole run hold
 
 
 class Record(NamedTuple):
@@ -142,6 +152,7 @@ class Topic:
         "_listeners",
         "_recorder",
         "_sinks",
+        "_step",
         "_what",
         "_where",
         "heard",
@@ -160,6 +171,7 @@ class Topic:
         self._last_listener: _ListenerEntry | None = None
         self._keepers: _KeeperEntry | None = None
         self._last_keeper: _KeeperEntry | None = None
+        self._step: int = 0 if kind in DERIVED else 1  # from the number of the record before
         self._sinks: list[Sink] = _NO_SINKS
 
     def add(self, party: Party) -> None:
@@ -206,9 +218,10 @@ class Topic:
         self.places = NOWHERE
 
     def emit(self, tick: int, value: int = 0, text: Text = "", field: Text = "") -> int:
-        """The number of the new record; its cause is the record being worked under."""
+        """Return the number of the new record. Its cause is the record being worked under."""
         recorder = self._recorder
-        recorder.number = number = recorder.number + 1
+        number = recorder.number + self._step
+        recorder.number = number
         subscriber = self._listeners
         while subscriber is not None:
             subscriber.listener.hear(subscriber.tag, tick, value)
@@ -274,6 +287,15 @@ class Recorder:
         if subject is None:
             return bool(self._parties[kind])
         return kind in self._of_all or subject in self._subjects[kind]
+
+    @property
+    def names_things(self) -> bool:
+        """True if a subscriber names the things that it has a use for."""
+        return any(things is not None for parties in self._parties.values() for _, things in parties)
+
+    def named_things(self, kind: Kind) -> set[str]:
+        """Return the things of this kind that subscribers name; a subscriber to all of a kind names none."""
+        return {what for _, things in self._parties[kind] for of, what in things or () if of is kind}
 
     def tells_records(self, kind: Kind) -> bool:
         """Whether somebody is told of this kind as a Record, and so may look about and keep what it finds."""

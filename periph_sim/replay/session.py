@@ -20,7 +20,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ..bus.edge_player import EdgePlayer
+from ..bus.i2c.event_recorder import WHO
 from ..bus.i2c.transfer import Transfer
+from ..core.records import Kind
 from ..devices.host_pc import FRAME_BYTES, VALUES
 from ..scene.case.model import Case
 from ..scene.scene import Scene
@@ -76,8 +78,9 @@ class SessionScene(Scene):
         for told in self.frame_told:
             told(number, values, tick)
 
-    def tell_stuck(self) -> None:
-        self.stuck.tell()
+    def record_stuck(self) -> None:
+        """Record that a line of the bus stays low, as a controller would."""
+        self.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")
 
 
 class SessionReplay(I2cReplay):
@@ -139,7 +142,7 @@ class SessionReplay(I2cReplay):
     def _expect(self, transfer: Transfer) -> None:
         """Where the case does not check against the host, the bytes of a transfer should be the captured ones."""
         captured = next(self._whole, None)
-        if captured is not None and not self._session_scene.checks_host():
+        if captured is not None and not self._session_scene.case.checks_host:
             for phase, was in zip(transfer.phases, captured.phases, strict=False):
                 phase.expect = bytes(was.data) if phase.read else None
 
@@ -205,7 +208,7 @@ class SessionReplay(I2cReplay):
 
     def _report(self, wall: float, stuck: list[str]) -> Report:
         if stuck:
-            self._session_scene.tell_stuck()
+            self._session_scene.record_stuck()
         report = super()._report(wall, stuck)
         out = () if self._session_scene.rounds else OF_ROUNDS
         judged = [self._since_capture(v) for v in self._result.budgets if v.measure not in out]

@@ -27,7 +27,7 @@ def imu_hil_clocks() -> Iterator[Finding]:
         changes = [f"unit.dsp.ppm={unit}", f"controller.ppm={controller}", f"host.error={Fraction(unit, 10_000)}"]
         scene = Scene(load(EXAMPLES / "timing" / "imu_hil.toml", changes))
         due: list[int] = []
-        scene.on_round_due(due.append)
+        scene.bus.rounds.on_due.append(due.append)
         result = scene.run(LENGTH)
         counts, (wrong,) = result.counts, [one for one in result.budgets if one.name == "wrong bytes"]
         table, per_second = scene.case.controller or Controller(), scene.timebase.per_second

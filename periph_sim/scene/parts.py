@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from ..bus.i2c.stuck_watch import STUCK_AFTER, StuckWatch
     from ..f28335.i2c.options import I2cOptions
     from ..timing.measures.reply import Reply
-    from ..timing.measures.value import ValueDeviation
     from .bit_skip import bit_skip_of
     from .controller import build_head, head_plan, rounds_of, skips_bits
     from .deadlock import deadlock_reason
+    from .derived_records import DerivedRecords
     from .devices import build_devices, put_on_bus
     from .faults import build_faults
     from .host import HostAgent, host_plan
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from .logged_outside import logged_outside
     from .outside_parties import as_driven, drives_bus
     from .outside_wires import check_outside, not_run
-    from .read_origins import origins_of
     from .release_delay import ReleaseDelay
     from .sensor_chips import build_chip
     from .serial.side import SerialSide
@@ -40,10 +39,10 @@ _HOMES = {
     "bus.i2c.stuck_watch": ("STUCK_AFTER", "StuckWatch"),
     "f28335.i2c.options": ("I2cOptions",),
     "timing.measures.reply": ("Reply",),
-    "timing.measures.value": ("ValueDeviation",),
     "scene.bit_skip": ("bit_skip_of",),
     "scene.controller": ("build_head", "head_plan", "rounds_of", "skips_bits"),
     "scene.deadlock": ("deadlock_reason",),
+    "scene.derived_records": ("DerivedRecords",),
     "scene.devices": ("build_devices", "put_on_bus"),
     "scene.faults": ("build_faults",),
     "scene.host": ("HostAgent", "host_plan"),
@@ -52,7 +51,6 @@ _HOMES = {
     "scene.logged_outside": ("logged_outside",),
     "scene.outside_parties": ("as_driven", "drives_bus"),
     "scene.outside_wires": ("check_outside", "not_run"),
-    "scene.read_origins": ("origins_of",),
     "scene.release_delay": ("ReleaseDelay",),
     "scene.sensor_chips": ("build_chip",),
     "scene.serial.side": ("SerialSide",),
@@ -62,6 +60,7 @@ _HOMES = {
 __all__ = [
     "STUCK_AFTER",
     "BusRecorder",
+    "DerivedRecords",
     "HostAgent",
     "I2cByteCounter",
     "I2cOptions",
@@ -69,7 +68,6 @@ __all__ = [
     "Reply",
     "SerialSide",
     "StuckWatch",
-    "ValueDeviation",
     "as_driven",
     "bit_skip_of",
     "build_chip",
@@ -85,7 +83,6 @@ __all__ = [
     "limits_of",
     "logged_outside",
     "not_run",
-    "origins_of",
     "put_on_bus",
     "rounds_of",
     "skips_bits",

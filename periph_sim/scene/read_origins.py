@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Protocol
 
-from ..timing.measures.origins import FrameOrigins, ModelOrigins, Origins, Sources
+from ..timing.derived.origins import FrameOrigins, ModelOrigins, Origins
 
 if TYPE_CHECKING:
     from ..core.wire import Wire
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MODEL_PIN = "MODEL"  # what a case calls the pin that firmware raises while its models run
 
 
-class Parts(Sources, Protocol):
+class Parts(Protocol):
     """sensors: whose values firmware computes, where it has models. computed: and how it computes them."""
 
     @property
@@ -39,13 +39,13 @@ class Parts(Sources, Protocol):
 def origins_of(scene: Parts) -> Origins:
     """Return the origins of a scene's reads. BadCase if values of sensor models could not be told from others."""
     if scene.sensors is None:
-        return FrameOrigins(scene)
+        return FrameOrigins()
     if scene.computed is None:
         raise _mistake(scene.case, "the firmware has sensor models, but no setting says their arithmetic")
     if MODEL_PIN not in scene.wires:
         what = "what sensor models show can be checked only with the pin that is high while they run"
         raise _mistake(scene.case, f"{what}; give the unit pins = {{ {MODEL_PIN} = 34 }}")
-    origins = ModelOrigins(scene, scene.computed)
+    origins = ModelOrigins(scene.computed)
     scene.wires[MODEL_PIN].watch(origins.model_pin)
     for dsp in scene.units.values():
         dsp.on_reset.append(origins.reset)

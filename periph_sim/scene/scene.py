@@ -37,7 +37,6 @@ from .wires import SceneWires
 if TYPE_CHECKING:
     from ..bus.i2c.byte_counter import I2cByteCounter
     from ..bus.i2c.transfer import Transfer
-    from ..bus.receiver_listener import ReceiverListener
     from ..core.wire import Wire
     from ..devices.chips.register_chip import Source
     from ..devices.host_pc import Host
@@ -50,7 +49,6 @@ if TYPE_CHECKING:
     from ..sensors.host_frame import MotionFrames
     from ..sensors.models.parameters import ImuParameters
     from ..timing.budgets import BudgetJudge
-    from ..timing.measures.origins import Origins
     from ..timing.measures.reply import Expected, Reply
     from ..timing.measures.watched_wire import WatchedWire
     from ..timing.rounds import Asked
@@ -101,6 +99,7 @@ class Scene:
         serial = None if case.serial is None else parts.SerialSide(case, case.serial, scope, self.recorder)
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)
+        self.derived = parts.DerivedRecords(self.recorder) if self.recorder.names_things else None
         self.kernel = Kernel(self.start)
         self.wires = self.WIRES(self.kernel, self.recorder)
         self.units: dict[str, Dsp] = {}
@@ -116,7 +115,6 @@ class Scene:
         self.truth: Truth | None = None
         self.sensors: ImuParameters | None = None  # whose values firmware computes, where it has models
         self.computed: Computed | None = None  # and how it computes them
-        self._origins: Origins | None = None  # of what is read, as soon as a measure asks
         self.frames: MotionFrames | None = None  # what the host sends, where it is no ramp
         self._counter: I2cByteCounter | None = None  # where there is none
         self.bus = BusSide(self.wires, self._ticks(SPIKE))
@@ -166,6 +164,9 @@ class Scene:
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
+        if self.derived is not None:
+            self.derived.attach(proxy(self))
+        for limit in self.limits:
             for measure in limit.own_measures:
                 measure.listen(proxy(self))
         if case.outside is not None:
@@ -202,7 +203,7 @@ class Scene:
             if limit.measure.name not in expected:
                 what = f"no reply {limit.measure.name!r} is expected; {did_you_mean(limit.measure.name, expected)}"
                 raise self.case.mistake(what, "budget", entry, "measure")
-        if self.truth is None and needs == "host" and isinstance(limit.measure, parts.ValueDeviation):
+        if self.truth is None and needs == "host" and limit.measure.unit == "LSB":
             what = f"{limit.budget.measure!r} of sensor models needs a motion to compare with; give [host.motion]"
             raise self.case.mistake(what, "budget", entry, "measure")
 
@@ -235,7 +236,7 @@ class Scene:
     def _ticks(self, length: Fraction) -> int:
         return self.timebase.ticks(length, "nearest")
 
-    # What measures listen to ----------------------------------------------------
+    # What measures and displays listen to and ask ------------------------------
 
     def on_transfer(self, told: Callable[[Transfer], None]) -> None:
         self.bus.rounds.on_transfer.append(told)
@@ -252,30 +253,17 @@ class Scene:
         if self.host is not None:
             self.host.sent.append(told)
 
-    def on_stuck(self, told: Callable[[int], None]) -> None:
-        """By the controller agent, or as the wires are watched where there is none."""
-        if self.head is None and not self.stuck.told:
+    def watch_for_stuck_lines(self) -> None:
+        """Report lines that stay low, as a controller agent does where there is one."""
+        if self.head is None:
             length = parts.STUCK_AFTER if self.case.rounds is None else self.case.rounds.stuck_after
             for name in ("SCL", "SDA"):
                 wire, limit = self.wires[name], self._ticks(length)
                 parts.StuckWatch(self.kernel, self.recorder, wire, limit, self.stuck.report, self.bus.bit_skip)
-        self.stuck.told.append(told)
 
-    def on_sci(self, listener: ReceiverListener) -> None:
-        self._uart.on_sci(listener)
-
-    def on_character(self, told: Callable[[int], None]) -> None:
-        self._uart.on_character(told)
-
-    def origins(self) -> Origins:
-        """Which host frame the bytes of a read come from. BadCase where the scene does not tell."""
-        if self._origins is None:
-            self._origins = parts.origins_of(self)
-        return self._origins
-
-    def checks_host(self) -> bool:
-        rounds = self.case.controller or self.case.rounds
-        return rounds is not None and rounds.check == "host"
+    def record_receivers(self) -> None:
+        """Record what the receivers of SCIs do, and the characters that are sent to them."""
+        self._uart.record_receivers()
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         return self._uart.on_reply(reply)
@@ -283,17 +271,8 @@ class Scene:
     def watcher(self, measure: WatchedWire) -> WireWatcher:
         return parts.watcher_of(self.case, self.wires, self.timebase, self.start, measure)
 
-    def on_round_due(self, told: Callable[[int], None]) -> None:
-        self.bus.rounds.on_due.append(told)
-
-    def on_missed_round(self, told: Callable[[int], None]) -> None:
-        self.bus.rounds.on_missed.append(told)
-
     def rounds_at_start(self) -> Callable[[], bool]:
         return self.bus.rounds.at_start
-
-    def round_period(self) -> int:
-        return self.bus.period
 
     def began(self) -> int:
         return self.start
@@ -327,12 +306,6 @@ class Scene:
         dsp = self.units[unit]
         i2c = dsp.plan.answers(parts.I2cOptions)
         return parts.ReleaseDelay(self.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, dsp.plan.system)
-
-    def open_transfer(self) -> Transfer | None:
-        return None if self.case.controller is not None else self.bus.open_transfer
-
-    def held_since(self) -> int:
-        return self.bus.held_since
 
     def _hosts(self) -> HostAgent:
         assert self._host_side is not None
@@ -415,6 +388,8 @@ class Scene:
         self.kernel.materialize()
         self.bus.finish(self.kernel.now)
         self._uart.finish(self.kernel.now)
+        if self.derived is not None:
+            self.derived.finish(self)
         for limit in self.limits:
             limit.finish(self.kernel.now)
         return result_of(self, length, self._wall)

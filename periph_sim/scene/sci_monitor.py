@@ -1,4 +1,10 @@
-"""Looks at an SCI receiver: a unit goes in; words waiting, overruns and characters received come out as they change."""
+"""Records of an SCI's receiver: its unit goes in; words waiting, overruns and characters received come out.
+
+thing      value
+words      words in the receive FIFO; made when they change, or when an overrun flag does
+lost       1; an overrun flag rose: a character was lost
+received   1; a character raised RXFFST, without FIFO RXRDY, or an overrun flag
+"""
 
 # core: compiled
 
@@ -6,12 +12,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..bus.receiver_listener import ReceiverListener
+from ..core.records import Kind, Recorder
 from ..core.socket import Onlooker
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
 
 if TYPE_CHECKING:
+    from ..core.records import Topic
     from ..core.socket import Socket
     from ..core.time import Clock
 
@@ -22,17 +29,20 @@ RXRDY, OE = SCI_MAP["SCIRXST"]["RXRDY"].mask, SCI_MAP["SCIRXST"]["OE"].mask
 
 
 class SciMonitor(Onlooker):
-    """Looks at a receiver after each input: words in the FIFO, rising overrun flags, characters.
-
-    A character raises RXFFST, without FIFO RXRDY, or an overrun flag.
-    """
+    """Looks at a receiver after each of its inputs."""
 
     _socket: Socket
     _clock: Clock
+    _words_topic: Topic
+    _lost_topic: Topic
+    _received_topic: Topic
 
-    def __init__(self, dsp: Dsp, module: str) -> None:
+    def __init__(self, dsp: Dsp, module: str, recorder: Recorder) -> None:
+        place = f"{dsp.name}.{module}"
+        self._words_topic = recorder.topic(Kind.RECEIVER, place, "words")
+        self._lost_topic = recorder.topic(Kind.RECEIVER, place, "lost")
+        self._received_topic = recorder.topic(Kind.RECEIVER, place, "received")
         self._socket = dsp.socket(module)
-        self.listeners: list[ReceiverListener] = []
         self._clock = dsp.clock
         self._words = 0
         self._waiting = 0  # words, or the one in SCIRXBUF
@@ -53,11 +63,10 @@ class SciMonitor(Onlooker):
         if lost:
             came = max(came, 1)
         if words != self._words or overrun != self._overrun:
-            listener: ReceiverListener
-            for listener in self.listeners:
-                listener.changed(tick, words, lost)
+            self._words_topic.emit(tick, words)
+            if lost:
+                self._lost_topic.emit(tick, 1)
         self._words, self._waiting, self._overrun = words, waiting, overrun
         while came > 0:
             came -= 1
-            for listener in self.listeners:
-                listener.received(tick)
+            self._received_topic.emit(tick, 1)

@@ -1,11 +1,11 @@
 """Lines of the bus that stay low: a wire that was reported goes in; a sentence, and whether the run hangs, come out.
 
-controller agent, or StuckWatch where there is none --wire--> StuckLines --> sentences; measures are told
+controller agent, or StuckWatch where there is none --wire--> StuckLines --> sentences
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ..processor.instruction_location import InstructionLocation
@@ -20,11 +20,10 @@ if TYPE_CHECKING:
 
 
 class StuckLines:
-    """told: with the tick, each time that a line is reported. head: the controller agent, where there is one."""
+    """Sentences about lines that stayed low. head: the controller agent, where there is one."""
 
     def __init__(self, kernel: Kernel, timebase: Timebase, start: int, units: Mapping[str, Dsp]) -> None:
         self.sentences: list[str] = []
-        self.told: list[Callable[[int], None]] = []
         self.head: SensorHead | None = None
         self._kernel = kernel
         self._timebase = timebase
@@ -40,11 +39,6 @@ class StuckLines:
         self.sentences.append(f"{wire.name} is held low by {who} at {at}: {each}")
         if self.head is not None:
             self._wire, self._after_rounds = wire, self.head.rounds
-        self.tell()
-
-    def tell(self) -> None:
-        for told in self.told:
-            told(self._kernel.now)
 
     def hangs(self) -> bool:
         """A line that was reported is still held by somebody else than the controller, in the same round."""

@@ -67,15 +67,9 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
 
 
 def wrong_bytes(scene: Scene) -> tuple[dict[str, int], str]:
-    """Which bytes were wrong how often, and the first of them in a sentence, where a budget looks at them."""
-    found: tuple[dict[str, int], str] = {}, ""
-    if scene.limits:
-        from ..timing.measures.bus import WrongBytes
-
-        for limit in scene.limits:
-            if isinstance(limit.measure, WrongBytes):
-                found = limit.measure.where, limit.measure.first
-    return found
+    """Return how often each byte was wrong, and the first wrong read as a sentence, if a budget looks at them."""
+    compared = None if scene.derived is None else scene.derived.bytes
+    return ({}, "") if compared is None else (compared.wrong_places, compared.first_wrong)
 
 
 def notes_of(scene: Scene) -> list[str]:

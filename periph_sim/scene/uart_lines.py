@@ -14,7 +14,7 @@ from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.monitor import UartMonitor
 from ..bus.uart.reader import Line
 from ..bus.uart_counter import UartCounter
-from ..core.records import Kind
+from ..core.records import Kind, Recorder, Topic
 from ..core.wire import Wire
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
@@ -48,10 +48,14 @@ class UartLines:
             if context.recorder.wants(Kind.FRAME, name):
                 UartMonitor(context.kernel, context.recorder, wires[name], line)
 
-    def on_character(self, told: Callable[[int], None]) -> None:
-        """`told(tick)` of each character to an SCI, once for each SCI that it goes to, as `UartCounter` does."""
+    def record_characters(self, recorder: Recorder) -> None:
+        """Record the start bit of each character to an SCI, once for each SCI that it goes to.
+
+        The record is made as `UartCounter` finds the character, when the next one begins or the run ends.
+        """
         for name in self._heard:
-            self._listen(name, told)
+            topic = recorder.topic(Kind.RECEIVER, name, "character")
+            self._listen(name, partial(_record, topic))
 
     def on_character_from(self, wires: Collection[str], told: Callable[[str, int], None]) -> None:
         """Call `told(wire, tick)` for each character on those of these wires that lead to SCIs."""
@@ -68,6 +72,10 @@ class UartLines:
         """The run is over."""
         for counter in self._counters.values():
             counter.finish(now)
+
+
+def _record(topic: Topic, tick: int) -> None:
+    topic.emit(tick, 1)
 
 
 def sci_line(context: SceneContext, dsp: Dsp, module: str) -> tuple[Fraction, UartFormat]:

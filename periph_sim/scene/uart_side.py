@@ -1,6 +1,6 @@
 """The serial lines of a scene: its wires and units go in; who talks on them from outside, and what is heard, come out.
 
-[host], [serial] --> RX, or a pair --transceiver--> RX --> SCI --> SciMonitor: words, overruns
+[host], [serial] --> RX, or a pair --transceiver--> RX --> SCI --> SciMonitor: records of its receiver
 TX of an SCI, pairs --> UartLines: frames, characters
 """
 
@@ -14,15 +14,13 @@ from .case.wiring import sci_lines
 from .context import SceneContext
 
 if TYPE_CHECKING:
-    from ..bus.receiver_listener import ReceiverListener
     from ..core.wire import Wire
     from ..f28335.sci.module import Sci
     from ..processor.dsp import Dsp
-    from ..timing.measures.measure import SceneEvents
+    from ..timing.measures.measure import MeasuredScene
     from ..timing.measures.reply import Expected, Reply
     from .host import HostAgent
     from .pairs import Pairs
-    from .sci_monitor import SciMonitor
     from .serial.side import SerialSide
     from .uart_lines import UartLines
 
@@ -37,12 +35,12 @@ class UartSide:
         units: Mapping[str, Dsp],
         host: HostAgent | None,
         serial: SerialSide | None,
-        events: SceneEvents,
+        events: MeasuredScene,
     ) -> None:
         self._units = units
         self._serial = serial
         self._scis = sci_lines(context.case, context.wiring)
-        self._monitors: list[SciMonitor] = []
+        self._recorder = context.recorder
         self._pairs: Pairs | None = None
         self._lines: UartLines | None = None
         self._counted: dict[str, int] = {}  # characters from outside, by wire
@@ -107,17 +105,11 @@ class UartSide:
         assert self._serial is not None
         return self._serial.on_reply(reply)
 
-    def on_character(self, told: Callable[[int], None]) -> None:
+    def record_receivers(self) -> None:
+        """Record what the receivers of SCIs do, and the characters that are sent to them."""
+        from .sci_monitor import SciMonitor
+
+        for sci in self._scis:
+            SciMonitor(self._units[sci.unit], sci.module, self._recorder)
         if self._lines is not None:
-            self._lines.on_character(told)
-
-    def on_sci(self, listener: ReceiverListener) -> None:
-        for monitor in self._receivers():
-            monitor.listeners.append(listener)
-
-    def _receivers(self) -> list[SciMonitor]:
-        if not self._monitors and self._scis:
-            from .sci_monitor import SciMonitor
-
-            self._monitors = [SciMonitor(self._units[sci.unit], sci.module) for sci in self._scis]
-        return self._monitors
+            self._lines.record_characters(self._recorder)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from periph_sim.core.records import Kind
+from periph_sim.core.records import RECORDED, Kind
 from periph_sim.core.time import Timebase
 from periph_sim.explain.window import LONGEST, windows, windows_of_edges, windows_of_table
 from periph_sim.replay.wire_log import WireLog
@@ -28,7 +28,7 @@ def whole():
     """The case with slow models: records and edges of all of a run, its verdicts."""
     case = load(CASES / "imu_hil_published.toml", ["unit.dsp.settings.model_cost=400 us"])
     columns = Columns()
-    scene = Scene(case, lambda recorder, _: recorder.subscribe(Kind, columns.add))
+    scene = Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, columns.add))
     log = WireLog(*scene.wires.values())
     result = scene.run(LENGTH)
     table = columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, {})
@@ -56,7 +56,7 @@ def test_before_says_how_everything_stood(whole):
         if record.tick < window.kept[0].begin:
             last[record[2:5]] = record
     assert sorted(window.before) == sorted(last.values())
-    assert {r.kind for r in window.before} == set(Kind) - {Kind.NOTE}
+    assert {r.kind for r in window.before} == set(RECORDED) - {Kind.NOTE}
 
 
 def test_edges_are_those_of_the_wires(whole):

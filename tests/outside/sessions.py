@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from periph_sim.api import make_case
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import RECORDED, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.outside.session import Session
 from periph_sim.scene.case.model import Case
@@ -28,7 +28,7 @@ class Records:
         self.events = 0
 
     def subscribe(self, recorder: Recorder, _: Timebase) -> None:
-        recorder.subscribe(list(Kind), self.kept.append)
+        recorder.subscribe(RECORDED, self.kept.append)
 
 
 def bus(**more: Any) -> tuple[Session, Records]:

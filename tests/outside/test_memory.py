@@ -11,7 +11,7 @@ from periph_sim.outside.session import Session
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.sensors.host_frame import MotionFrames
-from periph_sim.timing.measures.frame_history import FrameHistory
+from periph_sim.timing.derived.frame_history import FrameHistory
 from periph_sim.timing.measures.tally import Tally
 from tests.outside.sessions import FIRMWARE, case
 from tests.reachable import held

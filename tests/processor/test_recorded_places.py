@@ -6,7 +6,7 @@ import linecache
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.core.records import OF_MODIFIES, Keeper, Kind, Record
+from periph_sim.core.records import OF_MODIFIES, RECORDED, Keeper, Kind, Record
 from periph_sim.processor.source_location import SourceLocation
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
@@ -87,7 +87,7 @@ def test_what_happens_while_a_routine_computes_is_not_its_doing():
         ["unit.dsp.settings.frame_cost=200 us", "host.first=4.24 ms"],
     )
     found: list[Record] = []
-    Scene(case, lambda recorder, _: recorder.subscribe(Kind, found.append)).run(Fraction(8, 1000))
+    Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, found.append)).run(Fraction(8, 1000))
     entered = next(r for r in found if r.kind is Kind.IRQ and r.value)
     left = next(r for r in found if r.kind is Kind.IRQ and not r.value)
     inside = [r for r in found if entered.tick < r.tick < left.tick]

@@ -49,6 +49,7 @@ class Oracle:
         self.records = records
         self.cycle = cycle
         self.by_number = {record.number: record for record in records}
+        self.places = {record.number: place for place, record in enumerate(records)}
         self.accesses: dict[tuple[str, int], list[Record]] = {}
         for record in records:
             if record.kind is Kind.ACCESS:
@@ -216,7 +217,7 @@ class Oracle:
             yield self.records[place]
 
     def _place(self, of: Record) -> int:
-        return of.number - self.records[0].number
+        return self.places[of.number]
 
     def register(self, module: str, name: str) -> Register:
         return MAPS[module][name]

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import RECORDED, Record
 from periph_sim.processor.dsp import Dsp
 from periph_sim.records.run import Run
 from periph_sim.scene import unit as unit_module
@@ -36,7 +36,7 @@ def ran(
 
 def recorded(of: Case, seconds: str | None = None) -> Run:
     columns = Columns()
-    scene = Scene(of, lambda recorder, timebase: recorder.subscribe(Kind, columns.add))
+    scene = Scene(of, lambda recorder, timebase: recorder.subscribe(RECORDED, columns.add))
     scene.run(None if seconds is None else Fraction(seconds))
     return Run(columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, of.recorded_modules))
 

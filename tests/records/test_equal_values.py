@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import RECORDED, Kind, Record
 from periph_sim.firmware import start_i2c
 from periph_sim.firmware.sci import start_sci
 from periph_sim.processor.dsp import Dsp
@@ -31,7 +31,7 @@ def changes(
     program = Firmware("under test", lambda dsp, settings: main(dsp), None)
     monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
     made = case(unit={"dsp": {"firmware": "under test", "modules": [module]}}, **more)
-    Scene(made, lambda recorder, _: recorder.subscribe(Kind, found.append)).run()
+    Scene(made, lambda recorder, _: recorder.subscribe(RECORDED, found.append)).run()
     return [one for one in found if (one.kind, one.where, one.what) == (Kind.FLAG, f"dsp.{module}", field)]
 
 

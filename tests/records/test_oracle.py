@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable
 from fractions import Fraction
 from random import Random
 
 import pytest
 
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import RECORDED, Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.firmware import sci_fifo_receiver
 from periph_sim.processor.dsp import Dsp
@@ -96,7 +97,7 @@ def recorded(request: pytest.FixtureRequest) -> tuple[list[Record], Run]:
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
         bases.append(timebase)
-        recorder.subscribe(Kind, records.append)
+        recorder.subscribe(RECORDED, records.append)
 
     case, end = RUNS[request.param](subscribe)
     columns = Columns()
@@ -135,7 +136,7 @@ def test_what_a_read_saw_is_what_the_last_change_left(recorded: tuple[list[Recor
 
 def _alone(records: list[Record], of: Record) -> bool:
     """Whether it is the only change of its subject at its tick, so that a question about the time is about it."""
-    place = of.number - records[0].number
+    place = bisect_left(records, of.number, key=lambda record: record.number)
     near = [r for r in records[max(place - 40, 0) : place + 40] if r.tick == of.tick and r[2:5] == of[2:5]]
     holds = [
         r for r in records[place : place + 40] if r.kind is Kind.HOLD and r.tick == of.tick and r.where == of.where

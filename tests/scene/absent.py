@@ -124,7 +124,7 @@ ROWS: dict[str, Row] = {
         with_budget("race I2C-A.I2CSTR.XRDY", min=1),
     ),
     "budgets on values": Row(
-        ("timing.measures.value",),
+        ("timing.derived.error_records",),
         {
             "unit": {"dsp": {**IMU, "settings": {"arithmetic": "bytes"}}},
             "host": HOST,

@@ -12,7 +12,7 @@ from random import Random
 
 import pytest
 
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import RECORDED, Record
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
@@ -209,7 +209,7 @@ def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
         unit = {"dsp": {"firmware": "resetting", "modules": ["I2C-A", "GPIO"], "options": options}}
         case = small.case(unit=unit, disable=disable, duration="1 ms")
         programs = {"dsp": Firmware("resetting", firmware, None)}
-        Scene(case, lambda recorder, _: recorder.subscribe(tuple(Kind), records.append), programs).run()
+        Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, records.append), programs).run()
         return records
 
     def rises(records: list[Record]) -> list[int]:

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import RECORDED, Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
@@ -41,7 +41,7 @@ def recorded(table: Case, seconds: str, programs: dict[str, Firmware] | None = N
     records: list[Record] = []
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-        recorder.subscribe(Kind, records.append)
+        recorder.subscribe(RECORDED, records.append)
 
     Scene(table, subscribe, programs).run(Fraction(seconds))
     return Causes(records)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim import timing
-from periph_sim.core.records import Kind
+from periph_sim.core.records import RECORDED, Kind
 from periph_sim.f28335.cpu.pie_map import LINES
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.processor.dsp import pie_lines
@@ -41,7 +41,7 @@ def test_each_is_what_the_recorded_run_shows():
     measured = [budget(f"from {a} to {b}, {rule}".removesuffix(", "), max="1 s") for a, b, rule in pairs]
     case = with_budgets("imu_hil_published", *measured, budget("interrupt latency SCIRXINTA", max="1 us"))
     columns = Columns()
-    ran = run_case(case, "0.07", lambda recorder, timebase: recorder.subscribe(Kind, columns.add))
+    ran = run_case(case, "0.07", lambda recorder, timebase: recorder.subscribe(RECORDED, columns.add))
     table = columns.table(ran.scene.timebase.per_second, ran.scene.kernel.now, {"dsp": ("I2C-A", "SCI-A", "GPIO")})
     per_us = ran.scene.timebase.per_second / 1e6
     for verdict, (a, b, rule) in zip(ran.result.budgets, pairs, strict=False):

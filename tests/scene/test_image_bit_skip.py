@@ -6,7 +6,7 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import RECORDED, Kind, Record
 from periph_sim.records.races import races
 from periph_sim.records.run import Run as RecordedRun
 from periph_sim.scene.case.load import load
@@ -17,13 +17,13 @@ from periph_sim.traces.formats.record_table import Columns
 
 TIMING = Path(__file__).parents[2] / "timing"
 TO_ONE_ROUND = ("duration=12.3 ms", "host.first=5 ms")
-RECORDED = tuple(kind for kind in Kind if kind not in (Kind.EDGE, Kind.HOLD))
+BUT_EDGES = tuple(kind for kind in RECORDED if kind not in (Kind.EDGE, Kind.HOLD))
 
 
 def run(*changes: str) -> tuple[Result, list[Record]]:
     records: list[Record] = []
     case = load(TIMING / "imu_hil_image.toml", [*TO_ONE_ROUND, *changes])
-    scene = Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, records.append))
+    scene = Scene(case, lambda recorder, _: recorder.subscribe(BUT_EDGES, records.append))
     return scene.run(), records
 
 
@@ -41,7 +41,7 @@ def recorded_run(*changes: str) -> RecordedRun:
     """The run as a file of it would tell it, with the clocks of its units."""
     columns = Columns()
     case = load(TIMING / "imu_hil_image.toml", [*TO_ONE_ROUND, *changes])
-    scene = Scene(case, lambda recorder, _: recorder.subscribe(Kind, columns.add))
+    scene = Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, columns.add))
     scene.run()
     table = columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, case.recorded_modules)
     return RecordedRun(replace(table, clocks=clocks_of(scene)))

@@ -20,7 +20,7 @@ from periph_sim.bus.i2c.controller import I2cController
 from periph_sim.bus.i2c.monitor import I2cMonitor
 from periph_sim.bus.i2c.scripted_target import Answer, ScriptedTarget
 from periph_sim.bus.i2c.transfer import BusTiming, Transfer
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import RECORDED, Kind, Record
 from periph_sim.scene.scene import Scene
 from tests.scene.small import case
 
@@ -75,7 +75,9 @@ class Bus:
         unit = {"firmware": "responder", "modules": modules, "settings": {"replies": ["5a c3", "81"]}}
         self.records: list[Record] = []
         both = {"one": unit, "two": unit | {"settings": {"replies": ["42"], "address": 0x51}}}
-        self.scene = Scene(case(unit=both), lambda recorder, timebase: recorder.subscribe(Kind, self.records.append))
+        self.scene = Scene(
+            case(unit=both), lambda recorder, timebase: recorder.subscribe(RECORDED, self.records.append)
+        )
         kernel, recorder = self.scene.kernel, self.scene.recorder
         scl, sda = self.scene.wire("SCL"), self.scene.wire("SDA")
         self.transfers: list[Transfer] = []

@@ -9,7 +9,7 @@ from random import Random
 import pytest
 
 from periph_sim.core.kernel import CHIP, PROBE, TIMER
-from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.records import RECORDED, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.cosim.registers import peek
 from periph_sim.processor.dsp import Dsp
@@ -28,7 +28,7 @@ def records(case: Case, seconds: str, phase: int, peeks: list[int]) -> Records:
 
     def keep(recorder: Recorder, timebase: Timebase) -> None:
         recorder.subscribe(
-            frozenset(Kind), lambda r: found.append((r.number, r.tick, r.kind, r.where, r.what, r.value, r.cause))
+            RECORDED, lambda r: found.append((r.number, r.tick, r.kind, r.where, r.what, r.value, r.cause))
         )
 
     scene = Scene(case, keep)

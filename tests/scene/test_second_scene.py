@@ -12,7 +12,7 @@ import pytest
 
 from periph_sim.core.convert import keys_of
 from periph_sim.core.options import _defaults
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import RECORDED, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.processor.python.recognised import asked_by
 from periph_sim.scene.case.load import _loaded, load
@@ -34,7 +34,7 @@ def recorded_scene(changes: list[str]) -> tuple[Scene, list[Record]]:
     records: list[Record] = []
 
     def subscribe(recorder: Recorder, _: Timebase) -> None:
-        recorder.subscribe(tuple(Kind), records.append)
+        recorder.subscribe(RECORDED, records.append)
 
     return Scene(load(TIMING / "imu_hil.toml", changes), subscribe), records
 

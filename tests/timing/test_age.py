@@ -8,17 +8,17 @@ from hypothesis import strategies as st
 
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.sensor_rounds import CHIPS
-from periph_sim.timing.measures.age import Age
+from periph_sim.timing.derived.origin import Origin
+from periph_sim.timing.derived.origins import FrameOrigins
 from periph_sim.timing.measures.factory import make_of_events
-from periph_sim.timing.measures.origins import FrameOrigins, Origin
 from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import Ran, run_file
 from tests.timing.events_by_hand import ONE
-from tests.timing.measures.test_measure import (
+from tests.timing.measures.hand_made_run import (
     ACCEL,
     GYRO,
     MAGNET,
-    Told,
+    HandMadeRun,
     accel_bytes,
     gyro_bytes,
     magnet_bytes,
@@ -28,88 +28,85 @@ from tests.timing.measures.test_measure import (
 from tests.timing.test_occasions import never
 
 
-def ages(told: Told) -> list[tuple[int, int]]:
+def ages(run: HandMadeRun) -> list[tuple[int, int]]:
     """(age, when) of each read, in order."""
-    values, at = told.measure.all_kept()
+    values, at = run.measure.all_kept()
     return list(zip(values.tolist(), at.tolist(), strict=True))
 
 
-def kept(name: str = "age") -> Told:
-    told = Told(name)
-    told.measure.keep()
-    return told
+def kept(name: str = "age") -> HandMadeRun:
+    run = HandMadeRun(name)
+    run.measure.keep()
+    return run
 
 
 def test_every_read_has_the_age_of_the_frame_that_it_carries():
-    told = kept()
-    told.frame(1, 1000)
-    told.transfer(read(GYRO, gyro_bytes(1), at=1700))
-    told.transfer(read(GYRO, gyro_bytes(1), at=3700))  # the same once more: older
-    told.frame(2, 4000)
-    told.transfer(read(ACCEL, accel_bytes(2), at=4100))
-    told.transfer(read(GYRO, gyro_bytes(1), at=4200))  # not yet the new one
-    told.transfer(read(MAGNET, magnet_bytes(2), at=4300))
-    assert ages(told) == [(700, 1700), (2700, 3700), (100, 4100), (3200, 4200), (300, 4300)]
+    run = kept()
+    run.frame(1, 1000)
+    run.transfer(read(GYRO, gyro_bytes(1), at=1700))
+    run.transfer(read(GYRO, gyro_bytes(1), at=3700))  # the same once more: older
+    run.frame(2, 4000)
+    run.transfer(read(ACCEL, accel_bytes(2), at=4100))
+    run.transfer(read(GYRO, gyro_bytes(1), at=4200))  # not yet the new one
+    run.transfer(read(MAGNET, magnet_bytes(2), at=4300))
+    assert ages(run) == [(700, 1700), (2700, 3700), (100, 4100), (3200, 4200), (300, 4300)]
 
 
 def test_values_of_no_frame_are_as_old_as_the_last_that_were_of_one():
-    told = kept()
-    told.frame(1, 1000)
-    told.transfer(read(GYRO, gyro_bytes(1), at=1700))
-    told.frame(2, 4000)
-    told.transfer(read(GYRO, gyro_bytes(77), at=4200))  # nobody sent that
-    told.transfer(read(GYRO, gyro_bytes(2)[:4] + gyro_bytes(1)[4:], at=4300))  # half and half
-    told.transfer(read(GYRO, gyro_bytes(2), at=4400))
-    assert ages(told) == [(700, 1700), (3200, 4200), (3300, 4300), (400, 4400)]
+    run = kept()
+    run.frame(1, 1000)
+    run.transfer(read(GYRO, gyro_bytes(1), at=1700))
+    run.frame(2, 4000)
+    run.transfer(read(GYRO, gyro_bytes(77), at=4200))  # nobody sent that
+    run.transfer(read(GYRO, gyro_bytes(2)[:4] + gyro_bytes(1)[4:], at=4300))  # half and half
+    run.transfer(read(GYRO, gyro_bytes(2), at=4400))
+    assert ages(run) == [(700, 1700), (3200, 4200), (3300, 4300), (400, 4400)]
 
 
 def test_until_a_chip_has_shown_a_frame_the_first_one_counts():
-    told = kept()
-    told.transfer(read(GYRO, bytes(6), at=500))  # before a frame has come there is nothing to be old
-    told.frame(1, 1000)
-    told.transfer(read(GYRO, bytes(6), at=1100))
-    told.frame(2, 2000)
-    told.transfer(read(GYRO, bytes(6), at=2100))
-    assert ages(told) == [(100, 1100), (1100, 2100)]
-    assert told.measure.occasions == 2
+    run = kept()
+    run.transfer(read(GYRO, bytes(6), at=500))  # before a frame has come there is nothing to be old
+    run.frame(1, 1000)
+    run.transfer(read(GYRO, bytes(6), at=1100))
+    run.frame(2, 2000)
+    run.transfer(read(GYRO, bytes(6), at=2100))
+    assert ages(run) == [(100, 1100), (1100, 2100)]
+    assert run.measure.occasions == 2
 
 
 def test_a_read_may_begin_in_the_tick_in_which_the_first_frame_ends():
-    told = kept()
-    told.transfer(read(GYRO, bytes(6), at=0))
-    told.frame(1, 1000)
-    told.transfer(read(GYRO, gyro_bytes(1), at=999))
-    told.transfer(read(GYRO, gyro_bytes(1), at=1000))
-    told.transfer(read(GYRO, gyro_bytes(1), at=1001))
-    assert ages(told) == [(0, 1000), (1, 1001)] and told.measure.occasions == 2
+    run = kept()
+    run.transfer(read(GYRO, bytes(6), at=0))
+    run.frame(1, 1000)
+    run.transfer(read(GYRO, gyro_bytes(1), at=999))
+    run.transfer(read(GYRO, gyro_bytes(1), at=1000))
+    run.transfer(read(GYRO, gyro_bytes(1), at=1001))
+    assert ages(run) == [(0, 1000), (1, 1001)] and run.measure.occasions == 2
 
 
 def test_a_read_that_was_refused_has_no_age_and_was_an_occasion_for_one():
-    told = kept()
-    told.frame(1, 1000)
-    told.transfer(read(GYRO, gyro_bytes(1), at=1700))
-    told.transfer(wrote(GYRO, at=2000, acked=False), never(GYRO))
-    told.transfer(read(ACCEL, at=3000))  # acknowledged, and then not a byte
-    assert (told.measure.measured, told.measure.occasions) == (1, 3)
+    run = kept()
+    run.frame(1, 1000)
+    run.transfer(read(GYRO, gyro_bytes(1), at=1700))
+    run.transfer(wrote(GYRO, at=2000, acked=False), never(GYRO))
+    run.transfer(read(ACCEL, at=3000))  # acknowledged, and then not a byte
+    assert (run.measure.measured, run.measure.occasions) == (1, 3)
 
 
 def test_of_one_chip_only_its_reads_count():
-    told = Told("age")
-    told.measure = make_of_events("age of magnetometer", ONE)
-    told.transfers, told.frames = [], []
-    told.measure.listen(told)
-    told.measure.keep()
-    told.frame(1, 1000)
-    told.transfer(read(GYRO, gyro_bytes(1), at=1700))
-    told.transfer(read(MAGNET, magnet_bytes(1), at=1900))
-    assert ages(told) == [(900, 1900)] and isinstance(told.measure, Age)
+    run = HandMadeRun(make_of_events("age of magnetometer", ONE))
+    run.measure.keep()
+    run.frame(1, 1000)
+    run.transfer(read(GYRO, gyro_bytes(1), at=1700))
+    run.transfer(read(MAGNET, magnet_bytes(1), at=1900))
+    assert ages(run) == [(900, 1900)]
 
 
 @given(st.lists(st.tuples(st.sampled_from(["frame", "read"]), st.integers(0, 7)), max_size=40))
 @settings(max_examples=200)
 def test_an_age_never_falls_but_by_a_younger_frame(happened: list[tuple[str, int]]):
     """Worked out by hand beside it: the end of the newest frame shown so far that the bytes still agree with."""
-    told = kept()
+    run = kept()
     ended: dict[int, int] = {}
     shown = first = None
     wanted = []
@@ -119,14 +116,14 @@ def test_an_age_never_falls_but_by_a_younger_frame(happened: list[tuple[str, int
             number = 1 + len(ended)
             ended[number] = now
             first = now if first is None else first
-            told.frame(number, now)
+            run.frame(number, now)
             continue
         number = max(0, len(ended) - back)  # 0: zeros, which are of no frame
-        told.transfer(read(GYRO, gyro_bytes(number) if number else bytes(6), at=now))
+        run.transfer(read(GYRO, gyro_bytes(number) if number else bytes(6), at=now))
         if first is not None:
             shown = ended.get(number, shown) if number > len(ended) - 8 else shown
             wanted.append((now - (first if shown is None else shown), now))
-    assert ages(told) == wanted
+    assert ages(run) == wanted
 
 
 # The published emulator -------------------------------------------------------------------------------------------
@@ -183,22 +180,17 @@ class NotAllCompared(FrameOrigins):
         return Origin(None, NO_TIME, bytes(6), judged=False) if got[0] == 0xFF else super().origin(address, got)
 
 
-class ToldSome(Told):
-    def origins(self) -> NotAllCompared:
-        return NotAllCompared(self)
-
-
 def test_a_read_that_was_not_compared_with_all_frames_has_no_age_and_its_bytes_are_not_wrong():
-    told = ToldSome("age")
-    told.measure.keep()
-    wrong = ToldSome("wrong bytes")
-    for each in (told, wrong):
+    run = HandMadeRun("age", origins=NotAllCompared())
+    run.measure.keep()
+    wrong = HandMadeRun("wrong bytes", origins=NotAllCompared())
+    for each in (run, wrong):
         each.frame(1, 1000)
         each.transfer(read(GYRO, gyro_bytes(1), at=1700))
         assert not each.measure.not_judged
         each.transfer(read(GYRO, bytes([0xFF] * 6), at=4200))
-        each.measure.finish(5000)
-    assert ages(told) == [(700, 1700)]
-    assert told.measure.not_judged == "1 read may carry frames that were not compared with them"
+        each.finish(5000)
+    assert ages(run) == [(700, 1700)]
+    assert run.measure.not_judged == "1 read may carry frames that were not compared with them"
     assert (wrong.measure.worst, wrong.measure.count) == (0, 6)
     assert wrong.measure.not_judged == "6 bytes may be of frames that were not compared with them"

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import RECORDED, Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME, Timebase
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
@@ -33,7 +33,7 @@ class Ran:
         self.records: list[Record] = []
 
         def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-            recorder.subscribe(Kind, self.records.append)
+            recorder.subscribe(RECORDED, self.records.append)
 
         self.scene = Scene(load(TIMING / f"{name}.toml", [BUDGETS, *changes]), subscribe, keep_values=True)
         self.result = self.scene.run(Fraction(seconds))

@@ -10,7 +10,7 @@ from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
 from tests.scene.runs import run_file
 from tests.timing.judges import judge
-from tests.timing.measures.test_measure import GYRO, Told, read, wrote
+from tests.timing.measures.hand_made_run import GYRO, HandMadeRun, read, wrote
 
 
 def never(address: int) -> Phase:
@@ -18,11 +18,11 @@ def never(address: int) -> Phase:
     return Phase(address, read=True, count=6)
 
 
-def limit(told: Told, name: str, **more: str | int) -> BudgetJudge:
-    """A budget on the measure that heard what was told."""
+def limit(run: HandMadeRun, name: str, **more: str | int) -> BudgetJudge:
+    """A budget on the measure that hears the run."""
     budget = Budget.model_validate({"name": "b", "measure": name, **more})
     made = judge(budget)
-    made.measure = told.measure
+    made.measure = run.measure
     return made
 
 
@@ -30,11 +30,11 @@ def limit(told: Told, name: str, **more: str | int) -> BudgetJudge:
     ("answered", "asked", "verdict"), [(9, 10, "pass"), (8, 10, "not judged"), (1, 1, "pass"), (89, 99, "not judged")]
 )
 def test_nine_tenths_of_the_occasions_are_enough(answered: int, asked: int, verdict: str):
-    told = Told("response")
+    run = HandMadeRun("response")
     for at in range(asked):
         phase = read(GYRO, at=at, answer_from=at, answer_at=at + 1 if at < answered else NO_TIME)
-        told.transfer(phase)
-    v = limit(told, "response", max="1 us").verdict()
+        run.transfer(phase)
+    v = limit(run, "response", max="1 us").verdict()
     assert (v.verdict, v.measured, v.occasions) == (verdict, answered, asked)
     assert v.passed == (verdict == "pass") and not v.broken
     assert v.counted == (str(answered) if answered == asked else f"{answered} of {asked}")
@@ -42,56 +42,56 @@ def test_nine_tenths_of_the_occasions_are_enough(answered: int, asked: int, verd
 
 
 def test_a_broken_limit_is_broken_however_little_was_measured():
-    told = Told("response")
-    told.transfer(read(GYRO, answer_from=0, answer_at=4000))
-    told.transfer(wrote(GYRO, acked=False), never(GYRO))
-    assert limit(told, "response", max="1 us").verdict().verdict == "fail"
+    run = HandMadeRun("response")
+    run.transfer(read(GYRO, answer_from=0, answer_at=4000))
+    run.transfer(wrote(GYRO, acked=False), never(GYRO))
+    assert limit(run, "response", max="1 us").verdict().verdict == "fail"
 
 
 def test_coverage_says_how_much_of_the_occasions_is_enough():
-    told = Told("response")
-    told.transfer(read(GYRO, answer_from=0, answer_at=1))
-    told.transfer(wrote(GYRO, acked=False), never(GYRO))
-    assert limit(told, "response", max="1 us", coverage="50 %").verdict().passed
-    assert not limit(told, "response", max="1 us", coverage="50.1 %").verdict().passed
+    run = HandMadeRun("response")
+    run.transfer(read(GYRO, answer_from=0, answer_at=1))
+    run.transfer(wrote(GYRO, acked=False), never(GYRO))
+    assert limit(run, "response", max="1 us", coverage="50 %").verdict().passed
+    assert not limit(run, "response", max="1 us", coverage="50.1 %").verdict().passed
     with pytest.raises(ValueError, match="'half' is no part of a whole; write for instance '90 %'"):
-        limit(told, "response", max="1 us", coverage="half")
+        limit(run, "response", max="1 us", coverage="half")
 
 
 def test_what_was_asked_counts_as_an_occasion_though_it_never_came_to_the_wire():
-    response, stretch, wrong = Told("response"), Told("stretch"), Told("wrong bytes")
-    for told in (response, stretch, wrong):
-        told.transfer(wrote(GYRO, acked=False, at=5), never(GYRO))
+    response, stretch, wrong = HandMadeRun("response"), HandMadeRun("stretch"), HandMadeRun("wrong bytes")
+    for run in (response, stretch, wrong):
+        run.transfer(wrote(GYRO, acked=False, at=5), never(GYRO))
     assert [t.measure.occasions for t in (response, stretch, wrong)] == [1, 2, 6]
     assert [t.measure.measured for t in (response, stretch, wrong)] == [0, 0, 0]
 
 
 @pytest.mark.parametrize("name", ["round", "nacked rounds"])
 def test_rounds_that_were_due_and_missed_are_occasions(name: str):
-    told = Told(name)
-    told.round(due=10, end=20)
-    told.misses(due=30)
-    told.round(due=50, end=60)
-    assert (told.measure.measured, told.measure.occasions) == (2, 3)
+    run = HandMadeRun(name)
+    run.round(due=10, end=20)
+    run.misses(due=30)
+    run.round(due=50, end=60)
+    assert (run.measure.measured, run.measure.occasions) == (2, 3)
 
 
 def test_missed_rounds_shows_how_many_were_due():
-    told = Told("missed rounds")
+    run = HandMadeRun("missed rounds")
     for due in (10, 20, 30):
-        told.round(due, due + 5)
-    told.misses(40)
-    v = limit(told, "missed rounds", max=1).verdict()
+        run.round(due, due + 5)
+    run.misses(40)
+    v = limit(run, "missed rounds", max=1).verdict()
     assert (v.verdict, v.worst, v.count, v.counted) == ("pass", 1, 4, "4")
 
 
 @pytest.mark.parametrize("name", ["fifo high-water", "overruns"])
 @pytest.mark.parametrize(("received", "verdict"), [(10, "pass"), (9, "pass"), (8, "not judged")])
 def test_characters_on_rx_that_the_sci_does_not_receive_are_not_measured(name: str, received: int, verdict: str):
-    told = Told(name)
+    run = HandMadeRun(name)
     for n in range(10):
-        told.character(n, n < received)
-    told.look(3, 1)
-    v = limit(told, name, max=5).verdict()
+        run.character(n, n < received)
+    run.words(3, 1)
+    v = limit(run, name, max=5).verdict()
     assert (v.verdict, v.measured, v.occasions) == (verdict, received, 10)
 
 

@@ -10,7 +10,7 @@ from functools import cache
 import pytest
 
 from periph_sim.bus.i2c.transfer import Phase, Transfer
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import RECORDED, Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME, Timebase
 from periph_sim.devices.sensor_rounds import Request, Round
 from periph_sim.scene.case.load import load
@@ -159,7 +159,7 @@ class Ran:
         self.records: list[Record] = []
 
         def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-            recorder.subscribe(Kind, self.records.append)
+            recorder.subscribe(RECORDED, self.records.append)
 
         self.scene = scene = Scene(load(TIMING / f"{name}.toml", list(changes)), subscribe, keep_values=True)
         self.rounds: list[Round] = []
@@ -174,7 +174,7 @@ class Ran:
         self.not_begun: list[int] = []
         scene.on_round(self.heard.append)
         scene.on_transfer(self.seen.append)
-        scene.on_missed_round(self.not_begun.append)
+        scene.bus.rounds.on_missed.append(self.not_begun.append)
         self.result = scene.run(Fraction(seconds))
 
     def values(self, name: str) -> list[tuple[int, int]]:

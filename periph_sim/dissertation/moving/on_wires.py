@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from msgspec import structs
 
-from ...bus.receiver_listener import ReceiverListener
 from ...core.records import Kind, Record, Recorder
 from ...core.time import Timebase
 from ...devices.chips.register_chip import Source
@@ -25,7 +24,7 @@ from ...sensors.imu_noise import ImuNoise
 from ...sensors.models.imu import Noise
 from ...sensors.models.sensed_motion import SensedMotion
 from ...sensors.rotations import Floats
-from ...timing.measures.measure import MODEL
+from ...timing.derived.age_records import MODEL
 from .readings import Ints, Readings
 from .subject import EmulatorUnderTest
 
@@ -51,16 +50,6 @@ class Emulated:
     runs: Ints
 
 
-class _FifoLevel(ReceiverListener):
-    """Forwards the words in the receive FIFO to the model runs."""
-
-    def __init__(self, runs: ModelRuns) -> None:
-        self._runs = runs
-
-    def changed(self, tick: int, words: int, overrun: bool) -> None:
-        self._runs.words_wait(words)
-
-
 class ModelRuns:
     """Listens to a scene: how many frames were taken when models began; when a round ends, whose run it was.
 
@@ -83,19 +72,19 @@ class ModelRuns:
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
         recorder.subscribe([Kind.SPAN], self._record)
+        recorder.subscribe([Kind.RECEIVER], self._words_wait, things={(Kind.RECEIVER, "words")})
 
     def listen(self, scene: Scene) -> None:
         scene.on_frame(self._frame)
         scene.on_round(self._round)
-        scene.on_sci(_FifoLevel(self))
 
     def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         self._sent.append(number)
 
-    def words_wait(self, words: int) -> None:
-        """So many words wait in the receive FIFO now."""
-        self._taken += not words and self._waiting > 0
-        self._waiting = words
+    def _words_wait(self, record: Record) -> None:
+        """The number of words in the receive FIFO has changed."""
+        self._taken += not record.value and self._waiting > 0
+        self._waiting = record.value
 
     def _record(self, record: Record) -> None:
         if record.what == MODEL and record.value:

@@ -9,13 +9,13 @@ from __future__ import annotations
 import json
 from typing import IO, Literal
 
-from ...core.records import Kind, Record
+from ...core.records import RECORDED, Kind, Record
 from ...core.time import Timebase
 from ..record_text import bus_byte, on_the_bus
 
 SUFFIX = ".jsonl"
 MODE: Literal["w"] = "w"
-KINDS = tuple(Kind)
+KINDS = RECORDED
 VERSION = 2
 
 

@@ -9,14 +9,14 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import IO, Literal
 
-from ...core.records import Kind
+from ...core.records import RECORDED
 from ...core.time import Timebase
 from ...traces.formats.psr import write_table
 from ...traces.formats.record_table import Clocks, Columns
 
 SUFFIX = ".psr"
 MODE: Literal["wb"] = "wb"
-KINDS = tuple(Kind)
+KINDS = RECORDED
 
 
 class PsrWriter:

@@ -371,6 +371,12 @@ class Case(Table, frozen=True, kw_only=True):
         return "the host" if self.host is not None else "the outside" if "host" in self._replaced else ""
 
     @property
+    def checks_host(self) -> bool:
+        """True if reads of known chips have to show values of host frames."""
+        rounds = self.controller or self.rounds
+        return rounds is not None and rounds.check == "host"
+
+    @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
         """What a recording lists for each unit: its modules, and the wires of other pins than the usual ones."""
         usual = ("SDA", "SCL", "RX", "TX")

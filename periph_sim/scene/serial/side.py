@@ -18,7 +18,7 @@ from ...core.records import Recorder
 from ...core.suggest import did_you_mean
 from ...timing.language.events import Matcher, matcher
 from ...timing.language.scope import BadEvent, Scope
-from ...timing.measures.measure import SceneEvents
+from ...timing.measures.measure import MeasuredScene
 from ...timing.measures.reply import Expected, Reply
 from ..case.model import Case
 from ..case.serial import ExpectTable, SendTable, SerialTable
@@ -67,7 +67,7 @@ class SerialSide:
         for number, expect in enumerate(self._table.expect):
             self._attach_expect(number, expect)
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         for trigger in self._triggers.values():
             trigger.listen(scene)
 

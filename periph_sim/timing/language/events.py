@@ -106,11 +106,6 @@ class Matcher(Struct, frozen=True, dict=True):
         """This one and the others."""
         return (self, *self.others)
 
-    @property
-    def is_stuck(self) -> bool:
-        """True if a line that stays low is one of these events: somebody has to watch the wires for it."""
-        return any(one.kind is Kind.BUS and one.what == "stuck" for one in self.each)
-
     def fits(self, record: Record) -> bool:
         """True if this is the event, whichever of its group it is."""
         return self._fits(record) or any(other._fits(record) for other in self.others)

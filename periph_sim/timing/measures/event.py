@@ -9,7 +9,7 @@ from ...core.records import UNHEARD, Kind, Recorder
 from ...core.time import NO_TIME
 from ..language.events import Matcher
 from .event_pairing import EventMeasure, span_hint
-from .measure import Counter, Measure, SceneEvents
+from .measure import Counter, Measure, MeasuredScene
 
 OF_UNIT = 1 << 30  # the tag of an access of the unit; those of its events are below
 
@@ -69,7 +69,7 @@ class LevelAt(EventMeasure):
         super().__init__(event, change, order=(1, 0))
         self._value = 0
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         super().listen(scene)
         (place,) = self.matchers[1].where or ("",)
         self._value = scene.value_of(place, self.matchers[1].what)
@@ -130,11 +130,11 @@ class Jitter(Measure):
     def __init__(self, of: Measure) -> None:
         super().__init__()
         self.of = of
-        self.unit, self.needs = of.unit, of.needs
+        self.unit, self.needs, self.kinds = of.unit, of.needs, of.kinds
         self._before: int | None = None
         of.tap = self._took
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         self.of.listen(scene)
 
     def subscribe(self, recorder: Recorder) -> None:

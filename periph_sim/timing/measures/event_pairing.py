@@ -19,7 +19,7 @@ from ...core.records import UNHEARD, Kind, Recorder, Subjects
 from ...core.suggest import did_you_mean
 from ..language.events import Matcher
 from .groups import Groups
-from .measure import Measure, SceneEvents
+from .measure import Measure, MeasuredScene
 
 
 class _Seen:
@@ -119,14 +119,15 @@ class EventMeasure(Measure):
         return self._needed
 
     def subscribe(self, recorder: Recorder) -> None:
-        recorder.subscribe(self.kinds, self, self.subjects, self._wanted if self.spans is None else None)
+        by_name = self.kinds if self.spans is None else self.kinds - {Kind.SPAN}
+        recorder.subscribe(by_name, self, self.subjects, self._wanted)
+        if self.spans is not None:  # all of their names, so that one near a misspelled name can be shown
+            recorder.subscribe({Kind.SPAN}, self)
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         for groups in self._groups:
             if groups is not None:
                 groups.listen(scene)
-        if any(matcher.is_stuck for matcher in self.matchers):
-            scene.on_stuck(lambda at: None)  # so that the wires are watched; the record says it
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if self.spans is None and (kind, what) not in self._wanted:

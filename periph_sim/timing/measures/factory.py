@@ -12,19 +12,18 @@ from typing import TypeAlias
 
 from ...core.records import Kind
 from ...core.suggest import did_you_mean
+from ...devices.sensor_rounds import CHIPS
 from ...f28335.cpu.pie_map import LINES
 from ..budget_schema import REPLY, SPAN, WATCH
 from ..language.events import OF_AGENT, Event, Group, Matcher, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, name_text, near_form
 from ..language.scope import BadEvent, Scope
-from .age import Age, ModelAge
 from .event import EventCount, Jitter, Level, LevelAt, Period, ToFirstAccess
 from .load import BusLoad, CpuLoad
 from .margin import HeldPerTransfer, Margin
 from .measure import Measure
 from .pair import Between, CountBetween
-from .registry import MEASURES, make
-from .round import Slack
+from .registry import MEASURES, SLACK, make, value_error
 from .states import EachTimeIn, State, TimeIn
 
 OVERFLOWS = "overflows"  # of fixed-point arithmetic
@@ -165,9 +164,8 @@ def _of_a_race(said: Said, scope: Scope) -> Maker:
 
 
 def _value(said: Said, scope: Scope) -> Maker:
-    from .value import ValueDeviation  # and with it the sensor models
-
-    return partial(ValueDeviation, said.name, said.instant == "frame")
+    row = value_error(said.name or " or ".join(CHIPS), said.instant == "frame")
+    return partial(row.make, said.name)
 
 
 _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
@@ -187,11 +185,11 @@ _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
     "each": lambda said, scope: partial(EachTimeIn, _state(said, scope)),
     "cpu": lambda said, scope: partial(CpuLoad, scope.unit(said.unit), said.window),
     "bus": lambda said, scope: partial(BusLoad, said.window),
-    "slack": lambda said, scope: Slack,
+    "slack": lambda said, scope: SLACK.make,
     "race": _of_a_race,
     "cleared": _of_a_race,
-    "age": lambda said, scope: partial(Age, said.name),
-    "model": lambda said, scope: partial(ModelAge, said.name),
+    "age": lambda said, scope: partial(MEASURES["age"].make, said.name),
+    "model": lambda said, scope: partial(MEASURES["model age"].make, said.name),
     "value": _value,
     "lost": _of_a_race,
 }

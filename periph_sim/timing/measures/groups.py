@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
-from .measure import SceneEvents
+from .measure import MeasuredScene
 
 PAUSE = 2  # characters without a frame that end a burst
 
@@ -34,7 +34,7 @@ class Groups:
         """What must be recorded."""
         return self._group.begin, self._group.end
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         if self._group.name == "round":
             self._begins_round = scene.rounds_at_start()
 

@@ -17,7 +17,7 @@ from fractions import Fraction
 from ...core.records import UNHEARD, Kind
 from ...core.time import NO_TIME
 from ...form.c_types import BigInt
-from .measure import MILLIONTHS, Measure, SceneEvents
+from .measure import MILLIONTHS, Measure, MeasuredScene
 
 WAIT, ROUTINE = 0, 1  # tags of what a CPU does
 BEGINS, ENDS = 0, 1  # and of what a bus says
@@ -40,7 +40,7 @@ class Load(Measure):
         self._stretches: deque[tuple[int, int]] = deque()  # those that a window to come may reach back to
         self._begins: deque[int] = deque()  # of windows that are not over yet
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         self._began = scene.began()
         if self._seconds is not None:
             self._window = round(self._seconds * scene.ticks_per_second())
@@ -118,7 +118,7 @@ class CpuLoad(Load):
         self._unit = unit
         self._under_way: list[int] = []  # waits and service routines, the inner ones last
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         super().listen(scene)
         self.begins(scene.began())
 

@@ -8,7 +8,7 @@ What counts is what `periph-sim races` shows of a recorded run (`records/lost_fl
 from __future__ import annotations
 
 from ...core.records import Kind, Recorder, Subjects
-from .measure import Measure, SceneEvents
+from .measure import Measure, MeasuredScene
 from .modifies import CLEARABLE, CLEARABLE_FLAGS, Cleared, Modifies
 from .watched import Watched
 
@@ -36,7 +36,7 @@ class LostFlags(Measure):
             return {Kind.FLAG: {f"{watched.unit}.{watched.module}.{watched.register}"}}
         return {Kind.FLAG: [f"{unit}.{register}" for unit in watched.units for register in CLEARABLE]}
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         self.modifies.clock_is(scene.ticks_per_second(), scene.clock_history(self.watched.unit))
 
     def subscribe(self, recorder: Recorder) -> None:

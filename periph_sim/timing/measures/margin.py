@@ -15,7 +15,7 @@ from __future__ import annotations
 from ...core.records import UNHEARD, Kind, Recorder, Subjects
 from ...core.time import NO_TIME
 from .bus_from_wires import BusFromWires
-from .measure import Delay, Measure, SceneEvents
+from .measure import Delay, Measure, MeasuredScene
 
 WRITE, XRDY = 0, 1  # tags of records
 THINGS = {(Kind.ACCESS, "W I2C-A.I2CDXR"), (Kind.FLAG, "I2CSTR.XRDY")}
@@ -59,7 +59,7 @@ class Margin(Measure):
     def subscribe(self, recorder: Recorder) -> None:
         recorder.subscribe(self.kinds, self, self.subjects, THINGS)
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         self._delay = scene.i2c_release_delay(self._unit)
         self._empty = bool(scene.value_of(f"{self._unit}.I2C-A", "I2CSTR.XRDY"))
         self.bus.attach(scene.wire("SCL"), scene.wire("SDA"))
@@ -127,7 +127,7 @@ class HeldPerTransfer(Measure):
         self._began = NO_TIME
         self._sum = 0
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         self.bus.attach(scene.wire("SCL"), scene.wire("SDA"))
 
     def begins(self, at: int) -> None:

@@ -1,8 +1,8 @@
-"""What a budget can limit: happenings of a run go in as they happen, the worst value and when it was come out.
+"""Base of all measures: records of a run go in as they are made; the worst value and its tick come out.
 
-A measure keeps no history, so memory does not grow with the run, unless `keep` is asked for by whoever wants all
-values; a percentile counts equal ones (`tally`). Each class says what it measures and from which event to which. The
-list users choose from is in `registry`; measures of events that users name are in `event`.
+A measure keeps no history, so memory does not grow with the run, unless `keep` asks for all values; a percentile counts
+equal ones (`tally`). Measures with a fixed name are rows in `registry`; measures of events that users name are in
+`event`.
 """
 
 # core: compiled
@@ -10,7 +10,7 @@ list users choose from is in `registry`; measures of events that users name are 
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from fractions import Fraction
 from typing import TYPE_CHECKING, Protocol
 
@@ -22,13 +22,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ...bus.i2c.transfer import Phase, Transfer
-    from ...bus.receiver_listener import ReceiverListener
     from ...core.wire import Wire
-    from ...devices.sensor_rounds import Round
-    from ...devices.truth import Axes
     from ...devices.watchers import WireWatcher
-    from .origins import Origin
     from .reply import Expected, Reply
     from .watched_wire import WatchedWire
 
@@ -38,91 +33,39 @@ class Delay(Protocol):
         """Return the delay of a write at this tick, with the present settings."""
 
 
-class ReadOrigins(Protocol):
-    def of(self, phase: Phase) -> Origin | None:
-        """Return the origin of what a phase of the transfer that is just over has read."""
-
-
-class SceneEvents(Protocol):
-    """What a scene lets a measure listen to and ask."""
-
-    def on_transfer(self, told: Callable[[Transfer], None]) -> None: ...
-
-    def on_round(self, told: Callable[[Round], None]) -> None: ...
-
-    def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None: ...
-
-    def on_stuck(self, told: Callable[[int], None]) -> None: ...
-
-    def on_sci(self, listener: ReceiverListener) -> None:
-        """`listener` is told what becomes of each SCI's receiver."""
-
-    def on_character(self, told: Callable[[int], None]) -> None:
-        """`told(tick)` of each character to an SCI, and when its start bit began; at the latest as the run ends.
-
-        Of one that goes to several it is told for each.
-        """
-
-    def origins(self) -> ReadOrigins:
-        """Which host frame the bytes of a read come from."""
-
-    def checks_host(self) -> bool:
-        """Whether known chips are to show values of host frames."""
+class MeasuredScene(Protocol):
+    """What a measure may ask a scene, beside the records that it subscribes to."""
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Tell a measure of a reply what it listens to. What is expected; why it was never asked for, as a phrase."""
+        """Give events to `reply` from now on. Returns what is expected, and why it was never asked for, as a phrase."""
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:
-        """Who watches the wire that the measure is named for, and tells it what he finds."""
-
-    def on_round_due(self, told: Callable[[int], None]) -> None:
-        """`told(tick)` of each round that was due, and when, whether it began or not; at the latest as the run ends."""
-
-    def on_missed_round(self, told: Callable[[int], None]) -> None:
-        """The same of those that did not begin while they were due."""
+        """Return the watcher of the wire that the measure is named for, which gives its findings to the measure."""
 
     def rounds_at_start(self) -> Callable[[], bool]:
-        """To be asked at a START that is no repeated one: whether it begins a round."""
-
-    def round_period(self) -> int:
-        """From one round's due time to the next one's, in ticks."""
+        """Return a function that says, at a START that is no repeated one, whether it begins a round."""
 
     def began(self) -> int:
-        """The tick at which the run begins."""
+        """Return the tick at which the run begins."""
 
     def wire(self, name: str) -> Wire: ...
 
     def level_of(self, wire: str) -> int:
-        """The level of a wire now."""
+        """Return the level of a wire now."""
 
     def value_of(self, place: str, name: str) -> int:
-        """What a field holds now: of "dsp.I2C-A" that of "I2CSTR.XRDY"."""
+        """Return what a field holds now: of "dsp.I2C-A" that of "I2CSTR.XRDY"."""
 
     def ticks_per_second(self) -> int: ...
 
     def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
-        """SYSCLKOUT of a unit in Hz from each tick on, up to now; of the first one where none is named."""
+        """Return a unit's SYSCLKOUT in Hz from each tick on, up to now; of the first unit where none is named."""
 
     def i2c_release_delay(self, unit: str) -> Delay:
-        """From a write of I2CDXR that SCL is held for to its release."""
-
-    def open_transfer(self) -> Transfer | None:
-        """A firmware's transfer without a STOP yet, if it has an address; a controller agent's is None: it goes on."""
-
-    def held_since(self) -> int:
-        """Since when others hold SCL low that the master has let go of; NO_TIME if they do not."""
-
-    def host_values(self, number: int) -> tuple[int, ...]: ...
-
-    def frame_due(self, number: int) -> int:
-        """The tick at which a host frame is due."""
-
-    def truth_at(self, tick: int) -> Mapping[str, Axes]:
-        """What each chip should show at this tick."""
+        """Return the delay from a write of I2CDXR that SCL is held for to its release."""
 
 
 MILLIONTHS = 1_000_000  # parts of the time and LSB are counted in these
-MODEL = "model"  # the span in which firmware computes sensor models
 READ = "read"  # an occurrence: one addressed phase, which begins with its START
 
 
@@ -246,15 +189,15 @@ class Measure(Listener):
         assert self._tally is not None
         return self._tally.percentile(per_mille)
 
-    def listen(self, scene: SceneEvents) -> None:  # core: python
-        """Ask the scene for what this measure needs."""
+    def listen(self, scene: MeasuredScene) -> None:  # core: python
+        """Ask the scene for what this measure needs beside records."""
 
     def subscribe(self, recorder: Recorder) -> None:
-        """Have the records made that it looks at, and be told of them."""
+        """Subscribe to the records that this measure looks at, which has them made."""
         recorder.subscribe(self.kinds, self, self.subjects)
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        """What `hear` is told with records of this kind, place and thing; UNHEARD where it has no use for them."""
+        """Return the tag under which `hear` gets records of this kind, place and thing; UNHEARD for none of them."""
         return UNHEARD
 
     def finish(self, now: int) -> None:  # core: python
@@ -292,7 +235,7 @@ class Measure(Listener):
 
 
 class Counter(Measure):  # core: python
-    """Counts something: worst is how many there were, worst_at when the first one was. Zero is a value.
+    """Number of something: worst is how many there were, worst_at when the first one was. Zero is a value.
 
     Verdicts show at how many of its occasions it was measured, where it has any.
     """

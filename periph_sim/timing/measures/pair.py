@@ -21,7 +21,7 @@ from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
 from .event_pairing import EventMeasure
 from .groups import Groups
-from .measure import SceneEvents
+from .measure import MeasuredScene
 
 PAIRINGS = ("in order", "next", "last")
 FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
@@ -79,7 +79,7 @@ class Between(EventMeasure):
     def measured(self) -> int:
         return self.count if self._rule is None else self._groups_paired
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         super().listen(scene)
         self._began_at = scene.began()
         self._per_second = scene.ticks_per_second()

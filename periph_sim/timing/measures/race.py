@@ -21,7 +21,7 @@ from ...records.register_choice import groups_of
 from ...records.run import NotInRun, Run
 from ...traces.formats.record_table import Columns, RecordTable
 from ..language.scope import scope_of_table
-from .measure import Measure, SceneEvents
+from .measure import Measure, MeasuredScene
 from .watched import Watched, losing, raced
 
 
@@ -51,7 +51,7 @@ class RegisterMeasure(Measure, ABC):
         watched = self.watched
         return {Kind.FLAG: {f"{watched.unit}.{watched.module}.{watched.register}"}} if watched.register else {}
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         self._per_second = scene.ticks_per_second()
         self._clocks = {self.watched.unit: scene.clock_history(self.watched.unit)}
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from msgspec import Struct, field
 
 from ...core.time import NO_TIME
-from .measure import Measure, SceneEvents
+from .measure import Measure, MeasuredScene
 
 BAD = 0x100  # added to a character with a wrong parity or without a stop bit
 
@@ -63,7 +63,7 @@ class Reply(Measure):
     def measured(self) -> int:
         return self._judged
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         self._began, self._per_second = scene.began(), scene.ticks_per_second()
         self._expected, self._why_never = scene.on_reply(self)
 

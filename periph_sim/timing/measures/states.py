@@ -18,7 +18,7 @@ from ...core.records import Kind
 from ...core.time import NO_TIME
 from ..language.events import EVERYTHING, Matcher
 from .event_pairing import EventMeasure
-from .measure import SceneEvents
+from .measure import MeasuredScene
 
 if TYPE_CHECKING:
     from .event_pairing import Hearing
@@ -31,7 +31,7 @@ class State(Struct, frozen=True):
     enters: tuple[Matcher, ...]
     leaves: tuple[Matcher, ...]
 
-    def holds(self, scene: SceneEvents) -> bool:
+    def holds(self, scene: MeasuredScene) -> bool:
         """Whether a scene in which nothing has happened yet is in this state."""
         first = self.enters[0]
         (place, *_) = first.where or ("",)
@@ -51,7 +51,7 @@ class _InState(EventMeasure):
         self._enters = len(state.enters)  # the first ones of `matchers`
         self._since = NO_TIME
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         if self.state.holds(scene):
             self.begins(scene.began(), False)
 

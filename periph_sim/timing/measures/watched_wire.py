@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .measure import Measure, SceneEvents
+from .measure import Measure, MeasuredScene
 
 if TYPE_CHECKING:
     from ...devices.watchers import WireWatcher
@@ -20,7 +20,7 @@ class WatchedWire(Measure):
         self._watcher: WireWatcher | None = None
         self._now = 0
 
-    def listen(self, scene: SceneEvents) -> None:
+    def listen(self, scene: MeasuredScene) -> None:
         self._watcher = scene.watcher(self)
 
     def refute(self, why: str, at: int) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import RECORDED, Kind, Record
 from periph_sim.reports.html import CaseReport, gather
 from periph_sim.reports.html.timeline import Boxes, Lane, Marks, Timeline, Wave, only_chosen
 from periph_sim.scene.case.load import load
@@ -54,7 +54,7 @@ def records(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
     path = tmp_path_factory.mktemp("records") / "small.toml"
     path.write_text(CASE, encoding="utf-8")
     found: list[Record] = []
-    Scene(load(path, []), lambda recorder, _: recorder.subscribe(Kind, found.append)).run()
+    Scene(load(path, []), lambda recorder, _: recorder.subscribe(RECORDED, found.append)).run()
     return sorted(found, key=lambda record: record.tick)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
 from periph_sim.firmware import start_sci
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.firmware_loader import Firmware
@@ -19,10 +20,17 @@ def unit(*modules: str, **more: Any) -> dict[str, Any]:
     return {"firmware": "given", "modules": list(modules), **more}
 
 
-def scene(programs: dict[str, Program], seen: list[Record] | None = None, kinds: Iterable[Kind] = Kind, **tables: Any):
-    """A scene of the given programs by unit; `seen` gets the records of `kinds`."""
+def scene(
+    programs: dict[str, Program],
+    seen: list[Record] | None = None,
+    kinds: Iterable[Kind] = Kind,
+    subscribe: Callable[[Recorder, Timebase], None] | None = None,
+    **tables: Any,
+) -> Scene:
+    """A scene of the given programs by unit; `seen` gets the records of `kinds`, unless `subscribe` is given."""
     firmware = {name: Firmware(name, lambda dsp, settings, run=run: run(dsp), None) for name, run in programs.items()}
-    subscribe = None if seen is None else lambda recorder, timebase: recorder.subscribe(list(kinds), seen.append)
+    if seen is not None and subscribe is None:
+        subscribe = lambda recorder, timebase: recorder.subscribe(list(kinds), seen.append)  # noqa: E731
     return Scene(case(**tables), subscribe, firmware)
 
 

@@ -8,22 +8,31 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.bus.receiver_listener import ReceiverListener
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
 from periph_sim.firmware import start_sci
 from periph_sim.processor.dsp import Dsp
 from tests.scene.serial.programs import scene, unit
 
 
-class Heard(ReceiverListener):
+class Heard:
+    """The records of a receiver."""
+
     def __init__(self) -> None:
         self.words: list[tuple[int, bool]] = []  # that wait, whether one was lost
         self.characters = 0
 
-    def changed(self, tick: int, words: int, overrun: bool) -> None:
-        self.words.append((words, overrun))
+    def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
+        names = {(Kind.RECEIVER, what) for what in ("words", "lost", "received")}
+        recorder.subscribe([Kind.RECEIVER], self._record, things=names)
 
-    def received(self, tick: int) -> None:
-        self.characters += 1
+    def _record(self, record: Record) -> None:
+        if record.what == "received":
+            self.characters += 1
+        elif record.what == "words":
+            self.words.append((record.value, False))
+        else:
+            self.words[-1] = (self.words[-1][0], True)
 
 
 def heard(characters: int, fifo: bool) -> Heard:
@@ -37,9 +46,8 @@ def heard(characters: int, fifo: bool) -> Heard:
             dsp.compute(1000)
 
     serial = {"send": [{"to": "dsp.SCI-A", "at": "100 us", "bytes": "55 " * characters}]}
-    made = scene({"dsp": main}, unit={"dsp": unit("SCI-A")}, serial=serial, duration="3 ms")
     found = Heard()
-    made.on_sci(found)
+    made = scene({"dsp": main}, None, (), found.subscribe, unit={"dsp": unit("SCI-A")}, serial=serial, duration="3 ms")
     made.run()
     return found
 

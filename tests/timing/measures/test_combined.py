@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.core.time import NO_TIME
 from periph_sim.timing.budget_plan import BadBudget
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
@@ -74,19 +73,8 @@ def test_of_joined_conditions_all_are_told_and_the_broken_one_is_shown():
     assert second.found == "age 2.000 us at 0.000001 s (max 2 us); stretch 6.000 us at 0.000001 s (max 5 us)"
 
 
-class FreeBus:
-    """A scene in which nobody holds SCL as the run ends."""
-
-    def on_transfer(self, told: object) -> None:
-        pass
-
-    def held_since(self) -> int:
-        return NO_TIME
-
-
 def test_a_condition_without_a_value_of_one_occurrence_proves_nothing():
     of = both(max="5 us")
-    of.parts[1].measure.listen(FreeBus())
     for part, count in zip(of.parts, (2, 1), strict=True):
         for place in range(count):
             part.measure.take(US, START + place * US)

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from periph_sim import timing
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
-from periph_sim.devices.sensor_rounds import Round
 from periph_sim.timing.language.language import FORMS
 from periph_sim.timing.language.scope import AnyName, BadEvent, Scope
 from periph_sim.timing.measures.factory import make_of_events
 from periph_sim.timing.measures.pair import Between
 from tests.timing.events_by_hand import BARE, NO_BUS, ONE, TWO, came, records, table, tell
+from tests.timing.measures.hand_made_run import HandMadeRun
 
 WRITES = "from flag I2C-A.I2CSTR.XRDY rise to access W I2C-A.I2CDXR"
 
@@ -202,28 +202,16 @@ def test_interrupt_latency_is_from_its_flag_in_the_pie_to_its_routine():
     assert came(tell(measure("interrupt latency SCIRXINTA"), records(of))) == (16, 10, 10, 2)
 
 
-class Told:
-    """What a scene tells measures of loads and slack."""
+class Loaded:
+    """A run that begins at tick 1000."""
 
     def began(self) -> int:
         return 1000
 
-    def round_period(self) -> int:
-        return 500
-
-    def on_round_due(self, told) -> None:
-        pass
-
-    def on_missed_round(self, told) -> None:
-        pass
-
-    def on_round(self, told) -> None:
-        self.round = told
-
 
 def test_bus_load_is_from_start_to_stop():
-    told, load = Told(), measure("bus load")
-    load.listen(told)
+    load = measure("bus load")
+    load.listen(Loaded())
     of = "1000 bus controller START 0\n1050 bus controller repeated_START 0\n1100 bus controller STOP 0"
     tell(load, records(of + "\n1400 bus controller START 0"))
     load.finish(1500)
@@ -231,11 +219,10 @@ def test_bus_load_is_from_start_to_stop():
 
 
 def test_slack_is_to_the_next_round_due_and_negative_when_that_is_over():
-    told, slack = Told(), measure("slack")
-    slack.listen(told)
-    told.round(Round(1, 1000, 1010, 1300))
-    told.round(Round(2, 1500, 1500, 2100))
-    assert came(slack) == (200, 1300, -100, 2)
+    run = HandMadeRun(measure("slack"), period=500)
+    run.round(1000, 1300, start=1010)
+    run.round(1500, 2100)
+    assert came(run.measure) == (200, 1300, -100, 2)
 
 
 @pytest.mark.parametrize(

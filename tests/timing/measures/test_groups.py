@@ -12,8 +12,8 @@ from periph_sim.timing.measures.factory import make_of_events, measure_named
 from periph_sim.timing.measures.measure import Measure
 from tests.scene.runs import run_file
 from tests.timing.events_by_hand import ONE, came, records, tell
+from tests.timing.measures.hand_made_run import GYRO, HandMadeRun, read
 from tests.timing.measures.test_event import Rounds
-from tests.timing.measures.test_measure import GYRO, Told, read
 
 TRANSFERS = """
     10 bus c START 0
@@ -151,9 +151,8 @@ def test_the_fifo_at_service_routine_entry():
 
 
 def test_jitter_of_a_measure_is_from_value_to_value():
-    told = Told("response")
     jitter = measure_named("jitter of response", ONE)
-    jitter.listen(told)
+    told = HandMadeRun(jitter)
     jitter.keep()
     for at, length in ((0, 5), (100, 9), (200, 8), (300, 8)):
         told.transfer(read(GYRO, at=at, answer_from=at, answer_at=at + length))

@@ -2,37 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.bus.i2c.transfer import Phase, Transfer
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME
-from periph_sim.devices.sensor_rounds import CHIPS, Round
-from periph_sim.timing.measures.bus import Stretch, WrongBytes, begin_of
+from periph_sim.devices.sensor_rounds import CHIPS
+from periph_sim.timing.derived.error_records import RECENT, ErrorRecords
+from periph_sim.timing.derived.transfer_records import begin_of
 from periph_sim.timing.measures.factory import make_of_events
 from periph_sim.timing.measures.measure import MILLIONTHS
-from periph_sim.timing.measures.round import Slack
 from periph_sim.timing.measures.span import SpanTime
 from periph_sim.timing.measures.states import TimeIn
-from periph_sim.timing.measures.value import RECENT, ValueDeviation
 from tests.timing.events_by_hand import ONE, records, tell
-from tests.timing.measures.test_measure import GYRO, OTHER, Told, read, wrote
+from tests.timing.measures.hand_made_run import GYRO, OTHER, HandMadeRun, read, wrote
 
 
 class Scene:
-    """Whatever a measure asks for: who listens, and what is there."""
+    """Answers whatever a measure asks."""
 
     def __init__(self, **there: int) -> None:
         self.there = there
-        self.heard: dict[str, Callable[..., None]] = {}
 
     def __getattr__(self, name: str):
-        if name.startswith("on_"):
-            return lambda told: self.heard.setdefault(name, told)
         if name in self.there:
             return lambda *_: self.there[name]
         raise AttributeError(name)
@@ -53,23 +47,30 @@ def test_a_phase_that_never_began_stands_where_its_transfer_did():
     [(NO_TIME, "", (7, 10)), (50, "SCL was still held low when the run ended", (30, 50)), (73, "", (7, 10))],
 )
 def test_scl_that_is_held_at_the_end_counts_with_what_it_has_been(since: int, said: str, worst: tuple[int, int]):
-    measure = Stretch()
-    scene = Scene(held_since=since)
-    measure.listen(scene)  # type: ignore[arg-type]
-    scene.heard["on_transfer"](Transfer("chip", [read(GYRO, at=10, stretch=7)]))
-    measure.finish(80)
-    assert measure.close(80) == said and (measure.worst, measure.worst_at) == worst
+    run = HandMadeRun("stretch")
+    run.transfer(read(GYRO, at=10, stretch=7))
+    run.finish(80, held_since=since)
+    assert run.measure.close(80) == said and (run.measure.worst, run.measure.worst_at) == worst
+
+
+def test_a_refused_request_counts_even_if_its_master_gives_no_stop():
+    run = HandMadeRun("nacked")
+    run.transfer(wrote(GYRO, at=10, acked=False))
+    run.finish(80, Transfer("chip", [wrote(GYRO, at=40, acked=False)]))
+    assert run.came() == (2, 10, 2, 2)
+    answered = HandMadeRun("nacked")
+    answered.finish(80, Transfer("chip", [wrote(GYRO, at=40)]))
+    assert answered.measure.count == 0
 
 
 def test_the_first_wrong_read_is_told_and_places_are_counted():
-    told = Told("wrong bytes")
+    told = HandMadeRun("wrong bytes")
     for got, expected in ((b"\x01\x02", b"\x01\x02"), (b"\x01\x09\x05", b"\x01\x02\x07"), (b"\x08\x09", b"\x01\x09")):
         phase = read(OTHER, got, at=100 + got[0])
         phase.expect = expected
         told.transfer(phase)
-    assert isinstance(told.measure, WrongBytes)
-    assert told.measure.first == "chip read 01 09 05 where 01 02 07 was expected"
-    assert told.measure.where == {"chip byte 1": 1, "chip byte 2": 1, "chip byte 0": 1}
+    assert told.bytes.first_wrong == "chip read 01 09 05 where 01 02 07 was expected"
+    assert told.bytes.wrong_places == {"chip byte 1": 1, "chip byte 2": 1, "chip byte 0": 1}
     assert told.came() == (3, 101, 3, 7)
 
 
@@ -85,7 +86,7 @@ def test_the_first_wrong_read_is_told_and_places_are_counted():
 def test_bytes_are_compared_as_far_as_both_go(
     got: bytes, expected: bytes, asked: int, wrong: int, compared: int, occasions: int
 ):
-    told = Told("wrong bytes")
+    told = HandMadeRun("wrong bytes")
     phase = Phase(OTHER, read=True, count=asked, acked=True, got=bytearray(got), start_at=5)
     phase.expect = expected
     told.transfer(phase)
@@ -95,29 +96,24 @@ def test_bytes_are_compared_as_far_as_both_go(
 # Rounds ---------------------------------------------------------------------------------------------------------------
 
 
-def over(due: int, end: int, start: int | None = None, nacked: int = 0) -> Round:
-    return Round(1, due, due if start is None else start, end, nacked)
-
-
 def test_a_round_is_measured_from_its_begin_and_slack_from_its_end():
-    told = Told("round")
-    for heard in told.rounds:
-        heard(over(1000, 1500, start=1100))
+    told = HandMadeRun("round")
+    told.round(1000, 1500, start=1100)
     assert told.came() == (400, 1100, 400, 1)
-    slack, scene = Slack(), Scene(round_period=2000)
-    slack.listen(scene)  # type: ignore[arg-type]
-    for one in (over(1000, 1500), over(3000, 5001)):
-        scene.heard["on_round"](one)
+    run = HandMadeRun(make_of_events("slack", ONE), period=2000)
+    run.round(1000, 1500)
+    run.round(3000, 5001)
+    slack = run.measure
     assert (slack.worst, slack.worst_at, slack.least, slack.least_at) == (1500, 1500, -1, 5001)
 
 
 @pytest.mark.parametrize(("not_before", "measured", "occasions"), [(0, 3, 3), (10, 3, 3), (11, 2, 2), (51, 0, 0)])
 def test_rounds_are_counted_from_the_time_asked_for(not_before: int, measured: int, occasions: int):
-    told = Told("nacked rounds")
+    told = HandMadeRun("nacked rounds")
     told.measure.not_before = not_before
     for due in (10, 30, 50):
         told.round(due, due + 5)
-    told.measure.finish(60)
+    told.finish(60)
     assert (told.measure.measured, told.measure.occasions) == (measured, occasions)
 
 
@@ -192,54 +188,59 @@ def test_transfers_are_counted_from_the_time_asked_for(not_before: int, measured
 # Values ---------------------------------------------------------------------------------------------------------------
 
 
-class Truth(Scene):
-    """The truth of the gyroscope at tick t is (t, -t, 0) hundredths of an LSB; frame n was due at 100 n."""
+class Samples:
+    """Reads after so many host frames, and the measure of their errors.
 
-    def frame_due(self, number: int) -> int:
-        return 100 * number
+    The truth of the gyroscope at tick t is (t, -t, 0) hundredths of an LSB; frame n was due at 100 n.
+    """
 
-    def truth_at(self, tick: int) -> Mapping[str, tuple[float, float, float]]:
-        return dict.fromkeys(CHIPS, (tick / 100, -tick / 100, 0.0))
+    def __init__(self, text: str, frames: int = 1) -> None:
+        recorder = Recorder()
+        self.measure = make_of_events(text, ONE)
+        self.measure.subscribe(recorder)
+        self.measure.keep()
+        self.errors = ErrorRecords(
+            recorder,
+            lambda tick: dict.fromkeys(CHIPS, (tick / 100, -tick / 100, 0.0)),
+            lambda number: 100 * number,
+        )
+        for number in range(frames):
+            self.errors.frame(number + 1, (0,) * 6, 0)
+
+    def read(self, *phases: Phase) -> None:
+        self.errors.transfer(Transfer("gyroscope", list(phases)))
+
+    def values(self) -> list[int]:
+        return self.measure.all_kept()[0].tolist()
 
 
 def sample(*values: int) -> bytes:
     return b"".join(value.to_bytes(2, "big", signed=True) for value in values)
 
 
-def deviation(at_frame: bool, *, frames: int = 1, chip: str = "") -> tuple[ValueDeviation, Truth]:
-    measure, scene = ValueDeviation(chip, at_frame), Truth()
-    measure.listen(scene)  # type: ignore[arg-type]
-    measure.keep()
-    for number in range(frames):
-        scene.heard["on_frame"](number + 1, (0,) * 6, 0)
-    return measure, scene
-
-
 def test_a_value_is_off_by_its_worst_axis_at_its_first_data_bit():
-    measure, scene = deviation(False)
+    samples = Samples("value error")
     for answer_at, values in ((200, (2, -2, 0)), (350, (3, -3, 0)), (400, (4, -1, 0)), (500, (5, -5, -7))):
-        phase = read(GYRO, sample(*values), at=answer_at - 20, answer_at=answer_at)
-        scene.heard["on_transfer"](Transfer("gyroscope", [phase]))
-    assert measure.all_kept()[0].tolist() == [0, MILLIONTHS // 2, 3 * MILLIONTHS, 7 * MILLIONTHS]
+        samples.read(read(GYRO, sample(*values), at=answer_at - 20, answer_at=answer_at))
+    measure = samples.measure
+    assert samples.values() == [0, MILLIONTHS // 2, 3 * MILLIONTHS, 7 * MILLIONTHS]
     assert measure.all_kept()[1].tolist() == [180, 330, 380, 480] and measure.occasions == 4
 
 
 @given(st.integers(1, 12), st.integers(0, 14))
 def test_at_the_frame_the_best_of_the_last_eight_and_of_those_since_the_last_read_counts(frames: int, carried: int):
-    measure, scene = deviation(True, frames=frames)
+    samples = Samples("value error at frame", frames)
     for at in (2000, 2100):  # before the second read, the frame that fitted the first one is known
-        phase = read(GYRO, sample(carried, -carried, 0), at=at, answer_at=at + 20)
-        scene.heard["on_transfer"](Transfer("gyroscope", [phase]))
-        assert measure.worst == min(abs(carried - number) for number in range(1, frames + 1)) * MILLIONTHS
-    phase = read(GYRO, sample(1, -1, 0), at=2200, answer_at=2220)
-    scene.heard["on_transfer"](Transfer("gyroscope", [phase]))
+        samples.read(read(GYRO, sample(carried, -carried, 0), at=at, answer_at=at + 20))
+        assert samples.measure.worst == min(abs(carried - number) for number in range(1, frames + 1)) * MILLIONTHS
+    samples.read(read(GYRO, sample(1, -1, 0), at=2200, answer_at=2220))
     fitted = min(range(1, frames + 1), key=lambda number: (abs(carried - number), -number))
     oldest = min(fitted, max(frames - RECENT, 0) + 1)
-    assert measure.all_kept()[0][-1] == (oldest - 1) * MILLIONTHS
+    assert samples.values()[-1] == (oldest - 1) * MILLIONTHS
 
 
 def test_which_reads_have_a_value():
-    measure, scene = deviation(False, chip="gyroscope")
+    samples = Samples("value error of gyroscope")
     bytes_ = sample(2, -2, 0)
     transfers = (
         [read(GYRO, bytes_, at=180, answer_at=200)],
@@ -249,10 +250,12 @@ def test_which_reads_have_a_value():
         [wrote(GYRO, at=580, acked=False), Phase(GYRO, read=True, count=6)],
     )
     for phases in transfers:
-        scene.heard["on_transfer"](Transfer("gyroscope", phases))
+        samples.read(*phases)
+    measure = samples.measure
     assert (measure.count, measure.occasions) == (1, 3)
-    early, before = deviation(False, frames=0)
-    before.heard["on_transfer"](Transfer("gyroscope", transfers[0]))
+    before = Samples("value error", frames=0)
+    before.read(*transfers[0])
+    early = before.measure
     assert (early.count, early.occasions) == (0, 0)
     assert (
         early.missing()

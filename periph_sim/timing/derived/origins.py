@@ -17,9 +17,9 @@ firmware provides nothing but the level of that pin.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from itertools import combinations_with_replacement
-from typing import NamedTuple, Protocol, final
+from typing import final
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
@@ -27,41 +27,14 @@ from ...devices.model_codes import BY_ADDRESS, Computed, ModelCodes, Shown, regi
 from ...devices.sensor_rounds import ADDRESSES
 from ...devices.truth import shown as shown_numbers
 from .frame_history import FrameHistory
+from .origin import BEFORE_ANY, Origin
 
-BEFORE_ANY = -1  # instead of a frame's number: what firmware shows before a frame has come
 ZEROS = (0,) * 6
 RECENT = 8  # frames that the bytes of a read are compared with first
 KEPT = 64  # frames that a run of the models is tried with, at most
 COMPLETE = 256  # the number of chains up to which all are followed
 PASSED_OVER = 3  # frames: of more chains, only those that pass over no more are followed,
 MOST = 64  # and of these only the youngest
-
-
-class Origin(NamedTuple):
-    """frame: whose values the bytes carry, the youngest of several; None where they are those of no frame.
-
-    ended: the tick at which its last stop bit ended. wanted: of all that would have been right what agrees in the
-    most bytes. judged: False if the bytes may be right or wrong, because not everything that would have been right
-    was compared with them.
-    """
-
-    frame: int | None
-    ended: int
-    wanted: bytes
-    judged: bool = True
-
-    @property
-    def known(self) -> bool:
-        """They are the values of a frame that the host has sent."""
-        return self.frame is not None and self.frame != BEFORE_ANY
-
-
-class Sources(Protocol):
-    """What a scene lets origins listen to."""
-
-    def on_transfer(self, told: Callable[[Transfer], None]) -> None: ...
-
-    def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None: ...
 
 
 @final
@@ -90,24 +63,24 @@ NOTHING_SENT = Sent(BEFORE_ANY, ZEROS, NO_TIME)
 
 
 class Origins:
-    """Listens before the measures that ask it, so that each phase of a transfer has its origin when they hear of it."""
+    """Origins of the reads of one transfer at a time. `transfer` comes before the questions about its phases."""
 
     LENGTH = RECENT
 
-    def __init__(self, scene: Sources) -> None:
+    def __init__(self) -> None:
         self._sent: deque[Sent] = deque([NOTHING_SENT], maxlen=self.LENGTH)
         self._of: dict[int, Origin] = {}
-        scene.on_frame(self._frame)
-        scene.on_transfer(self._transfer)
 
     def of(self, phase: Phase) -> Origin | None:
         """The origin of what a phase of the transfer that is just over has read; None of what is no chip's data."""
         return self._of.get(id(phase))
 
-    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+    def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        """A host frame ended at `tick`."""
         self._sent.append(Sent(number, values, tick))
 
-    def _transfer(self, transfer: Transfer) -> None:
+    def transfer(self, transfer: Transfer) -> None:
+        """Work out the origins of the reads of a transfer that is over."""
         self._of.clear()
         for phase in transfer.phases:
             if phase.read and phase.got and phase.address in ADDRESSES:
@@ -127,13 +100,13 @@ class FrameOrigins(Origins):
 
     _frames: FrameHistory
 
-    def __init__(self, scene: Sources) -> None:
-        super().__init__(scene)
+    def __init__(self) -> None:
+        super().__init__()
         self._frames = FrameHistory()
         self._shown: dict[int, int] = {}  # by address, the number of the frame that the chip showed last
 
-    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        super()._frame(number, values, tick)
+    def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        Origins.frame(self, number, values, tick)
         self._frames.add(number, values, tick)
 
     def origin(self, address: int, got: bytes) -> Origin:
@@ -187,8 +160,8 @@ class ModelOrigins(Origins):
 
     LENGTH = KEPT
 
-    def __init__(self, scene: Sources, computed: Computed) -> None:
-        super().__init__(scene)
+    def __init__(self, computed: Computed) -> None:
+        super().__init__()
         self._codes = ModelCodes(computed)
         self.reset()
 

@@ -6,7 +6,6 @@ runs      0   2   2 3
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from random import Random
 
 import pytest
@@ -20,8 +19,9 @@ from periph_sim.devices.model_codes import Computed, ModelCodes, register_bytes
 from periph_sim.devices.sensor_rounds import CHIPS as CHIP_DATA
 from periph_sim.devices.truth import shown
 from periph_sim.sensors.models.parameters import AccelerometerParameters, ImuParameters
-from periph_sim.timing.measures import origins as origins_module
-from periph_sim.timing.measures.origins import BEFORE_ANY, KEPT, RECENT, FrameOrigins, ModelOrigins, Origin, Origins
+from periph_sim.timing.derived import origins as origins_module
+from periph_sim.timing.derived.origin import BEFORE_ANY, Origin
+from periph_sim.timing.derived.origins import KEPT, RECENT, FrameOrigins, ModelOrigins, Origins
 
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 CHIPS = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
@@ -31,27 +31,18 @@ COMPUTED = Computed(
 
 
 class Bus:
-    """What a scene is to origins."""
+    """Frames and reads that go into origins."""
 
-    def __init__(self) -> None:
-        self.transfers: list[Callable[[Transfer], None]] = []
-        self.frames: list[Callable[[int, tuple[int, ...], int], None]] = []
-
-    def on_transfer(self, told: Callable[[Transfer], None]) -> None:
-        self.transfers.append(told)
-
-    def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None:
-        self.frames.append(told)
+    def __init__(self, origins: Origins) -> None:
+        self.origins = origins
 
     def frame(self, number: int, values: tuple[int, ...]) -> None:
-        for told in self.frames:
-            told(number, values, 100 * number)
+        self.origins.frame(number, values, 100 * number)
 
-    def read(self, origins: Origins, address: int, data: bytes) -> Origin | None:
+    def read(self, address: int, data: bytes) -> Origin | None:
         phase = Phase(address, read=True, count=len(data), acked=True, got=bytearray(data))
-        for told in self.transfers:
-            told(Transfer("chip", [phase]))
-        return origins.of(phase)
+        self.origins.transfer(Transfer("chip", [phase]))
+        return self.origins.of(phase)
 
 
 class Models:
@@ -81,31 +72,21 @@ def moved(number: int) -> tuple[int, ...]:
 
 
 def test_a_frame_is_known_by_its_numbers_in_each_chips_byte_order():
-    bus = Bus()
-    origins = FrameOrigins(bus)
-    assert bus.read(origins, GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6))
+    bus = Bus(FrameOrigins())
+    assert bus.read(GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6))
     bus.frame(4, (1, 2, 3, 4, 5, 6))
-    assert bus.read(origins, GYROSCOPE, bytes.fromhex("0001 0002 0003")) == Origin(
-        4, 400, bytes.fromhex("000100020003")
-    )
-    assert bus.read(origins, ACCELEROMETER, bytes.fromhex("0400 0500 0600")) == Origin(
-        4, 400, bytes.fromhex("040005000600")
-    )
-    assert bus.read(origins, MAGNETOMETER, bytes.fromhex("0001 0003 0002")) == Origin(
-        4, 400, bytes.fromhex("000100030002")
-    )
-    assert bus.read(origins, GYROSCOPE, bytes.fromhex("0001 0102 0003")) == Origin(
-        None, NO_TIME, bytes.fromhex("000100020003")
-    )
-    assert bus.read(origins, 0x50, bytes(6)) is None
+    assert bus.read(GYROSCOPE, bytes.fromhex("0001 0002 0003")) == Origin(4, 400, bytes.fromhex("000100020003"))
+    assert bus.read(ACCELEROMETER, bytes.fromhex("0400 0500 0600")) == Origin(4, 400, bytes.fromhex("040005000600"))
+    assert bus.read(MAGNETOMETER, bytes.fromhex("0001 0003 0002")) == Origin(4, 400, bytes.fromhex("000100030002"))
+    assert bus.read(GYROSCOPE, bytes.fromhex("0001 0102 0003")) == Origin(None, NO_TIME, bytes.fromhex("000100020003"))
+    assert bus.read(0x50, bytes(6)) is None
 
 
 def test_equal_numbers_are_those_of_the_youngest_frame():
-    bus = Bus()
-    origins = FrameOrigins(bus)
+    bus = Bus(FrameOrigins())
     for number in (1, 2, 3):
         bus.frame(number, (7,) * 6)
-    found = bus.read(origins, ACCELEROMETER, bytes.fromhex("0700 0700 0700"))
+    found = bus.read(ACCELEROMETER, bytes.fromhex("0700 0700 0700"))
     assert found is not None and (found.frame, found.ended) == (3, 300)
 
 
@@ -113,12 +94,11 @@ def test_the_bytes_of_a_frame_are_worked_out_once_for_each_chip(monkeypatch: pyt
     """They were remembered in as many places as a read walks through, so that each look-up missed."""
     made, register_bytes = [], origins_module.register_bytes
     monkeypatch.setattr(origins_module, "register_bytes", lambda *of: made.append(of) or register_bytes(*of))
-    bus = Bus()
-    origins = FrameOrigins(bus)
+    bus = Bus(FrameOrigins())
     for number in range(2 * RECENT):
         bus.frame(number, moved(number))
         for address in CHIPS:
-            assert bus.read(origins, address, b"no frame's") == bus.read(origins, address, b"no frame's")
+            assert bus.read(address, b"no frame's") == bus.read(address, b"no frame's")
     assert len([xyz for _, xyz in made if any(xyz)]) == len(CHIPS) * 2 * RECENT
 
 
@@ -127,8 +107,8 @@ def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
     turns: list[tuple[int, int]], choice: int
 ):
     """turns: how many frames come, and how many the run that follows passes over. After each some chips are read."""
-    bus = Bus()
-    origins = ModelOrigins(bus, COMPUTED)
+    origins = ModelOrigins(COMPUTED)
+    bus = Bus(origins)
     models, random = Models(origins), Random(choice)
     sent, taken = BEFORE_ANY, BEFORE_ANY
     for come, passed_over in turns:
@@ -139,19 +119,19 @@ def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
         taken = max(taken, sent - passed_over)
         models.run(moved(taken) if taken != BEFORE_ANY else None)
         for address in [MAGNETOMETER] if is_first else random.sample(CHIPS, random.randrange(1, 4)):
-            found = bus.read(origins, address, models.data[address])
+            found = bus.read(address, models.data[address])
             assert found is not None and (found.frame, found.wanted) == (taken, models.data[address])
 
 
 @pytest.mark.parametrize("address", CHIPS)
 def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(address: int):
-    bus = Bus()
-    origins = ModelOrigins(bus, COMPUTED)
+    origins = ModelOrigins(COMPUTED)
+    bus = Bus(origins)
     models = Models(origins)
     for number in range(20):
         bus.frame(number, moved(number))
         models.run((9000, number, -9000, 800, number, 600) if 5 <= number < 9 else moved(number))
-        found = bus.read(origins, address, models.data[address])
+        found = bus.read(address, models.data[address])
         assert found is not None
         if 5 <= number < 9:
             assert found.frame is None and found.wanted != models.data[address]
@@ -160,73 +140,73 @@ def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(addres
 
 
 def test_a_read_that_began_before_the_models_were_over_carries_what_they_made_before():
-    bus = Bus()
-    origins = ModelOrigins(bus, COMPUTED)
+    origins = ModelOrigins(COMPUTED)
+    bus = Bus(origins)
     models = Models(origins)
     for number in range(3):
         bus.frame(number, moved(number))
         models.run(moved(number))
         before = models.data[GYROSCOPE]
-        assert bus.read(origins, GYROSCOPE, before) is not None
+        assert bus.read(GYROSCOPE, before) is not None
     bus.frame(3, moved(3))
     models.run(moved(3))
     for data, frame in ((before, 2), (models.data[GYROSCOPE], 3)):
-        found = bus.read(origins, GYROSCOPE, data)
+        found = bus.read(GYROSCOPE, data)
         assert found is not None and found.frame == frame
 
 
 def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise():
-    bus = Bus()
-    origins = ModelOrigins(bus, COMPUTED)
+    origins = ModelOrigins(COMPUTED)
+    bus = Bus(origins)
     for _ in range(2):
         origins.reset()
         models = Models(origins)
         for number in range(5):
             bus.frame(number, moved(number))
             models.run(moved(number))
-            found = bus.read(origins, MAGNETOMETER, models.data[MAGNETOMETER])
+            found = bus.read(MAGNETOMETER, models.data[MAGNETOMETER])
             assert found is not None and found.frame == number
 
 
 @pytest.mark.parametrize(("frames", "taken"), [(4, 0), (5, 0), (40, 0), (40, 39), (KEPT, 0)])
 def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, taken: int):
-    bus = Bus()
-    origins = ModelOrigins(bus, COMPUTED)
+    origins = ModelOrigins(COMPUTED)
+    bus = Bus(origins)
     models = Models(origins)
     for number in range(frames):
         bus.frame(number, moved(number))
     models.run(moved(taken))
-    found = bus.read(origins, MAGNETOMETER, models.data[MAGNETOMETER])
+    found = bus.read(MAGNETOMETER, models.data[MAGNETOMETER])
     assert found is not None and (found.frame, found.known, found.judged) == (taken, True, True)
 
 
 def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
     """Without that they are wrong."""
     for frames, runs, judged in ((KEPT - 1, 1, True), (2 * KEPT, 1, False), (20, 3, False)):
-        bus = Bus()
-        origins = ModelOrigins(bus, COMPUTED)
+        origins = ModelOrigins(COMPUTED)
+        bus = Bus(origins)
         models = Models(origins)
         for number in range(frames):
             bus.frame(number, moved(number))
         for _ in range(runs):
             models.run(moved(frames - 1))
-        found = bus.read(origins, MAGNETOMETER, b"no one")
+        found = bus.read(MAGNETOMETER, b"no one")
         assert found is not None and (found.frame, found.judged) == (None, judged)
-        found = bus.read(origins, MAGNETOMETER, models.data[MAGNETOMETER])
+        found = bus.read(MAGNETOMETER, models.data[MAGNETOMETER])
         assert found is not None and (found.frame, found.judged) == (frames - 1, True)
-        found = bus.read(origins, MAGNETOMETER, b"no one")
+        found = bus.read(MAGNETOMETER, b"no one")
         assert found is not None and found.judged  # the read before has told which chain is the true one
 
 
 def test_a_model_that_goes_on_with_a_frame_that_is_no_longer_kept_is_followed():
-    bus = Bus()
-    origins = ModelOrigins(bus, COMPUTED)
+    origins = ModelOrigins(COMPUTED)
+    bus = Bus(origins)
     models = Models(origins)
     for number in range(3 * KEPT):
         bus.frame(number, moved(number))
         if number % KEPT == 0:
             models.run(moved(0))
-            found = bus.read(origins, MAGNETOMETER, models.data[MAGNETOMETER])
+            found = bus.read(MAGNETOMETER, models.data[MAGNETOMETER])
             assert found is not None and found.frame == 0
 
 
@@ -234,59 +214,56 @@ def test_two_runs_without_a_read_between_them_may_each_have_taken_any_frame():
     """What the second shows depends on the frames of three runs, not of two."""
     for second in range(4):
         for third in range(second, 4):
-            bus = Bus()
-            origins = ModelOrigins(bus, COMPUTED)
+            origins = ModelOrigins(COMPUTED)
+            bus = Bus(origins)
             models = Models(origins)
             for number in range(4):
                 bus.frame(number, moved(number))
             for taken in (0, second, third):
                 models.run(moved(taken))
-            found = bus.read(origins, ACCELEROMETER, models.data[ACCELEROMETER])
+            found = bus.read(ACCELEROMETER, models.data[ACCELEROMETER])
             assert found is not None and (found.frame, found.judged) == (third, True)
 
 
 @pytest.mark.parametrize("passed", [RECENT, 40, 700])
 def test_a_chip_may_show_a_frame_after_any_number_of_others_but_never_go_back(passed: int):
-    bus = Bus()
-    origins = FrameOrigins(bus)
+    bus = Bus(FrameOrigins())
     for number in range(passed + 2):
         bus.frame(number, ramp(number))
     first, second = (register_bytes(CHIP_DATA["gyroscope"], shown(ramp(n))["gyroscope"]) for n in range(2))
     for got in (second, second[:5]):
-        assert bus.read(origins, GYROSCOPE, got) == Origin(1, 100, second)
-    gone_back = bus.read(origins, GYROSCOPE, first)
+        assert bus.read(GYROSCOPE, got) == Origin(1, 100, second)
+    gone_back = bus.read(GYROSCOPE, first)
     assert gone_back is not None and (gone_back.frame, gone_back.judged) == (None, True)
 
 
 def test_zeros_of_a_chip_that_has_shown_no_frame_are_right_at_first_and_later_not_judged():
-    bus = Bus()
-    origins = FrameOrigins(bus)
+    bus = Bus(FrameOrigins())
     for number in range(RECENT - 1):
         bus.frame(number, moved(number))
-    assert bus.read(origins, GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6))
+    assert bus.read(GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6))
     bus.frame(RECENT, moved(RECENT))
-    assert bus.read(origins, GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6), judged=False)
-    assert bus.read(origins, GYROSCOPE, register_bytes(CHIP_DATA["gyroscope"], shown(moved(1))["gyroscope"]))
-    wrong = bus.read(origins, GYROSCOPE, bytes(6))
+    assert bus.read(GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6), judged=False)
+    assert bus.read(GYROSCOPE, register_bytes(CHIP_DATA["gyroscope"], shown(moved(1))["gyroscope"]))
+    wrong = bus.read(GYROSCOPE, bytes(6))
     assert wrong is not None and (wrong.frame, wrong.judged) == (None, True)
 
 
 def test_a_chain_never_goes_back_to_an_older_frame():
-    bus = Bus()
-    origins = ModelOrigins(bus, COMPUTED)
+    origins = ModelOrigins(COMPUTED)
+    bus = Bus(origins)
     models = Models(origins)
     for number in range(3):
         bus.frame(number, moved(number))
         models.run(moved(number))
-        assert bus.read(origins, GYROSCOPE, models.data[GYROSCOPE]) is not None
+        assert bus.read(GYROSCOPE, models.data[GYROSCOPE]) is not None
     models.run(moved(1))
-    found = bus.read(origins, GYROSCOPE, models.data[GYROSCOPE])
+    found = bus.read(GYROSCOPE, models.data[GYROSCOPE])
     assert found is not None and found.frame is None
 
 
 def test_of_bytes_that_are_no_frames_the_wanted_ones_agree_in_the_most():
-    bus = Bus()
-    origins = FrameOrigins(bus)
+    bus = Bus(FrameOrigins())
     bus.frame(1, (1, 2, 3, 4, 5, 6))
     bus.frame(2, (0x101, 0x202, 0x303, 4, 5, 6))
     for got, wanted in (
@@ -296,7 +273,7 @@ def test_of_bytes_that_are_no_frames_the_wanted_ones_agree_in_the_most():
         ("0101 0002 0909", "0101 0202 0303"),  # three of each: the younger frame, which comes first
         ("0909 0909 0909", "0101 0202 0303"),
     ):
-        found = bus.read(origins, GYROSCOPE, bytes.fromhex(got))
+        found = bus.read(GYROSCOPE, bytes.fromhex(got))
         assert found == Origin(None, NO_TIME, bytes.fromhex(wanted)), got
-    part = bus.read(origins, GYROSCOPE, bytes.fromhex("0001 0002"))  # a read cut short
+    part = bus.read(GYROSCOPE, bytes.fromhex("0001 0002"))  # a read cut short
     assert part is not None and (part.frame, part.wanted) == (1, bytes.fromhex("000100020003"))

@@ -1,0 +1,117 @@
+"""Records of the age of data: host frames and reads of known chips go in; how old what was read was comes out.
+
+    frame 1 ends        frame 2 ends
+        |-------- age -----|--------> read of frame 1's values
+        |------------------ age ----------------> read of frame 1's values once more, or of no frame's
+                           |------------- age ----------------> read of frame 2's values
+
+    thing         tick                        value
+    chip read     START of the read           its address; of each read that begins after the first host frame ended
+    age           START of the read           ticks from the end of the frame whose values it carries
+    unknown age   START of the read           its address; it may carry frames that were not compared with it
+    model age     START of the read           ticks from the end of the frame that the last models worked on
+    model run     end of the span "model"     0; of a run of the models that began after a host frame had come
+
+Every read has an age. A read with values of no frame carries data as old as the last that was a frame's. Until a chip
+has shown any frame, the first one counts. Of several frames with the same values it is the youngest.
+
+The model age is for firmware whose chips do not show the values of frames. Its span "model" says when models begin; the
+frame that they work on is the last one that was whole by then.
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...bus.i2c.transfer import Phase, Transfer
+from ...core.records import UNHEARD, Kind, Listener, Recorder
+from ...core.time import NO_TIME
+from ...devices.sensor_rounds import CHIPS
+from .origin import ReadOrigins
+from .transfer_records import begin_of
+
+if TYPE_CHECKING:
+    from ...core.records import Topic
+
+MODEL = "model"  # the span in which firmware computes sensor models
+
+
+class ChipTopics:
+    """The topics of one chip. shown: the end of the frame that it showed last."""
+
+    __slots__ = ("age", "model_age", "read", "shown", "unknown")
+
+    read: Topic
+    age: Topic
+    unknown: Topic
+    model_age: Topic
+
+    def __init__(self, recorder: Recorder, name: str) -> None:
+        self.read = recorder.topic(Kind.DATA, name, "chip read")
+        self.age = recorder.topic(Kind.DATA, name, "age")
+        self.unknown = recorder.topic(Kind.DATA, name, "unknown age")
+        self.model_age = recorder.topic(Kind.DATA, name, "model age")
+        self.shown = NO_TIME
+
+
+class AgeRecords(Listener):
+    """origins: of what reads carry; None where only model ages are wanted."""
+
+    origins: ReadOrigins | None
+    _model_run: Topic
+
+    def __init__(self, recorder: Recorder, origins: ReadOrigins | None = None) -> None:
+        self.origins = origins
+        self._chips = {chip.address: ChipTopics(recorder, name) for name, chip in CHIPS.items()}
+        self._model_run = recorder.topic(Kind.DATA, MODEL, "model run")
+        self._first_ended = NO_TIME  # the end of the first frame,
+        self._last_ended = NO_TIME  # of the last one,
+        self._taken = NO_TIME  # of the one that the models under way work on,
+        self._made = NO_TIME  # and of the one that the last models worked on
+
+    def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        """A host frame ended at `tick`."""
+        if self._first_ended == NO_TIME:
+            self._first_ended = tick
+        self._last_ended = tick
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        return 0 if what == MODEL else UNHEARD
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        """Models begin (1) or end (0)."""
+        if value:
+            self._taken = self._last_ended
+        elif self._taken != NO_TIME:
+            self._made = self._taken
+            self._model_run.emit(tick, 0)
+
+    def transfer(self, transfer: Transfer) -> None:
+        """Record the ages of the reads of a transfer that is over."""
+        if self._first_ended == NO_TIME:
+            return
+        phase: Phase
+        for phase in transfer.phases:
+            chip: ChipTopics | None = self._chips.get(phase.address) if phase.read else None
+            if chip is not None:
+                begin = begin_of(transfer, phase)
+                if self._first_ended <= begin:
+                    chip.read.emit(begin, phase.address)
+                    if phase.got:
+                        self._record_ages(chip, phase)
+
+    def _record_ages(self, chip: ChipTopics, phase: Phase) -> None:
+        since = self._first_ended if self._made == NO_TIME else self._made
+        chip.model_age.emit(phase.start_at, phase.start_at - since)
+        if self.origins is None:
+            return
+        origin = self.origins.of(phase)
+        if origin is not None and origin.known:
+            chip.shown = min(origin.ended, phase.start_at)
+        elif origin is not None and origin.frame is None and not origin.judged:
+            chip.unknown.emit(phase.start_at, phase.address)
+            return
+        since = self._first_ended if chip.shown == NO_TIME else chip.shown
+        chip.age.emit(phase.start_at, phase.start_at - since)

@@ -1,0 +1,110 @@
+"""Records of bytes that were read: reads go in; how many bytes were asked for, compared and wrong comes out.
+
+thing            tick               value
+bytes asked      START of the read  number of bytes that were to be read
+bytes compared   START of the read  number of bytes of which it is known what they had to be
+wrong bytes      START of the read  how many of these are wrong
+zeros            end of the run     number of bytes read as 0 from chips that never showed a host frame's values
+unknown bytes    end of the run     number of bytes that may be of frames which were not compared with them
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...bus.i2c.transfer import Phase, Transfer
+from ...core.records import Kind, Recorder
+from ...devices.sensor_rounds import ADDRESSES
+from .origin import ReadOrigins
+from .transfer_records import I2C, begin_of
+
+if TYPE_CHECKING:
+    from ...core.records import Topic
+
+
+class ByteRecords:
+    """Compares bytes with `expect` of the request, or with what a host frame makes them.
+
+    origins: None where known chips need not show values of host frames. wrong_places: how often a byte was wrong, by
+    its place, as in "gyroscope byte 0". first_wrong: the first wrong read, as a sentence.
+    """
+
+    _origins: ReadOrigins | None
+    _asked: Topic
+    _compared: Topic
+    _wrong: Topic
+    _never_shown: Topic
+    _not_known: Topic
+
+    def __init__(self, recorder: Recorder, origins: ReadOrigins | None) -> None:
+        self.wrong_places: dict[str, int] = {}
+        self.first_wrong = ""
+        self._origins = origins
+        self._asked = recorder.topic(Kind.DATA, I2C, "bytes asked")
+        self._compared = recorder.topic(Kind.DATA, I2C, "bytes compared")
+        self._wrong = recorder.topic(Kind.DATA, I2C, "wrong bytes")
+        self._never_shown = recorder.topic(Kind.DATA, I2C, "zeros")
+        self._not_known = recorder.topic(Kind.DATA, I2C, "unknown bytes")
+        self._zeros: dict[int, int] = {}  # by address: bytes that are right if a frame is shown later
+        self._unknown = 0
+
+    def transfer(self, transfer: Transfer) -> None:
+        """Compare the reads of a transfer that is over."""
+        phase: Phase
+        for phase in transfer.phases:
+            if phase.read:
+                self._read(transfer, phase)
+
+    def finish(self, now: int) -> None:
+        """Record how many bytes could not be judged; the run is over."""
+        zeros: int = sum(self._zeros.values())
+        if zeros:
+            self._never_shown.emit(now, zeros)
+        if self._unknown:
+            self._not_known.emit(now, self._unknown)
+
+    def _read(self, transfer: Transfer, phase: Phase) -> None:
+        got = phase.got
+        begin = begin_of(transfer, phase)
+        if phase.expect is not None or (self._origins is not None and phase.address in ADDRESSES):
+            self._asked.emit(begin, max(phase.count, len(got)))
+        if not got:
+            return
+        wanted = self._wanted(phase)
+        compared: int = min(len(got), len(wanted))
+        if phase.expect is None and self._origins is not None and not self._is_judged(phase, compared):
+            return
+        self._compared.emit(begin, compared)
+        if got[:compared] != wanted[:compared]:
+            self._record_wrong(transfer, phase, wanted)
+
+    def _is_judged(self, phase: Phase, compared: int) -> bool:
+        """Return False, after counting the bytes of the read, if they may be right or wrong."""
+        origin = None if self._origins is None else self._origins.of(phase)
+        if origin is None:
+            return True
+        if origin.known:
+            shown_before: int = self._zeros.pop(phase.address, 0)
+            self._compared.emit(phase.start_at, shown_before)
+        elif not origin.judged and origin.frame is None:
+            self._unknown += compared
+        elif not origin.judged:
+            self._zeros[phase.address] = self._zeros.get(phase.address, 0) + compared
+        return origin.judged
+
+    def _record_wrong(self, transfer: Transfer, phase: Phase, wanted: bytes) -> None:
+        wrong = [i for i, (a, b) in enumerate(zip(phase.got, wanted, strict=False)) if a != b]
+        if not self.first_wrong:
+            self.first_wrong = f"{transfer.name} read {phase.got.hex(' ')} where {wanted.hex(' ')} was expected"
+        self._wrong.emit(phase.start_at, len(wrong))
+        for i in wrong:
+            place = f"{transfer.name} byte {i}"
+            self.wrong_places[place] = self.wrong_places.get(place, 0) + 1
+
+    def _wanted(self, phase: Phase) -> bytes:
+        if phase.expect is not None:
+            return phase.expect
+        origin = None if self._origins is None else self._origins.of(phase)
+        return b"" if origin is None else origin.wanted

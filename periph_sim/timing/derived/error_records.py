@@ -1,0 +1,97 @@
+"""Records of values against the truth: samples of known chips go in; how far off they were comes out.
+
+    read of a chip --values x, y, z--.
+                                     |-- worst axis --> value error, in millionths of an LSB
+    truth at an instant, per chip ---'
+
+    thing                  tick                value
+    sample                 START of the read   its address; of each read after a host frame has come
+    value error            START of the read   against the truth at the read's first data bit, when its values are given
+    value error at frame   START of the read   against the truth at the instant at which a host frame was due
+    unknown error          START of the read   its address; it may fit frames that were not compared with it
+
+The frame is the one that fits best of the last 8, and of those that have come since the frame that fitted the chip's
+last read. This leaves out the age of the values.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from math import ceil
+
+from ...bus.i2c.transfer import Phase, Transfer
+from ...core.records import Kind, Recorder
+from ...core.time import NO_TIME
+from ...devices.sensor_rounds import CHIPS, ChipData
+from ...devices.truth import Axes, distance
+from ..measures.measure import MILLIONTHS
+from .transfer_records import begin_of
+
+RECENT = 8  # frames that a read is always compared with,
+MOST = 64  # and those that it is compared with at most
+BYTES = 6  # of a read that carries a whole sample
+
+
+class _Chip:
+    """One chip. fitted: when the frame was due that fitted its last read."""
+
+    def __init__(self, recorder: Recorder, name: str, data: ChipData) -> None:
+        self.name = name
+        self.data = data
+        self.fitted = NO_TIME
+        self.sample, self.error, self.at_frame, self.unknown = (
+            recorder.topic(Kind.DATA, name, what)
+            for what in ("sample", "value error", "value error at frame", "unknown error")
+        )
+
+
+class ErrorRecords:
+    """truth_at: by chip, its true values at a tick. frame_due: the tick at which a host frame is due."""
+
+    def __init__(
+        self, recorder: Recorder, truth_at: Callable[[int], Mapping[str, Axes]], frame_due: Callable[[int], int]
+    ) -> None:
+        self._chips = {data.address: _Chip(recorder, name, data) for name, data in CHIPS.items()}
+        self._truth_at = truth_at
+        self._frame_due = frame_due
+        self._due: deque[int] = deque(maxlen=MOST)
+        self._left_out = NO_TIME  # when the last frame was due that is no longer in `_due`
+
+    def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        """A host frame ended at `tick`."""
+        if len(self._due) == MOST:
+            self._left_out = self._due[0]
+        self._due.append(self._frame_due(number))
+
+    def transfer(self, transfer: Transfer) -> None:
+        """Record the errors of the samples of a transfer that is over."""
+        for phase in transfer.phases:
+            chip = self._chips.get(phase.address) if phase.read and self._due else None
+            if chip is not None:
+                chip.sample.emit(begin_of(transfer, phase), phase.address)
+                if len(phase.got) == BYTES:
+                    self._record_errors(chip, phase)
+
+    def _record_errors(self, chip: _Chip, phase: Phase) -> None:
+        values = chip.data.values(bytes(phase.got))
+        if chip.error.heard:
+            chip.error.emit(phase.start_at, _off(values, self._truth_at(phase.answer_at)[chip.name]))
+        if chip.at_frame.heard:
+            self._record_best(chip, values, phase.start_at)
+
+    def _record_best(self, chip: _Chip, values: Sequence[int], at: int) -> None:
+        """Record the error against the frame that fits best, unless a frame that may fit better was left out."""
+        recent = len(self._due) - RECENT
+        instants = [due for n, due in enumerate(self._due) if n >= recent or due >= chip.fitted]
+        off, fitted = min((_off(values, self._truth_at(due)[chip.name]), -due) for due in instants)
+        if self._left_out != NO_TIME and chip.fitted <= self._left_out:
+            chip.unknown.emit(at, chip.data.address)
+            return
+        chip.fitted = -fitted
+        chip.at_frame.emit(at, off)
+
+
+def _off(values: Sequence[int], truth: Axes) -> int:
+    """Return millionths of an LSB between what was read and what is true, of the worst axis; rounded up."""
+    return max(ceil(abs(distance(value, true)) * MILLIONTHS) for value, true in zip(values, truth, strict=True))

@@ -1,0 +1,44 @@
+"""Records of rounds: rounds that are due, over and missed go in; what budgets measure of them comes out.
+
+thing     tick                     value
+due       when it was due          0; of each round, once it is known whether it began
+missed    when it was due          0; or the START that shows that a request is missing
+over      its begin                ticks from its begin to its last STOP
+slack     its last STOP            ticks to the moment at which the next round is due; negative if that is past
+refused   when it was due          number of its requests whose address nobody acknowledged, if there are any
+"""
+
+from __future__ import annotations
+
+from ...core.records import Kind, Recorder
+from ...devices.sensor_rounds import Round
+from ..rounds import BusRounds
+from .transfer_records import I2C
+
+
+class RoundRecords:
+    """period: ticks from one round's due time to the next one's."""
+
+    def __init__(self, recorder: Recorder, rounds: BusRounds, period: int) -> None:
+        self._due, self._missed, self._over, self._slack, self._refused = (
+            recorder.topic(Kind.ROUND, I2C, what) for what in ("due", "missed", "over", "slack", "refused")
+        )
+        self._period = period
+        rounds.on_due.append(self.due)
+        rounds.on_missed.append(self.missed)
+        rounds.on_round.append(self.round)
+
+    def due(self, tick: int) -> None:
+        """Record a round of which it is known whether it began."""
+        self._due.emit(tick)
+
+    def missed(self, tick: int) -> None:
+        """Record a round that did not begin, or lacks a request."""
+        self._missed.emit(tick)
+
+    def round(self, over: Round) -> None:
+        """Record a round that is over."""
+        self._over.emit(over.start, over.end - over.start)
+        self._slack.emit(over.end, over.due + self._period - over.end)
+        if over.nacked:
+            self._refused.emit(over.due, over.nacked)

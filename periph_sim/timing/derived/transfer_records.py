@@ -1,0 +1,83 @@
+"""Records of I2C transfers: a transfer that is over goes in; what budgets measure of its phases comes out.
+
+thing     tick                                                          value
+phase     START of each addressed phase                                 its address
+read      START of each phase that reads                                its address
+answer    SCL fall that ends the ACK slot of a read's address           ticks to the SCL rise of the first data bit
+stretch   START of each acknowledged phase                              longest time others held SCL low, in ticks
+refused   START of a transfer with an address that nobody acknowledged  number of its phases
+held      when the master let go of SCL, if others hold it as the       ticks up to the end of the run
+          run ends
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...bus.i2c.transfer import Phase, Transfer
+from ...core.records import Kind, Recorder
+from ...core.time import NO_TIME
+
+if TYPE_CHECKING:
+    from ...core.records import Topic
+
+I2C = "I2C"  # the place of these records
+
+
+def begin_of(transfer: Transfer, phase: Phase) -> int:
+    """Return the tick of a phase's START; of its transfer's if the phase never began, since one before was refused."""
+    if phase.start_at != NO_TIME:
+        return phase.start_at
+    first: Phase = transfer.phases[0]
+    return first.start_at
+
+
+class TransferRecords:
+    """Makes the records of one bus."""
+
+    _phase: Topic
+    _read: Topic
+    _answer: Topic
+    _stretch: Topic
+    _refused: Topic
+    _held: Topic
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._phase = recorder.topic(Kind.TRANSFER, I2C, "phase")
+        self._read = recorder.topic(Kind.TRANSFER, I2C, "read")
+        self._answer = recorder.topic(Kind.TRANSFER, I2C, "answer")
+        self._stretch = recorder.topic(Kind.TRANSFER, I2C, "stretch")
+        self._refused = recorder.topic(Kind.TRANSFER, I2C, "refused")
+        self._held = recorder.topic(Kind.TRANSFER, I2C, "held")
+
+    def transfer(self, transfer: Transfer) -> None:
+        """Record a transfer that is over."""
+        self._record_refusal(transfer)
+        phase: Phase
+        for phase in transfer.phases:
+            begin = begin_of(transfer, phase)
+            self._phase.emit(begin, phase.address)
+            if phase.acked:
+                self._stretch.emit(phase.start_at, phase.stretch)
+            if phase.read:
+                self._read.emit(begin, phase.address)
+                if phase.answer_at != NO_TIME:
+                    self._answer.emit(phase.answer_from, phase.answer_at - phase.answer_from)
+
+    def finish(self, now: int, unfinished: Transfer | None, held_since: int) -> None:
+        """Record what the end of the run cuts off.
+
+        unfinished: a transfer without a STOP: a refused request counts even if its master hangs. held_since: the tick
+        from which others hold SCL low; NO_TIME if they do not.
+        """
+        if unfinished is not None:
+            self._record_refusal(unfinished)
+        if held_since != NO_TIME:
+            self._held.emit(held_since, now - held_since)
+
+    def _record_refusal(self, transfer: Transfer) -> None:
+        first: Phase = transfer.phases[0]
+        if first.start_at != NO_TIME and not transfer.all_acked():
+            self._refused.emit(first.start_at, len(transfer.phases))

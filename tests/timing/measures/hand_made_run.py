@@ -1,0 +1,108 @@
+"""A run made by hand: transfers, rounds, frames and characters go in; a measure gets the records made of them."""
+
+from __future__ import annotations
+
+from periph_sim.bus.i2c.transfer import Phase, Transfer
+from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.time import NO_TIME
+from periph_sim.devices.host_pc import ramp
+from periph_sim.devices.sensor_rounds import Round
+from periph_sim.timing.derived.age_records import AgeRecords
+from periph_sim.timing.derived.byte_records import ByteRecords
+from periph_sim.timing.derived.origins import FrameOrigins
+from periph_sim.timing.derived.round_records import RoundRecords
+from periph_sim.timing.derived.transfer_records import TransferRecords
+from periph_sim.timing.measures.measure import Measure
+from periph_sim.timing.measures.registry import make
+from periph_sim.timing.rounds import BusRounds
+
+GYRO, ACCEL, MAGNET, OTHER = 0x68, 0x53, 0x1E, 0x10
+
+
+class HandMadeRun:
+    """measure: one, or its fixed name. checks_host: known chips have to show values of host frames."""
+
+    def __init__(
+        self,
+        measure: Measure | str,
+        *,
+        checks_host: bool = True,
+        period: int = 2000,
+        origins: FrameOrigins | None = None,
+    ) -> None:
+        self.recorder = Recorder()
+        self.measure = make(measure) if isinstance(measure, str) else measure
+        self.measure.subscribe(self.recorder)
+        self.origins = origins or FrameOrigins()
+        self.transfers = TransferRecords(self.recorder)
+        self.bytes = ByteRecords(self.recorder, self.origins if checks_host else None)
+        self.ages = AgeRecords(self.recorder, self.origins)
+        self.recorder.subscribe((Kind.SPAN,), self.ages)
+        self.rounds = RoundRecords(self.recorder, BusRounds(None, lambda: NO_TIME), period)
+
+    def transfer(self, *phases: Phase, name: str = "chip") -> None:
+        over = Transfer(name, list(phases))
+        for party in (self.origins, self.transfers, self.bytes, self.ages):
+            party.transfer(over)
+
+    def is_due(self, due: int) -> None:
+        self.rounds.due(due)
+
+    def misses(self, due: int) -> None:
+        self.is_due(due)
+        self.rounds.missed(due)
+
+    def round(self, due: int, end: int, nacked: int = 0, start: int | None = None) -> None:
+        self.is_due(due)
+        self.rounds.round(Round(1, due, due if start is None else start, end, nacked))
+
+    def character(self, tick: int, received: bool = True) -> None:
+        self.recorder.emit(tick, Kind.RECEIVER, "RX", "character", 1)
+        if received:
+            self.recorder.emit(tick, Kind.RECEIVER, "dsp.SCI-A", "received", 1)
+
+    def words(self, tick: int, words: int, overrun: bool = False) -> None:
+        self.recorder.emit(tick, Kind.RECEIVER, "dsp.SCI-A", "words", words)
+        if overrun:
+            self.recorder.emit(tick, Kind.RECEIVER, "dsp.SCI-A", "lost", 1)
+
+    def span(self, tick: int, value: int, name: str = "model") -> None:
+        self.recorder.emit(tick, Kind.SPAN, "dsp", name, value)
+
+    def frame(self, number: int, tick: int) -> None:
+        for party in (self.origins, self.ages):
+            party.frame(number, ramp(number), tick)
+
+    def finish(self, now: int, unfinished: Transfer | None = None, held_since: int = NO_TIME) -> None:
+        self.transfers.finish(now, unfinished, held_since)
+        self.bytes.finish(now)
+        self.measure.finish(now)
+
+    def came(self) -> tuple[int, int, int, int]:
+        """worst, when, least, count"""
+        m = self.measure
+        return m.worst, m.worst_at, m.least, m.count
+
+
+def read(address: int, got: bytes = b"", at: int = 0, **more: int) -> Phase:
+    phase = Phase(address, read=True, count=len(got), acked=True, got=bytearray(got), start_at=at)
+    for name, value in more.items():
+        setattr(phase, name, value)
+    return phase
+
+
+def wrote(address: int, at: int = 0, acked: bool = True) -> Phase:
+    return Phase(address, read=False, start_at=at, acked=acked)
+
+
+def gyro_bytes(number: int) -> bytes:
+    return b"".join(v.to_bytes(2, "big", signed=True) for v in ramp(number)[0:3])
+
+
+def magnet_bytes(number: int) -> bytes:
+    x, y, z = ramp(number)[0:3]
+    return b"".join(v.to_bytes(2, "big", signed=True) for v in (x, z, y))
+
+
+def accel_bytes(number: int) -> bytes:
+    return b"".join(v.to_bytes(2, "little", signed=True) for v in ramp(number)[3:6])

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
-from ..core.records import Kind, Record, Recorder
+from ..core.records import RECORDED, Kind, Record, Recorder
 from ..core.time import Timebase
 from ..processor.user_code import output_muted
 from ..scene.case.model import Case
@@ -96,7 +96,7 @@ def windows(
         start = timebase.ticks(case.start, "nearest")
         end = start + timebase.ticks(case.duration if length is None else length, "nearest")
         keepers.append(_Keeper(wanted, timebase, start, end))
-        recorder.subscribe(Kind, keepers[0].add)
+        recorder.subscribe(RECORDED, keepers[0].add)
 
     scene = Scene(case, subscribe, programs)
     (keeper,) = keepers

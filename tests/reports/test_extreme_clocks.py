@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.reports import extreme_clocks
 from periph_sim.reports.extreme_clocks import imu_hil_clocks
-from periph_sim.scene.context import SceneContext
+from periph_sim.scene.context import CaseTicks
 
 
 def happens() -> list[str]:
@@ -23,8 +23,8 @@ def test_both_ways_are_exact():
 
 
 def test_rounds_of_another_clock_would_be_seen(monkeypatch: pytest.MonkeyPatch):
-    plain = SceneContext.exact_ticks
-    monkeypatch.setattr(SceneContext, "exact_ticks", lambda self, length, ppm: plain(self, length, ppm + 1))
+    plain = CaseTicks.exact_ticks
+    monkeypatch.setattr(CaseTicks, "exact_ticks", lambda self, length, ppm: plain(self, length, ppm + 1))
     assert happens() == ["off", "off"]
 
 

@@ -15,6 +15,7 @@ from fractions import Fraction
 from typing import final
 
 from ..core.kernel import Agent
+from ..core.records import Topic
 from ..core.time import NO_TIME
 from ..core.wire import Wire, watch
 from .uart.frame_format import UartFormat
@@ -23,10 +24,14 @@ from .uart.reader import Line
 
 @final
 class UartCounter(Agent):
-    """line: as of a `UartReader`. told: each character's start bit, when the next one begins or as the run ends."""
+    """line: as of a `UartReader`. told: called with the tick of each character's start bit, when the next one begins or
+    the run ends. topics: those of the records that are made of it, with the value 1."""
+
+    topics: list[Topic]
 
     def __init__(self, wire: Wire, line: Line) -> None:
         self.told: list[Callable[[int], None]] = []
+        self.topics = []
         self._line = line
         self._as: tuple[Fraction, UartFormat] | None = None  # how the last one was sent,
         self._lasted = self._taken = 0  # how long it was, and until the middle of its last stop bit
@@ -57,6 +62,9 @@ class UartCounter(Agent):
 
     def _tell(self) -> None:
         if self._begun_at != NO_TIME:
+            topic: Topic
+            for topic in self.topics:
+                topic.emit(self._begun_at, 1)
             for told in self.told:
                 told(self._begun_at)
         self._begun_at = NO_TIME

@@ -14,7 +14,7 @@ from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.monitor import UartMonitor
 from ..bus.uart.reader import Line
 from ..bus.uart_counter import UartCounter
-from ..core.records import Kind, Recorder, Topic
+from ..core.records import Kind, Recorder
 from ..core.wire import Wire
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
@@ -54,28 +54,23 @@ class UartLines:
         The record is made as `UartCounter` finds the character, when the next one begins or the run ends.
         """
         for name in self._heard:
-            topic = recorder.topic(Kind.RECEIVER, name, "character")
-            self._listen(name, partial(_record, topic))
+            self._counter(name).topics.append(recorder.topic(Kind.RECEIVER, name, "character"))
 
     def on_character_from(self, wires: Collection[str], told: Callable[[str, int], None]) -> None:
         """Call `told(wire, tick)` for each character on those of these wires that lead to SCIs."""
         for name in dict.fromkeys(self._heard):
             if name in wires:
-                self._listen(name, partial(told, name))
+                self._counter(name).told.append(partial(told, name))
 
-    def _listen(self, name: str, told: Callable[[int], None]) -> None:
+    def _counter(self, name: str) -> UartCounter:
         if name not in self._counters:
             self._counters[name] = UartCounter(self._wires[name], self._lines[name])
-        self._counters[name].told.append(told)
+        return self._counters[name]
 
     def finish(self, now: int) -> None:
         """The run is over."""
         for counter in self._counters.values():
             counter.finish(now)
-
-
-def _record(topic: Topic, tick: int) -> None:
-    topic.emit(tick, 1)
 
 
 def sci_line(context: SceneContext, dsp: Dsp, module: str) -> tuple[Fraction, UartFormat]:

@@ -63,7 +63,7 @@ class BudgetPlan(Struct, frozen=True):
         return not PER_MILLE.keys().isdisjoint(self.limits)
 
     def measures_as(self, other: BudgetPlan) -> bool:
-        """Whether one measure does for both. Conditions that are joined choose values."""
+        """Return True if one measure serves both budgets. Joined conditions select values, so they never share one."""
         return self.text == other.text and self.after == other.after and not (self.joined or other.joined)
 
 

@@ -45,7 +45,7 @@ class Limited(Table, frozen=True, kw_only=True):
 
 
 class Condition(Limited, frozen=True, kw_only=True):
-    """What must hold at the same occurrence as a budget's own measure."""
+    """A condition that must hold at the same occurrence as a budget's own measure."""
 
     measure: str
     max: Extent | None = None
@@ -54,7 +54,10 @@ class Condition(Limited, frozen=True, kw_only=True):
 
 
 class Budget(Limited, frozen=True, kw_only=True):
-    """p50 to p99_9: the most that 50 to 99.9 percent of the values may come to. after: what began sooner is left out.
+    """A limit on a measure.
+
+    p50 to p99_9: upper limits that 50 to 99.9 percent of the values keep. after: occurrences that began sooner are
+    left out.
 
     coverage: the part of all occasions that must have been measured; with less, the budget is not judged.
     also: `and` in a file: conditions joined to it.

@@ -74,7 +74,7 @@ class BudgetJudge:
         return dict(self._limits)
 
     def finish(self, now: int) -> None:
-        """The run is over: what is not over counts with what it has come to."""
+        """End the measures. An unfinished occurrence counts with the value that it has reached."""
         if self.same_as is not None:
             self._found = self.same_as._found
             return
@@ -154,7 +154,7 @@ class BudgetJudge:
         )
 
     def _can_judge(self, which: str, limit: BigInt) -> bool:
-        """What the end of the run cut off has come to so much at least: it says when that is too much, and no more."""
+        """Return False if the limit cannot be judged by cut-off occurrences, whose values are lower bounds."""
         measure = self.measure
         if measure.count > measure.cut_off or not measure.series:
             return True

@@ -33,7 +33,7 @@ def in_words(value: float | int, unit: str) -> str:
 
 
 def limit(value: float | int, unit: str, which: str) -> str:
-    """`60 us`, `= 150`, `p99 3.4 us`: to the nanosecond, without zeros that nobody wrote. which: the limit's key."""
+    """Return a limit as text, to the nanosecond: `60 us`, `= 150`, `p99 3.4 us`. which: its key."""
     number, blank, symbol = figure(value, unit).partition(" ")
     if symbol == "ms":
         number = f"{value / 1000:.6f}"
@@ -64,7 +64,7 @@ def instant(at_s: float | None) -> str:
 
 
 def broken(verdict: Verdict) -> str:
-    """What broke a budget, as a phrase: `37.153 ms is over its limit of 25.000 ms, at 0.025195 s`."""
+    """Return why a budget is broken, as a phrase: `37.153 ms is over its limit of 25.000 ms, at 0.025195 s`."""
     if verdict.worst is None or (verdict.margin is not None and verdict.margin >= 0):
         return verdict.found
     over = "over" if verdict.worst > verdict.limit else "under"

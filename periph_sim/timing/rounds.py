@@ -29,11 +29,11 @@ from ..devices.sensor_rounds import Round
 
 
 class Asked(Struct, frozen=True):
-    """What a master asks for. Times are ticks.
+    """The requests of a master. Times are ticks.
 
-    startup: transfers before the first round. requests: those of each round. first: when the first round is due, None
-    where nobody knows. late: how much later than due a round may begin. rounds: how many are due, None for all of the
-    run. ack_polling: a write of the address alone asks whether a device is ready, and is no request.
+    startup: transfers before the first round. requests: those of each round. first: due time of the first round, None
+    if it is not known. late: delay with which a round may begin. rounds: number of rounds that are due, None for all of
+    the run. ack_polling: a write of the address alone asks whether a device is ready, and is no request.
     """
 
     requests: tuple[Transfer, ...]
@@ -46,15 +46,15 @@ class Asked(Struct, frozen=True):
 
 
 class Schedule(ABC):
-    """When rounds are due."""
+    """Due times of rounds."""
 
     @abstractmethod
     def begins(self, start: int) -> tuple[list[int], int]:
-        """(rounds missed since the one before, when the one that begins now was due)."""
+        """Return (rounds missed since the one before, due time of the one that begins now)."""
 
     @abstractmethod
     def missed_by(self, now: int, over: int | None) -> list[int]:
-        """Rounds missed since the last one, at the end of a run. over: when that one was, None if it is not."""
+        """Return the rounds missed since the last one when the run ends. over: the end of that one; None before it."""
 
 
 class ByPlan(Schedule):
@@ -111,7 +111,7 @@ class ByRoundBefore(Schedule):
         return missed
 
     def _plan(self, due: int) -> None:
-        """A round was begun or missed; the next one is due at `due`, if it was not the last."""
+        """Set the due time of the next round, unless the one that was begun or missed is the last."""
         if self._left is not None:
             self._left -= 1
         self._next = NO_TIME if self._left is not None and self._left <= 0 else due
@@ -153,7 +153,7 @@ class BusRounds:
         self._over = NO_TIME  # the end of the last round
 
     def transfer(self, transfer: Transfer) -> None:
-        """A transfer is over."""
+        """Take a transfer that is over."""
         self._over_with(transfer)
 
     def _over_with(self, transfer: Transfer) -> None:
@@ -178,11 +178,11 @@ class BusRounds:
                 told(transfer)
 
     def at_start(self) -> bool:
-        """Between two rounds: the next transfer begins one, as far as one can know by its START."""
+        """Return True between two rounds: the next transfer begins one, as far as its START can tell."""
         return self._round is None and not self._startup
 
     def finish(self, now: int) -> None:
-        """The run is over: rounds that were due since the last one were missed, but for one that is cut off."""
+        """End the run: rounds that were due since the last one were missed, except one that is cut off."""
         begun_at = self._begun_at()
         if self._schedule is not None:
             if self._round is None and begun_at != NO_TIME and not self._startup:
@@ -195,7 +195,7 @@ class BusRounds:
             told(transfer)
 
     def _request(self, transfer: Transfer, place: int) -> None:
-        """Of the round's requests it is the one at a place; those up to it that were not made yet are passed over."""
+        """Take a transfer as the request at a place of the round; earlier requests that were not made are skipped."""
         phase: Phase = transfer.phases[0]
         start: int = phase.start_at
         current = self._round or self._begin(start)
@@ -232,7 +232,7 @@ class BusRounds:
         self._made, self._round = 0, None
 
     def _tell_incomplete(self, start: int) -> None:
-        """A round lacks a request, as a START shows."""
+        """Report a round that lacks a request, as a START shows."""
         self.missed += 1
         for told in self.on_missed:
             told(start)
@@ -245,7 +245,7 @@ class BusRounds:
 
 
 def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
-    """The transfer with what was asked: its name, bytes to read, what is expected, and phases that were never begun."""
+    """Return the transfer with its request's name, counts, expected bytes, and phases that were never begun."""
     phases = transfer.phases[: len(request.phases)]
     place: int = 0
     phase: Phase
@@ -265,7 +265,7 @@ def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
 
 
 def may_be(made: Phase, request: Transfer) -> bool:
-    """Whether a transfer that begins with this phase may be the one that was asked for."""
+    """Return True if a transfer that begins with this phase may be the one that was asked for."""
     asked: Phase = request.phases[0]
     if made.address != asked.address or made.read != asked.read:
         return False

@@ -1,8 +1,8 @@
-"""All values that budgets measured, not only the worst: limits after a run go in, arrays come out.
+"""All values that budgets measured, not only the worst: limits after a run go in; arrays come out.
 
     Scene(case, keep_values=True) --run--> limits --values_of--> Values each
 
-Two int64 a value. Of what is one number a run (counts, loads) there is none.
+A value takes two int64. Measures that give one number a run (counts, loads) have none.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .budgets import BudgetJudge
 
 @dataclass(frozen=True, eq=False)
 class Values:
-    """What one budget's measure took, in the order in which it came.
+    """Values of one budget's measure, in the order in which they were taken.
 
     values: int64[n], ticks where unit is "time", millionths where it is "LSB", else counts. at: int64[n], ticks from
     the run's begin.
@@ -32,9 +32,9 @@ class Values:
 
 
 def values_of(limits: Iterable[BudgetJudge], start: int) -> list[Values | None]:
-    """Of each limit what its measure kept, None where that is nothing. start: the tick at which the run began.
+    """Return the values that each limit's measure kept, None if there are none. start: the tick at which the run began.
 
-    Of joined conditions that which the verdict shows.
+    Of joined conditions, the values of the one that the verdict shows.
     """
     return [_values(limit, start) for limit in limits]
 

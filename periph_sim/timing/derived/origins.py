@@ -1,4 +1,4 @@
-"""Which host frame the bytes of a read come from, and which bytes would have been right: worked out on the bus.
+"""The host frame that the bytes of a read come from, and the bytes that would have been right, derived from the bus.
 
     frames of the host ---------.
     MODEL pin (runs of models) --+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
@@ -39,7 +39,7 @@ MOST = 64  # and of these only the youngest
 
 @final
 class Sent:
-    """A frame as the host sent it."""
+    """A frame that the host sent."""
 
     __slots__ = ("_shown", "ended", "number", "values")
 
@@ -87,7 +87,7 @@ class Origins:
                 self._of[id(phase)] = self.origin(phase.address, bytes(phase.got))
 
     def origin(self, address: int, got: bytes) -> Origin:
-        """Of what a chip's read has given."""
+        """Return the origin of the bytes that a read of a chip has given."""
         raise NotImplementedError
 
 
@@ -156,7 +156,7 @@ class Run:
 
 
 class ModelOrigins(Origins):
-    """Firmware computes the chips' values. `model_pin` is to be told of every change of its MODEL pin."""
+    """Origins where firmware computes the chips' values. Call `model_pin` at every change of its MODEL pin."""
 
     LENGTH = KEPT
 
@@ -166,7 +166,7 @@ class ModelOrigins(Origins):
         self.reset()
 
     def reset(self) -> None:
-        """The firmware begins anew, the pin as an input."""
+        """Start anew: the firmware was reset, and the pin is an input."""
         self._pulled_up = True
         self._chains = [Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)]
         self._left_out = False  # chains that may be the true one, since a read last agreed with one
@@ -177,7 +177,7 @@ class ModelOrigins(Origins):
         self._may_take: list[Sent] = []
 
     def model_pin(self, now: int, level: int) -> None:
-        """High while the models run: what had come by its rise is what a run can have worked on."""
+        """The pin is high while the models run: a run can have worked on the frames that had come by its rise."""
         if level:
             self._may_take = list(self._sent)
         elif self._pulled_up:  # it becomes an output
@@ -205,7 +205,7 @@ class ModelOrigins(Origins):
         return nearest._replace(judged=False) if self._left_out else nearest
 
     def _longer(self, run: Run) -> list[Chain]:
-        """Every chain with a frame more, youngest frames first; of too many, those of the youngest frames."""
+        """Return every chain with one frame more, youngest frames first; of too many, those of the youngest frames."""
         count: int = 0
         chain: Chain
         for chain in self._chains:
@@ -224,7 +224,7 @@ class ModelOrigins(Origins):
         return list(longer.values())[:MOST] if many else list(longer.values())
 
     def _may_be(self, chain: Chain, run: Run) -> list[Sent]:
-        """The frames that a run may have taken after those of a chain, oldest first: the chain's last one, or later."""
+        """Return the frames that a run may have taken after those of a chain, oldest first: its last one, or later."""
         least = chain.sent.number
         may_be: list[Sent] = []
         sent: Sent
@@ -240,7 +240,7 @@ class ModelOrigins(Origins):
         return may_be
 
     def _anew(self) -> Iterator[Chain]:
-        """Chains that do not go on from any other: the last runs took frames in order, whatever was before."""
+        """Yield chains that continue no other: the last runs took frames in order, whatever was before."""
         if self._last is not None:
             number, recent = self._last.number, self._last.sent[-PASSED_OVER - 1 :]
             at_rest = Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)
@@ -255,7 +255,7 @@ class ModelOrigins(Origins):
 
 
 def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:
-    """Those whose chip would have given these bytes."""
+    """Return the chains whose chip would have given these bytes."""
     fitting = []
     chain: Chain
     for chain in chains:
@@ -265,7 +265,7 @@ def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:
 
 
 def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
-    """The youngest candidate whose bytes are those; else, as of no frame, that which agrees in the most."""
+    """Return the youngest candidate with these bytes; else the one that agrees in most of them, as of no frame."""
     agreeing: int
     best, agreeing = b"", -1
     found: Sent | None = None
@@ -282,5 +282,5 @@ def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
 
 
 def _agreement(got: bytes, wanted: bytes) -> int:
-    """Bytes that are the same."""
+    """Return the number of equal bytes."""
     return sum(a == b for a, b in zip(got, wanted, strict=False))

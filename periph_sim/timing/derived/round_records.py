@@ -5,7 +5,7 @@ due       when it was due          0; of each round, once it is known whether it
 missed    when it was due          0; or the START that shows that a request is missing
 over      its begin                ticks from its begin to its last STOP
 slack     its last STOP            ticks to the moment at which the next round is due; negative if that is past
-refused   when it was due          number of its requests whose address nobody acknowledged, if there are any
+refused   when it was due          number of its requests whose address was not acknowledged, if any
 """
 
 from __future__ import annotations

@@ -5,9 +5,8 @@ phase     START of each addressed phase                                 its addr
 read      START of each phase that reads                                its address
 answer    SCL fall that ends the ACK slot of a read's address           ticks to the SCL rise of the first data bit
 stretch   START of each acknowledged phase                              longest time others held SCL low, in ticks
-refused   START of a transfer with an address that nobody acknowledged  number of its phases
-held      when the master let go of SCL, if others hold it as the       ticks up to the end of the run
-          run ends
+refused   START of a transfer whose address was not acknowledged        number of its phases
+held      release of SCL by the master, if others hold it at the end    ticks up to the end of the run
 """
 
 # core: compiled

@@ -15,11 +15,11 @@
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
                         |-- may_be(kind, where, what), value & mask == want   as the run goes on
-                        |-- fits(record)   the same of one record
-                        '-- rows(table)    over a recorded run, all at once
+                        |-- fits(record)                                      for one record
+                        '-- rows(table)                                       for a whole recorded run
 
-Both say the same of every record: kind, place and thing are equal, and `value & mask == want`. `EVENTS` is the list
-of what can be named.
+All three agree on every record: kind, place and thing are equal, and `value & mask == want`. `EVENTS` lists the kinds
+of events.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ EVERYTHING = -1  # all bits of a value
 CHANGES = ("rise", "fall", "change")
 NOTES = ("duty", "lost", "unknown", "overflow")
 BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
-OF_AGENT = ("arbitration lost", "clear")  # told by the controller of a case only
+OF_AGENT = ("arbitration lost", "clear")  # recorded by the controller of a case only
 OF_PAIRS = ("cut", "collision")
 FRAME_PARTS = ("begin", "end", "error", *OF_PAIRS)
 BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")  # what may follow an event
@@ -96,7 +96,7 @@ class Matcher(Struct, frozen=True, dict=True):
     what: str
     mask: int = 0
     want: int = 0
-    free: bool = False  # the name is free text, so that nobody knows whether it can happen
+    free: bool = False  # the name is free text, so it is not known whether it can happen
     others: tuple[Matcher, ...] = ()
     nth: int = 0
     group: Group | None = None
@@ -114,7 +114,7 @@ class Matcher(Struct, frozen=True, dict=True):
         return self.may_be(record.kind, record.where, record.what) and record.value & self.mask == self.want
 
     def may_be(self, kind: Kind, where: str, what: str) -> bool:
-        """Whether a record of this kind, place and thing is this one event if its value is right."""
+        """Return True if a record of this kind, place and thing is this one event, provided that its value fits."""
         return what == self.what and kind is self.kind and (self.where is None or where in self.where)
 
     @cached_property
@@ -221,7 +221,7 @@ def matcher(event: Event | str, scope: Scope) -> Matcher:
 
 
 def group_of(event: Event, scope: Scope) -> Group:
-    """What the event of a group is counted in. BadEvent if the scene has no such group."""
+    """Return the group in which an event is counted. BadEvent if the scene has no such group."""
     if event.group != "burst":
         if not (scope.rounds if event.group == "round" else scope.bus):
             needs = "[controller] or [rounds]" if event.group == "round" else "SCL and SDA"
@@ -407,7 +407,7 @@ def _match_note(event: Event, scope: Scope) -> Matcher:
 
 
 class EventKind(NamedTuple):
-    """read: the words behind the kind's own. match: the test for what they say."""
+    """A kind of event. read: parses the words after the kind's own. match: makes the matcher of what they say."""
 
     read: Callable[[Words], Parts]
     match: Callable[[Event, Scope], Matcher]

@@ -27,10 +27,10 @@
             | "bus" ( "busy" | "free" ) | "interrupt" vector
     pair    = "from" event "to" event { "," ( "in" "order" | "next" | "last" | "same" ( "transfer" | "round" ) ) }
     event   = see `events`
-    field, register, vector, span, variable: [ unit ":" ] name; a name with blanks stands in quotes
+    field, register, vector, span, variable: [ unit ":" ] name; a name with blanks is quoted
 
-Words stand apart by blanks; a span's name may have several words before "begin" or "end", and stands in quotes
-where its first word is one that begins another state.
+Words are separated by blanks. A span's name may have several words before "begin" or "end"; it is quoted if its first
+word begins another state.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ class Said:
 
 
 def is_form(text: str) -> bool:
-    """Whether a measure's text is one of this language, right or wrong."""
+    """Return True if a measure's text begins like a sentence of this language, correct or not."""
     return text.split(" ", 1)[0].rstrip(",") in FORMS
 
 
@@ -122,7 +122,7 @@ def near_form(text: str) -> str:
 
 @lru_cache(maxsize=1024)  # scenes of one case say the same again and again
 def measure_of(text: str) -> Said:
-    """What a measure's text says. BadEvent otherwise."""
+    """Return the parsed text of a measure. BadEvent if it cannot be parsed."""
     words = Words(text)
     said = _MEASURES[words.one_of(list(FORMS))](words)
     words.end()

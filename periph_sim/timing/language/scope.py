@@ -1,4 +1,4 @@
-"""What events can be about: a case or a recorded run goes in; units, modules, registers and wires come out.
+"""Names that events can refer to: a case or a recorded run goes in; units, modules, registers and wires come out.
 
     Case, RecordTable --> Scope --> where a record of a named thing comes from, or BadEvent with near names
 
@@ -34,9 +34,9 @@ class BadEvent(ValueError):
 
 
 class ImageNames(Protocol):
-    """What an image has. A name that it has not is refused by a ValueError of one sentence."""
+    """Names of an image. An unknown name raises ValueError with one sentence."""
 
-    known: bool  # names are looked up; of a recorded run nobody knows which there were
+    known: bool  # names are looked up; False for a recorded run, whose names are not known
 
     def variable(self, name: str) -> object: ...
     def function(self, name: str) -> object: ...
@@ -60,7 +60,7 @@ class Scope:
 
     lines: wires that carry frames; of a scene that names none, RX and TX where they are wires. pairs: RS-485 ones.
 
-    rounds: it is known what the controller asks in rounds, whoever it is.
+    rounds: the requests of the controller's rounds are known, whichever party it is.
     images: units that run an image, each with the names in it.
     uncounted: a unit whose program reports no overflows, since it is no Python firmware; empty if there is none.
     """
@@ -81,7 +81,7 @@ class Scope:
 
     @property
     def bus(self) -> bool:
-        """There is an I2C bus, whoever is its controller."""
+        """True if there is an I2C bus, with any controller."""
         return self.controller or "SCL" in self.wires
 
     def wire(self, name: str) -> str:
@@ -197,7 +197,7 @@ def _register(module: str, name: str) -> Register:
 
 
 def scope_of_table(table: RecordTable) -> Scope:
-    """What a recorded run consisted of; controller and host are there if a record comes from them."""
+    """Return the scope of a recorded run. Controller and host are in it if a record comes from them."""
     kinds = set(table.texts("kind", table.rows(Kind.BUS)[:1]) + table.texts("kind", table.rows(Kind.FRAME)[:1]))
     listed = [name for modules in table.modules.values() for name in modules]
     wires = [wire for module in listed for wire in WIRES.get(module, ())]

@@ -22,16 +22,16 @@ class Words:
 
     @property
     def next(self) -> str:
-        """The word to come; empty at the end."""
+        """The next word; empty at the end."""
         return self._words[self._at] if self._at < len(self._words) else ""
 
     @property
     def following(self) -> str:
-        """The word behind the next one; empty if there is none."""
+        """The word after the next one; empty if there is none."""
         return self._words[self._at + 1] if self._at + 1 < len(self._words) else ""
 
     def rest(self) -> str:
-        """All words to come, taken at once."""
+        """Return the remaining words and go to the end."""
         begin, self._at = self._at, len(self._words)
         return self.between(begin)
 

@@ -1,8 +1,8 @@
-"""What happens on an I2C bus, read off its wires: levels and who pulls them go in, bytes come out.
+"""Bytes on an I2C bus, derived from its wires: levels and the parties that pull them go in; bytes come out.
 
     SCL, SDA, who pulls --> START, address, ACK, first bit of each byte, STOP; when the others had let go of SCL
 
-No agent and no firmware is asked, so that whoever is the controller is heard alike. All that moves in one tick is one
+Only the wires are read, so any controller is treated alike. All changes within one tick form one
 sample: START and STOP are a change of SDA while SCL was high before and stays so.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
@@ -22,7 +22,7 @@ BITS = 9  # of a byte, its ACK included
 
 
 class BusFromWires(BitParty):
-    """unit: whose pins are ours, "" for none. Subclasses say what they do with what they hear."""
+    """unit: the one whose pins are called ours, "" for none. Subclasses override the events at the end of the class."""
 
     _unit: str
 
@@ -31,13 +31,13 @@ class BusFromWires(BitParty):
         self.read = False
         self.ours = False  # the address was acknowledged by the unit
         self.index = -1  # -1: the address, else the number of the data byte
-        self.phase_at = NO_TIME  # START or repeated START of the phase under way; NO_TIME behind a STOP
+        self.phase_at = NO_TIME  # START or repeated START of the phase under way; NO_TIME after a STOP
         self.others_held_until = NO_TIME  # when the others let go of SCL in the low time under way, or the last one
         self._unit = f"{unit}."
         self._scl = self._sda = 1
-        self._scl_pulling = self._sda_pulling = 0  # who pulls it: bit i is party i
-        self._scl_ours = self._sda_ours = 0  # of the parties known, those of the unit
-        self._parties = 0  # so many are known, of both wires
+        self._scl_pulling = self._sda_pulling = 0  # the parties that pull it: bit i is party i
+        self._scl_ours = self._sda_ours = 0  # those of the known parties that belong to the unit
+        self._parties = 0  # number of parties of both wires that are known
         self._tick = NO_TIME
         self._scl_before = self._sda_before = 1  # levels as the tick under way began
         self._settled = True
@@ -46,7 +46,7 @@ class BusFromWires(BitParty):
         self._in = 0
 
     def attach(self, scl: Wire, sda: Wire) -> None:
-        """Listen to these wires from now on."""
+        """Subscribe to these wires."""
         self._scl_wire, self._sda_wire = scl, sda
         scl.watch_pulls(self, SCL)
         sda.watch_pulls(self, SDA)
@@ -80,12 +80,12 @@ class BusFromWires(BitParty):
         self.others_held_until = NO_TIME
 
     def settle_before(self, tick: int) -> None:
-        """All of the ticks before this one has been heard."""
+        """Evaluate the tick under way if it is before this one."""
         if self._tick != tick:
             self.settle()
 
     def settle(self) -> None:
-        """All of the last tick has been heard."""
+        """Evaluate the tick under way: no more changes come in it."""
         if self._settled:
             return
         self._settled = True
@@ -106,7 +106,7 @@ class BusFromWires(BitParty):
                 self.others_held_until = now
 
     def held_by_us_alone(self) -> bool:
-        """SCL is low and nobody but the unit holds it."""
+        """Return True if SCL is low and only the unit holds it."""
         return not self._scl and not self._held_by_others()
 
     def _held_by_others(self) -> bool:
@@ -117,7 +117,7 @@ class BusFromWires(BitParty):
         return self._scl_pulling & ~self._scl_ours != 0
 
     def _know_parties(self) -> None:
-        """Parties may come at any time, and none goes."""
+        """Update the masks of the unit's parties; parties may be attached at any time and are never removed."""
         self._parties = self._scl_wire.attached + self._sda_wire.attached
         self._scl_ours, self._sda_ours = self._scl_wire.of(self._unit), self._sda_wire.of(self._unit)
 
@@ -153,7 +153,7 @@ class BusFromWires(BitParty):
             self.index += 1
             self._bits = self._in = 0
 
-    # What is heard ------------------------------------------------------------------
+    # Events ---------------------------------------------------------------------------
 
     def started(self, now: int) -> None:
         """A START that is no repeated one."""

@@ -1,6 +1,6 @@
-"""Measures of named events: Matchers go in, a Measure that listens to just their records comes out.
+"""Measures of named events: Matchers go in; a Measure that subscribes to their records comes out.
 
-Each class says what it measures. Of two events at one time the one recorded first is the earlier one.
+Of two events at one tick the one recorded first is the earlier one.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ OF_UNIT = 1 << 30  # the tag of an access of the unit; those of its events are b
 
 
 class Period(EventMeasure):
-    """From an event to the next of its kind."""
+    """Time from an event to the next of its kind."""
 
     def __init__(self, event: Matcher) -> None:
         super().__init__(event)
@@ -34,7 +34,7 @@ class Period(EventMeasure):
 
 
 class EventCount(EventMeasure, Counter):
-    """How often an event happened. Zero counts, but for names that are free text, where it may be a slip."""
+    """Number of occurrences of an event. Zero is a value, except for free-text names, which may be misspelled."""
 
     def __init__(self, event: Matcher) -> None:
         super().__init__(event)
@@ -85,7 +85,7 @@ class LevelAt(EventMeasure):
 
 
 class ToFirstAccess(EventMeasure):
-    """From an interrupt's request to the first access of its service routine, behind what saves the context."""
+    """Time from an interrupt's request to the first access of its service routine, after the context is saved."""
 
     def __init__(self, asked: Matcher, entered: Matcher) -> None:
         super().__init__(asked, entered)
@@ -125,7 +125,7 @@ class ToFirstAccess(EventMeasure):
 
 
 class Jitter(Measure):
-    """How much a value of another measure differs from the one before (cycle-to-cycle jitter)."""
+    """Difference between a value of another measure and the one before (cycle-to-cycle jitter)."""
 
     def __init__(self, of: Measure) -> None:
         super().__init__()

@@ -1,7 +1,7 @@
-"""What measures of events have in common: records go in; which of its events happened, and in which order, comes out.
+"""Base of measures of events: records go in; the events that happened come out, in their order.
 
-    topic  --tag_of--> which of the events a record of it may be, and with which values: worked out once
-    record --hear----> event that counts at once ---------------------.
+    topic  --tag_of--> events that its records may be, and with which values: determined once
+    record --hear----> event that counts immediately -----------------.
                    '---> "last ... of transfer": known when that is over -+--in order--> happened(place, tick, value)
 
 Of two events at one time the one recorded first is the earlier one.
@@ -38,7 +38,7 @@ WAITS = -1
 
 
 class ValueTest:
-    """Which values make a record of a topic the event that it may be: `value & mask == want`, or as others say."""
+    """Test of a record's value: `value & mask == want`, or one of `others` fits."""
 
     __slots__ = ("mask", "others", "want")
 
@@ -221,13 +221,13 @@ class EventMeasure(Measure):
 
 
 def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | None:
-    """What a record of this kind, place and thing must hold to be the event; None if it never is."""
+    """Return the test of the values that make a record of this kind, place and thing the event; None if it never is."""
     found = [one for one in matcher.each if one.may_be(kind, where, what)]
     return value_test(found) if found else None
 
 
 def subjects_of(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:
-    """What the matchers need records of, by kind; without the kinds of which one of them needs all."""
+    """Return the subjects of the matchers by kind, without the kinds of which one matcher needs all subjects."""
     needed: dict[Kind, frozenset[str]] = {}
     each = [one for m in matchers for one in m.each]
     for m in each:

@@ -1,4 +1,4 @@
-"""A measure of its text: what a budget says and what a scene has go in, what makes the Measure comes out.
+"""Makers of measures: a budget's text and what a scene has go in; a function that makes the Measure comes out.
 
 text --registry--> the measure of that name ---------------------------.
   '---language--> Said --events, names--> Matchers --> measure of events -+--> Maker --> Measure, one for each run
@@ -27,7 +27,7 @@ from .registry import MEASURES, SLACK, make, value_error
 from .states import EachTimeIn, State, TimeIn
 
 OVERFLOWS = "overflows"  # of fixed-point arithmetic
-Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so that it serves all scenes of a case
+Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so it serves all scenes of a case
 
 
 def measure_named(text: str, scope: Scope) -> Measure:
@@ -36,12 +36,12 @@ def measure_named(text: str, scope: Scope) -> Measure:
 
 
 def maker_of(text: str, scope: Scope) -> Maker:
-    """What makes the measure that a text names. BadEvent as for `measure_named`."""
+    """Return a function that makes the measure that a text names. BadEvent as for `measure_named`."""
     return _maker_of_events(measure_of(text), scope) if is_form(text) else _called(text, scope)
 
 
 def _called(name: str, scope: Scope) -> Maker:
-    """Of the measure of a fixed name, of a span, a reply, or a watched wire."""
+    """Return the maker of a measure with a fixed name, or of a span, a reply or a watched wire."""
     if name.startswith(SPAN) and len(scope.units) == 1:
         scope.span("", name.removeprefix(SPAN))
     if name.startswith((SPAN, REPLY, WATCH)) or name in MEASURES:
@@ -108,7 +108,7 @@ def _level(said: Said, scope: Scope) -> Maker:
 
 
 def _stack(said: Said, scope: Scope) -> Maker:
-    """Of each new most of words on the stack."""
+    """Return the maker of the stack's high-water mark, which is recorded whenever it grows."""
     text = "stack high-water"
     return partial(Level, Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack"))
 
@@ -126,7 +126,7 @@ def _gap(said: Said, scope: Scope) -> Maker:
 
 
 def _latency(said: Said, scope: Scope) -> Maker:
-    """From the rise of its flag in PIEIFR, when the module asks, to the first instruction of its service routine."""
+    """Return the maker of an interrupt's latency, from the rise of its PIEIFR flag to its service routine's begin."""
     unit = scope.vector(said.unit, said.name)
     if said.name not in LINES:
         raise BadEvent(f"{said.name} does not come through the PIE, so nothing records when it was asked for")
@@ -149,7 +149,7 @@ def _state(said: Said, scope: Scope) -> State:
 
 
 def _of_a_race(said: Said, scope: Scope) -> Maker:
-    """Of flags around writes."""
+    """Return the maker of a race, of lost flags, or of flags cleared along."""
     from .watched import clearing, losing, raced
 
     if said.form == "race":

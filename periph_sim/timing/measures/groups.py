@@ -1,4 +1,4 @@
-"""Groups of events, for "the last byte of a transfer": records go in; where a group begins, and which is the n-th.
+"""Groups of events, as in "the last byte of a transfer": records go in; begins of groups and n-th events come out.
 
 transfer   from its START to the next transfer's
 round      from its first START to the next round's; which one is the first, `rounds` knows
@@ -19,7 +19,7 @@ PAUSE = 2  # characters without a frame that end a burst
 
 
 class Groups:
-    """Of one event: which of its group it is. nth: from 1; -1 for the last."""
+    """Counts one event within its group. nth: the one that is asked for, from 1; -1 for the last."""
 
     def __init__(self, group: Group, nth: int) -> None:
         self.nth = nth
@@ -31,7 +31,7 @@ class Groups:
 
     @property
     def matchers(self) -> tuple[Matcher, ...]:
-        """What must be recorded."""
+        """The events that begin and end a group."""
         return self._group.begin, self._group.end
 
     def listen(self, scene: MeasuredScene) -> None:
@@ -39,7 +39,7 @@ class Groups:
             self._begins_round = scene.rounds_at_start()
 
     def begins(self, tick: int, begin: bool, end: bool) -> bool:
-        """Whether a group begins with a record that is the event `begin` of one, the event `end`, or neither."""
+        """Return True if a group begins with a record. begin, end: the record is that event of a group."""
         first = begin and self._is_first(tick)
         if end:
             self._frame_ended = tick
@@ -56,6 +56,6 @@ class Groups:
         return self._begins_round is None or self._begins_round()
 
     def is_nth(self) -> bool:
-        """The event has happened; whether it is the n-th of its group."""
+        """Count an event, and return True if it is the n-th of its group."""
         self._seen += self.inside
         return self.inside and self._seen == self.nth

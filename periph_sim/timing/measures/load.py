@@ -1,10 +1,10 @@
-"""Parts of the time: when CPU or bus are busy goes in; the part of the run, or of the busiest window, comes out.
+"""Loads: busy times of the CPU or the bus go in; their share of the run, or of the busiest window, comes out.
 
     busy      ──┐__┌─────┐___┌─┐_________
     of the run                              all of it
     per 20 ms    |--- W ---|                the window of that length, wherever it begins, with the most in it
 
-A window is fullest where it begins with a busy stretch or ends with one, so only those are looked at.
+The busiest window begins with a busy stretch or ends with one, so only those are evaluated.
 """
 
 # core: compiled
@@ -19,13 +19,13 @@ from ...core.time import NO_TIME
 from ...form.c_types import BigInt
 from .measure import MILLIONTHS, Measure, MeasuredScene
 
-WAIT, ROUTINE = 0, 1  # tags of what a CPU does
-BEGINS, ENDS = 0, 1  # and of what a bus says
+WAIT, ROUTINE = 0, 1  # tags of records of a CPU
+BEGINS, ENDS = 0, 1  # and of records of a bus
 BUS_TAGS = {"START": BEGINS, "STOP": ENDS, "arbitration lost": ENDS}
 
 
 class Load(Measure):
-    """A part of the time, in millionths. window: its length in seconds; None for the whole run."""
+    """Share of the time, in millionths. window: its length in seconds; None for the whole run."""
 
     unit = "%"
     series = False
@@ -35,9 +35,9 @@ class Load(Measure):
         self._seconds = window
         self._window = 0  # ticks
         self._busy = 0
-        self._since = NO_TIME  # since when it is busy
+        self._since = NO_TIME  # begin of the busy stretch under way
         self._began = 0
-        self._stretches: deque[tuple[int, int]] = deque()  # those that a window to come may reach back to
+        self._stretches: deque[tuple[int, int]] = deque()  # those that a later window may overlap
         self._begins: deque[int] = deque()  # of windows that are not over yet
 
     def listen(self, scene: MeasuredScene) -> None:
@@ -47,7 +47,7 @@ class Load(Measure):
             self._begins.append(self._began)
 
     def begins(self, at: int) -> None:
-        """It gets busy. Told twice, it has been all along."""
+        """Begin a busy stretch, unless one is under way."""
         if self._since == NO_TIME:
             if self._window:
                 self._pass(at)
@@ -66,14 +66,14 @@ class Load(Measure):
             self._look(at - self._window)
 
     def _pass(self, now: int) -> None:
-        """Windows that are over by now."""
+        """Evaluate the windows that are over by now."""
         while self._begins and self._begins[0] + self._window <= now:
             self._look(self._begins.popleft())
         while self._stretches and self._stretches[0][1] <= now - self._window:
             self._stretches.popleft()
 
     def _look(self, begin: int) -> None:
-        """The window that begins there, if it lies in the run."""
+        """Evaluate the window that begins there, if it is inside the run."""
         if begin < self._began:
             return
         end = begin + self._window
@@ -109,7 +109,7 @@ def _millionths(busy: BigInt, whole: BigInt) -> BigInt:
 
 
 class CpuLoad(Load):
-    """The part of the time in which a CPU's firmware does not wait: outside of spins and IDLE."""
+    """Share of the time in which a CPU's firmware does not wait: outside of spins and IDLE."""
 
     kinds = frozenset({Kind.IRQ, Kind.WAIT})
 
@@ -142,7 +142,7 @@ class CpuLoad(Load):
 
 
 class BusLoad(Load):
-    """The part of the time between a START and its STOP, whoever makes them."""
+    """Share of the time between a START and its STOP, of any controller."""
 
     needs = "I2C-A"
     kinds = frozenset({Kind.BUS})

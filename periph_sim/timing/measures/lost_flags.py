@@ -1,8 +1,8 @@
-"""Lost flags as measures: accesses and flag changes go in; what read-modify-writes cleared unmeant comes out.
+"""Lost flags as measures: accesses and flag changes go in; flags cleared unintentionally come out.
 
     records --Modifies--> flags that were lost, and when
 
-What counts is what `periph-sim races` shows of a recorded run (`records/lost_flags.py`), which is not needed here.
+The result equals that of `periph-sim races` on a recorded run (`records/lost_flags.py`), without a recording.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from .watched import Watched
 
 
 class LostFlags(Measure):
-    """Flags that a read-modify-write cleared unmeant, and that firmware had not looked at since they rose.
+    """Flags that a read-modify-write cleared unintentionally and that firmware had not read since they rose.
 
-    worst is how many were lost, count how many writes there were, of which a plain one clears what it means to: with
-    none, nothing is proven.
+    worst is the number of lost flags, count that of the writes. A plain write clears what it is meant to clear. Without
+    any write nothing is proven.
     """
 
     unit = "flags"
@@ -59,9 +59,9 @@ class LostFlags(Measure):
 
 
 class ClearedAlong(LostFlags):
-    """How often a read-modify-write cleared this flag though another one was meant, whether it had been read or not.
+    """Number of times that a read-modify-write meant for another flag cleared this one, whether it was read or not.
 
-    This is for a flag that is waited for afterwards, and that no other write may take.
+    For a flag that firmware waits for later, and that no other write may clear.
     """
 
     def gone(self) -> Cleared:

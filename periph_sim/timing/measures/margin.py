@@ -1,11 +1,11 @@
-"""How well in time I2CDXR is written, and how long we hold SCL: wires, accesses and flags go in, times come out.
+"""Margin of writes to I2CDXR, and time for which a unit holds SCL: wires, accesses and flags go in; times come out.
 
-    SCL    ─┐___________┌─┐_        the controller lets go of SCL at g; that is when the first bit must be ready
+    SCL    ─┐___________┌─┐_        the controller releases SCL at g, when the first bit must be ready
     ACK end             g
-    write      w--------|           margin: g - w, less what the module takes from write to release
-    late                |----w      negative: so long SCL is held
+    write      w--------|           margin: g - w, less the module's delay from a write to its release of SCL
+    late                |----w      negative: SCL is held for so long
 
-The write of a byte is the last one before I2CDXR is copied to I2CXSR. XRDY tells that: it is 1 where nothing is left.
+The write of a byte is the last one before I2CDXR is copied to I2CXSR, which XRDY shows: it is 1 if I2CDXR is empty.
 """
 
 # core: compiled
@@ -34,9 +34,10 @@ class _Reads(BusFromWires):
 
 
 class Margin(Measure):
-    """From the write of I2CDXR to the latest instant that is soon enough; negative where SCL is held for it.
+    """Time from the write of I2CDXR to the latest instant that is soon enough; negative if SCL is held for it.
 
-    Of each byte that a unit sends as a slave: the controller lets go of SCL, and by then the module must have, too.
+    It is measured for each byte that a unit sends as a slave. When the controller releases SCL, the module must have
+    released it, too.
     """
 
     asked = "bytes sent"
@@ -79,12 +80,12 @@ class Margin(Measure):
             self._copied()
 
     def _copied(self) -> None:
-        """XRDY says whether what was written is still in I2CDXR; a byte that I2CXSR waits for does not stay there."""
+        """Move the write to I2CXSR if XRDY shows that I2CDXR is empty."""
         if self._empty and self._waiting != NO_TIME:
             self._shifting, self._waiting = self._waiting, NO_TIME
 
     def needed(self, let_go: int, rose: int) -> None:
-        """SCL rose for the first bit of a byte of ours."""
+        """Take the margin of a byte: SCL rose for its first bit."""
         self.occasion(rose)
         self._copied()
         written, self._shifting = self._shifting, NO_TIME

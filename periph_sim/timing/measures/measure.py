@@ -34,10 +34,10 @@ class Delay(Protocol):
 
 
 class MeasuredScene(Protocol):
-    """What a measure may ask a scene, beside the records that it subscribes to."""
+    """Questions that a measure may ask a scene, in addition to the records that it subscribes to."""
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Give events to `reply` from now on. Returns what is expected, and why it was never asked for, as a phrase."""
+        """Send events to `reply`. Return what it expects, and a function that says why it was never asked for."""
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:
         """Return the watcher of the wire that the measure is named for, which gives its findings to the measure."""
@@ -70,13 +70,14 @@ READ = "read"  # an occurrence: one addressed phase, which begins with its START
 
 
 class Measure(Listener):
-    """unit: "time" (ticks), "%" and "LSB" (millionths) or a word for what is counted. worst: the largest value seen.
+    """Base of all measures.
 
-    least: the smallest. series: it takes one value after the other, of which there are percentiles. occurrence: what
-    it takes a value of; measures of the same occurrences can be joined. not_before: the tick from which on it takes.
+    unit: "time" (ticks), "%" and "LSB" (millionths) or a word for what is counted. worst, least: the largest and the
+    smallest value seen. series: True if it takes one value after the other, which have percentiles. occurrence: what a
+    value belongs to; measures of the same occurrences can be joined. not_before: the first tick that counts.
 
-    occasions: how often there was something to measure, counted on the bus and not by the firmware: None where the
-    measure has no such count. asked: what these are, as a plural.
+    occasions: number of times that there was something to measure, counted on the bus and not by the firmware; None
+    if the measure has no such count. asked: the name of occasions, as a plural.
     """
 
     unit = "time"
@@ -91,7 +92,7 @@ class Measure(Listener):
 
     @property
     def subjects(self) -> Subjects:
-        """The subjects that it needs records of, for kinds of which it does not need all."""
+        """The subjects whose records it needs, by kind, without the kinds of which it needs all."""
         return {}
 
     def __init__(self) -> None:
@@ -100,45 +101,45 @@ class Measure(Listener):
         self.least = 0
         self.worst_at = NO_TIME
         self.least_at = NO_TIME
-        self.cut_off = 0  # of these, how many the end of the run cut off
+        self.cut_off = 0  # number of these that the end of the run cut off
         self.not_before = NO_TIME
-        self.not_judged = ""  # why it is not known whether all occurrences keep the limit
+        self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit
         self.occasions: int | None = 0 if self.asked else None
-        self.tap: Callable[[int, int], None] | None = None  # told of each value that is taken
+        self.tap: Callable[[int, int], None] | None = None  # called with each value that is taken
         self._kept: tuple[array[int], array[int]] | None = None
         self._tally: Tally | None = None
 
     @property
     def silent(self) -> bool:
-        """Nothing was measured, so nothing is proven."""
+        """True if nothing was measured, so that nothing is proven."""
         return not self.count
 
     @property
     def measured(self) -> int:
-        """How many of the occasions were measured."""
+        """The number of occasions that were measured."""
         return self.count
 
     @property
     def counted(self) -> int:
-        """What verdicts show as the count: how many values there are."""
+        """The count that verdicts show: the number of values."""
         return self.count
 
     def missing(self) -> str:  # core: python
-        """Why nothing was measured, where more can be said than that."""
+        """Return why nothing was measured; empty if nothing more can be said."""
         return ""
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        """(what it has come to, as given to `take`, when it began) of each occurrence that is not over."""
+        """Return (value so far, as given to `take`, begin) of each occurrence that is not over."""
         return []
 
     def unfinished_text(self) -> str:
-        """What is not over, as a phrase."""
+        """Return what is not over, as a phrase."""
         return ""
 
     def close(self, now: int) -> str:
-        """Count what is not over after the run, where it has come to more than everything that is; that as a phrase.
+        """Take the values of unfinished occurrences that exceed all others; return these occurrences as a phrase.
 
-        It may come to more yet, so it says nothing of the least.
+        Such a value may still grow, so it never counts as the least one.
         """
         most = self.worst if self.count else None
         for value, at in sorted(self.unfinished(now)):
@@ -169,12 +170,12 @@ class Measure(Listener):
         return np.array(values, np.int64), np.array(at, np.int64)
 
     def all_kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """As `kept`, where they are known to be."""
+        """Return `kept` of a measure that keeps its values."""
         assert self.kept is not None
         return self.kept
 
     def only(self, places: NDArray[np.int64]) -> None:
-        """Forget all kept values but those at these places."""
+        """Keep only the values at these places."""
         values, at = (column[places].tolist() for column in self.all_kept())
         self.count = self.cut_off = 0
         self.occasions = None  # the measure that it is joined to has them
@@ -185,7 +186,7 @@ class Measure(Listener):
             self.take(value, when)
 
     def percentile(self, per_mille: int) -> tuple[int, int]:
-        """(value, when first): the least value that so many of a thousand do not exceed (nearest rank)."""
+        """Return (value, first tick) of the least value that `per_mille` of the values do not exceed (nearest rank)."""
         assert self._tally is not None
         return self._tally.percentile(per_mille)
 
@@ -204,7 +205,7 @@ class Measure(Listener):
         """The run is over."""
 
     def occasion(self, at: int, number: int = 1) -> None:
-        """There was so often something to measure. at: as given to `take`."""
+        """Count occasions. at: as given to `take`."""
         if at >= self.not_before:
             assert self.occasions is not None
             self.occasions += number
@@ -226,7 +227,7 @@ class Measure(Listener):
             self.tap(value, at)
 
     def take_unfinished(self, value: int, at: int) -> None:
-        """`value` so far, more than any before."""
+        """Take the value of an unfinished occurrence, which exceeds all before."""
         least, least_at, alone = self.least, self.least_at, not self.count
         self.take(value, at)
         self.cut_off += 1

@@ -1,14 +1,14 @@
-"""Read-modify-writes as a run makes them: accesses and flag changes go in; which flags each cleared unmeant comes out.
+"""Read-modify-writes during a run: accesses and flag changes go in; flags cleared unintentionally come out.
 
-    R . . R x W      W lands: its read is the nearest of the same statement, a few cycles before. What rose in between?
+    R . . R x W      W lands: its read is the nearest one of the same statement, a few cycles before. What rose between?
           '---'
-                F    a flag falls by it: was it meant? had the firmware looked at it since it rose?
+                F    a flag falls by it: was that intended? had the firmware read the flag since it rose?
 
-It is judged as its read is too old for any other write: what was looked at before is known then. What firmware means at
-a place is known at the end. A poll that no write follows is forgotten, and flags that may have been lost are counted
-by place, so that memory does not grow with the run.
+A read-modify-write is judged when its read is too old for any other write, since earlier reads are known by then. The
+flags that firmware intends to clear at a place are known at the end. A poll that no write follows is dropped, and flags
+that may have been lost are counted by place, so memory does not grow with the run.
 
-What is told is what `records/lost_flags.py` finds in the recording of a whole run, at a fraction of its cost.
+The result equals that of `records/lost_flags.py` on the recording of a whole run, at a fraction of the cost.
 """
 
 # core: compiled
@@ -49,7 +49,7 @@ NEVER_YET = -1  # instead of a record's number
 
 @final
 class Access:
-    """One of the last cycles. register: None if no write of 1 clears its flags. modify: the write it was made for.
+    """An access in the last cycles. register: None if writing 1 clears none of its flags. modify: the write of a read.
 
     before, after: its neighbours, the older and the younger one.
     """
@@ -71,7 +71,7 @@ class Access:
 
 @final
 class Recent:
-    """The accesses of a unit in the last cycles, as a chain: it is short, and each access makes it anew."""
+    """The accesses of a unit in the last cycles, as a short linked list."""
 
     __slots__ = ("newest", "oldest")
 
@@ -82,7 +82,7 @@ class Recent:
 
 @final
 class Modify:
-    """A write with its read. rose: when each flag had risen last as it landed. cleared: mask of what fell by it."""
+    """A write with its read. rose: the last rise of each flag before it. cleared: mask of the flags that it cleared."""
 
     __slots__ = ("cleared", "number", "place", "rose", "tick", "written")
 
@@ -112,7 +112,7 @@ class Flag:
 
 @final
 class Cleared:
-    """How often something was cleared, and the tick of the first time: NO_TIME for never."""
+    """Number of times that something was cleared, and the tick of the first time: NO_TIME for never."""
 
     __slots__ = ("count", "first")
 
@@ -121,7 +121,7 @@ class Cleared:
         self.first = NO_TIME
 
     def add(self, count: int, first: int) -> None:
-        """So often more."""
+        """Add a count. first: the tick of its first time."""
         if count and (not self.count or first < self.first):
             self.first = first
         self.count += count
@@ -129,7 +129,7 @@ class Cleared:
 
 @final
 class Look:
-    """The last read of a field, "" for all of the register, by its record's number. following: of another field."""
+    """Record number of the last read of a field, "" for the whole register. following: that of another field."""
 
     __slots__ = ("field", "following", "number")
 
@@ -148,7 +148,7 @@ class Looks:
         self._first: Look | None = None
 
     def add(self, field: str, number: int) -> None:
-        """It was read."""
+        """Add a read."""
         look = self._first
         while look is not None and look.field is not field:  # a register's names are one object each
             look = look.following
@@ -162,7 +162,7 @@ class Looks:
         look.number = number
 
     def last(self, field: str) -> int:
-        """The record of the last read that showed a field; NEVER_YET for none."""
+        """Return the record number of the last read that showed a field; NEVER_YET for none."""
         last, look = NEVER_YET, self._first
         while look is not None:
             if look.number > last and look.field in ("", field):
@@ -173,11 +173,14 @@ class Looks:
 
 @final
 class Place:
-    """What the writes of one place have in common, and what they cleared.
+    """The writes of one place in the firmware, and the flags that they cleared.
 
-    proven: bits that were written as 1 and not read as 1. always: those that were written as 1 each time. By flag, the
-    writes that cleared it: between: it rose after the read. along: it had been read as 1. unseen: of these, the
-    firmware had not looked at it since it rose. looks: of reads for these writes.
+    proven: bits that were written as 1 and not read as 1.
+    always: bits that were written as 1 each time.
+    between: by flag, the writes that cleared it though it rose after their read.
+    along: by flag, the writes that cleared it after it was read as 1.
+    unseen: those of `along` before which the firmware had not read the flag since it rose.
+    looks: reads made for these writes.
     """
 
     __slots__ = ("along", "always", "between", "looks", "named", "proven", "unseen")
@@ -192,7 +195,7 @@ class Place:
         self.unseen: dict[str, Cleared] = {}
 
     def meant(self, flags: list[Flag]) -> set[str]:
-        """The flags that firmware may have meant to clear here."""
+        """Return the flags that firmware may have intended to clear here."""
         if self.named:
             return self.named
         ones = {flag.name for flag in flags if self.always & flag.mask}
@@ -201,9 +204,9 @@ class Place:
 
 @final
 class ClearedRegister:
-    """One with flags that writing 1 clears. status: hardware sets flags of it. last: its last read-modify-write.
+    """A register with flags that writing 1 clears. status: hardware sets flags of it. last: its last read-modify-write.
 
-    looks: of plain reads. places: those of its writes.
+    looks: plain reads. places: the places of its writes.
     """
 
     __slots__ = ("flags", "last", "looks", "places", "status")
@@ -225,7 +228,7 @@ class ClearedRegister:
         return None
 
     def looked_at(self, flag: Flag, place: Text) -> int:
-        """The record of the last read that showed this flag to anybody but the writes of a place."""
+        """Return the record number of the last read that showed this flag, except reads for the writes of a place."""
         last: int = self.looks.last(flag.name)
         other: Place
         for at, other in self.places.items():
@@ -236,7 +239,7 @@ class ClearedRegister:
 
 @final
 class Topic:
-    """All records of one kind, place and thing. flag: None of accesses. register: None of accesses to others.
+    """All records of one kind, place and thing. flag: None for accesses. register: None for accesses to others.
 
     recent: the accesses of the unit in the last cycles.
     """
@@ -251,9 +254,12 @@ class Topic:
 
 
 class Modifies(Keeper):
-    """concerns: whether records of a kind, place and thing are looked at. is_about: of accesses, whether their
-    register is one whose flags may be lost; of others it counts only that they were made. status: of status registers
-    only. writes: of such registers, with a read or without. recent: by unit."""
+    """Finds the flags that read-modify-writes cleared unintentionally.
+
+    concerns: returns True if records of a kind, place and thing are evaluated. is_about: returns True if the register
+    of these accesses is one whose flags may be lost; other accesses are only counted. status: judge status registers
+    only. writes: number of writes to these registers, with a read or without. recent: by unit.
+    """
 
     _per_second: Fraction
 
@@ -268,13 +274,13 @@ class Modifies(Keeper):
         self._per_second = Fraction(1)
         self._clocks: list[tuple[int, Fraction]] = []  # SYSCLKOUT from each tick on, as far as the run has come
         self._known = 0  # of these
-        self._spare: Access | None = None  # the first of those that were forgotten
+        self._spare: Access | None = None  # the first of the dropped ones, for reuse
         self._topics: list[Topic] = []  # by tag
         self.recent: dict[str, Recent] = {}  # by unit
         self._registers: dict[tuple[str, str], ClearedRegister] = {}  # by unit and name
 
     def clock_is(self, per_second: int, clocks: list[tuple[int, Fraction]]) -> None:
-        """clocks: SYSCLKOUT from each tick on; what follows is added to it."""
+        """Set the clocks. clocks: SYSCLKOUT from each tick on; later changes are appended to this list."""
         self._per_second, self._clocks = Fraction(per_second), clocks
         self._retuned()
 
@@ -283,7 +289,7 @@ class Modifies(Keeper):
         self.cycle_is(self._per_second / self._clocks[-1][1])
 
     def cycle_is(self, ticks: Fraction) -> None:
-        """How long a cycle is: a write's read is a few of them before it."""
+        """Set the length of a cycle: a write's read is a few cycles before it."""
         self._longest = int(MODIFY * ticks)
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
@@ -317,7 +323,7 @@ class Modifies(Keeper):
         return self._registers[key]
 
     def places(self, tag: int) -> int:
-        """Of a read and a write of one statement it has to be the same."""
+        """Return the accesses whose place is needed; it is the same for a read and a write of one statement."""
         topic = self._topics[tag]
         return NOWHERE if topic.register is None or topic.flag is not None else OF_MODIFIES
 
@@ -354,7 +360,7 @@ class Modifies(Keeper):
             newest.after = one
 
     def _moved(self, flag: Flag, number: int, tick: int, value: int, cause: int) -> None:
-        """A flag rises, or falls."""
+        """Take a flag that rises or falls."""
         if value:
             flag.rose = number
             return
@@ -363,7 +369,7 @@ class Modifies(Keeper):
             last.cleared |= flag.mask
 
     def _landed(self, write: Access, register: ClearedRegister, recent: Recent) -> None:
-        """A write: the nearest read of the same statement is its own, if there is one."""
+        """Take a write. The nearest read of the same statement belongs to it, if there is one."""
         passed: int
         passed, one = 0, recent.newest
         while one is not None and passed < OVERTAKEN:
@@ -379,7 +385,7 @@ class Modifies(Keeper):
             one = one.before
 
     def _forget(self, recent: Recent, before: int) -> None:
-        """Accesses that no write can belong to any more. What they were is told for good."""
+        """Drop the accesses that no later write can belong to, after evaluating them."""
         one = recent.oldest
         while one is not None and one.tick < before:
             register, made = one.register, one.modify
@@ -397,7 +403,7 @@ class Modifies(Keeper):
             one.before = None
 
     def _judge(self, register: ClearedRegister, read: Access, made: Modify) -> None:
-        """A read-modify-write, of which all is known but what its place means to clear."""
+        """Judge a read-modify-write, except for what its place intends to clear, which is known at the end."""
         place: Place | None = register.places.get(made.place)
         if place is None:
             place = register.places[made.place] = Place()
@@ -418,13 +424,13 @@ class Modifies(Keeper):
         place.looks.add(read.field, read.number)
 
     def finish(self) -> None:
-        """The run is over."""
+        """Evaluate the remaining accesses at the end of the run."""
         for recent in self.recent.values():
             if recent.newest is not None:
                 self._forget(recent, recent.newest.tick + 1)
 
     def lost(self) -> Cleared:
-        """The flags that were cleared unmeant and that the firmware had not seen."""
+        """Return the flags that were cleared unintentionally and that the firmware had not read."""
         all_of_them = Cleared()
         for register, place in self._places():
             for flag in register.flags:
@@ -432,7 +438,7 @@ class Modifies(Keeper):
         return all_of_them
 
     def cleared(self, name: str) -> Cleared:
-        """The flags of this name that were cleared unmeant, seen or not."""
+        """Return the flags of this name that were cleared unintentionally, read or not."""
         all_of_them = Cleared()
         for register, place in self._places():
             for flag in register.flags:
@@ -446,7 +452,7 @@ class Modifies(Keeper):
 
 
 def _one_more(cleared: dict[str, Cleared], flag: Flag, made: Modify) -> None:
-    """The write `made` cleared the flag."""
+    """Count the write `made` as one that cleared the flag."""
     of: Cleared | None = cleared.get(flag.name)
     if of is None:
         of = cleared[flag.name] = Cleared()
@@ -454,7 +460,7 @@ def _one_more(cleared: dict[str, Cleared], flag: Flag, made: Modify) -> None:
 
 
 def _sum(to: Cleared, flag: Flag, place: Place, register: ClearedRegister, along: dict[str, Cleared]) -> None:
-    """How often the writes of a place cleared a flag unmeant. along: by flag, those that meant another one."""
+    """Add the writes of a place that cleared a flag unintentionally. along: by flag, those meant for another one."""
     unmeant = [place.between] if flag.name in place.meant(register.flags) else [place.between, along]
     for cleared in unmeant:
         of = cleared.get(flag.name)
@@ -463,7 +469,7 @@ def _sum(to: Cleared, flag: Flag, place: Place, register: ClearedRegister, along
 
 
 def _alike(read: Access, write: Access) -> bool:
-    """Whether both are of one place, and name the same field."""
+    """Return True if both are at one place and name the same field."""
     if read.text is not write.text and statement(read.text) != statement(write.text):
         return False
     return read.field == write.field

@@ -35,10 +35,10 @@ class Durations(NamedTuple):
 def between(
     table: RecordTable, begin: str, end: str, rule: str = "", transfers_in_round: int | None = None
 ) -> Durations:
-    """From each `begin` to the `end` that belongs to it, where there is one.
+    """Return the times from each `begin` to the `end` that belongs to it, if there is one.
 
-    rule: as behind a comma in a budget: "in order", "next" or "last"; "same transfer" or "same round", which only pairs
-    in one of them keep, from its START to the next one's; or both: "last, same transfer". transfers_in_round: how many
+    rule: as after the comma in a budget: "in order", "next" or "last"; "same transfer" or "same round" for pairs within
+    one of them, from its START to the next one's; or both: "last, same transfer". transfers_in_round: how many
     transfers a round has; needed for "same round", as no record says it. BadEvent if a text names no event, or one that
     this run cannot have had, or if a second `begin` comes before the `end` of the first and no rule says what then.
     """
@@ -75,7 +75,7 @@ def between(
 
 
 def _rules(rule: str) -> tuple[str, str]:
-    """(pairing, group)"""
+    """Return (pairing, group)."""
     pairing = group = ""
     for word in filter(None, (part.strip() for part in rule.split(","))):
         if word in PAIRINGS and not pairing:
@@ -88,7 +88,7 @@ def _rules(rule: str) -> tuple[str, str]:
 
 
 def _in_order(first: Ticks, second: Ticks, starts: Ticks) -> tuple[Ticks, Ticks]:
-    """The rows of pairs, n-th with n-th; who waits as a group begins has no partner."""
+    """Return the rows of pairs, the n-th with the n-th. An event that waits as a group begins has no partner."""
     waiting: deque[int] = deque()
     pairs: list[tuple[int, int]] = []
     events = [(row, 0) for row in starts.tolist()] + [(row, 1) for row in second.tolist()]
@@ -105,11 +105,11 @@ def _in_order(first: Ticks, second: Ticks, starts: Ticks) -> tuple[Ticks, Ticks]
 
 
 def periods(table: RecordTable, event: str) -> Durations:
-    """From each event to the next of its kind. BadEvent as for `between`."""
+    """Return the times from each event to the next of its kind. BadEvent as for `between`."""
     ticks = happened(table, event)
     return Durations(np.diff(ticks), ticks[:-1])
 
 
 def happened(table: RecordTable, event: str) -> Ticks:
-    """The ticks at which an event happened. BadEvent as for `between`."""
+    """Return the ticks at which an event happened. BadEvent as for `between`."""
     return table.tick[matcher_for(event, table).rows(table)]

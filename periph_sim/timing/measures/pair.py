@@ -1,4 +1,4 @@
-"""Measures of pairs of events: from each first event to its second, and how often a third happens in between.
+"""Measures of pairs of events: time from each first event to its second, and number of third events in between.
 
     A1   A2        B1   B2
     |----+---------|    |      in order: n-th with n-th
@@ -7,8 +7,8 @@
          |---------|
          |---------|           last: only the last one before a second one
 
-Where no pairing is said and a second A falls before the first one's B, nobody can know which belongs to which: then
-nothing is proven.
+If no pairing is given and a second A comes before the first one's B, it is not known which events belong together:
+nothing is proven then.
 """
 
 # core: compiled
@@ -39,9 +39,9 @@ class Open:
 
 
 class Between(EventMeasure):
-    """From each event to that of another kind that belongs to it.
+    """Time from each event to the event of another kind that belongs to it.
 
-    pairing: one of PAIRINGS; empty where one A at most may wait. group: pairs lie in one transfer or round: a transfer
+    pairing: one of PAIRINGS; empty if one A at most may wait. group: pairs lie in one transfer or round: a transfer
     lasts from its START to the next one's, so that what firmware does about a STOP belongs to it.
     """
 
@@ -87,7 +87,7 @@ class Between(EventMeasure):
             self._rule.listen(scene)
 
     def clock(self, tick: int) -> int:
-        """What differs between a pair's events."""
+        """Return the quantity whose difference between a pair's events is measured."""
         return tick
 
     def happened(self, place: int, tick: int, value: int) -> None:
@@ -200,7 +200,7 @@ class Between(EventMeasure):
 
 
 class CountBetween(Between):
-    """How often an event happens between two others: after the first one, up to the second."""
+    """Number of events between two others: after the first one, up to the second."""
 
     unit = "count"
 
@@ -221,7 +221,7 @@ class CountBetween(Between):
 
 
 def _order(inside: int, extra: int) -> tuple[int, ...]:
-    """Places, in the order in which one record is several events: START, what is counted, the end, the begin, STOP."""
+    """Return the order of a record's events: START, the counted event, the pair's end, its begin, STOP."""
     starts, stops = ((START,), (STOP,)) if inside else ((), ())
     counted = range(2 + inside, 2 + inside + extra)
     return (*starts, *counted, SECOND, FIRST, *stops)

@@ -1,8 +1,8 @@
-"""Races as a measure: accesses and flag changes go in, distances in cycles come out; and both questions of a table.
+"""Races as a measure: accesses and flag changes go in; distances in cycles come out. Both exist for a table, too.
 
     records --Kept--> records.Run, when the run is over --> distances in cycles
 
-What counts is what `periph-sim races` shows of a recorded run (`records/races.py`, `records/lost_flags.py`).
+The result equals that of `periph-sim races` on a recorded run (`records/races.py`, `records/lost_flags.py`).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .watched import Watched, losing, raced
 
 
 class Kept(Columns):
-    """The records that concern a register."""
+    """Records that concern a register."""
 
     def __init__(self, watched: Watched) -> None:
         super().__init__()
@@ -37,7 +37,7 @@ class Kept(Columns):
 
 
 class RegisterMeasure(Measure, ABC):
-    """Keeps the records that concern a register, to look at them as a recorded run."""
+    """Base of measures that evaluate the records of a register after the run, as a recorded run."""
 
     kinds = frozenset({Kind.ACCESS, Kind.FLAG})
 
@@ -66,13 +66,13 @@ class RegisterMeasure(Measure, ABC):
 
     @abstractmethod
     def look(self, run: Run) -> None:
-        """Measure over all that was kept."""
+        """Measure over all records that were kept."""
 
 
 class Race(RegisterMeasure):
-    """From each CPU read of a status register to the nearest change of what was looked at, in cycles of SYSCLKOUT.
+    """Distance of each CPU read of a status register to the nearest change of what was read, in cycles of SYSCLKOUT.
 
-    Where a wait was skipped, and its polls beside a change cannot be put back, nothing is proven.
+    Nothing is proven if a wait was skipped and its polls near a change cannot be reconstructed.
     """
 
     unit = "cycles"
@@ -119,7 +119,7 @@ class Distances(NamedTuple):
 
 
 def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Distances:
-    """How many cycles lie between each read of a status register, or of one field, and the nearest change.
+    """Return the cycles between each read of a status register, or of one field, and the nearest change.
 
     name: "I2C-A.I2CSTR", "imu:I2C-A.I2CSTR.XRDY". sysclk: in Hz; None takes what the records show. BadEvent if the
     run can have no such register; NotInRun if the firmware never accessed it.
@@ -132,7 +132,7 @@ def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Dist
 
 
 def lost_flags(table: RecordTable, name: str = "") -> NDArray[np.int64]:
-    """The ticks at which read-modify-writes of a register, or of any, lost a flag. BadEvent as for `races`."""
+    """Return the ticks at which read-modify-writes of a register, or of any, lost a flag. BadEvent as for `races`."""
     unit, _, text = name.rpartition(":")
     modifies = _modifies(Run(table), losing(unit, text, scope_of_table(table)))
     lost = sorted(tick for modify in modifies for flag in modify.flags for tick in flag.lost)

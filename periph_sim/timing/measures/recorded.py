@@ -1,11 +1,11 @@
-"""Measures of values that records carry: a row says which records they are; their values or their number come out.
+"""Measures of values in records: a row names the records; their values, their number or their sum comes out.
 
 value       a record whose value is taken, at its tick; or that is counted
 occasion    something to measure, whether it has a value or not
-measured    an occasion that was measured, where that is not told by the values
+measured    an occasion that was measured, for measures whose values do not show that
 required    a record without which nothing is proven
 unknown     a record of something that cannot be judged
-under way   a value that the end of the run cuts off, when it began
+under way   a value that the end of the run cuts off, at its begin
 """
 
 # core: compiled
@@ -25,7 +25,7 @@ VALUE, OCCASION, MEASURED, REQUIRED, UNDER_WAY, UNKNOWN = (1 << n for n in range
 
 
 class Unknown(Struct, frozen=True):
-    """Records of things that cannot be judged: so many `thing`s `why`, as in "3 reads may carry other frames"."""
+    """Records of things that cannot be judged. thing, why: as in "3 reads" and "may carry other frames"."""
 
     record: str
     thing: str
@@ -143,7 +143,7 @@ class RecordedValues(Measure):
         self.occasion(tick)
 
     def unknown_of(self, value: int) -> int:
-        """Return how many things a record of something unknown stands for."""
+        """Return the number of things that a record of something unknown stands for."""
         return 1
 
     def _count_unknown(self, tag: int, value: int) -> None:

@@ -26,7 +26,7 @@ MEASURES = {
         asked="reads asked",
     ),
     "stretch": Row(
-        "Longest time SCL was held low after the master had let go of it, per acknowledged phase, whoever that is.",
+        "Longest time SCL was held low after the master had released it, per acknowledged phase, by any party.",
         Kind.TRANSFER,
         "stretch",
         needs="I2C-A",
@@ -59,7 +59,7 @@ MEASURES = {
         unproven="no round was due",
     ),
     "nacked rounds": Row(
-        "Rounds with at least one request whose address nobody acknowledged.",
+        "Rounds with at least one request whose address was not acknowledged.",
         Kind.ROUND,
         "refused",
         takes="number",
@@ -72,7 +72,7 @@ MEASURES = {
         unproven="no round was completed",
     ),
     "nacked": Row(
-        "Requests whose address nobody acknowledged.",
+        "Requests whose address was not acknowledged.",
         Kind.TRANSFER,
         "refused",
         takes="number",

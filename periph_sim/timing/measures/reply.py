@@ -1,4 +1,4 @@
-"""Times of expected replies: when one is due and which characters come go in; how long it took, or what is wrong.
+"""Times of expected replies: requests and characters go in; how long a reply took, or what is wrong, comes out.
 
 send begins          ends
 |====================|------------- time ------------|
@@ -19,7 +19,7 @@ BAD = 0x100  # added to a character with a wrong parity or without a stop bit
 
 
 class Expected(Struct, frozen=True):
-    """What must come. show: characters as messages have them. within: ticks. anywhere: others may come before."""
+    """An expected reply. show: formats characters. within: ticks. anywhere: other characters may come before."""
 
     characters: tuple[int, ...]
     show: Callable[[tuple[int, ...]], str]
@@ -29,7 +29,7 @@ class Expected(Struct, frozen=True):
 
 
 class _Occasion(Struct):
-    """One time that the reply was asked for. since: from when its time counts; NO_TIME as long as that is to come."""
+    """One request for the reply. since: the tick from which its time counts; NO_TIME before that."""
 
     window: int
     since: int = NO_TIME
@@ -42,7 +42,7 @@ class _Occasion(Struct):
 
 
 class Reply(Measure):
-    """From the end of what asks for an expected reply to the end of its last character. Another reply breaks it."""
+    """Time from the end of a request to the end of the last character of its reply. Another reply breaks it."""
 
     needs = "serial"
     asked = "times that the reply was asked for"
@@ -67,15 +67,15 @@ class Reply(Measure):
         self._began, self._per_second = scene.began(), scene.ticks_per_second()
         self._expected, self._why_never = scene.on_reply(self)
 
-    # What the scene tells -----------------------------------------------------
+    # Events from the scene ----------------------------------------------------
 
     def window(self, tick: int) -> None:
-        """The reply is asked for: characters that begin from now on are part of it."""
+        """Begin an occasion: characters that begin at `tick` or later are part of the reply."""
         self._give_up(tick)
         self._open.append(_Occasion(tick))
 
     def due(self, tick: int) -> None:
-        """What asks for it is over: its time counts from here."""
+        """Start the time of the reply: its request is over."""
         waiting = next((one for one in self._open if one.since == NO_TIME), None)
         if waiting is not None:
             waiting.since = tick
@@ -84,13 +84,13 @@ class Reply(Measure):
             self._settle()
 
     def others_turn(self, tick: int) -> None:
-        """Something else is asked for: what comes behind a wrong reply belongs to that."""
+        """End wrong replies: something else is asked for, and later characters belong to that."""
         for one in self._open:
             if one.wrong_at != NO_TIME and (one.ends == NO_TIME or one.ends > tick):
                 one.ends = tick
 
     def character(self, begin: int, end: int, value: int, good: bool) -> None:
-        """A character came."""
+        """Take a character from the line."""
         expected = self._what
         occasion = next((one for one in self._open if not self._over(one)), None)
         if occasion is None or begin < occasion.window:
@@ -123,12 +123,12 @@ class Reply(Measure):
         return tuple(occasion.came) == self._what.characters
 
     def _over(self, occasion: _Occasion) -> bool:
-        """As many characters came as were expected; what comes then is another's, or nobody's."""
+        """Return True if as many characters came as were expected; later ones do not belong to this reply."""
         enough = len(occasion.came) >= len(self._what.characters)
         return self._complete(occasion) or (enough and not self._what.anywhere)
 
     def _settle(self) -> None:
-        """Take those that are complete, in their order."""
+        """Close the occasions that are complete, in their order."""
         while self._open and self._open[0].since != NO_TIME and self._over(self._open[0]):
             self._close(self._open.popleft())
 
@@ -144,7 +144,7 @@ class Reply(Measure):
         self._judged += occasion.since >= self.not_before
 
     def _refute(self, occasion: _Occasion, now: int) -> None:
-        """It did not come. now: when that is known of one that nothing wrong came for."""
+        """Record that the reply did not come. now: the tick at which that is known, if no wrong character came."""
         if occasion.since < self.not_before:
             return
         self._judge(occasion)
@@ -170,7 +170,7 @@ class Reply(Measure):
         return f"{wanted}, but {came + ' came last' if occasion.came else 'nothing came'}"
 
     def _give_up(self, now: int) -> None:
-        """Another one is asked for: those that wait longer than they may will not come."""
+        """Give up the occasions that are overdue when another reply is asked for."""
         while self._open:
             first = self._open[0]
             late = first.since != NO_TIME and now - first.since > self._what.within

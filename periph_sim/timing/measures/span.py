@@ -10,7 +10,7 @@ from .measure import Measure
 
 
 class SpanTime(Measure):
-    """From the begin of a named stretch of firmware to its end, service routines in between included."""
+    """Time from the begin of a named stretch of firmware to its end, service routines in between included."""
 
     kinds = frozenset({Kind.SPAN})
 

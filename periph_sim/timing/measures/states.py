@@ -1,9 +1,9 @@
-"""How long a state lasted: events that begin and end it go in; each time in it, or the sum of all, comes out.
+"""Time in a state: events that begin and end it go in; each time in it, or the sum of all, comes out.
 
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
 
-A state that holds as the run begins belongs to the sum. It is no "each", since nobody saw it begin; but if it lasts to
-the end of the run, it counts with that.
+A state that holds as the run begins belongs to the sum. It is no "each", since its
+begin is not known, unless it lasts to the end of the run.
 """
 
 # core: compiled
@@ -32,7 +32,7 @@ class State(Struct, frozen=True):
     leaves: tuple[Matcher, ...]
 
     def holds(self, scene: MeasuredScene) -> bool:
-        """Whether a scene in which nothing has happened yet is in this state."""
+        """Return True if a scene in which nothing has happened yet is in this state."""
         first = self.enters[0]
         (place, *_) = first.where or ("",)
         if first.kind is Kind.EDGE:
@@ -43,7 +43,7 @@ class State(Struct, frozen=True):
 
 
 class _InState(EventMeasure):
-    """Hears when the state begins and ends."""
+    """Base of measures that follow the begins and ends of a state."""
 
     def __init__(self, state: State) -> None:
         super().__init__(*state.enters, *state.leaves)
@@ -56,7 +56,7 @@ class _InState(EventMeasure):
             self.begins(scene.began(), False)
 
     def hear(self, tag: int, tick: int, value: int) -> None:
-        """What is both, enters it. Its events are of no group."""
+        """Follow the state. A record that both enters and leaves it enters it. Its events belong to no group."""
         if self.spans is not None and self._names[tag]:
             self.spans.add(self._names[tag])
         plan = self._plans[tag]
@@ -79,7 +79,7 @@ class _InState(EventMeasure):
         self._since = at
 
     def ends(self, at: int) -> None:
-        """The state was left, or the run ended in it."""
+        """End a time in the state: it was left, or the run ended in it."""
         raise NotImplementedError
 
     def missing(self) -> str:
@@ -95,7 +95,7 @@ class TimeIn(_InState):
 
     @property
     def silent(self) -> bool:
-        """A state that can be checked may have lasted no time at all; a span's name may be a slip."""
+        """True if a span was never entered: its name may be misspelled. Other states may have lasted no time at all."""
         return self.state.enters[0].free and not self.count
 
     def begins(self, at: int, seen: bool) -> None:
@@ -114,7 +114,7 @@ class TimeIn(_InState):
 
 
 class EachTimeIn(_InState):
-    """Each time in a state, from when it begins to when it is over."""
+    """Each time in a state, from its begin to its end."""
 
     def __init__(self, state: State) -> None:
         super().__init__(state)

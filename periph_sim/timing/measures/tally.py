@@ -1,10 +1,10 @@
-"""How often each value came: values go in as they are measured, percentiles come out; memory has an end.
+"""Histogram of values for percentiles, in bounded memory.
 
-    value, when --> cell of its value: how often, and when first --> value that so many of a thousand do not exceed
+    value, tick --> cell of the value: count, first tick --> percentile
 
-As long as there are up to MOST different values, each has a cell of its own, and percentiles are exact. Of more, cells
-get twice as wide, again and again: a quarter of MOST of them span no more than all values do. A cell stands for the
-largest value in it, so that a percentile is one that was measured, and never too small.
+Up to MOST different values have a cell each, and percentiles are exact. With more values the cells become twice as
+wide until half of MOST are left. A cell stands for the largest value in it, so a percentile is a measured value and
+never too small.
 """
 
 # core: compiled
@@ -51,7 +51,7 @@ class Tally:
                 cell.value, cell.at = value, at
 
     def percentile(self, per_mille: int) -> tuple[int, int]:
-        """(value, when first): the least value that so many of a thousand do not exceed (nearest rank)."""
+        """Return (value, first tick) of the least value that `per_mille` of the values do not exceed (nearest rank)."""
         rank, passed = -(-per_mille * sum(cell.count for cell in self._cells.values()) // 1000), 0
         for _, cell in sorted(self._cells.items()):
             passed += cell.count
@@ -60,7 +60,7 @@ class Tally:
         raise AssertionError("there is no value")
 
     def _widen(self) -> None:
-        """Cells twice as wide, until they are half as many: else values from far away would widen them each time."""
+        """Make cells twice as wide until half are left, so that values far apart do not widen them each time."""
         while len(self._cells) > self._most // 2:
             self._shift += 1
             narrow, self._cells = self._cells, {}

@@ -1,4 +1,4 @@
-"""Which register a measure of races or lost flags is about: what a budget names goes in; a Watched comes out."""
+"""The register of a measure of races or lost flags: the name in a budget goes in; a Watched comes out."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ class Watched(Struct, frozen=True):
 
     @property
     def name(self) -> str | None:
-        """As `insight` calls it."""
+        """The name that `records` uses; None for all registers."""
         return ".".join(filter(None, (self.unit, self.module, self.register, self.field))) or None
 
     def shows(self, record: Record) -> bool:
-        """Whether a record is an access to the register, or a change of what is watched of it."""
+        """Return True if a record is an access to the register, or a change of the watched field."""
         return self.is_about(record.kind, record.where, record.what)
 
     def is_about(self, kind: Kind, where: str, what: str) -> bool:
-        """The same, of all records of one kind, place and thing."""
+        """Return the same for all records of one kind, place and thing."""
         if kind is Kind.ACCESS:
             place = f"{self.module}.{self.register}" if self.register else what[2:]
             return self.concerns(kind, where, what) and what[2:] == place
@@ -46,7 +46,7 @@ class Watched(Struct, frozen=True):
 
 
 def raced(unit: str, text: str, scope: Scope) -> Watched:
-    """What "I2C-A.I2CSTR.XRDY" or "I2C-A.I2CSTR" names. BadEvent unless hardware changes flags of that register."""
+    """Return what "I2C-A.I2CSTR.XRDY" or "I2C-A.I2CSTR" names. BadEvent unless hardware changes its flags."""
     if text.count(".") == 2:
         owner, module, register, f = scope.field(unit, text)
         field = f.name
@@ -62,7 +62,7 @@ def raced(unit: str, text: str, scope: Scope) -> Watched:
 
 
 def losing(unit: str, text: str, scope: Scope) -> Watched:
-    """The register whose flags may be lost; all of the scene's where none is named. BadEvent if none can be."""
+    """Return the register whose flags may be lost; all of the scene's if none is named. BadEvent if none can be."""
     if not text:
         if not scope.units:
             raise BadEvent("the scene has no unit")
@@ -77,7 +77,7 @@ def losing(unit: str, text: str, scope: Scope) -> Watched:
 
 
 def clearing(unit: str, text: str, scope: Scope) -> Watched:
-    """The one flag that a write may clear along with another. BadEvent if writing 1 does not clear it."""
+    """Return the flag that a write may clear along with another. BadEvent if writing 1 does not clear it."""
     owner, module, register, f = scope.field(unit, text)
     clearable = [each.name for each in one_clears(register)]
     if f.name not in clearable:

@@ -1,4 +1,4 @@
-"""How a watched wire deviates: what its watcher takes goes in; the most, or what is wrong, comes out."""
+"""Deviations of a watched wire: findings of its watcher go in; the largest, or what is wrong, comes out."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class WatchedWire(Measure):
         self._watcher = scene.watcher(self)
 
     def refute(self, why: str, at: int) -> None:
-        """The run is broken whatever else comes."""
+        """Break the budget, whatever values follow."""
         if not self.refuted and at >= self.not_before:
             self.refuted, self.refuted_at, self.refuted_until = why, at, at
 

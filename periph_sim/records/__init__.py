@@ -1,4 +1,4 @@
-"""What a recorded run can tell afterwards: why a field had its value, how near reads came to changes, faults of use.
+"""Questions to a recorded run: causes of values, distances between reads and changes, faults of use.
 
     .psr --Run--> why, races, lint --> text, JSON
 

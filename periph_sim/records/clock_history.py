@@ -1,7 +1,7 @@
-"""SYSCLKOUT of a unit over a recording: what the file tells, or records of PLLCR and PLLSTS, go in; cycles come out.
+"""SYSCLKOUT of a unit over a recording: the file's clocks, or records of PLLCR and PLLSTS, go in; cycles come out.
 
-A file that does not tell it may show it: one of a unit with a crystal of 30 MHz that begins at the reset's clock, as
-an image does, where all accesses fall on the cycles that follow from that; else the clock is what `Run.cycles` says.
+A file without clocks may still show them: a unit with a 30 MHz crystal begins at the reset's clock, as an image does,
+and all accesses fall on the cycles that follow from that. Otherwise the clock is that of `Run.cycles`.
 
 Source: SPRUFB0D Tables 20 to 22.
 """
@@ -23,7 +23,7 @@ OSCCLK_HZ = 30_000_000
 DIVIDE = (4, 4, 2, 1)  # by DIVSEL
 MOST_TOLD = 3
 DIV, DIVSEL, LOCKED, OFF = "PLLCR.DIV", "PLLSTS.DIVSEL", "PLLSTS.PLLLOCKS", "WDCR.WDDIS"
-SHOWN = (DIV, DIVSEL, LOCKED, OFF)  # one of them at least is set by whoever begins at the reset's clock
+SHOWN = (DIV, DIVSEL, LOCKED, OFF)  # firmware that begins at the reset's clock sets at least one of them
 
 
 class ClockHistory(NamedTuple):
@@ -34,32 +34,32 @@ class ClockHistory(NamedTuple):
 
     @classmethod
     def told(cls, per_second: Fraction, clock: Sequence[tuple[int, Fraction]]) -> ClockHistory:
-        """Of pairs of a tick and the frequency from there on."""
+        """Return the history of pairs of a tick and the frequency from there on."""
         return cls(tuple(tick for tick, _ in clock), tuple(per_second / hz for _, hz in clock))
 
     def at(self, tick: int) -> Fraction:
         return self.periods[max(bisect_right(self.begins, tick) - 1, 0)]
 
     def cycles(self, begin: int, end: int) -> int:
-        """Whole cycles between two ticks, rounded to nearest."""
+        """Return the whole cycles between two ticks, rounded to nearest."""
         if end < begin:
             return -self.cycles(end, begin)
         inside = [begin, *(tick for tick in self.begins if begin < tick < end), end]
         return round(sum((after - before) / self.at(before) for before, after in pairwise(inside)))
 
     def of_distances(self, ticks: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Whole cycles of distances, each in the clock of its tick, rounded to nearest."""
+        """Return distances in whole cycles, each in the clock of its tick, rounded to nearest."""
         periods = np.array([float(period) for period in self.periods])
         cycles: NDArray[np.int64] = (ticks / periods[self._now(at)] + 0.5).astype(np.int64)
         return cycles
 
     def ticks_of(self, cycles: int, at: NDArray[np.int64]) -> NDArray[np.int64]:
-        """How long so many cycles are at each of these ticks, rounded down."""
+        """Return the length of `cycles` cycles in ticks, at each of these ticks, rounded down."""
         lengths = np.array([int(cycles * period) for period in self.periods], np.int64)
         return lengths[self._now(at)]
 
     def numbers(self, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
-        """The number of the cycle that begins at each of these ticks, or next to it, since the first clock began."""
+        """Return the number of the cycle that begins at or next to each of these ticks since the first clock began."""
         periods = np.array([float(period) for period in self.periods])
         now = self._now(ticks)
         since = ticks - np.array(self.begins, np.int64)[now]
@@ -96,7 +96,7 @@ class ClockHistory(NamedTuple):
 def history(
     per_second: Fraction, changes: Iterable[tuple[int, str, int]], accesses: Iterable[int]
 ) -> ClockHistory | None:
-    """changes: of SHOWN, as (tick, what, value) in their order. accesses: their ticks. None where it cannot be told."""
+    """changes: of SHOWN, as (tick, what, value) in their order. accesses: their ticks. None if it is not known."""
     told = list(changes)
     if not told:
         return None

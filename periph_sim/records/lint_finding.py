@@ -1,4 +1,4 @@
-"""What a lint gives and what is made of it: rows of accesses that are at fault --> one finding a place."""
+"""Results of lints: rows of faulty accesses go in; one finding for each place comes out."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .run import Rows, Run
 
 
 class Fault(NamedTuple):
-    """Accesses of one unit that are at fault in one way. rows: theirs, in order. source: the section that says why."""
+    """Accesses of one unit with one kind of fault. rows: in order. source: the section of the manual that says why."""
 
     unit: str
     rows: Rows
@@ -21,7 +21,7 @@ class Fault(NamedTuple):
 
 @dataclass(frozen=True)
 class Options:
-    """What a user may set. bound: seconds that a wait on one register may take."""
+    """Options of lints. bound: seconds that a wait on one register may take."""
 
     bound: Fraction = Fraction(20, 1000)
 

@@ -1,4 +1,4 @@
-"""Findings of the lints as a person reads them, and as JSON."""
+"""Findings of the lints as text and as JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Read-modify-writes of registers whose flags are cleared by writing 1, and the flags that they cleared unmeant.
+"""Read-modify-writes of registers whose flags are cleared by writing 1, and flags cleared unintentionally.
 
 i2c.I2CSTR.SCD = 1   read, SCD put in, written back: whatever else was read as 1 is cleared as well
 """
@@ -18,7 +18,7 @@ from .run import Group, Rows, Run, among
 
 @dataclass(frozen=True)
 class LostFlag:
-    """What happened to one flag in the read-modify-writes of one place. first: tick of the first loss, or None.
+    """One flag in the read-modify-writes of one place. first: tick of the first loss, or None.
 
     rose: between read and write. lost_between: of these, cleared by that write. along: set when it was read, and
     cleared by the write though another flag was meant. unseen: of these, never looked at by the firmware since they
@@ -57,7 +57,7 @@ class ReadModifyWrite:
 
 
 def modifies(run: Run, group: Group) -> list[ReadModifyWrite]:
-    """Of a group of writes, place by place; none where no field is cleared by writing 1."""
+    """Return the read-modify-writes of a group by place; none if writing 1 clears no field of the register."""
     fields = one_clears(group.register)
     if not fields or group.way != "W":
         return []
@@ -70,7 +70,7 @@ def modifies(run: Run, group: Group) -> list[ReadModifyWrite]:
 
 
 def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...]:
-    """Of several groups, those that lost most first."""
+    """Return the read-modify-writes of several groups, those that lost most first."""
     found = [modify for group in groups for modify in modifies(run, group)]
     return tuple(sorted(found, key=lambda modify: -modify.lost))
 

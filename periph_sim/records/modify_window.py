@@ -1,4 +1,4 @@
-"""How far a write may be behind its read for both to be of one statement; in a recording, and while a run goes on."""
+"""Largest distance between the read and the write of one statement, in a recording and during a run."""
 
 MODIFY = 4  # cycles: most between read and write of one read-modify-write
-OVERTAKEN = 3  # accesses: the write is among so many behind its read
+OVERTAKEN = 3  # accesses: the write is among so many after its read

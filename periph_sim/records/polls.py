@@ -1,7 +1,7 @@
-"""The polls of a wait that were skipped, put back: recorded passes go in, the polls beside a change come out.
+"""Reconstruction of skipped polls: recorded passes of a wait go in; the polls beside a change come out.
 
-A wait that is skipped leaves its first and last passes in a recording. Its passes are equally long, so the polls
-between lie on a grid that the passes before the gap set; a gap whose last read is on the grid is proven to be one.
+A skipped wait leaves its first and last passes in a recording. Its passes are equally long, so the polls between are on
+a grid that the passes before the gap define. If the last read after the gap is on the grid, the gap is a skipped wait.
 
     first pass, . . . . . . [change] . , last pass
                         ^before    ^after
@@ -22,9 +22,9 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # cycles of a pass of a polling loop
 MOST_READS = 3  # of one register in a pass
-# So many must agree on the length of a pass before it is believed: with one read a pass hardly a gap may be another.
+# Share of passes that must agree on the length of a pass: with one read in a pass, nearly all of them.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
-FEW_GAPS = 3  # from so many gaps on their greatest common divisor is taken for the length of a pass
+FEW_GAPS = 3  # from this number on, the gaps' greatest common divisor is taken as the length of a pass
 
 
 class Polls(NamedTuple):
@@ -39,8 +39,10 @@ class Polls(NamedTuple):
 
 
 class _Grid:
-    """What passes are counted on: a unit's cycles where its clock is known, since a cycle need not be whole ticks; else
-    ticks. cycle: how much of it a cycle is."""
+    """The time base of passes: a unit's cycles if its clock is known, since they need not be whole ticks; else ticks.
+
+    cycle: the length of a cycle in this base.
+    """
 
     def __init__(self, run: Run, unit: str) -> None:
         self._clock = run.clock(unit) if run.tells_clocks else None
@@ -50,7 +52,7 @@ class _Grid:
         return ticks if self._clock is None else self._clock.numbers(ticks)
 
     def ticks(self, places: Rows) -> Rows:
-        """Back from places; -1 stays -1."""
+        """Convert places to ticks; -1 stays -1."""
         if self._clock is None:
             return places
         return np.array([place if place < 0 else self._clock.tick(place) for place in places.tolist()], np.int64)
@@ -102,7 +104,7 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
 
 
 def _period(cycle: Fraction, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: int, longest: int) -> int:
-    """How long a pass with so many reads is at this place; 0 where the recording does not show it."""
+    """Return the length of a pass of `in_pass` reads at this place; 0 if the recording does not show it."""
     whole = _within(waits, in_pass)
     lengths = (ticks - _shifted(ticks, in_pass))[whole]
     short = lengths[(lengths > 0) & (lengths <= longest)]
@@ -118,12 +120,12 @@ def _period(cycle: Fraction, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: in
 
 
 def _shifted(column: NDArray[Number], back: int) -> NDArray[Number]:
-    """What the column has of the read so many reads before; of the first read where there is none."""
+    """Return the column shifted by `back` reads; the first value is repeated."""
     return column if not back else np.concatenate([column[:1].repeat(min(back, len(column))), column[:-back]])
 
 
 def _within(waits: NDBool, back: int) -> NDBool:
-    """Whether the read so many before is of the same wait."""
+    """Return True for each read whose `back` predecessors belong to the same wait."""
     found = np.ones(len(waits), bool)
     for step in range(1, back + 1):
         found &= np.concatenate([np.zeros(min(step, len(waits)), bool), waits[:-step]])

@@ -1,4 +1,4 @@
-"""How near the firmware's reads of status registers came to the changes of what they looked at, place by place.
+"""Distances between the firmware's reads of status registers and the changes of what they read, by place.
 
 reads, polls put back --> distance to the nearest change, in cycles --> closest, histogram by decades
 read-modify-writes    --> flags that rose in between, flags cleared unmeant
@@ -68,17 +68,17 @@ class Races:
 
     @property
     def closest(self) -> int | None:
-        """The fewest cycles between any read and a change; None where there was none."""
+        """The fewest cycles between any read and a change; None if there was none."""
         return min((place.closest for place in self.places if place.closest is not None), default=None)
 
     @property
     def lost(self) -> int:
-        """Flags that read-modify-writes cleared without meaning them, and that the firmware cannot have seen."""
+        """Number of flags that read-modify-writes cleared unintentionally and that the firmware cannot have read."""
         return sum(modify.lost for modify in self.modifies)
 
     @property
     def along(self) -> int:
-        """Flags that read-modify-writes cleared without meaning them, seen or not."""
+        """Number of flags that read-modify-writes cleared unintentionally, read or not."""
         return sum(flag.along for modify in self.modifies for flag in modify.flags)
 
 
@@ -238,7 +238,7 @@ def _of_reads(run: Run, reads: Rows, changes: Rows) -> tuple[_Side, _Side]:
 
 
 def _of_polls(run: Run, polls: Polls, ticks: Rows) -> _Side:
-    """Those of the polls put back that are beside a change."""
+    """Return the reconstructed polls that are beside a change."""
     there = ticks >= 0
     changes, at = polls.changes[there], ticks[there]
     return _Side(at, np.abs(run.table.tick[changes] - at), changes)

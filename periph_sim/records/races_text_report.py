@@ -1,4 +1,4 @@
-"""A flag-race report as a person reads it, and as JSON."""
+"""A flag-race report as text and as JSON."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def as_json(races: Races) -> dict[str, object]:
 
 
 def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
-    """A row for the closest read before a change, and one for the closest after one; names stand in the first."""
+    """Return a row for the closest read before a change and one for the closest after one; names are in the first."""
     found = [("before", place.before), ("after", place.after)]
     rows = [
         (side, *(("-", "", "") if miss is None else (str(miss.cycles), miss.field, races.run.at(miss.tick))))
@@ -94,7 +94,7 @@ def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
 
 
 def _counts(races: Races, place: PlaceRaces) -> tuple[str, ...]:
-    at = parsed(place.place)  # an image's: the line stands in the table above
+    at = parsed(place.place)  # an image's: its line is in the table above
     short = place.place if at is None else f"{at.function} {at.pc:#08x}"
     return (_name(races, place), short, str(place.reads), str(place.polls), *map(str, place.histogram))
 

@@ -1,4 +1,4 @@
-"""Read-modify-writes: the accesses of a run go in, which read and which write are of one statement comes out.
+"""Read-modify-writes: the accesses of a run go in; pairs of a read and a write of one statement come out.
 
     i2c.I2CSTR.SCD = 1     R I2CSTR, W I2CSTR: one place, one routine, one field, a few cycles apart
 
@@ -29,7 +29,7 @@ class Pairs(NamedTuple):
         return int(self.reads[place]) if place < len(self.writes) and self.writes[place] == write else None
 
     def has_read(self, read: int) -> bool:
-        """Whether a read was made for a write, and not to be looked at."""
+        """Return True if a read was made for a write and not for its value."""
         place = int(np.searchsorted(self.in_order, read))
         return place < len(self.in_order) and bool(self.in_order[place] == read)
 
@@ -68,13 +68,13 @@ def _found(run: Run, unit: str) -> Rows:
 
 
 def _statements(run: Run) -> Rows:
-    """Of each place a number for its statement."""
+    """Return a number for the statement of each place."""
     numbers: dict[str, int] = {}
     return np.array([numbers.setdefault(statement(place), len(numbers)) for place in run.table.names["text"]], np.int64)
 
 
 def _split(names: tuple[str, ...]) -> tuple[np.ndarray[tuple[int], np.dtype[np.bool_]], Rows]:
-    """Of each name of an access whether it is a read, and a number for its register."""
+    """Return, for each name of an access, True if it is a read, and a number for its register."""
     numbers: dict[str, int] = {}
     registers = [numbers.setdefault(name[2:], len(numbers)) for name in names]
     return np.array([name.startswith("R ") for name in names], bool), np.array(registers, np.int64)

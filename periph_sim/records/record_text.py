@@ -1,4 +1,4 @@
-"""Records in words: a record goes in, what happened as a phrase comes out. Here it is known how values are packed.
+"""Records as text: a record goes in; a phrase comes out. The packing of values is defined here.
 
 BUS address 0x1A1   "controller: 0x68 W NACK (gyroscope)"
 BUS byte 0x22       "controller: 0x11 ACK (gyroscope)"
@@ -32,7 +32,7 @@ class BusByte(NamedTuple):
 
 
 def bus_byte(record: Record) -> BusByte | None:
-    """What a BUS record of an address or a byte carries; None for START, STOP and the like, which carry nothing."""
+    """Return the byte of a BUS record; None for START, STOP and the like, which carry none."""
     value, acked = record.value >> 1, not record.value & 1
     if record.what == "address":
         return BusByte(value >> 1, acked, bool(value & 1))
@@ -40,7 +40,7 @@ def bus_byte(record: Record) -> BusByte | None:
 
 
 def on_the_bus(record: Record) -> str:
-    """A BUS or FRAME record without who and what for: "START", "0x68 R ACK", "0x55"; "frame" as one begins."""
+    """Return a BUS or FRAME record without its party and purpose: "START", "0x68 R ACK", "0x55", "frame"."""
     if record.kind is Kind.FRAME:
         return (
             "frame" if record.what == "begin" else record.what if record.what in PAIR_PARTS else f"0x{record.value:02X}"
@@ -50,7 +50,7 @@ def on_the_bus(record: Record) -> str:
 
 
 def happened(record: Record) -> str:
-    """What a record says, without unit, time and place in the firmware: "I2C-A.I2CSTR.SDIR set"."""
+    """Return a record as text without unit, time and place in the firmware: "I2C-A.I2CSTR.SDIR set"."""
     return _SAID[record.kind](record)
 
 
@@ -69,7 +69,7 @@ def happened_where(record: Record) -> str:
 
 
 def number(value: int) -> str:
-    """A field's value: up to 9 in decimals, others in hexadecimals."""
+    """Return a field's value as text: up to 9 in decimal, else in hexadecimal."""
     return str(value) if 0 <= value < 10 else f"{value:#x}"
 
 

@@ -1,4 +1,4 @@
-"""Which accesses a question is about: a run and a register's name go in, the groups of its accesses come out.
+"""Accesses that a question is about: a run and a register's name go in; the groups of its accesses come out.
 
 "I2C-A.I2CSTR", "dsp.I2C-A.I2CSTR.XRDY", None for every status register --> groups, each with the field named
 """

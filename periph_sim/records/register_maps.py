@@ -1,4 +1,4 @@
-"""Which register map a module of a recording has: a module's name goes in, its registers come out."""
+"""Register maps of recorded modules: a module's name goes in; its registers come out."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def registers_of(module: str) -> RegisterMap | None:
 
 
 def register_of(module: str, name: str) -> Register | None:
-    """A register by its name; None where it is not known."""
+    """Return a register by its name; None if it is not known."""
     registers = registers_of(module)
     return registers[name] if registers is not None and name in registers else None
 
@@ -31,10 +31,10 @@ def yields_data(name: str) -> bool:
 
 
 def is_status(register: Register) -> bool:
-    """Whether hardware changes one of its single bits by itself: a flag that firmware looks at."""
+    """Return True if hardware changes one of its single bits by itself: a flag that firmware reads."""
     return any(f.msb == f.lsb and (f.cpu is Cpu.R or f.on_write is OnWrite.ONE_CLEARS) for f in register.fields)
 
 
 def one_clears(register: Register) -> tuple[Field, ...]:
-    """The fields that writing 1 clears."""
+    """Return the fields that writing 1 clears."""
     return tuple(f for f in register.fields if f.on_write is OnWrite.ONE_CLEARS)

@@ -1,4 +1,4 @@
-"""A recorded run with the few looks that questions about it need, each a search in sorted arrays.
+"""A recorded run with the queries that questions need, each a search in sorted arrays.
 
 RecordTable --> Run: rows of a field, its value at a tick, accesses with place and register, cycles, times
 """
@@ -34,7 +34,7 @@ SYSCLK_HZ = 150_000_000  # of an F28335 at full speed
 
 
 def among(these: Rows, rows: Rows) -> NDArray[np.bool_]:
-    """Which of these are among the rows. A run has few writes of a kind: np.isin takes five times as long for them."""
+    """Return True for each of these that is among the rows. np.isin is five times slower for few rows."""
     if not len(rows):
         return np.zeros(len(these), bool)
     rows = np.sort(rows)
@@ -58,7 +58,7 @@ class Group(NamedTuple):
 
 @dataclass(frozen=True)
 class Cycles:
-    """How long a SYSCLKOUT cycle is. ticks: of one cycle. how: where that is known from."""
+    """Length of a SYSCLKOUT cycle. ticks: of one cycle. how: the source of this figure."""
 
     ticks: Fraction
     how: str
@@ -117,7 +117,7 @@ class Run:
         return self._rows[key]
 
     def remembered(self, name: str, make: Callable[[], Rows]) -> Rows:
-        """What `make` gives, made once."""
+        """Return the result of `make`, which is called once for each name."""
         if name not in self._remembered:
             self._remembered[name] = make()
         return self._remembered[name]
@@ -171,7 +171,7 @@ class Run:
         return self.last(self.changes(unit, module, register, f), int(self.table.tick[row]), row)
 
     def values(self, unit: str, module: str, register: Register, f: Field, rows: Rows) -> Rows:
-        """What a field held just above each of these rows."""
+        """Return the value of a field just before each of these rows."""
         changes = self.changes(unit, module, register, f)
         before = np.searchsorted(changes, rows) - 1
         held = np.append(self.table.value[changes], f.reset)  # place -1: what reset leaves
@@ -241,7 +241,7 @@ class Run:
         return self.rows(Kind.ACCESS, unit, f"{way} {module}.{register}")
 
     def looking_at(self, reads: Rows, f: Field) -> Rows:
-        """Those of these reads that looked at a field: that named it, or the whole register."""
+        """Return those of these reads that named a field or the whole register."""
         about = np.array([name in ("", f.name) for name in self.table.names["field"]], bool)
         found: Rows = reads[about[self.table.columns["field"][reads]]]
         return found
@@ -262,12 +262,12 @@ class Run:
 
     @property
     def tells_clocks(self) -> bool:
-        """Each unit's clock is known exactly, as the file tells it."""
+        """True if the file holds each unit's clock exactly."""
         return self._sysclk is None and bool(self.table.clocks)
 
     @property
     def counts_alike(self) -> bool:
-        """All units have the same clock, as far as is known."""
+        """True if all units have the same clock, as far as is known."""
         return self._sysclk is not None or len(set(self._clocks.values())) <= 1
 
     @cached_property
@@ -299,7 +299,7 @@ class Run:
 
     @cached_property
     def _clocks(self) -> dict[str, ClockHistory]:
-        """Of each unit; none where the recording does not tell, and does not show how its only unit set it up."""
+        """Return each unit's clock history; none if the recording neither holds it nor shows how its unit set it."""
         if self.table.clocks:
             return {unit: ClockHistory.told(self.per_second, clock) for unit, clock in self.table.clocks.items()}
         if len(self.table.modules) != 1:

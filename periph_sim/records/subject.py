@@ -1,4 +1,4 @@
-"""What a question is about: "I2CA.I2CSTR.XRDY@12.345ms" goes in, a subject and a tick come out.
+"""The subject of a question: "I2CA.I2CSTR.XRDY@12.345ms" goes in; a subject and a tick come out.
 
 Units may be left out where only one has the thing; hyphens and case do not matter.
 """
@@ -115,7 +115,7 @@ def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
 
 
 def _last_digit(text: str) -> Fraction:
-    """What the last digit of a time counts, in seconds: 1e-10 in "26730.2667us"."""
+    """Return the unit of a time's last digit in seconds: 1e-10 for "26730.2667us"."""
     number = text.strip()[: len(text.strip()) - len(text.strip().lstrip("0123456789._"))]
     zeros = re.sub(r"\d", "0", number)
     return seconds(f"{zeros[:-1]}1{text.strip()[len(number) :]}") if zeros[-1:] == "0" else Fraction(1)

@@ -1,1 +1,1 @@
-"""Why a field, wire, span or interrupt stood as it did: the walk back from a record to its causes."""
+"""Causes of the value of a field, wire, span or interrupt: the walk back from a record."""

@@ -1,9 +1,8 @@
-"""From a record back to what made it: a row goes in, the row of its cause comes out, and how that is known.
+"""Walk from a record back to its causes: a row goes in; the row of its cause comes out, and how that is known.
 
-A recording names the causes of what chips do: the access or edge that changed a flag or moved a pin, at once or behind
-filters and bit clocks, where it is the last that had come through. What a party on the wire meant by an edge, which
-request stands behind an interrupt and what the firmware saw before it wrote is taken from the order of the records, and
-said to be inferred.
+A recording names the causes of what chips do: the access or edge that changed a flag or moved a pin. After filters and
+bit clocks it is the last one that had come through. Three causes are inferred from the order of the records, and marked
+so: what a party did on the wire before an edge, the request for an interrupt, and what firmware read before it wrote.
 """
 
 from __future__ import annotations
@@ -26,10 +25,10 @@ ROUND_A_GATE = 16  # cycles: most between a module's request and the PIE's flag
 
 @dataclass(frozen=True)
 class Step:
-    """One record of the walk. known: RECORDED, INFERRED, or "" for the record that was asked about.
+    """One record of the walk. known: RECORDED, INFERRED, or "" for the record in question.
 
-    of: the row of the record that it is told as a cause of; -1 of the one that was asked about. aside: the walk does
-    not go on from it.
+    of: the row of the record that it is a cause of; -1 for the record in question. aside: the walk does not continue
+    from it.
     """
 
     row: int
@@ -41,7 +40,7 @@ class Step:
 
 
 def walk_back(run: Run, row: int, depth: int) -> Iterator[Step]:
-    """The record itself, then its causes, at most `depth` of them, and what stands beside a cause."""
+    """Yield the record itself, then at most `depth` causes, each after the links beside it."""
     step = Step(row, run.record(row), "")
     yield step
     flag: Record | None = None
@@ -79,7 +78,7 @@ def _step(run: Run, row: int, link: Link) -> Step:
 
 
 def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> list[Link]:
-    """What a record came of: its cause last, if anybody knows it, and before that what stands beside it.
+    """Return the causes of a record: the main one last, if it is known, and before it the links beside it.
 
     flag: the change of a field that the walk came from.
     """
@@ -96,7 +95,7 @@ def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> li
 
 
 def _recorded(run: Run, record: Record) -> list[Link]:
-    """The cause that the record itself names."""
+    """Return the cause that the record names."""
     found = run.row_of(record.cause)
     if found is None:
         return []
@@ -107,7 +106,7 @@ def _recorded(run: Run, record: Record) -> list[Link]:
 
 
 def _request(run: Run, row: int, record: Record) -> list[Link]:
-    """Of a PIE's flag: the field of the module that asked for the interrupt last before, within a few cycles."""
+    """Return the request for a flag of the PIE: the field of the module that requested last, within a few cycles."""
     unit, _, owner = record.where.rpartition(".")
     register, _, line = record.what.partition(".")
     if owner != "PIE" or not register.startswith("PIEIFR") or not record.value:
@@ -124,11 +123,11 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
     found = max((one for one in asked if one is not None), default=None)
     if found is None or run.clock(unit).cycles(int(run.table.tick[found]), record.tick) > ROUND_A_GATE:
         return []
-    return [Link(found, INFERRED, "the request behind it")]
+    return [Link(found, INFERRED, "the request that set it")]
 
 
 def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
-    """The PIE's flag of an interrupt, and the service routines that it had to wait for; of its end, its begin."""
+    """Return the PIE's flag of an interrupt and the service routines that delayed it; for its end, its begin."""
     if not record.value:
         return _recorded(run, record)
     if record.what not in LINES:
@@ -143,7 +142,7 @@ def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
 
 
 def _of_party(run: Run, row: int, record: Record) -> list[Link]:
-    """What the party on the wire that pulled it, or let it go, did last."""
+    """Return the last action of the party that pulled or released the wire."""
     party = mover(run, row, record)
     rows = np.sort(np.concatenate([run.rows(kind, party) for kind in (Kind.BUS, Kind.FRAME)]))
     found = run.last(rows, record.tick, row)

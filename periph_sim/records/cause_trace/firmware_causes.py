@@ -1,14 +1,14 @@
-"""What an access of the firmware came of: the row of an access goes in, links to what made it come out.
+"""Causes of accesses of the firmware: the row of an access goes in; links to its causes come out.
 
     write --> the look before it, in the same routine, that saw the newest change
               beside it: the read of its own read-modify-write, the flag that it handed back; later looks
-          --> where it looked at nothing: the entry of its service routine
-    read  --> the last change, before it, of the fields that it looked at
-          --> where there was none: the entry of its service routine
+          --> without a look: the entry of its service routine
+    read  --> the last change before it of the fields that it looked at
+          --> without a change: the entry of its service routine
 
-A look is a read that is not of a read-modify-write. Beside each link stand the service routines that ended in between:
-they held the firmware up. Nobody but the author of the firmware knows what an access came of; all of this is taken from
-the order of the records.
+A look is a read that does not belong to a read-modify-write. Beside each link are the service routines that ended in
+between, which delayed the firmware. Only the author of the firmware knows why it made an access; all of this is
+inferred from the order of the records.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ from ..run import Rows, Run
 
 RECORDED, INFERRED = "recorded", "inferred"
 MOST_LOOKS = 8  # at different places or fields
-MOST_ACCESSES = 10_000  # of a routine that are searched for them before a write
-MOST_ROUTINES = 3  # shown of those that held the firmware up: the longest
+MOST_ACCESSES = 10_000  # searched for looks before a write, within its routine
+MOST_ROUTINES = 3  # number of shown routines that delayed the firmware: the longest ones
 SEEN = "the last change of what it looked at"
 
 
 class Link(NamedTuple):
-    """A row that has to do with another one. known: RECORDED or INFERRED. because: in what way.
+    """A row that is related to another one. known: RECORDED or INFERRED. because: the relation.
 
-    aside: it is told beside the cause. of: the row that it has to do with, if that is not the one asked about.
+    aside: it is shown beside the cause. of: the row that it is related to, if that is not the one in question.
     """
 
     row: int
@@ -44,7 +44,7 @@ class Link(NamedTuple):
 
 
 def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Links from an access, its cause last; no cause at the begin of a program, or where it looked at nothing.
+    """Return links from an access, its cause last. It has no cause at the begin of a program or without a look.
 
     flag: the change of a field that the walk came from.
     """
@@ -72,7 +72,7 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
 
 
 def looks_before(run: Run, row: int, record: Record) -> list[int]:
-    """The last looks of the same routine before a write, however long before; the last one of each place and field."""
+    """Return the last look of each place and field in the same routine before a write."""
     of_writes = read_modify_writes(run, record.where)
     found: dict[tuple[str, str, str], int] = {}
     for earlier in accesses_before(run, row, record)[-MOST_ACCESSES:][::-1].tolist():
@@ -85,14 +85,14 @@ def looks_before(run: Run, row: int, record: Record) -> list[int]:
 
 
 def accesses_before(run: Run, row: int, record: Record) -> Rows:
-    """The accesses of the routine of an access before it."""
+    """Return the accesses of the same routine before an access."""
     routine = run.routine(record.where, record.cause)
     before: Rows = routine[: np.searchsorted(routine, row)]
     return before
 
 
 def _beside(run: Run, look: int) -> list[Link]:
-    """A later look than the one that the walk goes on with: what it saw, and what held it up."""
+    """Return links of a later look than the one that the walk continues with: what it saw and what delayed it."""
     record = run.record(look)
     changed = change_seen(run, look, record)
     links = [Link(look, INFERRED, "looked at as well", aside=True)]
@@ -103,7 +103,7 @@ def _beside(run: Run, look: int) -> list[Link]:
 
 
 def change_seen(run: Run, row: int, record: Record) -> int | None:
-    """The last change before a read of the fields that it looked at: of all of the register where it named none."""
+    """Return the last change, before a read, of the fields that it named; of the whole register if it named none."""
     module, register, fields = looked_at(record)
     if register is None:
         return None
@@ -112,7 +112,7 @@ def change_seen(run: Run, row: int, record: Record) -> int | None:
 
 
 def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
-    """Module, register and fields that an access is about; no register where none of that name is known."""
+    """Return module, register and fields of an access; None for the register if its name is not known."""
     module, _, name = record.what[2:].partition(".")
     register = register_of(module, name)
     if register is None:
@@ -121,8 +121,10 @@ def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
 
 
 def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
-    """The ends of service routines that interrupted the routine of an access, or of an entry, between two rows; the
-    last one first."""
+    """Return the ends of service routines that interrupted the routine of an access, or of an entry, between two rows.
+
+    The last one is first.
+    """
     table = run.table
     ends, entries = run.service(record.where, record.cause, after, before)
     begins = table.tick[entries]
@@ -140,8 +142,7 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
 
 
 def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """The read of a write's own read-modify-write; and the change of the flag that this read saw and the write gave
-    back."""
+    """Return the read of a write's read-modify-write, and the change of the flag that the write handed back."""
     read = read_modify_writes(run, record.where).read_of(row)
     if read is None:
         return []
@@ -157,7 +158,7 @@ def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[L
 
 
 def handed_back(write: Record, read: int, flag: Record) -> Field | None:
-    """The field of a flag's change, if the write that made it only gave back what its own read had seen."""
+    """Return the field of a flag's change, if the write that made it only handed back what its read had seen."""
     module, register, _ = looked_at(write)
     name, _, field = flag.what.partition(".")
     ours = flag.where == f"{write.where}.{module}" and register is not None and register.name == name

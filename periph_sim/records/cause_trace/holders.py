@@ -1,4 +1,4 @@
-"""Who pulls a wire low: an edge, or a record of other holders, goes in; parties, and links to what they did, come out.
+"""Parties that pull a wire low: an edge, or a record of other holders, goes in; parties and links to them come out.
 
 EDGE fell "controller"   HOLD "controller, dsp.SCLA"   HOLD "dsp.SCLA"   EDGE rose
 pulled it low first      joined in                     holds it alone
@@ -14,13 +14,13 @@ from .firmware_causes import RECORDED, Link
 
 
 def holders(run: Run, row: int, record: Record) -> tuple[str, ...]:
-    """Who pulls the wire low from this record on; of a rising edge, who did up to it."""
+    """Return the parties that pull the wire low after this record; for a rising edge, those that did before it."""
     before = _before(run, row, record)
     return _named(record.text) if not record.value else () if before is None else _named(before.text)
 
 
 def mover(run: Run, row: int, record: Record) -> str:
-    """Who pulled the wire, or let it go, with this record; "" where nobody is known."""
+    """Return the party that pulled or released the wire with this record; "" if it is not known."""
     earlier = _before(run, row, record)
     now, before = _named(record.text), () if earlier is None else _named(earlier.text)
     moved = [who for who in now if who not in before] or [who for who in before if who not in now]
@@ -28,7 +28,7 @@ def mover(run: Run, row: int, record: Record) -> str:
 
 
 def wire_rows(run: Run, wire: str) -> Rows:
-    """All that a wire did: its edges, and the changes of who holds it low, in order."""
+    """Return the rows of a wire in order: its edges and the changes of its holders."""
 
     def both() -> Rows:
         return np.sort(np.concatenate([run.rows(kind, wire) for kind in (Kind.EDGE, Kind.HOLD)]))
@@ -37,9 +37,9 @@ def wire_rows(run: Run, wire: str) -> Rows:
 
 
 def causes_of_hold(run: Run, row: int, record: Record) -> list[Link]:
-    """Of a line that stays low since somebody let go: since when its holders have held it.
+    """Return a link to the record since which the present holders have held a line that others released.
 
-    None where a party joined in with this record: its cause is that of the joining.
+    Empty if a party began to hold it with this record, which then has the cause of that.
     """
     ours = set(_named(record.text))
     joined = row

@@ -1,4 +1,4 @@
-"""An answer to "why" as a person reads it, and as JSON; floats appear here and nowhere before."""
+"""An answer to "why" as text and as JSON; only here are there floats."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SKIPPED = (
 
 
 def text(answer: Answer) -> str:
-    """What it was and since when, its meaning, the causes back, and forward who read it and when it changed."""
+    """Return the value and its begin, its meaning, its causes, and later reads and changes, as text."""
     run, subject = answer.run, answer.subject
     lines = [f"{subject.name} at {run.at(answer.tick)}: {_value(answer)}", *_meaning(answer), "", "back:"]
     if not answer.back:

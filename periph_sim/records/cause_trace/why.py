@@ -1,4 +1,4 @@
-r"""Why a field, wire, span or interrupt stood as it did at an instant: what it came from, and what came of it.
+r"""Causes and effects of the value that a field, wire, span or interrupt has at an instant.
 
 question --> value, the record that gave it --> causes back
                                           \--> next reads, effects and change forward
@@ -19,17 +19,20 @@ from .firmware_causes import RECORDED
 from .holders import holders, wire_rows
 
 DEPTH = 8  # causes walked back
-EFFECTS = 5  # shown of those that a record set off
+EFFECTS = 5  # number of shown effects of a record
 AS_RESET = "as reset left it"
 
 
 @dataclass(frozen=True)
 class Answer:
-    """value: None where nothing is known, as of a wire before its first edge. since: the tick from which on it had the
-    value; 0 where it never changed before. back: the record that gave the value, then its causes; of a low wire
-    first the record from which on nobody else has held it. pulled_by, held_by: of such a wire, who pulled it low, and
-    who holds it now. reads: how many recorded reads looked at the field before the next change. ends: why `back`
-    goes no further."""
+    """The answer to a question.
+
+    value: None if it is not known, as for a wire before its first edge. since: the tick from which it had the value; 0
+    if it never changed before. back: the record that gave the value, then its causes; for a low wire first the record
+    since which its holders have not changed. pulled_by, held_by: for such a wire, the parties that pulled it low and
+    those that hold it now. reads: number of recorded reads of the field before the next change. ends: the reason why
+    `back` ends.
+    """
 
     run: Run
     subject: RecordedSignal
@@ -47,7 +50,7 @@ class Answer:
 
 
 def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
-    """The answer to "I2C-A.I2CSTR.XRDY@12.345ms". NotInRun for an unknown name or a time outside the run.
+    """Return the answer to "I2C-A.I2CSTR.XRDY@12.345ms". NotInRun for an unknown name or a time outside the run.
 
     run: recorded, or the file of one.
     """
@@ -82,7 +85,7 @@ def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
 
 
 def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> int | None:
-    """The subject's value from `row` on; before its first change what reset left, or a wire was before it moved."""
+    """Return the subject's value from `row` on; before its first change the reset value, or the wire's first level."""
     if row is not None:
         return int(run.table.value[row])
     if subject.field is not None:
@@ -95,7 +98,7 @@ def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> in
 
 
 def _reads(run: Run, subject: RecordedSignal, after: int, until: int | None) -> Rows:
-    """The recorded reads that looked at the field between two of its changes."""
+    """Return the recorded reads of the field between two of its changes."""
     if subject.register is None or subject.field is None:
         return np.empty(0, np.int64)
     rows = run.accesses_of(subject.unit, "R", subject.module, subject.register.name)
@@ -104,7 +107,7 @@ def _reads(run: Run, subject: RecordedSignal, after: int, until: int | None) -> 
 
 
 def _effects(run: Run, row: int | None) -> tuple[Step, ...]:
-    """What names this record as its cause."""
+    """Return the records that name this record as their cause."""
     if row is None:
         return ()
     rows = np.flatnonzero(run.table.cause == run.table.number[row])[:EFFECTS]

@@ -1,4 +1,4 @@
-"""A service routine of a PIE interrupt behind which nobody writes PIEACK: its group never interrupts again."""
+"""A service routine of a PIE interrupt that no write of PIEACK follows: its group never interrupts again."""
 
 from __future__ import annotations
 

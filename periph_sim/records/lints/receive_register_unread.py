@@ -1,4 +1,4 @@
-"""Bytes came in and nobody ever read I2CDRR; the place is the one that saw RRDY = 1 first."""
+"""Bytes came in, but I2CDRR was never read; the place is the one that saw RRDY = 1 first."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
 
 
 def _of_loops(run: Run, unit: str, bound: int) -> Iterator[Fault]:
-    """Faults of loops whose passes make several reads, each one told at its first."""
+    """Yield the faults of loops whose passes make several reads, each at its first read."""
     table = run.table
     rows, following = run.in_order(unit)
     what = table.columns["what"][rows]
@@ -92,7 +92,7 @@ def _of_loops(run: Run, unit: str, bound: int) -> Iterator[Fault]:
 
 
 def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> Iterator[tuple[int, int]]:
-    """First and last row of each stretch of passes of so many reads, two passes at least, that have no shorter one."""
+    """Return the first and last row of each stretch of at least two passes of `reads` reads without a shorter pass."""
     if len(ids) < 2 * reads:
         return
     again = np.append(np.zeros(reads, bool), (ids[reads:] == ids[:-reads]) & is_look[reads:])
@@ -107,7 +107,7 @@ def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> 
 
 
 def _parts(reads: int) -> list[int]:
-    """Lengths of shorter passes that one of so many reads may consist of."""
+    """Return the lengths of the shorter passes that a pass of `reads` reads may consist of."""
     return [part for part in range(1, reads) if reads % part == 0]
 
 

@@ -57,7 +57,7 @@ def _slave(run: Run, group: Group) -> np.ndarray[tuple[int], np.dtype[np.bool_]]
 
 
 def _master_before(run: Run, group: Group, until: Rows) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Whether the module becomes master after each of these writes, and before a row beside it."""
+    """Return True for each write after which the module becomes master before the row beside it."""
     changes = run.changes(group.unit, group.module, I2CMDR, MST)
     rises = changes[run.table.value[changes] == 1]
     return np.searchsorted(rises, until) > np.searchsorted(rises, group.rows)

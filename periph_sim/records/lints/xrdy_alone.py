@@ -1,4 +1,4 @@
-"""A slave that takes XRDY = 1 for a master's wish to read: it loads I2CDXR though nobody reads from it.
+"""A slave that takes XRDY = 1 for a read request: it loads I2CDXR though no master reads from it.
 
 XRDY is 1 in idle, so SDIR or AAS has to be looked at too. Judged by what follows: the last look at XRDY before a write
 of I2CDXR showed XRDY = 1 and SDIR = 0, and SDIR was 0 still, as slave and not in FIFO mode. Firmware that had seen
@@ -66,6 +66,6 @@ def _wiped_by(run: Run, group: Group) -> Rows:
 
 
 def _held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:
-    """Whether a field was 1 at each of these accesses."""
+    """Return True for each access at which a field was 1."""
     held: NDArray[np.bool_] = run.values(group.unit, group.module, register, register[name], group.rows) == 1
     return held

@@ -5,7 +5,7 @@ One file of this folder is one format. It defines
     SUFFIX                                    the end of its file names
     MODE                                      "w" for text, "wb" for bytes
     KINDS                                     the kinds of records it wants
-    open_writer(file, timebase, modules)      what is told each record, and the last tick at the end
+    open_writer(file, timebase, modules)      a writer that gets each record, and the last tick at the end
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Writer(Protocol):
 
 @runtime_checkable
 class KeepingWriter(Writer, Protocol):
-    """One that needs no Record of what it writes."""
+    """A writer that needs no Record objects."""
 
     @property
     def keeper(self) -> Keeper: ...
@@ -42,7 +42,7 @@ class KeepingWriter(Writer, Protocol):
 
 @runtime_checkable
 class WriterOfClocks(Writer, Protocol):
-    """One that tells each unit's SYSCLKOUT, too."""
+    """A writer that stores each unit's SYSCLKOUT, too."""
 
     clocks: Clocks
 
@@ -82,7 +82,7 @@ def format_of(path: Path) -> RecordingFormat | None:
 
 @contextmanager
 def recording(path: Path, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple[Subscribe, EndedAt]]:
-    """Gives two functions: one that a scene calls to be recorded, one to be told the last tick, and the units' clocks.
+    """Yield two functions: one for a scene to subscribe with, and one to call with the last tick and the units' clocks.
 
     modules: unit -> its modules. BadRecording when the suffix is unknown or the place
     cannot be written to.
@@ -104,7 +104,7 @@ def recording(path: Path, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple
 
 
 def rewrite(table: RecordTable, path: Path) -> None:
-    """A run that was recorded, written in another format: the file that recording it so would have made.
+    """Write a recorded run in another format: the file is the same as if it had been recorded in it.
 
     BadRecording when the suffix is unknown, the place cannot be written to, or the ticks are not a run's.
     """

@@ -83,7 +83,7 @@ class PerfettoWriter:
         self._file.write("\n]}\n")
 
     def _transfers(self, now: int) -> None:
-        """What the independent decoder sees on SCL and SDA, with the exact begin and end of each byte."""
+        """Return the bytes that the independent decoder finds on SCL and SDA, with their exact begins and ends."""
         if not {"SCL", "SDA"} <= set(self._edges):
             return
         length = now + 1
@@ -170,7 +170,7 @@ def _byte(byte: i2c.Byte, place: int) -> str:
 
 
 def _channel(index: int, name: str, flat: array[int], length: int) -> Channel:
-    """A wire that was let go before its first edge; flat: tick, level, tick, level."""
+    """Return the levels of a wire, which was released before its first edge; flat: tick, level, tick, level."""
     pairs = np.frombuffer(flat, np.int64).reshape(-1, 2)
     return channel_of(name, index, [0, *pairs[:, 0].tolist()], [1, *pairs[:, 1].tolist()], length)
 

@@ -1,4 +1,4 @@
-"""What the waveform files of a run show, whatever their format: records go in as they happen, named signals come out.
+"""Signals of a run for waveform files of any format: records go in as they happen; named signals come out.
 
     EDGE   wires.SCL                     a wire; the four of the bus and the line, pins, and any other that moves
     FLAG   dsp.I2C_A.I2CSTR              a whole register of an I2C or SCI module
@@ -70,7 +70,7 @@ class Signal:
 
 
 class RunSignals:
-    """The signals of a run. `write` takes its records; `signals`, `capture` give what they come to."""
+    """The signals of a run. `write` takes its records; `signals` and `capture` return the result."""
 
     def __init__(self, timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
         """modules: unit -> its modules, `I2C-A`, `SCI-A`, `pin:MODEL`."""

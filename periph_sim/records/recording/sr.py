@@ -38,12 +38,12 @@ class SrFile:
 
 
 def rate_for(seconds: Fraction) -> Fraction:
-    """Samples a second of a run that takes so long."""
+    """Return the samples per second for a run of this length."""
     return next((rate for rate in RATES if seconds * rate <= MOST_SAMPLES), RATES[-1])
 
 
 def _named_as_wire(channel: Channel) -> Channel:
-    """`SCL` for `wires.SCL`: decoders are told channels by name."""
+    """Return `SCL` for `wires.SCL`: decoders get their channels by name."""
     return replace(channel, name=channel.name.removeprefix("wires."))
 
 

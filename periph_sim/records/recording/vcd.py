@@ -2,10 +2,10 @@
 firmware; see `run_signals`.
 
 Chosen:
-- Bits only, a register as `I2CSTR[15]` to `I2CSTR[0]`: sigrok up to 0.5.2 reads nothing behind a change of a vector,
+- Bits only, a register as `I2CSTR[15]` to `I2CSTR[0]`: sigrok up to 0.5.2 reads nothing after a change of a vector,
   and readers such as vcdvcd find no changes of strings. `.fst` has vectors and texts.
 - Times in nanoseconds, exact where a tick is whole ones, as at 100 MHz, else rounded up: at 150 MHz a tick is 1/3 ns,
-  which no timescale divides, and sigrok makes a sample of each unit of time, so that it does not come to an end with
+  which no timescale divides, and sigrok makes a sample for each unit of time, so it does not finish with
   picoseconds. `.psr` is exact, `.fst` has picoseconds.
 """
 

@@ -58,20 +58,18 @@ class SessionScene(Scene):
     def __init__(self, case: Case, subscribe: Subscribe | None) -> None:
         self.frame_told: list[FrameTold] = []
         super().__init__(case, subscribe)
-        if case.rounds is None:
-            self.on_transfer(self.bus.count_nacked)
         self.others: list[Transfer] = []
         self.bus.rounds.on_other.append(self.others.append)
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """The capture has both, controller and host; and the unit has SCI-A."""
+        """Check nothing: the capture has both, controller and host, and the unit has SCI-A."""
 
     def on_frame(self, told: FrameTold) -> None:
         self.frame_told.append(told)
 
     @property
     def rounds(self) -> int:
-        """How many rounds of the case were on the bus."""
+        """Return the number of rounds of the case that were on the bus."""
         return self.bus.rounds.completed
 
     def tell_frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
@@ -140,7 +138,7 @@ class SessionReplay(I2cReplay):
         return self._session_scene
 
     def _expect(self, transfer: Transfer) -> None:
-        """Where the case does not check against the host, the bytes of a transfer should be the captured ones."""
+        """Take the captured bytes of a transfer for the right ones where the case does not check against the host."""
         captured = next(self._whole, None)
         if captured is not None and not self._session_scene.case.checks_host:
             for phase, was in zip(transfer.phases, captured.phases, strict=False):
@@ -256,7 +254,7 @@ class SessionReplay(I2cReplay):
 
 
 def _bursts(words: list[uart.Frame], pause: Fraction) -> list[list[uart.Frame]]:
-    """Words in frames: a new one begins behind a full one, or where two start bits are further apart than `pause`."""
+    """Split words into frames: a new one begins after a full one, or `pause` after a start bit."""
     found: list[list[uart.Frame]] = []
     last: uart.Frame | None = None
     for word in words:

@@ -212,6 +212,36 @@ def test_a_firmware_that_does_not_return_behind_its_script_fails(tmp_path, then,
     assert found == [("nothing more", "START")] * differs
 
 
+ENDLESS = "while True: script(dsp, settings)"  # edges for ever
+SILENT = "dsp.spin(lambda: False)"
+
+
+def endless(folder: Path, then: str, **options) -> I2cMasterReplay:
+    capture = of_bytes(bytes(wave_of("S A0+ 00+ P").samples), ("SCL", "SDA"), 4_000_000)
+    return I2cMasterReplay(load(endless_case(folder, then)), capture, "SCL", "SDA", **options)
+
+
+def test_firmware_is_waited_for_up_to_the_longest_silence_and_the_most_edges(tmp_path):
+    """Each bound as far as the replay came, and one less."""
+    silent = endless(tmp_path, SILENT, patience=Fraction(50, 1000))
+    silent.run()
+    silent._silence = silent.kernel.now - silent.log.last_edge
+    assert silent._endless() == ""
+    silent._silence -= 1
+    assert "without an edge" in silent._endless()
+    busy = endless(tmp_path, ENDLESS)
+    busy.run()
+    busy._most_edges = busy.log.edge_count
+    assert busy._endless() == ""
+    busy._most_edges -= 1
+    assert "more than twice the edges" in busy._endless()
+
+
+@pytest.mark.parametrize("tolerance", [None, Fraction(0), Fraction(3, 10**6)])
+def test_the_report_has_the_tolerance(tolerance: Fraction | None):
+    assert replay("S A0+ 00+ P", tolerance=tolerance).tolerance_us == (3 if tolerance else 0)
+
+
 def test_a_script_s_longest_pause_is_waited_for():
     """S 50W 00 P, 60 ms of silence, S 50W 01 P, and again, S 50W 02 P: all come, whatever the patience."""
     waves = [wave_of(f"S A0+ {byte:02X}+ P") for byte in range(3)]

@@ -88,6 +88,7 @@ def test_an_answer_that_is_not_ready_when_scl_rises_is_late_by_as_much(tmp_path)
     report = replay(one_read(), "unit.dsp.settings.wait=100", case=slow_case(tmp_path))
     assert report.verdict == "fail" and kinds(report) == ["byte", "timing"]
     assert report.late_worst_us == pytest.approx(closed.stretch_worst_us, abs=0.1), "what it would have stretched"
+    assert report.late_worst_us > 80
     late = report.divergences[1]
     assert late.expected == "SCL rises for byte 1 bit 0" and late.capture_s == pytest.approx(200e-6)
     assert late.replay_s - late.capture_s == pytest.approx(report.late_worst_us * 1e-6)
@@ -109,6 +110,11 @@ def test_a_stretch_that_the_chip_does_not_need_is_told_and_is_no_failure(tmp_pat
     assert 45 < report.stretch_worst_us < 55 and report.captured_stretch_us == 100
     (note,) = [note for note in report.notes if "would not have made" in note]
     assert "would not have made: 1 of 1; at 0.000300 s it has 105.000 us, the chip held SCL for 50." in note
+
+
+def test_a_chip_that_is_not_addressed_is_neither_late_nor_early(tmp_path):
+    report = replay(reads((0x51, 0x33, 0)), case=slow_case(tmp_path), addresses=[0x50])
+    assert (report.late_worst_us, report.stretch_worst_us, report.stretch_total_us) == (0, 0, 0)
 
 
 def test_of_several_late_or_spare_pauses_the_longest_is_named(tmp_path):

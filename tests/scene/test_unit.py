@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -28,3 +31,27 @@ def test_the_answers_of_a_case_are_those_of_its_modules(monkeypatch: pytest.Monk
     assert plan.answers(I2cOptions).bcm_reset.unrecorded() == 0
     assert plan.answers(SciOptions).break_bits.unrecorded() == "9.625"
     assert plan.system.flash_model.unrecorded() == "beside_reads"
+
+
+POLLS = """
+          .include "f28335.inc"
+          .reserve ".stack", 0x400, 0x300
+          .sect ".text", 0x9000
+_c_int00: MOV   @SP,#0x400
+          MOVW  DP,#0x7119 >> 6
+again:    MOV   AL,@0x19
+          TBIT  AL,#2
+          SB    again,NTC
+          ESTOP0
+"""
+
+
+@pytest.mark.parametrize(("start", "after", "us"), [("0 s", "0 s", 1), ("0 s", "0.4 ms", 400), ("1 s", "0.4 ms", 400)])
+def test_a_stub_answers_from_a_time_on_that_is_counted_from_the_start(tmp_path: Path, start: str, after: str, us: int):
+    path = tmp_path / "polls.asm"
+    path.write_text(POLLS)
+    stub = [{"register": "ADC.ADCST", "value": 4, "after": after}]
+    scene = Scene(case(start=start, unit={"dsp": {"image": str(path), "modules": ["TIMER0"], "stub": stub}}))
+    (note,) = [note for note in scene.run(Fraction(1, 1000)).notes if "ESTOP0" in note]
+    ended = re.search(r"at ([0-9.]+) us", note)
+    assert ended and float(ended[1]) == pytest.approx(us, abs=2)

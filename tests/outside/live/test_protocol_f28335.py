@@ -91,6 +91,13 @@ def test_at_the_pace_of_a_clock(tmp_path: Path) -> None:
     assert line.result.sci_bytes == 5
 
 
+def test_bytes_that_wait_are_given_up_as_the_port_is_closed(tmp_path: Path) -> None:
+    with port(tmp_path) as line:
+        line.write(bytes(30))
+        assert (line.in_waiting, line.out_waiting) == (0, 30), "they are the line's"
+    assert line._queue.waits() == 0
+
+
 def test_its_clock_is_as_fast_as_its_pace(tmp_path: Path) -> None:
     with port(tmp_path, "&pace=2") as line:
         before = time.monotonic()
@@ -191,10 +198,11 @@ def test_firmware_that_fails_is_told_to_the_client(tmp_path: Path) -> None:
     line.close()
 
 
+@pytest.mark.timeout(30)  # seconds: one who waits for room that never comes would loop
 @pytest.mark.parametrize("pace", [0, 1000])
 def test_who_writes_more_than_the_line_takes_waits_and_loses_nothing(tmp_path: Path, monkeypatch, pace: int) -> None:
     monkeypatch.setattr(protocol_f28335, "MOST", 20)
-    with port(tmp_path, f"&pace={pace}", write_timeout=None if pace else 2) as line:
+    with port(tmp_path, f"&pace={pace}", write_timeout=None if pace else 0.1) as line:
         assert line.write(bytes(range(100))) == 100
         assert line.out_waiting <= 20
         if not pace:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import socket
+import time
 from collections.abc import Iterator
 from http.client import HTTPConnection
 
@@ -103,6 +104,16 @@ def test_clients_that_leave_or_send_garbage_are_nobody_s_trouble(board: Board, s
             client.sendall(data)
     board.put(told)
     assert asked(served, "/")[0] == 200
+
+
+def test_it_ends_in_a_fraction_of_a_second(board: Board) -> None:
+    times = []
+    for _ in range(5):  # the quickest: other programs may run, too
+        one = Browser(board, 0)
+        begin = time.monotonic()
+        one.close()
+        times.append(time.monotonic() - begin)
+    assert min(times) < 0.5
 
 
 def test_a_port_that_is_taken_is_refused(served: Browser, board: Board) -> None:

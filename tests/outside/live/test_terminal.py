@@ -1,0 +1,74 @@
+"""The terminal on a case with a console of ours: its greeting, the keys, the answers, and why it ended."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from queue import SimpleQueue
+
+import pytest
+
+serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
+
+from serial.tools import miniterm  # noqa: E402
+
+import periph_sim.live  # noqa: E402, F401
+from periph_sim.outside.live.terminal import Terminal  # noqa: E402
+from tests.outside.live.echo import written  # noqa: E402
+
+
+class Console(miniterm.ConsoleBase):  # type: ignore[misc]
+    """Keys that a test presses; what is shown can be waited for."""
+
+    def __init__(self) -> None:
+        self._keys: SimpleQueue[str] = SimpleQueue()
+        self._written = threading.Condition()
+        self._shown = ""
+        self.press, self.getkey = self._keys.put, self._keys.get
+
+    def write(self, text: str) -> None:
+        with self._written:
+            self._shown += text
+            self._written.notify_all()
+
+    def shows(self, text: str) -> bool:
+        """Return True once this text was shown; False if it was not in half a minute."""
+        with self._written:
+            return self._written.wait_for(lambda: text in self._shown, 30)
+
+
+@pytest.fixture
+def console(monkeypatch: pytest.MonkeyPatch) -> Console:
+    one = Console()
+    monkeypatch.setattr(miniterm, "Console", lambda: one)
+    return one
+
+
+def talking(case: Path) -> tuple[Terminal, threading.Thread]:
+    port = serial.serial_for_url(f"f28335://{case}?pace=1", baudrate=115_200, timeout=0.05)
+    terminal = Terminal(port, False, "lf", "default", "UTF-8")
+    talk = threading.Thread(target=terminal.talk, args=("hello",))
+    talk.start()
+    return terminal, talk
+
+
+def test_it_greets_and_shows_what_the_sci_answers(console: Console, tmp_path: Path) -> None:
+    terminal, talk = talking(written(tmp_path))
+    assert console.shows("hello\r\n")
+    console.press("a")
+    assert console.shows("hello\r\nb")
+    console.press("\x1d")
+    talk.join(30)
+    assert not talk.is_alive() and terminal.failed == ""
+    terminal.serial.close()
+
+
+def test_it_keeps_why_the_session_ended_by_itself(console: Console, tmp_path: Path) -> None:
+    case = written(tmp_path)
+    (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
+    terminal, talk = talking(case)
+    assert console.shows("\r\nthe session has ended; press a key\r\n")
+    console.press("a")
+    talk.join(30)
+    assert not talk.is_alive() and "ZeroDivisionError at line 3 of echo_firmware.py" in terminal.failed
+    terminal.serial.close()

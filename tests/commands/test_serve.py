@@ -14,6 +14,7 @@ from types import SimpleNamespace
 import pytest
 
 from periph_sim.commands.serve import _slower
+from tests.commands.conftest import Run
 from tests.outside.live import registers
 from tests.outside.live.echo import written
 
@@ -109,13 +110,12 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
         (("--rfc2217", "0", "--browser", "--pace", "0", "--for", "10 ms"), 0, ""),
     ],
 )
-def test_what_it_refuses(more: tuple[str, ...], status: int, sentence: str, tmp_path: Path) -> None:
+def test_what_it_refuses(more: tuple[str, ...], status: int, sentence: str, tmp_path: Path, periph_sim: Run) -> None:
     taken = tmp_path / "taken"
     taken.touch()
-    served = serve(str(written(tmp_path)), *(part.format(taken=taken) for part in more))
-    _, mistakes = served.communicate(timeout=60)
-    assert served.returncode == status, mistakes
-    assert sentence in mistakes.replace("\n", " ") and "Traceback" not in mistakes
+    came = periph_sim("serve", str(written(tmp_path)), *(part.format(taken=taken) for part in more))
+    assert came.status == status, came.err
+    assert sentence in came.err.replace("\n", " ") and "Traceback" not in came.err
 
 
 def test_the_host_of_a_case_gives_way_with_its_budgets() -> None:

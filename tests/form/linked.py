@@ -7,10 +7,8 @@ new link makes tests/form/test_linked.py fail until it is named here, as a chain
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-from periph_sim.form import PACKAGE
-from periph_sim.form.sources import OBJECT, Class, Sources
+from periph_sim.form.sources import OBJECT
+from tests.form.package import classes
 
 CHAINS = {
     ("core.chip_input", "Input", "following"),
@@ -38,17 +36,11 @@ NO_CHAINS = {
 }
 
 
-def _classes() -> Iterator[Class]:
-    package = Sources(PACKAGE)
-    for module in package.compiled():
-        yield from package[module].classes.values()
-
-
 def links() -> set[tuple[str, str, str]]:
     """Module, class and attribute where an attribute may hold an object that has this attribute, too."""
     return {
         (owner.source.name, owner.name, name)
-        for owner in _classes()
+        for owner in classes()
         for name, kind in owner.attributes.items()
         if kind.kind and (kind.kind in (owner, *owner.bases) or owner in kind.kind.bases)
     }
@@ -57,7 +49,7 @@ def links() -> set[tuple[str, str, str]]:
 def untyped() -> dict[tuple[str, str], str]:
     """An attribute that holds any object, of each class that has one, by module and class."""
     found: dict[tuple[str, str], str] = {}
-    for owner in _classes():
+    for owner in classes():
         if any("__setattr__" in one.defined for one in (owner, *owner.bases)):  # it takes values of registers
             continue
         for name, kind in owner.attributes.items():

@@ -14,8 +14,7 @@ import pytest
 from periph_sim import form
 from periph_sim.form import build
 from periph_sim.form.arrays import CHECK, arrays_of, with_index_checks
-from periph_sim.form.declarations import declarations
-from periph_sim.form.sources import Sources
+from tests.form.package import every_declaration
 
 PXD = """
 cdef class Ring:
@@ -36,15 +35,13 @@ def test_arrays_of_one_name_and_two_lengths_are_refused():
 
 
 def test_every_array_declaration_of_the_package_is_read():
-    package = Sources(form.PACKAGE)
-    texts = [declarations(package[module]) for module in package.compiled()]
-    declared = [line for text in texts for line in text.split("\n")]
-    declared = [
+    lines = [
         line
-        for line in declared
+        for text in every_declaration()
+        for line in text.split("\n")
         if line.startswith("    cdef ") and "]" in line and "(" not in line and "::" not in line
     ]
-    assert len(declared) == sum(bool(arrays_of([line])) for line in declared) > 10
+    assert len(lines) == sum(bool(arrays_of([line])) for line in lines) > 10
 
 
 def test_indices_are_checked_but_for_numbers():

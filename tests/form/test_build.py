@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 from concurrent.futures.process import BrokenProcessPool
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from shutil import copy, which
+from shutil import which
 
 import pytest
 
 from periph_sim import form
 from periph_sim.form import LIBRARY, PACKAGE, build
 
-SMALL = ("core.fifo", "core.time", "core.chip")
 COMPARE = """
 from fractions import Fraction
 from periph_sim.core import time
@@ -191,36 +189,22 @@ def test_a_compiler_that_is_killed_is_told(monkeypatch, capsys):
 
 
 @pytest.mark.long
-@pytest.mark.skipif(find_spec("Cython") is None or which("cc") is None, reason="Cython or a C compiler is missing")
-def test_clocks_convert_the_same_in_both_forms(tmp_path: Path):
+@pytest.mark.skipif(not form.usable(PACKAGE, form.BUILT)[0], reason="no core compiled of these sources: make core")
+def test_clocks_convert_the_same_in_both_forms():
     """Compiled integers end at 64 bits: 0.001 to 1000 ppm, cycles up to the longest run, negative ones."""
-    package = tmp_path / "periph_sim"
-    for folder in ("core", "form"):
-        (package / folder).mkdir(parents=True)
-    for name in ("__init__.py", "form/__init__.py", *(f"core/{p.name}" for p in (PACKAGE / "core").glob("*.py"))):
-        copy(PACKAGE / name, package / name)
-    for copied in (PACKAGE / "form").glob("*.py"):
-        copy(copied, package / "form")
-    for path in (package / "core").glob("*.py"):
-        if f"core.{path.stem}" not in SMALL:
-            path.write_text(re.sub("^# core: .*$", "", path.read_text("utf-8"), flags=re.MULTILINE), "utf-8")
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
-
-    def run(*given: str, form: str = "") -> str:
-        env = {**environment, "PERIPH_SIM_FORM": form}
-        return subprocess.run(
-            [sys.executable, *given], cwd=tmp_path, env=env, capture_output=True, text=True, check=True
-        ).stdout
-
-    assert run("-m", "periph_sim.form.build").splitlines()[-1] == "3/3 core.time"
     code = COMPARE.format(rates=RATES, cycles=CYCLES)
-    compiled, interpreted = run("-c", code), run("-c", code, form="interpreted")
-    assert compiled.splitlines()[0] == "False" and interpreted.splitlines()[0] == "True"
-    assert compiled.splitlines()[1:] == interpreted.splitlines()[1:]
-    assert run("-m", "periph_sim.form.build") == "all modules are built already\n"
-    with (package / "core" / "fifo.py").open("a") as source:
-        source.write("# another source\n")
-    assert run("-m", "periph_sim.form.build") == "1/1 core.fifo\n"
+    compiled, interpreted = (
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env={**os.environ, form.VARIABLE: chosen},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.splitlines()
+        for chosen in (form.COMPILED, form.INTERPRETED)
+    )
+    assert (compiled[0], interpreted[0]) == ("False", "True")
+    assert compiled[1:] == interpreted[1:] and len(compiled) == 1 + len(RATES) * len(CYCLES)
 
 
 def test_a_source_without_declarations_is_told_in_a_line(monkeypatch, capsys, tmp_path: Path):

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.form import PACKAGE
 from periph_sim.form.declarations import declarations, used_by
 from periph_sim.form.sources import BadDeclaration, Sources
+from tests.form.package import classes, every_declaration, package
 
 OTHER = """\
 # core: compiled
@@ -359,9 +359,5 @@ def test_a_module_is_built_anew_where_types_change_that_it_uses(tmp_path: Path):
 
 
 def test_every_module_of_the_package_has_declarations():
-    package = Sources(PACKAGE)
-    modules = package.compiled()
-    assert "core.kernel" in modules
-    classes = [kind.name for module in modules for kind in package[module].classes.values()]
-    texts = "\n".join(declarations(package[module]) for module in modules)
-    assert texts.count("\ncdef class ") >= len(classes) > 100
+    assert "core.kernel" in package().compiled()
+    assert "\n".join(every_declaration()).count("\ncdef class ") >= len(classes()) > 100

@@ -10,16 +10,17 @@ import pytest
 from tests.form.linked import CHAINS, NO_CHAINS, links, untyped
 
 RELEASE = """
-import sys, threading
+import gc, sys, threading
 from importlib import import_module
+from itertools import repeat
 
+gc.disable()  # to look through the chain for garbage takes longer than to make it
 length = int(sys.argv[1])
 
 def chain(module, name, attribute):
     kind = getattr(import_module(f"periph_sim.{module}"), name)
     first = None
-    for _ in range(length):
-        one = kind.__new__(kind)
+    for one in map(kind.__new__, repeat(kind, length)):
         setattr(one, attribute, first)
         first = one
     return first

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.form import PACKAGE
 from periph_sim.form.source_copy import prepared
 from periph_sim.form.sources import Sources
+from tests.form.package import classes
 
 REGISTERS = """\
 # core: compiled
@@ -48,8 +48,7 @@ def test_a_free_list_is_above_its_class_where_cython_obeys_it(tmp_path: Path):
 
 
 def test_every_free_list_of_the_package_reaches_its_class():
-    package = Sources(PACKAGE)
-    kept = [kind for module in package.compiled() for kind in package[module].classes.values() if kind.marks]
+    kept = [kind for kind in classes() if kind.marks]
     assert len(kept) > 1
     for kind in kept:
         assert re.search(rf"\n@cython\.freelist\(\d+\)\n@cython\.cclass\nclass {kind.name}\b", prepared(kind.source))

@@ -83,7 +83,8 @@ def project(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytes
 
 
 def run(project: pytest.Pytester, *options: str) -> pytest.RunResult:
-    return project.runpytest_subprocess("-p", "tests.rules.outcomes", "-p", "no:cacheprovider", *options)
+    started = project.runpytest_subprocess if "-n" in options else project.runpytest_inprocess
+    return started("-p", "tests.rules.outcomes", "-p", "no:cacheprovider", *options)
 
 
 def found(project: pytest.Pytester, file: str = "build/rules.json") -> dict[str, tuple[list[str], str]]:

@@ -100,7 +100,7 @@ def counted(ticks: list[int]) -> tuple[int, int]:
     return len(ticks), ticks[0] if ticks else NO_TIME
 
 
-@settings(max_examples=400)
+@settings(max_examples=200)
 @given(st.lists(modify, max_size=6))
 def test_of_every_write_the_same_is_told_as_by_a_recording(of: list[Any]):
     both = Both()

@@ -1,0 +1,25 @@
+"""Sources and declarations of all compiled modules, read once for all tests of a process."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from periph_sim.form import PACKAGE
+from periph_sim.form.declarations import declarations
+from periph_sim.form.sources import Class, Sources
+
+
+@cache
+def package() -> Sources:
+    return Sources(PACKAGE)
+
+
+@cache
+def classes() -> list[Class]:
+    return [one for module in package().compiled() for one in package()[module].classes.values()]
+
+
+@cache
+def every_declaration() -> list[str]:
+    """Return the text of each module's .pxd file."""
+    return [declarations(package()[module]) for module in package().compiled()]

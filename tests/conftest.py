@@ -1,10 +1,9 @@
 """What all tests share: timing diagrams that differ are shown one above the other; no test has a deadline.
 
-`make test` runs each test once and counts no lines, which takes twenty times as long where CPUs wait and wake: firmware
-is greenlets, and to follow those coverage calls Python at every call. `make coverage` counts lines in what is neither
-`long` nor `uncounted`. Properties, whole recordings and whole cases are `long`, and of a test with many parameters all
-but the first, besides what is marked so by hand: they go again and again through lines that short tests have reached.
-`uncounted` are tests that take seconds each as lines are counted, and reach what others reach, too.
+`make test` runs each test once. `make coverage` counts lines in those that are neither `long` nor `uncounted`,
+interpreted. Properties, whole recordings and whole cases are `long`, and of a test with many parameters all but the
+first, besides what is marked so by hand: they go again and again through lines that short tests have reached.
+`uncounted` are tests that take seconds each when interpreted, and reach what others reach, too.
 
 All of a session runs in one form of the core, commands that tests start included; its first line says which.
 """

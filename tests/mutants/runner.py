@@ -19,7 +19,7 @@ from .tree import Tree
 Outcome = Literal["killed", "timeout", "survived"]
 
 WARM = Path(__file__).with_name("warm.py")
-OPTIONS = ("-q", "-x", "--tb=line", "-p", "no:cacheprovider", "-p", "no:cov")
+OPTIONS = ("-q", "-x", "--tb=line", "-p", "no:cacheprovider", "-p", "no:cov", "-p", "no:slipcover")
 NOTHING_COLLECTED = 5  # pytest's exit status
 
 

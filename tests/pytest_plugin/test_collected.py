@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from .project import SMALL
+from .project import BARE_INI, SMALL
 
 TIGHT = SMALL.replace('"60 us"', '"1 us"').replace('"1 ms"\n\n[[budget]]', '"2 us"\n\n[[budget]]')
 
@@ -207,14 +207,14 @@ def test_other_toml_files_are_left_alone(project: pytest.Pytester) -> None:
 
 
 def test_nothing_is_collected_without_the_option(project: pytest.Pytester) -> None:
-    (project.path / "pytest.ini").write_text("[pytest]\n")
+    (project.path / "pytest.ini").write_text(BARE_INI)
     result = project.runpytest_inprocess()
     assert result.ret == pytest.ExitCode.NO_TESTS_COLLECTED
     assert "periph-sim budgets" not in result.stdout.str()
 
 
 def test_a_folder_that_is_not_there_is_a_mistake_not_silence(project: pytest.Pytester) -> None:
-    (project.path / "pytest.ini").write_text("[pytest]\nperiph_sim_cases = timings\n")
+    (project.path / "pytest.ini").write_text(f"{BARE_INI}periph_sim_cases = timings\n")
     result = project.runpytest_inprocess()
     assert result.ret == pytest.ExitCode.USAGE_ERROR
     result.stderr.fnmatch_lines(

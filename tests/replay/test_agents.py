@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from periph_sim.replay.report import Report
 from periph_sim.replay.session import SessionReplay
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
+from periph_sim.traces.decode import i2c
 from periph_sim.traces.formats import Capture
 from tests.replay.slow import FIRMWARE, slow_case
 from tests.replay.test_i2c_replay import RESPONDER, ask, captured, new_wave
@@ -83,6 +85,23 @@ def test_what_comes_first_decides_and_times_count_only_with_a_tolerance(
     causes = {one.kind: one.cause for one in report.divergences}
     assert report.verdict == verdict
     assert causes == {"byte": f"I2CDXR = 0xA7 was written at slow.py:{line('I2CDXR')}, in main", "timing": THEIR_TIME}
+
+
+@pytest.mark.parametrize("microseconds", [0, 60])
+def test_a_transfer_begins_as_much_later_as_the_one_before_was_stretched(slow: Path, microseconds: int):
+    """The pauses between transfers are those of the capture to the tick."""
+    capture = reads((OWN, 0xA7, 0), (OWN, 0xA7, 0), (OWN, 0xA7, 0))
+    one = I2cReplay(load(slow, [f"unit.dsp.settings.wait={microseconds}"]), capture, "SCL", "SDA")
+    one.run()
+    played = i2c.transfers(one.log.capture(one.timebase, one.kernel.now), "SCL", "SDA")
+    wanted = i2c.transfers(capture, "SCL", "SDA")
+    per_sample = one.timebase.per_second // 4_000_000
+
+    def pauses(transfers: list[i2c.Transfer], unit: int) -> list[int]:
+        return [(b.phases[0].start.at - a.stop.at) * unit for a, b in pairwise(transfers)]
+
+    assert pauses(played, 1) == pauses(wanted, per_sample)
+    assert (played[0].stop.at - played[0].phases[0].start.at > 220 * US * one.timebase.per_second) == bool(microseconds)
 
 
 @pytest.mark.parametrize(("longest_low", "tolerance", "verdict"), [(US / 5, None, "not judged"), (5 * US, US, "fail")])

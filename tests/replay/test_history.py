@@ -39,6 +39,13 @@ def test_flags_and_accesses_of_the_module_up_to_the_moments_end():
     assert kept(history, (100, 120), *records) == [(10, AAS), (40, IRS), (50, "W I2C-A.I2CDXR"), (120, XRDY)]
 
 
+def test_a_moment_within_another_ends_at_its_own_end():
+    history = FlagHistory([(100, 200), (150, 160)], "dsp", "I2C-A")
+    records = [flag(110, AAS), flag(155, IRS), flag(180, XRDY), flag(210, AAS)]
+    assert kept(history, (150, 160), *records) == [(110, AAS), (155, IRS)]
+    assert [record.tick for record in history.of((100, 200))] == [110, 155, 180]
+
+
 def test_a_busy_register_does_not_push_out_a_quiet_one():
     history = FlagHistory([(1000, 1000)], "dsp", "I2C-A", keep=3)
     records = [flag(1, AAS), *(flag(tick, XRDY) for tick in range(2, 900))]

@@ -199,25 +199,6 @@ def test_without_a_check_against_the_host_the_captured_bytes_are_the_right_ones(
     assert (judged.verdict, judged.worst, judged.count) == ("fail" if wrong else "pass", wrong, 10)
 
 
-NACKED = """
-[[budget]]
-name = "nacked"
-measure = "nacked"
-max = 0
-"""
-
-
-def test_refused_transfers_are_counted_without_rounds_in_the_case(tmp_path):
-    """The controller asks 0x50, and the firmware is at 0x51."""
-    case = slow_case(tmp_path, '"I2C-A", "SCI-A"', BUDGETS + NACKED)
-    edges = Edges()
-    scene = Scene(load(case, ["unit.dsp.settings.address=0x51"]), edges.subscribe)
-    was = by_name(scene.run(Fraction(20, 1000)).budgets)["nacked"]
-    capture = edges.capture(scene.kernel.now + 1)
-    came = by_name(replay(capture, "unit.dsp.settings.address=0x51", case=case).budgets)["nacked"]
-    assert (came.verdict, came.worst) == (was.verdict, was.worst) == ("fail", 10)
-
-
 STUCK = """
 [[budget]]
 name = "stuck"

@@ -1,8 +1,8 @@
-"""What is heard on a scene's I2C bus: its wires and what is asked go in; transfers and rounds come out.
+"""Transfers and rounds on a scene's I2C bus: its wires and the master's requests go in.
 
     SCL, SDA --I2cMonitor--> transfers --BusRounds--> transfers as asked, rounds
 
-Nothing is built before somebody listens.
+Nothing is built before there is a subscriber.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is 
 
 
 class BusSide:
-    """asked: what the master asks, None where nobody knows. spike: ticks. before: given each transfer first.
+    """asked: the requests of the master, None if not known. spike: ticks. before: called with each transfer first.
 
-    wire_bytes, nacked: of the transfers that were counted. bit_skip: what skips bits, None where nothing does.
+    wire_bytes, nacked: of the transfers that were counted. bit_skip: None if no bits are skipped.
     """
 
     def __init__(self, wires: Mapping[str, Wire], spike: int) -> None:
@@ -42,7 +42,7 @@ class BusSide:
 
     @property
     def rounds(self) -> BusRounds:
-        """Listens from now on, if it did not before."""
+        """The rounds; they are followed from the first call on."""
         if self._rounds is None:
             self._rounds = BusRounds(self.asked, self._begun_at)
             if "SCL" in self._wires:
@@ -54,12 +54,12 @@ class BusSide:
 
     @property
     def period(self) -> int:
-        """From one round's due time to the next one's, in ticks; 0 if there are none."""
+        """Ticks from one round's due time to the next one's; 0 if there are none."""
         return 0 if self.asked is None else int(self.asked.period // 1)
 
     @property
     def held_since(self) -> int:
-        """Since when others hold SCL low that the master has let go of; NO_TIME if they do not, or nobody listens."""
+        """The tick since which others hold SCL that the master has released; NO_TIME if that is not so or not known."""
         return NO_TIME if self._watch is None else self._watch.held_since
 
     @property
@@ -84,7 +84,7 @@ class BusSide:
         return 0 if self.bit_skip is None else self.bit_skip.passed
 
     def finish(self, now: int) -> None:
-        """The run is over."""
+        """End the run."""
         if self._rounds is not None:
             self._rounds.finish(now)
 

@@ -1,4 +1,4 @@
-"""What every party of a scene is built with: its case, time and wires."""
+"""Context in which the parties of a scene are built: case, time and wires."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class HeadPlan(Struct, frozen=True):
-    """What a [controller] asks for, and when.
+    """Requests of a [controller] and their schedule.
 
     requests: those of each round.
     startup: requests before the first round.
@@ -131,7 +131,7 @@ def build_head(
 
 
 def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
-    """What a master that is no agent asks: [rounds]. BadCase, with its line, for requests that nobody can make."""
+    """Return the requests of a master that is no agent: [rounds]. BadCase, with its line, for impossible requests."""
     requests = _requests(context.case, table, "rounds")
     transfers = _transfers(requests, table.pointer_by == "STOP")
     period = context.exact_ticks(table.period, Fraction(0))

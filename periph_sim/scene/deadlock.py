@@ -1,4 +1,4 @@
-"""Firmware that waits for what cannot come: a unit's wait goes in, the reason why it is hopeless, or none, comes out.
+"""Firmware that waits for something that cannot come: a unit's wait goes in; the reason, if there is one, comes out.
 
     registers that the wait reads <-- their modules, if they have a clock: what they have due by themselves,
                                       and wires, moved by other parties
@@ -8,8 +8,8 @@
     memory that the wait reads    <-- service routines
     IDLE                          <-- modules whose interrupts IER and PIEIER enable
 
-An agent whose schedule is over could have gone on, and so could firmware that has ended: a unit that waits for more of
-them is idle, not stuck. Units that wait for nobody but each other are stuck.
+An agent whose schedule is over could have continued, and so could firmware that has ended: a unit that waits for them
+is idle, not stuck. Units that wait only for each other are stuck.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ FOREIGN = {  # by module: pins that it does not see
 
 
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
-    """Why the wait that `dsp` is in cannot end, as a clause; empty if it can, or if it is in none.
+    """Return why the wait of `dsp` cannot end, as a clause; empty if it can end, or if there is no wait.
 
-    may_move: whether the named parties, who are not of this unit, may ever move the wire. instant: a tick for people.
+    may_move: returns True if these parties of other units may ever move the wire. instant: formats a tick.
     """
     wait = dsp.program.unanswered_wait()
     if wait is not None:
@@ -74,7 +74,7 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 def nothing_comes(
     dsp: Dsp, modules: list[str], may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]
 ) -> str:
-    """Why these modules will not change, as a clause; empty if one of them may."""
+    """Return why these modules will not change, as a clause; empty if one of them may."""
     wires = {wire.name: wire for module in modules for wire in wires_into(dsp, module)}
     for wire in wires.values():
         others = [who for who in wire.parties() if not who.startswith(f"{dsp.name}.")]
@@ -99,7 +99,7 @@ def polls_for_input(dsp: Dsp) -> bool:
 
 
 def sleep_reason(dsp: Dsp) -> str:
-    """Why no interrupt can end IDLE; empty if one can, or the watchdog's reset."""
+    """Return why no interrupt can end IDLE; empty if an interrupt or the watchdog's reset can."""
     ier = dsp.core.ier
     if watchdog_runs(dsp) or ier >> GROUPS:
         return ""
@@ -114,7 +114,7 @@ def sleep_reason(dsp: Dsp) -> str:
 
 
 def watchdog_runs(dsp: Dsp) -> bool:
-    """Its reset will come, or an interrupt by it."""
+    """Return True if the watchdog will reset the unit or interrupt it."""
     return dsp.control.next_wake < NEVER
 
 
@@ -132,7 +132,7 @@ def takes_interrupts(dsp: Dsp) -> bool:
 
 
 def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
-    """That I2CSTR.NACK is set, as a clause with since when and why; empty if it is not. It ended the transfer."""
+    """Return since when and why I2CSTR.NACK is set, as a clause; empty if it is not. It ended the transfer."""
     state = cast("I2c", dsp.socket("I2C-A").chip).state
     if not state.str & STR_NACK:
         return ""

@@ -137,7 +137,7 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answer
 
 
 def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mapping[int, str]) -> dict[str, DeviceOnBus]:
-    """By name. known: the wires that the scene has. taken: addresses of other targets, and who has them.
+    """Return the devices by name. known: the wires of the scene. taken: addresses of other targets, with their names.
 
     BadCase, with its line, for a device that cannot be.
     """

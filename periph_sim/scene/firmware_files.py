@@ -1,6 +1,6 @@
 """Imports firmware files: a path, or the name of a shipped program, goes in; its module comes out.
 
-Each file is a module of a package of its own, under a name that nobody else has: a repository's own `firmware/` never
+Each file is a module of a package of its own, under a unique name: a repository's own `firmware/` never
 meets ours, nor two folders' files of one name. `from .other import f` finds other.py beside the file, else the shipped
 program of that name, so that a copy of a shipped program runs from any folder.
 """
@@ -37,7 +37,7 @@ def shipped_names() -> list[str]:
 
 
 def is_shipped(name: str) -> bool:
-    """Whether there is a shipped program, or module that they share, of that name."""
+    """Return True if a shipped program, or a module that they share, has that name."""
     if f"{SHIPPED_PACKAGE}.{name}" in sys.modules:  # imported by an earlier scene, so its file was there
         return True
     return name.isidentifier() and name != "__init__" and (SHIPPED / f"{name}.py").is_file()

@@ -97,7 +97,7 @@ def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
 
 
 def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
-    """Call main. Misuse if it returns a value, which nobody would take."""
+    """Call main. Misuse if it returns a value, which has no meaning."""
     came = firmware.main(dsp, settings)  # type: ignore[func-returns-value]
     if came is not None:
         raise Misuse(f"main, {defined_at(firmware.main)}, returned {came!r}; firmware returns nothing")
@@ -127,7 +127,7 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
 
 
 def sensors_of(settings: object) -> ImuParameters | None:
-    """The sensors that firmware stands for, by its settings' `sensors`; None where it computes none."""
+    """Return the sensors that firmware emulates, by its settings' `sensors`; None if it computes none."""
     sensors = getattr(settings, "sensors", None)
     if sensors is None:
         return None
@@ -137,7 +137,7 @@ def sensors_of(settings: object) -> ImuParameters | None:
 
 
 def computed_by(settings: object) -> Computed | None:
-    """How firmware computes its sensors, by its settings' `arithmetic` and `noise_seed`; None where it does not."""
+    """Return how firmware computes its sensors, by its settings' `arithmetic` and `noise_seed`; None if it does not."""
     sensors, arithmetic = sensors_of(settings), getattr(settings, "arithmetic", None)
     if sensors is None or not isinstance(arithmetic, str):
         return None

@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 
 class HostPlan(Struct, frozen=True):
-    """When a [host] sends what. bit: ticks of a bit on its line."""
+    """Schedule and line of a [host]. bit: ticks of a bit on its line."""
 
     schedule: HostSchedule
     bit: Fraction
@@ -83,7 +83,7 @@ class HostAgent:
         self.host = Host(context.kernel, self.peer, plan.schedule, self.values, seed, encoding.byte_order)
 
     def _truth(self, table: HostTable, sensors: ImuParameters | None) -> Truth | None:
-        """What chips should show. None where models make it of frames of which no motion is known."""
+        """Return the true values of the chips; None if models compute them from frames without a known motion."""
         if sensors is None:
             return LineBetweenFrames(self.values, table.period)
         return None if self.frames is None else MotionTruth(sensors, self.frames.motion, table.first)

@@ -1,4 +1,4 @@
-"""What the host sends: the tables [host.motion] and [host.encoding] of a case go in, the values of frames come out."""
+"""Values of the host's frames: the tables [host.motion] and [host.encoding] of a case go in."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a case and its budgets want to know of a unit's image: names go in; who looks at its program is put there.
+"""Observers of a unit's image that a case and its budgets need: names go in; observers of its program come out.
 
 unit.memory             --> PresetMemory: variables as the image begins
 budgets, span records   --> FunctionSpans: a span for each function
@@ -48,7 +48,7 @@ def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgr
 
 
 def variable_value(dsp: Dsp, name: str) -> int:
-    """What a variable that a budget names holds now."""
+    """Return the present value of a variable that a budget names."""
     assert isinstance(dsp.program, ImageProgram) and dsp.program.cpu.watched is not None
     return dsp.program.cpu.watched.value(name)
 

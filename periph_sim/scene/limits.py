@@ -14,11 +14,11 @@ from ..timing.budgets import BudgetJudge
 from ..timing.language.scope import Scope
 from .case.model import Case
 
-KEPT = 8  # of so many cases
+KEPT = 8  # number of cases whose plans are kept
 
 
 class _Planned(Struct, frozen=True):
-    """The plans of budgets, and all that they were made of."""
+    """The plans of budgets, and everything that they were made of."""
 
     budgets: tuple[Budget, ...]
     scope: Scope
@@ -39,7 +39,7 @@ _planned: list[_Planned] = []  # the latest first; plans hold nothing that a run
 
 
 def limits_of(case: Case, scope: Scope, timebase: Timebase, start: int) -> list[BudgetJudge]:
-    """One of each budget, in their order. scope: of the case. start: the tick at which the run begins.
+    """Return a judge for each budget, in their order. scope: of the case. start: the tick at which the run begins.
 
     BadCase, with its line, for a budget that is none, or has the name of another.
     """

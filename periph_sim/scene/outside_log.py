@@ -89,7 +89,7 @@ class LogReader:
         with self._file:
             while (value := self._line()) is not None:
                 if self.finished:
-                    raise self._bad(self._lines, "something behind the end", "nothing more")
+                    raise self._bad(self._lines, "something after the end", "nothing more")
                 if isinstance(value, dict) and isinstance(value.get("end"), int) and value["end"] >= last:
                     self.end, self.finished = value["end"], True
                 elif isinstance(value, dict) and value.get("serial") in self.head.wires:

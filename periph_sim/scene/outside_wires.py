@@ -24,7 +24,7 @@ def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
 
 
 def not_run(case: Case) -> BadCase:
-    """Why a case that is driven from outside is not run like others."""
+    """Return the error for a case that is driven from outside and cannot be run like others."""
     assert case.outside is not None
     wires = " and ".join(case.outside.wires)
     what = f"{wires} {'is' if len(case.outside.wires) == 1 else 'are'} moved from outside, and in a run nobody is there"

@@ -1,6 +1,6 @@
 """The RS-485 pairs of a scene: [[transceiver]] tables go in; pairs, transceivers and notes come out.
 
-Notes of a pair are told once for each transceiver or group of drivers, with the first time and how often.
+Each note of a pair appears once for each transceiver or group of drivers, with its first time and its count.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Pairs:
         return self._transceivers.get((unit, module))
 
     def lines(self) -> Mapping[str, Line]:
-        """By wire, how frames on a pair are made: as whoever drives it makes them."""
+        """Return the frame format of each pair by wire: that of the party that drives it."""
         return {name: partial(self._line, pair) for name, pair in self._pairs.items()}
 
     def notes(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""What a scene is built of, each part imported when a case first names it: what is not named costs no import.
+"""Parts of a scene, each imported when a case first names it, so that other parts cost no import.
 
 from . import parts;  parts.build_head(...)  --> periph_sim.scene.controller is imported now
 """

@@ -59,7 +59,7 @@ class ScenePlan:
 
     @property
     def ticks(self) -> CaseTicks:
-        """How times of the case are converted; its `case` is that of the plan."""
+        """The conversion of times of the case; its `case` is that of the plan."""
         timebase, start = self._part("ticks", lambda plan, case: _timebase_and_start(case))
         return CaseTicks(self.case, timebase, start)
 
@@ -69,7 +69,7 @@ class ScenePlan:
 
     @property
     def scope(self) -> Scope:
-        """What budgets may name. One with images is made anew each time: their files may have changed."""
+        """The names that budgets may use. With images it is made anew each time, since their files may have changed."""
         wiring = self.wiring
         if any(unit.image for unit in self.case.unit.values()):
             return scope_of_case(self.case, wiring)
@@ -81,12 +81,12 @@ class ScenePlan:
 
     @property
     def head(self) -> HeadPlan:
-        """What the [controller] asks for, and when. BadCase for requests that cannot be made."""
+        """The requests of the [controller] and their schedule. BadCase for requests that cannot be made."""
         return self._part("head", lambda plan, case: parts.head_plan(plan._ticks_of(case)))
 
     @property
     def host(self) -> HostPlan:
-        """When the [host] sends what."""
+        """The schedule of the [host]."""
         return self._part("host", lambda plan, case: parts.host_plan(plan._ticks_of(case)))
 
     def _ticks_of(self, case: Case) -> CaseTicks:

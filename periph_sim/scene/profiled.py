@@ -24,14 +24,14 @@ class Profiled(Struct, frozen=True):
     coverage: dict[str, Coverage]
 
     def place_of(self, unit: str, function: str) -> str:
-        """Where a function begins."""
+        """The begin of a function."""
         return self.programs[unit].place_of(function)
 
 
 def profiled(
     case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
 ) -> Profiled:
-    """Run a case. BadCase if no unit runs an image, or one without lines is to be covered."""
+    """Run a case. BadCase if no unit runs an image, or if an image without lines is to be covered."""
     scene = Scene(case)
     programs = {name: unit.program for name, unit in scene.units.items() if isinstance(unit.program, ImageProgram)}
     if not programs:

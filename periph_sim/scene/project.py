@@ -1,4 +1,4 @@
-"""What a repository says of its cases: a folder goes in; `[tool.periph-sim]` of the nearest pyproject.toml comes out.
+"""Settings of a repository: a folder goes in; `[tool.periph-sim]` of the nearest pyproject.toml comes out.
 
     [tool.periph-sim]
     cases = ["timing", "bench/line.toml"]   what `check` runs by itself; else timing, else the present folder
@@ -69,7 +69,7 @@ class Project(Struct, frozen=True):
         return f"{_near(file)}, line {line_of(file.read_text(encoding='utf-8'), (*KEYS, key))}: {key}"
 
     def baseline(self, case: Path) -> Path | None:
-        """Where the baseline of a case is kept; None for baselines/NAME.json beside it.
+        """Return the path of a case's baseline; None for baselines/NAME.json beside it.
 
         Cases below one folder of cases keep their sub-folders, so that two of one name stay apart.
         """
@@ -90,7 +90,7 @@ def project_of(folder: Path) -> Project:
         if settings is not None:
             return Project(above, settings)
         if not is_searched(above):
-            break  # what is installed in a virtual environment belongs to nobody's project
+            break  # files in a virtual environment belong to no project
     return Project(folder.resolve())
 
 

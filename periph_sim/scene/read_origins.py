@@ -1,4 +1,4 @@
-"""Where the bytes that a scene's controller reads come from: a scene goes in, the origins of its reads come out."""
+"""Origins of the bytes that a scene's controller reads: a scene goes in; the origins of its reads come out."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Parts(Protocol):
 
 
 def origins_of(scene: Parts) -> Origins:
-    """Return the origins of a scene's reads. BadCase if values of sensor models could not be told from others."""
+    """Return the origins of a scene's reads. BadCase if values of sensor models could not be recognized."""
     if scene.sensors is None:
         return FrameOrigins()
     if scene.computed is None:

@@ -1,4 +1,4 @@
-"""How long an I2C-A takes from a write of I2CDXR that SCL is held for to the release of SCL, as it is set now.
+"""Delay of an I2C-A from a write of I2CDXR that SCL is held for to the release of SCL, with the present settings.
 
 Copy to I2CXSR unless BCM does that at the write, SDA set up before SCL, pin output: in cycles of the module clock and
 of SYSCLKOUT; the tick of the write goes in, ticks come out.
@@ -32,7 +32,7 @@ class ReleaseDelay:
         self._pin = system.gpio_out_delay.unrecorded()
         self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
         self._writes = -1  # of the chip, when it was looked at last,
-        self._cycles = 0  # and what came of that
+        self._cycles = 0  # and the result of that
 
     def ticks(self, written: int) -> int:
         """Return the time from a write at tick `written`: cycles of a clock that is off are not all of one length."""

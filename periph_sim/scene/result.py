@@ -1,4 +1,4 @@
-"""What a run came to: the figures that tables and `--json` show."""
+"""The result of a run: the figures that tables and `--json` show."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SKIPPED = "polls_skipped"
 
 @dataclass
 class Result:
-    """What a run came to. wall_s: the run alone, building apart.
+    """The result of a run. wall_s: of the run alone, without building.
 
     bytes_skipped: I2C bytes of which seven bits were skipped.
     sci_bytes: characters that others sent to SCIs of units. sci_bytes_sent: characters that SCIs of units sent.

@@ -64,13 +64,13 @@ NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
 
 class Scene:
-    """What is built, as long as somebody holds the scene itself: when it is let go, its firmware ends where it stands.
+    """A built scene. Deleting it terminates its firmware.
 
     case: or its plan, where several scenes are built of one.
     subscribe: called while the scene is built, before anything runs; recorders subscribe there.
     programs: firmware given as Python functions, by unit; of these units the case's `firmware` is only a name.
-    keep_values: of measures that take one value after the other, for `timing.values`.
-    sources: what chips feel, given as functions of the tick, by chip; they stand in for the case's `values`.
+    keep_values: keep all values of measures that have a series of them, for `timing.values`.
+    sources: inputs of sensor chips as functions of the tick, by chip; they replace the case's `values`.
     """
 
     WIRES = SceneWires
@@ -180,7 +180,7 @@ class Scene:
     # Building ------------------------------------------------------------------
 
     def _what_is_there(self) -> dict[str, bool]:
-        """By what measures may need."""
+        """Return which of the things that measures may need are in the scene."""
         return {
             "": True,
             "controller": self.head is not None,
@@ -192,7 +192,7 @@ class Scene:
         }
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """A budget on what this scene cannot have would always hold: it is a mistake, not a pass."""
+        """Refuse a budget on something that this scene cannot have: it would always hold."""
         needs = limit.measure.needs
         if not self._there[needs]:
             measure = limit.budget.measure
@@ -229,7 +229,7 @@ class Scene:
             self.stalled = str(stalled)
 
     def note_logs(self) -> dict[str, NoteLog]:
-        """What each chip and device noted."""
+        """Return the notes of each chip and device."""
         chips = {name: chip.log for name, chip in self.chips.items()}
         return chips | {name: device.log for name, device in self.devices.items()}
 
@@ -334,7 +334,7 @@ class Scene:
         return self._uart.sent_by_units()
 
     def serial_notes(self) -> list[str]:
-        """What went wrong on serial lines, or was to be sent and never went out."""
+        """Return what went wrong on serial lines, and what was to be sent but never was."""
         return self._uart.notes()
 
     def bytes_on_bus(self) -> int:
@@ -346,14 +346,14 @@ class Scene:
     # Running --------------------------------------------------------------------
 
     def doing(self, dsp: Dsp) -> str:
-        """What a unit's firmware does now, as a phrase."""
+        """Return what a unit's firmware does now, as a phrase."""
         return doing(dsp, self.timebase, self.start)
 
     def run(self, duration: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Result:
-        """Run for `duration` seconds (the case's own if None) and sum up. progress: told the part done, 0 to 1.
+        """Run for `duration` seconds (the case's own if None). progress: called with the part that is done.
 
         BadCase, before anything runs, for a run longer than there are ticks, and for a case that others drive. One
-        whose log is there ends as the session did, in front of what comes in its last tick.
+        that replays a log ends as the session did, before the events of its last tick.
         """
         outside = self.case.outside
         if outside is not None and outside.log is None:
@@ -383,7 +383,7 @@ class Scene:
         self._wall += perf_counter() - wall
 
     def finish(self, length: int) -> Result:
-        """What it came to in so many ticks; where firmware let no time pass, up to there."""
+        """End the run and return its result. length: ticks, cut where firmware let no time pass."""
         length = min(length, self.kernel.now - self.start) if self.stalled else length
         self.kernel.materialize()
         self.bus.finish(self.kernel.now)
@@ -395,14 +395,14 @@ class Scene:
         return result_of(self, length, self._wall)
 
     def typical(self) -> list[Verdict]:
-        """Of each budget that took several values, the one furthest from its limit, as a verdict. After `run`."""
+        """The least critical occurrence of each budget, as verdicts. Call it after `run`."""
         found = (limit.typical(self.start) for limit in self.limits)
         return [verdict for verdict in found if verdict is not None]
 
     def deadlocks(self) -> list[str]:
         """Firmware that waits for what cannot come, a sentence each: for what, since when, why it cannot.
 
-        Firmware that let no simulated time pass, and so ended the run, is the only one that is told.
+        If firmware let no simulated time pass and so ended the run, only that is reported.
         """
         if self.stalled:
             return [self.stalled]
@@ -446,7 +446,7 @@ class Scene:
 
 
 def _let_go(recorder: Recorder, units: Mapping[str, Dsp]) -> None:
-    """Nobody runs these any more, or hears of them."""
+    """Close the recorder and terminate the programs of a deleted scene."""
     recorder.close()
     for dsp in units.values():
         dsp.program.let_go()

@@ -1,4 +1,4 @@
-"""What events of a case can be about: a case goes in; units, modules and wires come out as a Scope."""
+"""Names that events of a case can refer to: a case goes in; units, modules and wires come out as a Scope."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ADDRESS = re.compile(r"0x[0-9a-f]{6}")
 
 
 def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
-    """What a case's scene consists of. wiring: of the case, where it is known already."""
+    """Return the scope of a case's scene. wiring: of the case, if it is known already."""
     if wiring is None:
         wiring = wiring_of(case)
     wires = list(wiring.wires())
@@ -47,7 +47,7 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
 
 
 class _ImageNames:
-    """Names in an image, which is read when the first one is asked for. ValueError where it has none of them."""
+    """Names in an image, which is read with the first question. ValueError for an unknown name."""
 
     known = True
 
@@ -77,7 +77,7 @@ class _ImageNames:
         return self._variables.find(name)
 
     def function(self, name: str) -> str:
-        """Code that is no function of the image, as in ROM, goes by its address."""
+        """Return the name of a function. Code that is no function of the image, as in ROM, is named by its address."""
         if name not in self._functions and not ADDRESS.fullmatch(name):
             raise ValueError(f"the image has no function {name!r}; {did_you_mean(name, self._functions)}")
         return name

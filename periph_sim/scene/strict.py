@@ -1,4 +1,4 @@
-"""With `strict`, who breaks a duty of a chip or device is told: a note goes in, an error of firmware comes out."""
+"""Errors with `strict`: a note of a chip or device goes in; an error of the firmware comes out."""
 
 from __future__ import annotations
 
@@ -12,6 +12,6 @@ if TYPE_CHECKING:
 
 
 def insist(units: Mapping[str, Dsp], name: str, note: Note) -> None:
-    """It is firmware that does; name: of the chip or device."""
+    """Raise the error in the firmware. name: of the chip or device."""
     for dsp in units.values():
         dsp.processor.notes.insist(note, name)

@@ -41,7 +41,7 @@ class StuckLines:
             self._wire, self._after_rounds = wire, self.head.rounds
 
     def hangs(self) -> bool:
-        """A line that was reported is still held by somebody else than the controller, in the same round."""
+        """Return True if another party than the controller still holds a line that was reported, in the same round."""
         wire, head = self._wire, self.head
         if wire is None or head is None or head.at_rest or head.rounds != self._after_rounds:
             return False
@@ -49,7 +49,7 @@ class StuckLines:
 
 
 def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
-    """What a unit's firmware does now, as a phrase. start: the tick from which its times are counted."""
+    """Return what a unit's firmware does now, as a phrase. start: the tick from which its times are counted."""
     if dsp.program.returned_at is not None:
         return "has returned from main"
     spin = dsp.program.spin

@@ -1,4 +1,4 @@
-"""What a run came to: a scene that has run goes in; its Result, with verdicts, counts and notes, comes out."""
+"""Summary of a run: a scene that has run goes in; its Result with verdicts, counts and notes comes out."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ON_THE_HOST = (
 
 
 def result_of(scene: Scene, length: int, wall: float) -> Result:
-    """What a run of `length` ticks came to, which took `wall` seconds."""
+    """Return the result of a run of `length` ticks, which took `wall` seconds."""
     verdicts = [limit.verdict(scene.start) for limit in scene.limits]
     deadlocks = scene.deadlocks()
     stuck = [*scene.stuck.sentences[:10], *deadlocks]
@@ -73,7 +73,7 @@ def wrong_bytes(scene: Scene) -> tuple[dict[str, int], str]:
 
 
 def notes_of(scene: Scene) -> list[str]:
-    """What was noted of each unit and chip, a line each: broken duties, what is not modelled, an ended main."""
+    """Return the notes on each unit and chip, a line each: broken duties, unmodelled parts, an ended main."""
     obsolete = [obsolete_fidelity(scene.case.fidelity)] if scene.case.fidelity else []
     lines = [*obsolete, *scene.case.replaced, *([scene.log_ends_early] if scene.log_ends_early else [])]
     for name, dsp in scene.units.items():
@@ -82,7 +82,7 @@ def notes_of(scene: Scene) -> list[str]:
                 at = scene.timebase.show(tick - scene.start)
                 place = dsp.note_places.get((socket.name, tick))
                 where = f", {place.for_people()}" if place else ""
-                text = note.text.removeprefix(f"{module}: ")  # an SCI names itself, which stands in front already
+                text = note.text.removeprefix(f"{module}: ")  # an SCI names itself, which is in front already
                 lines.append(f"{name} {module}, first at {at}{where}: {text} [{note.source}]")
         for note, n in dsp.processor.notes.counts.items():
             place = dsp.processor.notes.places.get(note)

@@ -1,7 +1,7 @@
-"""Who listens to UART lines: a scene's wires go in; frames are recorded where wanted, characters to an SCI counted.
+"""Observers of UART lines: a scene's wires go in; records of frames and of characters to SCIs come out.
 
 A frame is read as its sender sends it: the host's with its bit rate, a unit's as the SCI is set whose TX is on the
-wire; where nobody is known to send, as the SCI is set whose RX is.
+wire; if no sender is known, with the settings of the SCI whose RX is on it.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class UartLines:
             self._counter(name).topics.append(recorder.topic(Kind.RECEIVER, name, "character"))
 
     def on_character_from(self, wires: Collection[str], told: Callable[[str, int], None]) -> None:
-        """Call `told(wire, tick)` for each character on those of these wires that lead to SCIs."""
+        """Call `told(wire, tick)` for each character on those of these wires that lead to an SCI."""
         for name in dict.fromkeys(self._heard):
             if name in wires:
                 self._counter(name).told.append(partial(told, name))
@@ -68,7 +68,7 @@ class UartLines:
         return self._counters[name]
 
     def finish(self, now: int) -> None:
-        """The run is over."""
+        """End the run."""
         for counter in self._counters.values():
             counter.finish(now)
 

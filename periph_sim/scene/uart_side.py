@@ -1,4 +1,4 @@
-"""The serial lines of a scene: its wires and units go in; who talks on them from outside, and what is heard, come out.
+"""Serial lines of a scene: its wires and units go in; outside parties and records of receivers come out.
 
 [host], [serial] --> RX, or a pair --transceiver--> RX --> SCI --> SciMonitor: records of its receiver
 TX of an SCI, pairs --> UartLines: frames, characters
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class UartSide:
-    """host: who sends on RX, where there is one. serial: who else talks, not yet on the wires."""
+    """host: the sender on RX, if there is one. serial: other parties, which are not on the wires yet."""
 
     def __init__(
         self,
@@ -92,12 +92,12 @@ class UartSide:
         return sum(cast("Sci", self._units[sci.unit].socket(sci.module).chip).frames_sent for sci in self._scis)
 
     def notes(self) -> list[str]:
-        """What went wrong on pairs, and what was to be sent and never was."""
+        """Return what went wrong on pairs, and what was to be sent but never was."""
         told = [] if self._pairs is None else self._pairs.notes()
         return told + ([] if self._serial is None else self._serial.notes())
 
     def finish(self, now: int) -> None:
-        """The run is over."""
+        """End the run."""
         if self._lines is not None:
             self._lines.finish(now)
 

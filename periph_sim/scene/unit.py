@@ -57,7 +57,7 @@ class BuiltUnit(Struct, frozen=True):
 
 
 class UnitPlan(Struct, frozen=True):
-    """What a unit consists of. wires: the name of the wire at each GPIO number. dsp: all but its wires."""
+    """The parts of a unit. wires: the name of the wire at each GPIO number. dsp: everything but its wires."""
 
     wires: dict[int, str]
     dsp: DspPlan
@@ -127,7 +127,7 @@ def build_unit(context: SceneContext, name: str, plan: UnitPlan, program: Firmwa
 
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:
-    """The unit's image runs from where it boots. What comes back stands for it where Python firmware is asked for."""
+    """Make the unit run its image. The returned firmware stands for it in lists of firmware."""
     from ..image.model import BadImage
     from ..image.program_file import program_in
     from .image_watching import watch_image
@@ -191,7 +191,7 @@ def _module_options(case: Case, name: str, unit: Unit) -> dict[str, Answers]:
 
 
 def options_of(case: Case, kind: type[T], given: dict[str, Value], unit: str, group: str) -> T:
-    """Answers to open questions; each is checked by itself, so that a mistake is told with its line."""
+    """Return the answers to open questions. Each is checked by itself, so that a mistake is reported with its line."""
     for name, value in given.items():
         try:
             options_from(kind, {name: value})

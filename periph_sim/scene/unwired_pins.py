@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def unwired_pins(dsp: Dsp) -> list[str]:
-    """What GPxMUX says as the run ends; empty if every module in use has its wires."""
+    """Return notes on pins by GPxMUX at the end of the run; empty if every module in use has its wires."""
     gpio = cast("Gpio", dsp.socket("GPIO").chip)
     told = []
     for module in dsp.sockets:

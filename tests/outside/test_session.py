@@ -171,7 +171,7 @@ def test_a_log_without_an_end_is_replayed_to_its_last_whole_line(tmp_path: Path)
         ("", "line 1: found no head, expected the log of a session"),
         ("[]\n", "line 1: found no head"),
         ("{HEAD}\n[2, {}]\n[1, {}]\n", "line 3: found tick 1 behind tick 2, expected instants in order of time"),
-        ('{HEAD}\n{"end": 5}\n[6, {}]\n', "line 3: found something behind the end, expected nothing more"),
+        ('{HEAD}\n{"end": 5}\n[6, {}]\n', "line 3: found something after the end, expected nothing more"),
         ("{HEAD}\n7\n", "line 2: found 7, expected an instant"),
         ("{HEAD}\n[1, {\n", "line 2: found a damaged line, expected JSON"),
         ('{HEAD}\n[1, {"RX": 0}]\n', "line 2: found 'RX': 0, expected 0 or 1 of SDA or SCL"),

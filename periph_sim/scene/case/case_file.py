@@ -23,7 +23,7 @@ BUDGETS = frozenset(("serial", "watch", "budget"))  # keys that decide which bud
 class CaseFile:
     """A case file as it was read, and the cases that changes make of it.
 
-    The cases share their tables: nobody may change a dict or a list in them.
+    The cases share their tables: a dict or a list in them must not be changed.
     changes: applied to the file first, as `--set` has them. BadCase if the file cannot be read.
     """
 

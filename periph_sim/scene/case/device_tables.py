@@ -1,4 +1,4 @@
-"""What a case says of the devices on its bus: [device.NAME] with its disturbances, and those that chips have too."""
+"""Tables of devices on the bus: [device.NAME] with its disturbances, and the disturbances that chips share."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Access = Literal["read", "write", "any"]
 
 
 class Strikes(Table, frozen=True, kw_only=True):
-    """Which bytes a stretch or a fault strikes, and from when to when."""
+    """Bytes that a stretch or a fault affects, and the time span."""
 
     bytes: tuple[ByteNumber, ...] = ()
     access: Access = "any"
@@ -30,7 +30,7 @@ class Strikes(Table, frozen=True, kw_only=True):
 
 
 class StretchTable(Strikes, frozen=True, kw_only=True):
-    """Which bytes are stretched, and for how long. A text is a length alone: each byte, the address too."""
+    """Bytes that are stretched, and the length. A text is a length alone: each byte, including the address."""
 
     length: DurationRange
 
@@ -71,7 +71,7 @@ class DeviceFault(Strikes, frozen=True, kw_only=True):
 
 
 class BusParty(Table, frozen=True, kw_only=True):
-    """What every target on SDA and SCL may be given. output_delay: UM10204 section 3.1.1, hold time of its own SDA."""
+    """Keys of every target on SDA and SCL. output_delay: UM10204 section 3.1.1, hold time of its own SDA."""
 
     output_delay: Length = Fraction(300, 10**9)
     stretch: STRETCH | None = None
@@ -79,7 +79,7 @@ class BusParty(Table, frozen=True, kw_only=True):
 
 
 class DeviceTable(BusParty, frozen=True, kw_only=True):
-    """A device of `devices.targets`, or of a Python file. Its model has keys of its own, which stand beside these."""
+    """A device of `devices.targets`, or of a Python file. Its model adds keys of its own to these."""
 
     OTHERS = "own"
 

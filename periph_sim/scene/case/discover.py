@@ -1,6 +1,6 @@
-"""Which files are cases: a folder goes in, the paths of the case files below it come out.
+"""Search for cases: a folder goes in; the paths of the case files below it come out.
 
-A folder of cases may be anybody's repository, with a pyproject.toml and a virtual environment in it. A case is told
+A folder of cases may be any repository, with a pyproject.toml and a virtual environment in it. A case is recognized
 from other TOML by its tables, and is found even where its TOML is broken, so that `check` reports it instead of
 passing over it.
 """

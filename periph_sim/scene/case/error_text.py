@@ -1,4 +1,4 @@
-"""What is wrong with a table goes in; one sentence with file, line, key, what was found and the way out comes out."""
+"""Error sentences: a mistake in a table goes in; file, line, key, what was found and the fix come out."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def explain(source: Source, error: BadTable, tree: object = None) -> str:
 
 
 def complaint(first: Mistake) -> str:
-    """What is wrong with a value, and what it is, as a phrase."""
+    """Return what is wrong with a value, and the value, as a phrase."""
     if first.known is not None:
         return f"there is no such key; {did_you_mean(str(first.place[-1]), first.known)}"
     if first.is_missing:

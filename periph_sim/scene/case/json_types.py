@@ -36,7 +36,7 @@ PLAIN: dict[Any, Schema] = {
 
 
 def schema_of(annotation: Any, definitions: Schema) -> Schema:
-    """What a file may say where a value of that type is wanted."""
+    """Return the JSON type of what a file may contain for a value of this type."""
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         return _annotated(arguments[0], arguments[1:], definitions)

@@ -43,7 +43,7 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
 def shared_case(path: Path, text: str, changes: tuple[str, ...]) -> Case:
     """Return the case that a text says, with changes applied. BadCase if it says none.
 
-    path: of the file with the text. The case is shared: nobody may change a dict or a list in it.
+    path: of the file with the text. The case is shared: a dict or a list in it must not be changed.
     """
     return _loaded(path, text, changes)[0]
 
@@ -90,7 +90,7 @@ def case_of(tree: dict[str, Any], path: Path) -> Case:
 
 
 def refusal(source: Source, error: BadTable, tree: object) -> BadCase:
-    """What is wrong with a case, as an error to raise."""
+    """Return the error to raise for the mistakes in a case."""
     kind = BadCase if error.first.known is None else UnknownKey
     return kind(explain(source, error, tree))
 
@@ -177,7 +177,7 @@ def _check_name(source: Source, name: str, place: Place) -> None:
 
 @lru_cache(maxsize=16)
 def _tables(text: str) -> dict[str, Any]:
-    """What a TOML text says, read once for all the scenes that change a key of it. Nobody may change the tree."""
+    """Return the tree of a TOML text, parsed once for all scenes that change a key of it. It must not be changed."""
     return tomllib.loads(text)
 
 

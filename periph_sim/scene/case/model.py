@@ -1,4 +1,4 @@
-"""What a case is: data that says what the scene consists of, who does what when, and which budgets must hold.
+"""The data of a case: the parts of the scene, the schedule of each party, and the budgets that must hold.
 
 The tables of a case file are the classes below; a key that none of them has is refused.
 """
@@ -54,7 +54,7 @@ SHORTEST_ROUND = Fraction(1, 1_000_000)  # seconds: a byte at 5 MHz takes longer
 
 
 class Code(Table, frozen=True, kw_only=True):
-    """What compiled code costs besides accesses and computations, in cycles; the defaults are counted in images."""
+    """Cycles of compiled code besides accesses and computations; the defaults are counted in images."""
 
     between_accesses: CodeCycles = COMPILED.between_accesses
     poll_pass: PassCycles = COMPILED.poll_pass
@@ -63,7 +63,7 @@ class Code(Table, frozen=True, kw_only=True):
 
 
 class StubTable(Table, frozen=True, kw_only=True):
-    """What a register that nothing models answers, from the start or from a time on. register: its name or address."""
+    """The answer of an unmodelled register, from the start or from a time on. register: its name or address."""
 
     register_: str | int = field(name="register")
     value: Annotated[int, Meta(ge=0, le=0xFFFF)]
@@ -71,7 +71,7 @@ class StubTable(Table, frozen=True, kw_only=True):
 
 
 class Compile(Table, frozen=True, kw_only=True):
-    """How C sources are compiled. include: folders of headers. defines: macros. undefined: with UBSan."""
+    """Compilation of C sources. include: folders of headers. defines: macros. undefined: with UBSan."""
 
     include: tuple[str, ...] = ()
     defines: dict[str, str | int] = {}
@@ -208,7 +208,7 @@ class RoundsTable(Table, frozen=True, kw_only=True):
 
 
 class ValueTable(Table, frozen=True, kw_only=True):
-    """What a chip feels. rows: a time and x, y, z, held until the next row. ramp: the numbers of the host's frames."""
+    """Input of a sensor chip. rows: a time and x, y, z, held until the next row. ramp: numbers of the host's frames."""
 
     fixed: Axes | None = None
     rows: tuple[tuple[Duration, Exact, Exact, Exact], ...] = ()
@@ -314,11 +314,11 @@ class Case(Table, frozen=True, kw_only=True):
 
     @classmethod
     def model_validate(cls, tree: object) -> Case:
-        """Return the case that a tree says. BadTable if it says none."""
+        """Return the case of a tree. BadTable if the tree is not valid."""
         return convert(cls, tree).completed()
 
     def completed(self) -> Case:
-        """Return this case with a budget more for each reply that it expects and each wire that it watches.
+        """Return this case with one more budget for each reply that it expects and each wire that it watches.
 
         BadTable for what contradicts another table.
         """
@@ -336,7 +336,7 @@ class Case(Table, frozen=True, kw_only=True):
         return case
 
     def from_source(self, source: Source) -> Case:
-        """This case, which knows the file it came from."""
+        """Return this case with the file that it was read from."""
         return self.model_copy(update={"_source": source})
 
     @property
@@ -378,7 +378,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
-        """What a recording lists for each unit: its modules, and the wires of other pins than the usual ones."""
+        """The list that a recording has for each unit: its modules, and the wires of other pins than the usual ones."""
         usual = ("SDA", "SCL", "RX", "TX")
         wires = {name: dict.fromkeys(pins.values()) for name, pins in wiring_of(self).pins.items()}
         told: set[str] = set()
@@ -392,18 +392,18 @@ class Case(Table, frozen=True, kw_only=True):
         return found
 
     def mistake(self, what: str, *place: str | int) -> BadCase:
-        """An error about a place in this case: file and line if it came from a file."""
+        """Return an error about a place in this case, with file and line if it was read from a file."""
         place = self._written(place)
         key = key_of(place, self._named())
         where = f"case {self.name}" if self._source is None else self._source.where(place)
         return BadCase(f"{where}: {key}: {what}")
 
     def line(self, *place: str | int) -> int:
-        """The line of the case's file on which a key or its table stands; 0 if there is no file or no such key."""
+        """Return the line of a key, or of its table, in the case's file; 0 if there is no file or no such key."""
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 
     def _named(self) -> dict[str, Any]:
-        """The names of this case's entries, as a tree of it."""
+        """Return the names of this case's entries, as a tree like the case."""
         serial = self.serial or SerialTable()
         return {
             "budget": [{"name": budget.name} for budget in self._all_budgets or self.budget],
@@ -414,7 +414,7 @@ class Case(Table, frozen=True, kw_only=True):
         }
 
     def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
-        """A place as the file has it, with the budgets that were left out.
+        """Return a place as it is in the file, with the budgets that were left out.
 
         The place of a budget made of an expected reply or a watch is that of the reply or the watch.
         """

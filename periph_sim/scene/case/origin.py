@@ -1,4 +1,4 @@
-"""Where a case came from: a place in it goes in, "file, line N" or the `--set` that put it there comes out."""
+"""Origin of values in a case: a place goes in; "file, line N" or the `--set` that wrote it comes out."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Source(Struct, frozen=True):
     values: tuple[str, ...] = ()
 
     def where(self, place: Place) -> str:
-        """Where a person finds this place."""
+        """Return the position of this place for messages."""
         inside = ""
         for change, changed in reversed(self.changes):
             if place[: len(changed)] == changed:
@@ -58,7 +58,7 @@ def _child(tree: object, part: str | int) -> object:
 
 
 def line_of(text: str, place: Place) -> int:
-    """The line on which a key stands, or its table's header; 0 if neither is in the text."""
+    """Return the line of a key, or of its table's header; 0 if neither is in the text."""
     names = [str(part) for part in place if isinstance(part, str)]
     entry = next((part for part in place if isinstance(part, int)), 0)
     best = 0

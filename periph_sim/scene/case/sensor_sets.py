@@ -3,8 +3,9 @@
     period = "20 ms"                      [gyroscope]
     wrap = "unwrapped"                    bias = "-3.1, 3.6, 0.04 deg/s"
 
-What a file leaves out is as in Table 4.1. A number has its unit behind it; three numbers share one. A bare number is
-taken only where there is no unit to guess. Sets that come with periph_sim (devices/models/sets) are known by name.
+Keys that a file leaves out are as in Table 4.1. A number is followed by its unit; three numbers share one. A number
+without a unit is accepted only for keys that have none. Sets that come with periph_sim (devices/models/sets) are known
+by name.
 """
 
 from __future__ import annotations

@@ -112,7 +112,7 @@ class ExpectTable(Table, frozen=True, kw_only=True):
 
 
 class SerialTable(Table, frozen=True, kw_only=True):
-    """Who talks to SCIs from outside. ppm: error of the clock of all its times and rates.
+    """The parties that talk to SCIs from outside. ppm: error of the clock of all its times and rates.
 
     turnaround: how long it keeps an RS-485 pair driven behind its last stop bit.
     """
@@ -128,7 +128,7 @@ class SerialTable(Table, frozen=True, kw_only=True):
     expect: tuple[ExpectTable, ...] = ()
 
     def mode(self, entry: SendTable | ExpectTable | None = None) -> Multiprocessor:
-        """How an entry addresses one of several receivers, as it says or as this table does."""
+        """Return the addressing mode of an entry, or else of this table."""
         return self.multiprocessor if entry is None or entry.multiprocessor is None else entry.multiprocessor
 
     def form(self, entry: SendTable | ExpectTable | None = None) -> UartFormat:

@@ -32,7 +32,7 @@ class TransceiverTable(Table, frozen=True, kw_only=True):
 
 
 class OnPair(Struct, frozen=True):
-    """An SCI behind a transceiver. de: the GPIO number of its driver's pin, and the wire there."""
+    """An SCI with a transceiver. de: the GPIO number of the driver enable pin, and the wire there."""
 
     table: TransceiverTable
     sci: SciLines
@@ -84,5 +84,5 @@ def de_pin(case: Case, entry: int) -> Pin:
 
 
 def pulled_down(case: Case, unit: str) -> frozenset[int]:
-    """GPIO numbers of a unit that a resistor holds low as long as nobody drives them."""
+    """Return the GPIO numbers of a unit that a resistor holds low while they are not driven."""
     return frozenset(one.de for one in on_pairs(case) if one.sci.unit == unit and one.table.pull == "down")

@@ -1,4 +1,4 @@
-"""Which pin is on which wire: a case's units, named pins and cables go in; the wire of each pin comes out.
+"""Wires of pins: a case's units, named pins and cables go in; the wire of each pin comes out.
 
     [unit.NAME] modules --> usual pins --.
     [unit.NAME] pins ------> names ------+--joined--> Wiring: GPIO number -> wire, a unit each
@@ -136,7 +136,7 @@ def _pins_of(modules: tuple[str, ...]) -> Mapping[int, tuple[str, str]]:
 
 
 def node_of(case: Case, text: str, *place: str | int) -> Node:
-    """What the end of a cable names. BadCase, with its line, if there is no such pin or wire."""
+    """Return the pin or wire that the end of a cable names. BadCase, with its line, if there is no such pin or wire."""
     unit, _, rest = text.partition(".")
     if unit not in case.unit:
         if text in _wire_names(case):
@@ -233,7 +233,7 @@ def _pins(case: Case, unit: str, joints: _Joints) -> list[int]:
 
 
 class _Names:
-    """What each wire is called."""
+    """Return the name of each wire."""
 
     def __init__(self, case: Case, joints: _Joints) -> None:
         self._case = case

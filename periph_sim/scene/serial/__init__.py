@@ -1,1 +1,1 @@
-"""Who talks to the SCIs of a scene from outside: the tables [[serial.send]] and [[serial.expect]] at work."""
+"""Parties that talk to the SCIs of a scene from outside: the tables [[serial.send]] and [[serial.expect]]."""

@@ -1,4 +1,4 @@
-"""One entry of [[serial.send]] at work: its trigger goes in; bursts on a line, once or again and again, come out.
+"""Schedule of one entry of [[serial.send]]: its trigger goes in; one or more bursts on a line come out.
 
 at, event, text --> happened --delay--> fire --> BurstSender
                                 '--period--> fire ...
@@ -15,11 +15,11 @@ from ...core.time import NO_TIME
 from ..case.serial import SendTable
 from ..context import SceneContext
 
-BEHIND = "its time is behind the end of the run"
+BEHIND = "its time is after the end of the run"
 
 
 class Send:
-    """ppm: error of the clock of its times. on_begin, on_end: told the tick of each burst's begin and end."""
+    """ppm: error of the clock of its times. on_begin, on_end: called with the tick of each burst's begin and end."""
 
     def __init__(
         self, name: str, table: SendTable, context: SceneContext, sender: BurstSender, burst: Burst, ppm: Fraction
@@ -42,11 +42,11 @@ class Send:
 
     @property
     def ticks(self) -> int:
-        """How long a burst takes."""
+        """The length of a burst in ticks."""
         return self._burst.edges(0)[1]
 
     def why_never(self) -> str:
-        """Why it has not begun, as a phrase."""
+        """Return why it has not begun, as a phrase."""
         busy = self._sender.busy_with
         if not self._asked:
             return self.why_unasked()
@@ -57,14 +57,14 @@ class Send:
         return f"it was due at {due:.6f} s, but its line is busy until {end:.6f} s with send {name!r}"
 
     def happened(self, tick: int) -> None:
-        """What it waits for happened. With a period, the first time counts."""
+        """Send now: the trigger happened. With a period, only the first time counts."""
         if (self._asked and self._table.period is not None) or self._asked == self._most:
             return
         self._asked += 1
         self._fire_at(tick, 0)
 
     def _fire_at(self, begun: int, number: int) -> None:
-        """Promise the n-th burst of those that began with what happened at a tick."""
+        """Schedule the n-th burst of those that the trigger at tick `begun` started."""
         period = (self._table.period or 0) * number
         due = begun + self._context.ticks(self._table.delay + period, self._ppm)
         kernel = self._context.kernel

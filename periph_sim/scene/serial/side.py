@@ -1,4 +1,4 @@
-"""Who talks to SCIs from outside: [[serial.send]] and [[serial.expect]] go in; bursts and replies come out.
+"""Parties that talk to SCIs from outside: [[serial.send]] and [[serial.expect]] go in; bursts and replies come out.
 
 events, times, replies --> Send --> BurstSender --> RX of an SCI
 TX of an SCI --> UartReader --> Reply (a measure), TextTrigger
@@ -73,11 +73,11 @@ class SerialSide:
 
     @property
     def characters(self) -> int:
-        """How many were sent."""
+        """The number of characters that were sent."""
         return sum(sender.characters for sender in self._senders.values())
 
     def lines(self) -> Mapping[str, Line]:
-        """By wire, how its sender sends."""
+        """Return the line format of the sender on each wire."""
         return {wire: self._line_of(sender) for wire, sender in self._senders.items()}
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
@@ -88,7 +88,7 @@ class SerialSide:
         return self._expected(number), partial(self._why_never, number)
 
     def notes(self) -> list[str]:
-        """What never went out, a line each; of what a reply waits for, its verdict tells."""
+        """Return a line for each send that never went out, unless a reply waits for it: then its verdict says so."""
         told = {expect.after_send for expect in self._table.expect}
         silent = [send for name, send in self.sends.items() if not send.sent and name not in told]
         return [f"serial: send {send.name!r} never went out: {send.why_never()}" for send in silent]
@@ -150,7 +150,7 @@ class SerialSide:
                 raise self._case.mistake(what, *place, key)
 
     def _sender(self, sci: SciLines, *place: str | int) -> BurstSender:
-        """What sends to the RX of an SCI, or on the pair that it is on."""
+        """Return the sender to the RX of an SCI, or on its pair."""
         transceiver = self._pairs.of(sci.unit, sci.module)
         wire = sci.rx if transceiver is None else transceiver.pair.wire.name
         if wire not in self._senders:
@@ -243,7 +243,7 @@ class SerialSide:
             return f"send {table.after_send!r} never went out: {self.sends[table.after_send].why_never()}"
         if ("expect", number) in self._triggers:
             return self._triggers["expect", number].never()
-        return "its time is behind the end of the run"
+        return "its time is after the end of the run"
 
     # Lines ------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""When something is sent or asked for: at a time, after an event, or after characters from a line.
+"""Triggers of sends and replies: an event, or characters from a line.
 
 records --EventTrigger--.
 characters --TextTrigger-+--> happened(tick)
@@ -24,7 +24,7 @@ class EventTrigger(EventMeasure):
         self._happened(tick)
 
     def never(self) -> str:
-        """Why it did not happen, as a phrase."""
+        """Return why it did not happen, as a phrase."""
         return self.missing()
 
 

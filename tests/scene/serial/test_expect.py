@@ -199,7 +199,7 @@ def test_what_was_never_asked_for_is_not_judged_and_says_why():
     (verdict,) = judged({}, ASK, {"text": "OK", "after_send": None, "after": "frame TX 0x21 end"})
     assert (verdict.verdict, verdict.found) == ("not judged", "no event matched 'frame TX 0x21 end'")
     (verdict,) = judged({}, [{"text": "x", "at": "9 ms"}], {"text": "OK"})
-    assert verdict.found == "send 'ask' never went out: its time is behind the end of the run"
+    assert verdict.found == "send 'ask' never went out: its time is after the end of the run"
 
 
 def test_a_run_that_ends_before_the_limit_judges_nothing():

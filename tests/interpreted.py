@@ -2,9 +2,9 @@
 
     compiled modules --> the folders of tests that mirror theirs --> pytest, in a process whose core is interpreted
 
-After `make test` and `make interpreted` what is compiled has been tested in both forms. Where no core is compiled there
-is nothing to do, since the whole suite ran interpreted. Tests of the builds choose the form by themselves, and are not
-run again.
+Within these folders, one that mirrors a room in which nothing is compiled is left out. After `make test` and
+`make interpreted` what is compiled has been tested in both forms. Where no core is compiled there is nothing to do,
+since the whole suite ran interpreted. Tests of the builds choose the form by themselves, and are not run again.
 """
 
 from __future__ import annotations
@@ -26,6 +26,19 @@ def folders(modules: Iterable[str]) -> list[str]:
     return sorted(f"tests/{room.as_posix()}" for room in rooms if not rooms.intersection(room.parents))
 
 
+def left_out(modules: Iterable[str]) -> list[str]:
+    """Folders within those that mirror a room in which nothing is compiled, none within another."""
+    compiled = [module.replace(".", "/") for module in modules]
+    inner = [path.relative_to(TESTS) for one in folders(modules) for path in (TESTS.parent / one).rglob("*/")]
+    rooms = {
+        room
+        for room in inner
+        if (form.PACKAGE / room / "__init__.py").is_file()
+        and not any(module.startswith(f"{room.as_posix()}/") for module in compiled)
+    }
+    return sorted(f"tests/{room.as_posix()}" for room in rooms if not rooms.intersection(room.parents))
+
+
 def _with_tests(names: list[str]) -> Path:
     """The room, or the nearest one around it that has tests of its own."""
     room = Path(*names)
@@ -39,7 +52,8 @@ def main(options: list[str]) -> int:
     if not modules:
         print("no core is compiled of these sources: nothing differs")
         return 0
-    command = [sys.executable, "-m", "pytest", *options, *folders(modules)]
+    ignored = [f"--ignore={folder}" for folder in left_out(modules)]
+    command = [sys.executable, "-m", "pytest", *options, *ignored, *folders(modules)]
     return subprocess.run(command, env={**os.environ, form.VARIABLE: form.INTERPRETED}, check=False).returncode
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from periph_sim.form import PACKAGE
 from periph_sim.form.sources import Sources
-from tests.interpreted import TESTS, folders, main
+from tests.interpreted import TESTS, folders, left_out, main
 
 
 def test_folders_of_tests_mirror_those_of_modules_and_none_is_named_twice() -> None:
@@ -21,11 +21,18 @@ def test_a_room_without_tests_of_its_own_is_tested_by_the_one_around_it() -> Non
     assert folders(["processor.python.loop"]) == ["tests/processor"]
 
 
+def test_rooms_in_which_nothing_is_compiled_are_left_out_of_the_one_around_them() -> None:
+    assert left_out(["outside.door"]) == ["tests/outside/drivers", "tests/outside/live"]
+    assert left_out(["outside.door", "outside.live.view.board"]) == ["tests/outside/drivers"]
+    assert left_out(["processor.image.cpu"]) == []
+
+
 def test_each_module_that_is_compiled_has_tests_there() -> None:
     modules = Sources(PACKAGE).compiled()
     found = folders(modules)
     assert found and all((TESTS.parent / one).is_dir() for one in found)
     assert [m for m in modules if not any(f"tests/{m.replace('.', '/')}".startswith(f"{one}/") for one in found)] == []
+    assert [m for m in modules if f"tests/{m.replace('.', '/')}".startswith((*left_out(modules), "nowhere"))] == []
 
 
 def test_without_a_compiled_core_nothing_runs_again(monkeypatch, tmp_path, capsys) -> None:

@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
+import threading
 
 import pytest
 from hypothesis import is_hypothesis_test, settings
@@ -110,6 +112,10 @@ UNCOUNTED = (
     "tests/traces/formats/test_vcd.py::test_a_line_without_end_and_too_many_changes_are_refused",
 )
 
+
+# A shell has what it starts in the background ignore Ctrl-C. Commands would inherit that, and tests end them by Ctrl-C.
+if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 gc.disable()  # what is collected stays: to look through it for garbage only takes time, now and in each test
 

@@ -52,6 +52,7 @@ def main(arguments: list[str]) -> int:
         with ExitStack() as running:
             runners = [running.enter_context(Runner(tree)) for tree in trees]
             for name, chosen in _chosen(options, rooms, trees[0].folder):
+                print(f"{name}: {len(chosen)} mutants", flush=True)
                 kept = _killed_before(name, commit) if options.again else {}
                 left = [mutant for mutant in chosen if str(mutant) not in kept]
                 trials = [*(kept[str(mutant)](mutant) for mutant in chosen if str(mutant) in kept)]

@@ -94,10 +94,15 @@ def convert(kind: type[T], tree: object) -> T:
 
 
 class Key:
-    """A key of a table. name: of its field. convert: what checks it, made when the first file gives it."""
+    """A key of a table. name: of its field. convert: what checks it, made when the first file gives it.
+
+    Names in its annotation are looked up in the module that its class comes from, even if `sys.modules` has another
+    module under that name by then.
+    """
 
     def __init__(self, kind: type, name: str, default: object) -> None:
-        self._kind = kind
+        self._owner = next(base for base in kind.__mro__ if name in vars(base).get("__annotations__", {}))
+        self._names = vars(sys.modules[self._owner.__module__]) if self._owner.__module__ in sys.modules else {}
         self.name = name
         self.default = default
         self._converter: Converter | None = None
@@ -108,10 +113,8 @@ class Key:
 
     @property
     def annotation(self) -> Any:
-        owner = next(base for base in self._kind.__mro__ if self.name in vars(base).get("__annotations__", {}))
-        names = vars(sys.modules[owner.__module__]) if owner.__module__ in sys.modules else {}
-        alone: Any = SimpleNamespace(__annotations__={self.name: vars(owner)["__annotations__"][self.name]})
-        return get_type_hints(alone, names, include_extras=True)[self.name]
+        alone: Any = SimpleNamespace(__annotations__={self.name: vars(self._owner)["__annotations__"][self.name]})
+        return get_type_hints(alone, self._names, include_extras=True)[self.name]
 
     @property
     def convert(self) -> Converter:

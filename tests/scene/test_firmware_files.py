@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.scene.firmware_loader import BadFirmware, load_firmware
+from periph_sim.scene.firmware_loader import BadFirmware, load_firmware, settings_for
 
 MAIN = "from .shared import NAME\n\n\ndef main(dsp, settings):\n    pass\n"
 
@@ -67,6 +67,18 @@ def test_shipped_programs_load_where_firmware_is_another_package(monkeypatch: py
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "firmware", None)  # an import of it fails
     assert callable(load_firmware("imu_hil_robust").main)
+
+
+def test_settings_are_checked_with_the_names_of_the_module_that_they_come_from(tmp_path: Path) -> None:
+    """An edited file is loaded again under the same name, and pytest's own tests forget modules."""
+    text = "from dataclasses import dataclass\nfrom periph_sim.firmware import HexBytes\nREPLAY = ('reply',)\n"
+    text += "@dataclass\nclass Settings:\n    reply: HexBytes = b''\ndef main(dsp, settings): pass\n"
+    file = tmp_path / "mine.py"
+    file.write_text("from __future__ import annotations\n" + text)
+    before = load_firmware(str(file))
+    file.write_text("def main(dsp, settings): pass\n")
+    load_firmware(str(file))
+    assert vars(settings_for(before, {"reply": "12 34"})) == {"reply": b"\x12\x34"}
 
 
 @pytest.mark.parametrize(

@@ -97,6 +97,7 @@ class DerivedRecords:
         if "sample" in named:
             from ..timing.derived.error_records import ErrorRecords
 
-            errors = ErrorRecords(self._recorder, scene.truth_at, scene.frame_due)
+            assert scene.host_agent is not None
+            errors = ErrorRecords(self._recorder, scene.host_agent.truth_at, scene.host_agent.host.due)
             scene.on_frame(errors.frame)
             scene.on_transfer(errors.transfer)

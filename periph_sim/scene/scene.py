@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from ..devices.model_codes import Computed
     from ..devices.sensor_head import SensorHead
     from ..devices.sensor_rounds import Request, Round
-    from ..devices.truth import Axes, Truth
+    from ..devices.truth import Truth
     from ..devices.watchers import WireWatcher
     from ..processor.dsp import Dsp
     from ..sensors.host_frame import MotionFrames
@@ -111,7 +111,7 @@ class Scene:
         self.head: SensorHead | None = None
         self.requests: list[Request] = []  # of each of its rounds
         self.host: Host | None = None
-        self._host_side: HostAgent | None = None
+        self.host_agent: HostAgent | None = None
         self.truth: Truth | None = None
         self.sensors: ImuParameters | None = None  # whose values firmware computes, where it has models
         self.computed: Computed | None = None  # and how it computes them
@@ -152,14 +152,14 @@ class Scene:
         if has_bus and (shared or case.rounds is not None):
             self.on_transfer(self.bus.count_nacked)
         if case.host is not None:
-            self._host_side = parts.HostAgent(context, case.host, plan.host, self.sensors)
-            self.host = self._host_side.host
-            self.frames, self.truth = self._host_side.frames, self._host_side.truth
+            self.host_agent = parts.HostAgent(context, case.host, plan.host, self.sensors)
+            self.host = self.host_agent.host
+            self.frames, self.truth = self.host_agent.frames, self.host_agent.truth
         for transceiver in case.transceiver:
             self.wires.wire(transceiver.pair)
         if case.fault:
             parts.build_faults(context, self.wires, self.units)
-        self._uart = UartSide(context, self.wires, self.units, self._host_side, serial, self)
+        self._uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self)
         self._there = self._what_is_there()
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
@@ -306,19 +306,6 @@ class Scene:
         dsp = self.units[unit]
         i2c = dsp.plan.answers(parts.I2cOptions)
         return parts.ReleaseDelay(self.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, dsp.plan.system)
-
-    def _hosts(self) -> HostAgent:
-        assert self._host_side is not None
-        return self._host_side
-
-    def host_values(self, number: int) -> tuple[int, ...]:
-        return self._hosts().values(number)
-
-    def frame_due(self, number: int) -> int:
-        return self._hosts().host.due(number)
-
-    def truth_at(self, tick: int) -> Mapping[str, Axes]:
-        return self._hosts().truth_at(tick)
 
     def sci_bytes(self) -> int:
         """Characters that were sent to SCIs by others than units."""

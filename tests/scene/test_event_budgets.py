@@ -85,8 +85,8 @@ def test_loads_slack_levels_and_counts_of_the_imu_case():
         ("time in model", {"max": "1 s"}, {Kind.SPAN}),
         ("cpu load", {"max": "9 %"}, {Kind.IRQ, Kind.WAIT}),
         ("count of note duty", {"max": 0}, {Kind.NOTE}),
-        ("slack", {"min": "1 ms"}, set()),
-        ("response", {"max": "1 s"}, set()),
+        ("slack", {"min": "1 ms"}, {Kind.ROUND}),
+        ("response", {"max": "1 s"}, {Kind.TRANSFER}),
     ],
 )
 def test_only_what_a_budget_asks_for_is_recorded(measure: str, limits, kinds: set[Kind]):

@@ -36,7 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.input_files import open_regular
-from ...core.records import Kind
+from ...core.records import RECORDED, Kind
 from ..capture.capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
 from ..capture.grid import OffGrid
 from ..capture.line_states import quantized
@@ -270,9 +270,10 @@ def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]], t
         if len(columns[name]) and int(columns[name].max()) >= len(known):
             member = "head.npy, topics" if topics is not None and name in TOPIC else f"{name}.npy"
             _bad(path, member, f"place {int(columns[name].max())}", f"places in a table of {len(known)} names")
-    strange = [name for name in names["kind"] if name not in {kind.value for kind in Kind}]
+    known_kinds = [kind.value for kind in RECORDED]
+    strange = [name for name in names["kind"] if name not in known_kinds]
     if strange:
-        _bad(path, "head.npy", f"records of kind {strange[0]!r}", f"{', '.join(kind.value for kind in Kind)}")
+        _bad(path, "head.npy", f"records of kind {strange[0]!r}", ", ".join(known_kinds))
     if "field" not in columns:
         columns, names = columns | {"field": np.zeros(len(columns["tick"]), "<u4")}, names | {"field": ("",)}
     return RecordTable(columns, names, per_second, end, modules, topics, clocks)

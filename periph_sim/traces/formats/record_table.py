@@ -19,13 +19,13 @@ from typing import Any, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.records import Keeper, Kind, Record
+from ...core.records import RECORDED, Keeper, Kind, Record
 from ...form.c_types import Buffer, Text, UInt32
 
 Block = dict[str, "array[int]"]
 Clocks = Mapping[str, Sequence[tuple[int, Fraction]]]
 
-KINDS = tuple(Kind)
+KINDS = RECORDED
 NUMBER_OF = {kind: number for number, kind in enumerate(KINDS)}
 
 # Column, array's type code, numpy's type; the five strings are places in the table of that name.

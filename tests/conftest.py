@@ -13,9 +13,11 @@ from __future__ import annotations
 import gc
 import os
 import signal
+import sys
 import threading
 
 import pytest
+from _pytest.pytester import SysModulesSnapshot
 from hypothesis import is_hypothesis_test, settings
 from hypothesis.internal.conjecture import providers
 
@@ -34,6 +36,20 @@ if form.running == form.INTERPRETED:
 # Hypothesis also draws constants that it reads from the source of all modules imported so far, so that examples would
 # depend on the tests that ran before in the same process.
 providers.is_local_module_file = lambda path: False
+
+# pytester forgets the modules that a session inside the process imported. Of ours, imported again by a later test, each
+# class would exist twice.
+OURS = ("periph_sim.", "_firmware_shipped")
+_restore_modules = SysModulesSnapshot.restore
+
+
+def _restore_others(snapshot: SysModulesSnapshot) -> None:
+    ours = {name: module for name, module in sys.modules.items() if name.startswith(OURS)}
+    _restore_modules(snapshot)
+    sys.modules.update(ours)
+
+
+SysModulesSnapshot.restore = _restore_others
 
 # Seconds are no property: machines are shared. The same examples each time, so that a change is judged by what it
 # changed; `make explore` looks for new ones, and what it finds is kept as an @example.

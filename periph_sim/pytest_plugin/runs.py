@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 
 from ..bus.i2c.transfer import Transfer
-from ..core.records import Kind, Recorder
+from ..core.records import RECORDED, Recorder
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase
 from ..explain.chain import Chain
@@ -195,7 +195,7 @@ def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool =
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
         if record:
-            recorder.subscribe(Kind, columns)
+            recorder.subscribe(RECORDED, columns)
 
     scene = plan.scene(subscribe)
     log = WireLog(*scene.wires.values()) if keep_edges or record else None

@@ -93,7 +93,7 @@ def decode(
 
 def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: bool, shortest: int) -> Iterator[bytes]:
     names = [bus.name for bus in found]
-    clock = None if capture.rate is None else event_text.Clock.of(capture.rate, 2 * capture.length)
+    clock = None if capture.rate is None else event_text.Clock.for_rate(capture.rate, 2 * capture.length)
     rows = merged([bus.rows for bus in found])
     if style in EXPORTS:
         return _exported(found, rows, capture, clock, style)

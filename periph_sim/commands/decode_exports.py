@@ -80,7 +80,7 @@ def in_sigrok(rows: Rows, protocols: Sequence[str]) -> Iterator[bytes]:
 
     Each SPI line has a decoder of its own, which prints its words only: sigrok has no line for a selection.
     """
-    rows = rows.take((rows.event != SELECT) & (rows.event != DESELECT))
+    rows = rows.select((rows.event != SELECT) & (rows.event != DESELECT))
     decoders: list[str] = []
     for kind in protocols:
         decoders.append(f"{kind}-{sum(name.startswith(kind) for name in decoders) + 1}")

@@ -27,7 +27,7 @@ class Clock(NamedTuple):
     decimals: int
 
     @staticmethod
-    def of(rate: Fraction, length: int = 0) -> Clock:
+    def for_rate(rate: Fraction, length: int = 0) -> Clock:
         """The clock of positions up to `length`."""
         period = 1 / rate
         decimals = next((n for n in range(MOST_DECIMALS) if (period * 10**n).denominator == 1), MOST_DECIMALS)
@@ -111,7 +111,7 @@ def transfers(
 ) -> Iterator[bytes]:
     """A line for each group of rows, which begin at the rows `first`; the rest as for `events`."""
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
-    titles, head = _head(rows.take(first)._replace(end=ends), buses, clock, style, full)
+    titles, head = _head(rows.select(first)._replace(end=ends), buses, clock, style, full)
     if style == "json":
         head.append(Literal('"transfer": "'))
     else:

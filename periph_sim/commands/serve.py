@@ -196,7 +196,7 @@ def _door(
 def _not_handed_over(line: SerialLine | None, door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor) -> Iterator[str]:
     """What there is to say of bytes that waited as it ended, and of those that nobody came for."""
     whose = "the I2CDriver" if line is None else "the SCI"
-    waiting = door.unheard + (0 if line is None else line.waiting)
+    waiting = door.unread + (0 if line is None else line.waiting)
     if waiting:
         yield f"{waiting} bytes for {whose} were not sent yet"
     if len(door.back):

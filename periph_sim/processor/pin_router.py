@@ -41,7 +41,7 @@ class Router(Agent):
     """inputs, outputs: signal of the pin table -> the peripheral's pin."""
 
     _wires: dict[int, Wire]
-    _unheard: BigInt
+    _unread: BigInt
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class Router(Agent):
         self._pads = Sampler(kernel, recorder, self)  # those of which the GPIO machine is told
         self._line = {n: line for line, n in enumerate(pads.wires)}  # pad -> its line there
         self._heard: set[int] = set()
-        self._unheard = -1  # mask: all other pads
+        self._unread = -1  # mask: all other pads
         self._between_at = NO_TIME  # when it is told next of edges between two SYSCLKOUT edges
         self._xint = xint
         self._routes = -1
@@ -111,7 +111,7 @@ class Router(Agent):
         for n in sorted(heard - self._heard):
             self._pads.listen(self._line[n], self._wires[n])
         self._heard = heard
-        self._unheard = ~sum(BIT[n] for n in heard)
+        self._unread = ~sum(BIT[n] for n in heard)
 
     def sampled(self, tick: int, levels: int) -> None:
         """Pads have changed: on a SYSCLKOUT edge, or between two, which the machine is told at the later one."""
@@ -165,7 +165,7 @@ class Router(Agent):
     def _tell(self, cycle: int, levels: BigInt, exact: bool = True) -> BigInt:
         """The GPIO machine is told of the pads that it hears of; those that moved for it."""
         gpio = self._gpio
-        levels = levels & ~self._unheard | gpio.pads & self._unheard
+        levels = levels & ~self._unread | gpio.pads & self._unread
         moved = levels ^ gpio.pads
         if moved:
             gpio.edges(cycle, levels, exact)
@@ -179,10 +179,10 @@ class Router(Agent):
 
     def _peek(self, cycle: int, offset: int) -> int:
         """Return a word of GPIO with the present levels of all pads, and leave the machine as it was."""
-        gpio, unheard = self._gpio, (self._levels_on_wires() ^ self._gpio.pads) & self._unheard
-        gpio.moved_before(unheard)
+        gpio, unread = self._gpio, (self._levels_on_wires() ^ self._gpio.pads) & self._unread
+        gpio.moved_before(unread)
         value = gpio.peek(cycle, offset)
-        gpio.moved_before(unheard)
+        gpio.moved_before(unread)
         return value
 
     def _levels_on_wires(self) -> BigInt:

@@ -66,7 +66,7 @@ def test_columns_that_only_some_lines_have():
 )
 @settings(max_examples=80, deadline=None)
 def test_times_are_exact_or_rounded_and_never_too_large(positions: list[int], rate: int):
-    clock = Clock.of(Fraction(rate), max(positions) + 1)
+    clock = Clock.for_rate(Fraction(rate), max(positions) + 1)
     for position, units in zip(positions, clock.units(np.array(positions)).tolist(), strict=True):
         off = abs(Fraction(units, 10**clock.decimals) - Fraction(position, rate))
         exact = (Fraction(10**11, rate)).denominator == 1 and max(positions) < 10**11
@@ -75,4 +75,4 @@ def test_times_are_exact_or_rounded_and_never_too_large(positions: list[int], ra
 
 @pytest.mark.parametrize(("rate", "decimals"), [(1, 0), (4_000_000, 8), (500_000, 6), (24_000_000, 12), (10**9, 9)])
 def test_as_many_decimals_as_the_period_has(rate: int, decimals: int):
-    assert Clock.of(Fraction(rate)).decimals == decimals
+    assert Clock.for_rate(Fraction(rate)).decimals == decimals

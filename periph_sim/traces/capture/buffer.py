@@ -1,4 +1,4 @@
-"""Positions that come in pieces: arrays go in, one int64 array comes out, never held twice."""
+"""A growing buffer of positions: arrays are appended in pieces and returned as one int64 array without a copy."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ LEAST = 1 << 10
 
 
 class PositionBuffer:
-    """An int64 array that grows at its end; its room is enlarged in place by the allocator."""
+    """An int64 array that grows at its end; the allocator enlarges it in place."""
 
     def __init__(self) -> None:
         self._room = np.empty(LEAST, np.int64)
@@ -21,7 +21,7 @@ class PositionBuffer:
         return self._used
 
     def append(self, more: NDArray[np.integer], offset: int = 0) -> None:
-        """Takes up `more`, each with `offset` added."""
+        """Append `more`, with `offset` added to each value."""
         end = self._used + len(more)
         if end > len(self._room):
             self._room.resize(max(end, len(self._room) * 5 // 4), refcheck=False)
@@ -29,10 +29,10 @@ class PositionBuffer:
         self._used = end
 
     def cut(self, length: int) -> None:
-        """Drops all but the first `length`."""
+        """Drop all but the first `length` positions."""
         self._used = min(self._used, length)
 
     def done(self) -> Positions:
-        """All of them; nothing may be appended behind."""
+        """Return all positions; nothing may be appended afterwards."""
         self._room.resize(self._used, refcheck=False)
         return self._room

@@ -1,11 +1,10 @@
-"""The buses of a capture by what its channels are called: a Capture goes in, pairs of SCL and SDA and serial lines come
-out.
+"""Find the buses of a capture by the names of its channels: pairs of SCL and SDA, and serial lines.
 
-    SCL, SDA                                             one bus
-    EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two: what stands beside the word, or its number, is equal
-    Channel 0 (SDA), Channel 1 (SCL)                     one: there is no other to confuse it with
-    SCL_A, SDA_A, SCL_B                                  one, and SCL_B is left over
-    tb.scl, tb.dut.scl, tb.sda, tb.dut.sda               one, if both scopes show the same edges
+SCL, SDA                                             one bus
+EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two: the other words, or the numbers, are equal
+Channel 0 (SDA), Channel 1 (SCL)                     one: no other channel could be meant
+SCL_A, SDA_A, SCL_B                                  one, and SCL_B is left over
+tb.scl, tb.dut.scl, tb.sda, tb.dut.sda               one, if both scopes show the same edges
 """
 
 from __future__ import annotations
@@ -19,13 +18,13 @@ import numpy as np
 from .capture import Capture, Channel
 
 LINE = re.compile(r"(scl|sda|rx|tx)(\d*)")
-PLACE = re.compile(r"channel|(ch|d|a)?\d+")  # where an analyser's clip was: not part of the name of a bus
+PLACE = re.compile(r"channel|(ch|d|a)?\d+")  # an analyser's input, not part of the name of a bus
 
 Key = tuple[str, ...]
 
 
 class Named(NamedTuple):
-    """i2c: SCL and SDA of each bus. uart: lines called RX or TX. left_over: called SCL or SDA, without the other."""
+    """i2c: SCL and SDA of each bus. uart: lines called RX or TX. left_over: SCL or SDA lines without a partner."""
 
     i2c: list[tuple[Channel, Channel]]
     uart: list[Channel]
@@ -39,7 +38,7 @@ class _Line(NamedTuple):
 
 
 def buses_named(capture: Capture) -> Named:
-    """The buses of a capture, in the order of their channels."""
+    """Return the buses of a capture, in the order of their channels."""
     lines = [line for channel in capture.channels if (line := _line(channel))]
     lines = [line for n, line in enumerate(lines) if not any(_same(line, before) for before in lines[:n])]
     left = [line for line in lines if line.line in ("scl", "sda")]
@@ -64,7 +63,7 @@ def _line(channel: Channel) -> _Line | None:
 
 
 def _same(line: _Line, other: _Line) -> bool:
-    """True if two names stand for one wire, as those of a simulation's scopes do."""
+    """True if two names are of one wire, as in the scopes of a simulation."""
     a, b = line.channel, other.channel
     return line.line == other.line and len(a.edges) > 0 and a.initial == b.initial and np.array_equal(a.edges, b.edges)
 
@@ -74,7 +73,7 @@ def _key_without_places(line: _Line) -> Key:
 
 
 def _pairs(lines: Iterable[_Line], alike: Callable[[_Line], Key]) -> list[tuple[_Line, _Line]]:
-    """SCL and SDA of equal keys, where there is one of each."""
+    """Return SCL and SDA of equal keys, where there is exactly one of each."""
     groups: dict[Key, dict[str, list[_Line]]] = {}
     for line in lines:
         groups.setdefault(alike(line), {"scl": [], "sda": []})[line.line].append(line)

@@ -1,11 +1,11 @@
-"""What every format reader returns: the edges of a capture, channel by channel.
+"""A capture in memory, as every format reader returns it: the edges, channel by channel.
 
     file --> formats.read(path) --> Capture --> decode
 
 Positions are integers: sample numbers where the file counts samples, ticks where it
-only gives times. An edge stands at the first position with the new level. Levels
-nobody knows (gaps between chunks, `x` in a VCD, `X` in a CSV) are spans a decoder
-must not cross.
+only gives times. An edge is at the first position with the new level. Unknown levels
+(gaps between chunks, `x` in a VCD, `X` in a CSV) are spans that a decoder must not
+cross.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ RATE = re.compile(rf"\s*(\d{{1,{MOST_DIGITS}}}(?:\.\d{{0,{MOST_DIGITS}}})?(?:[eE
 
 
 class BadCapture(ValueError):
-    """A file that cannot be read, said in one sentence: file, place, found, expected, way out."""
+    """A file that cannot be read, in one sentence: file, place, found, expected, remedy."""
 
     def __init__(self, path: Path, place: str, found: str, expected: str, way_out: str) -> None:
         said = f"{shorten(place)}: found {shorten(found)}, expected {shorten(expected)}; {shorten(way_out)}"
@@ -44,8 +44,8 @@ class BadCapture(ValueError):
         self.expected = expected
         self.way_out = way_out
 
-    def of(self, path: Path) -> BadCapture:
-        """The same said of another path."""
+    def with_path(self, path: Path) -> BadCapture:
+        """Return the same error with another path."""
         return BadCapture(path, self.place, self.found, self.expected, self.way_out)
 
 
@@ -60,7 +60,7 @@ class Span(NamedTuple):
 class Channel:
     """One line. `edges` rise strictly, within 1 .. length - 1; `levels[i]` holds from `edges[i]` on.
 
-    Neighbouring levels differ, so the level behind edge i is `initial` turned over i + 1 times.
+    Neighbouring levels differ, so the level after edge i is `initial` inverted i + 1 times.
     `index` is the place in the file (bit of the sample, column, number of the export file).
     """
 
@@ -72,17 +72,17 @@ class Channel:
     unknown: tuple[Span, ...] = ()
 
     def at(self, positions: Positions) -> Levels:
-        """The level at each position; an edge at a position counts as done."""
+        """Return the level at each position; an edge at a position is included."""
         done = np.searchsorted(self.edges, positions, side="right")
         return (self.initial ^ (done & 1)).astype(np.uint8)
 
     def before(self, positions: Positions) -> Levels:
-        """The level just before each position."""
+        """Return the level just before each position."""
         done = np.searchsorted(self.edges, positions, side="left")
         return (self.initial ^ (done & 1)).astype(np.uint8)
 
     def cut(self, span: Span) -> Channel:
-        """The same line within a span, positions unchanged; `initial` is the level at its begin."""
+        """Return the line within a span, positions unchanged; `initial` is the level where the span begins."""
         first, last = np.searchsorted(self.edges, [span.begin + 1, span.end])
         initial = self.initial ^ (int(first) & 1)
         return Channel(self.name, self.index, initial, self.edges[first:last], self.levels[first:last])
@@ -90,12 +90,12 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Capture:
-    """rate: positions a second, None where neither file nor caller says.
+    """rate: positions a second, None if neither the file nor the caller states it.
 
-    sampled: True where one position is one sample of the analyser, False where positions are the
-    ticks of time stamps and the sampling grid behind them is not known (see `sampling`).
+    sampled: True if one position is one sample of the analyser, False if positions are the
+    ticks of time stamps, whose sampling grid is unknown (see `sampling`).
     notes: what the reader did about irregularities, a sentence each.
-    exact: True where positions are the instants themselves, as in a simulation of ours.
+    exact: True if positions are the exact instants, as in our own simulations.
     """
 
     path: Path
@@ -107,11 +107,11 @@ class Capture:
     exact: bool = False
 
     def noted(self, *notes: str) -> Capture:
-        """The same capture with more notes."""
+        """Return the capture with more notes."""
         return replace(self, notes=(*self.notes, *notes))
 
     def channel(self, wanted: str | int) -> Channel:
-        """The channel of a name (its part after the last dot is enough if unique), or of an index, also as digits.
+        """Return the channel of a name (the part after the last dot is enough if unique), or an index, also as digits.
 
         LookupError names the nearest right names.
         """
@@ -132,7 +132,7 @@ class Capture:
         raise LookupError(f"{self.path}: there is no channel {asked}; {right}")
 
     def known(self, *channels: Channel) -> list[Span]:
-        """The spans, in order, in which the levels of all the given channels are known."""
+        """Return the spans, in order, in which the levels of all the given channels are known."""
         spans: list[Span] = []
         begin = 0
         for hole in sorted(hole for channel in channels for hole in channel.unknown):
@@ -145,16 +145,16 @@ class Capture:
 
 
 def listed(channels: Sequence[Channel]) -> str:
-    """The channels as a person may name them, `SCL (index 0), SDA (index 1)`; of many the first."""
+    """Return the channels as text, `SCL (index 0), SDA (index 1)`; at most MOST_NAMED of them."""
     names = [f"{shorten(channel.name, 60)} (index {channel.index})" for channel in channels[:MOST_NAMED]]
     return ", ".join(names if len(channels) <= MOST_NAMED else [*names, "..."])
 
 
 def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | None], length: int) -> Channel:
-    """A Channel from states in order of time: the line is at `levels[i]` from `at[i]` on, None for unknown.
+    """Build a Channel from states in order of time: the line is at `levels[i]` from `at[i]` on, None for unknown.
 
     Of several states at one position the last counts; a state that changes nothing is dropped.
-    An unknown stretch keeps the level before it (or takes the one behind, at the start): no edge lies within it.
+    An unknown stretch keeps the level before it (at the start, the level after it): no edge lies within it.
     """
     states = dict(zip(at, levels, strict=True))
     initial = next((level for level in states.values() if level is not None), 1)
@@ -178,14 +178,14 @@ def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | 
 
 
 def channel_of_edges(name: str, index: int, initial: int, edges: Positions, unknown: tuple[Span, ...] = ()) -> Channel:
-    """A Channel whose level turns over at each of `edges`, which rise strictly from 1."""
+    """Build a Channel whose level is inverted at each of `edges`, which rise strictly from 1."""
     levels = np.full(len(edges), initial, np.uint8)
     levels[::2] ^= 1
     return Channel(name, index, initial, edges, levels, unknown)
 
 
 def rate_of(text: str) -> Fraction:
-    """Samples a second: `4 MHz`, `500 kHz`, `1.5MHz`, `12000000`. ValueError says what was expected."""
+    """Parse a sample rate: `4 MHz`, `500 kHz`, `1.5MHz`, `12000000`. ValueError says what was expected."""
     match = RATE.fullmatch(text)
     if not match or match[2].casefold() not in UNITS:
         asked = shorten(repr(text.strip()))

@@ -1,4 +1,4 @@
-"""All channels of a capture as one list of changes in order of time: what a writer goes through once."""
+"""All channels of a capture as one list of changes in order of time, for writers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ UNKNOWN = 2
 
 
 class Changes(NamedTuple):
-    """From `at[i]` on channel number `which[i]` is at `states[i]`: 0, 1 or UNKNOWN. Sorted by both."""
+    """From `at[i]` on, channel number `which[i]` is at `states[i]`: 0, 1 or UNKNOWN. Sorted by both."""
 
     at: Positions
     which: NDArray[np.int64]
@@ -21,7 +21,7 @@ class Changes(NamedTuple):
 
 
 def changes(capture: Capture) -> Changes:
-    """The first `len(channels)` entries are the states at position 0; none behind repeats the state before it."""
+    """Merge the channels. The first `len(channels)` entries are the states at position 0; the others are changes."""
     each = [_states(channel, capture.length) for channel in capture.channels]
     at = np.concatenate([np.empty(0, np.int64), *(positions for positions, _ in each)])
     states = np.concatenate([np.empty(0, np.uint8), *(values for _, values in each)])
@@ -31,7 +31,7 @@ def changes(capture: Capture) -> Changes:
 
 
 def _states(channel: Channel, length: int) -> tuple[Positions, Levels]:
-    """(positions from 0 on, state from each on) of one channel; no state repeats."""
+    """Return one channel's positions, from 0 on, and the state from each on; no state repeats."""
     begins = np.array([span.begin for span in channel.unknown], np.int64)
     ends = np.array([span.end for span in channel.unknown if span.end < length], np.int64)
     at = np.unique(np.concatenate([np.zeros(1, np.int64), channel.edges, begins, ends]))

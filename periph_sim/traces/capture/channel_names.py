@@ -1,4 +1,4 @@
-"""Which channels are called as a line of a bus: a Capture and `scl` go in, the channels of that name come out."""
+"""Find the channels of a capture that are named like a line of a bus, such as `scl`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .capture import Capture, Channel
 
 
 def channels_named(capture: Capture, line: str) -> list[Channel]:
-    """The channels named `line` but for scopes (`tb.bus.scl`) and case; if none is, those with it as a word.
+    """Return the channels named `line`, ignoring scopes (`tb.bus.scl`) and case; if none, those with it as a word.
 
     `Channel 0 (SDA)`, `24LC515 SCL` and `i2c_scl` have the word; `SCL2` and `MISCL` do not.
     """

@@ -1,4 +1,4 @@
-"""A part of a capture: some of its channels, or a window of time, which then begins at position 0."""
+"""Parts of a capture: some of its channels, or a window of time, which then begins at position 0."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .capture import MOST_DIGITS, BadCapture, Capture, Channel, Span
 
 
 def with_channels(capture: Capture, names: Sequence[str]) -> Capture:
-    """The named channels in the order given. LookupError names the nearest right names."""
+    """Return the named channels in the order given. LookupError names the nearest right names."""
     return replace(capture, channels=tuple(capture.channel(name) for name in names))
 
 
 def within(capture: Capture, window: Span) -> Capture:
-    """What lies in the window, its begin at position 0. BadCapture if it lies outside."""
+    """Return the part in the window, whose begin becomes position 0. BadCapture if it is outside the capture."""
     if not 0 <= window.begin < window.end <= capture.length:
         raise BadCapture(
             capture.path,
@@ -40,7 +40,7 @@ def _within(channel: Channel, window: Span) -> Channel:
 
 
 def window_of(text: str, rate: Fraction | None) -> Span:
-    """`100 us..1.2 ms`, or in positions `400..4800`; a time between two positions is taken outwards. ValueError."""
+    """Parse `100 us..1.2 ms`, or in positions `400..4800`; times between two positions round outwards. ValueError."""
     begin, dots, end = text.partition("..")
     if not dots:
         raise ValueError(f"{shorten(repr(text))} is no window; expected FROM..TO, as in '100 us..1.2 ms'")

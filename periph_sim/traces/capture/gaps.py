@@ -1,4 +1,4 @@
-"""Spans that nobody recorded, as notes: a Capture and some of its channels go in, one sentence or none comes out."""
+"""The spans that were not recorded of some channels of a Capture, also as a note."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ MOST_LISTED = 3  # spans with their times
 
 
 def gaps(capture: Capture, *channels: Channel) -> list[Span]:
-    """The spans in which the level of at least one of the channels is unknown, in order, neighbours joined."""
+    """Return the spans in which the level of at least one of the channels is unknown, in order, neighbours joined."""
     known = [Span(0, 0), *capture.known(*channels), Span(capture.length, capture.length)]
     between = (Span(before.end, behind.begin) for before, behind in pairwise(known))
     return [span for span in between if span.begin < span.end]
 
 
 def gap_notes(capture: Capture, *channels: Channel) -> list[str]:
-    """One note on where the channels were not recorded and how long, or none."""
+    """Return one note on where and for how long the channels were not recorded, or none."""
     found = gaps(capture, *channels)
     if not found:
         return []

@@ -1,4 +1,4 @@
-"""Times as people and files write them, onto integer positions: exact or refused.
+"""Conversion of times in text to integer positions, exactly or with an error.
 
 "0.000016460", ISO 8601 --> ticks (a power of ten a second) --> samples of a known rate
 """
@@ -15,11 +15,11 @@ from ...core.shorten import shorten
 DECIMAL = re.compile(r"\s*([+-]?)(\d{1,40})(?:\.(\d{0,40}))?\s*")  # more digits are no time
 ISO = re.compile(r"\s*(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d)(?:\.(\d{1,40}))?(Z|[+-]\d\d:?\d\d)?\s*")
 
-LEAST_DECIMALS = 9  # nanoseconds: what Saleae's exports are exact to at whole-nanosecond sample periods
+LEAST_DECIMALS = 9  # nanoseconds, to which Saleae's exports are exact at whole-nanosecond sample periods
 
 
 class OffGrid(ValueError):
-    """A time that no sample of the given rate can have: which one of the sequence, and the offset in ticks."""
+    """A time that is on no sample of the given rate: its index in the sequence, and the offset in ticks."""
 
     def __init__(self, which: int, off: Fraction) -> None:
         super().__init__(f"time {which} is {float(off):.3g} ticks off the grid")
@@ -27,7 +27,7 @@ class OffGrid(ValueError):
 
 
 def exact_time(text: str) -> tuple[int, int]:
-    """(digits, decimals): digits / 10**decimals seconds, exactly. ValueError if it is no number and not ISO 8601."""
+    """Return (digits, decimals): digits / 10**decimals seconds, exactly. ValueError if not a number or ISO 8601."""
     if match := DECIMAL.fullmatch(text):
         sign, whole, part = match[1], match[2], match[3] or ""
         digits = int(whole + part)
@@ -41,7 +41,7 @@ def exact_time(text: str) -> tuple[int, int]:
 
 
 def ticks_of(times: Sequence[tuple[int, int]]) -> tuple[list[int], int]:
-    """(ticks, ticks a second): all times without loss on the coarsest power of ten that is at least nanoseconds."""
+    """Return (ticks, ticks a second): all times exactly, on the coarsest power of ten that is at least nanoseconds."""
     decimals = max((d for _, d in times), default=0)
     decimals = max(decimals, LEAST_DECIMALS)
     ticks = [digits * 10 ** (decimals - d) for digits, d in times]
@@ -52,7 +52,7 @@ def ticks_of(times: Sequence[tuple[int, int]]) -> tuple[list[int], int]:
 
 
 def snap(ticks: Sequence[int], per_second: Fraction, rate: Fraction) -> list[int]:
-    """The nearest sample number of each time. OffGrid if one is further off than its writer's rounding can explain.
+    """Return the nearest sample number of each time. OffGrid if one is further off than its writer's rounding explains.
 
     Where a sample period is whole ticks there is nothing to round and a time must fall on a sample;
     else the writer may have rounded or cut by up to a tick.

@@ -1,4 +1,4 @@
-"""The states of one line, in order of time, made into a Channel: for readers of many changes.
+"""Conversion of the states of one line, in order of time, to a Channel: for readers of many changes.
 
 positions, states 0, 1 or UNKNOWN --> Channel
 """
@@ -15,7 +15,7 @@ from .grid import OffGrid, snap
 
 
 def channel_of_states(name: str, index: int, at: Positions, states: Levels, length: int) -> Channel:
-    """What `channel_of` gives for the same states, quickly; `at` may repeat a position but never falls.
+    """Return the same as `channel_of`, by array operations; `at` may repeat a position but never falls.
 
     Of several states at one position the last counts. An unknown stretch keeps the level before it.
     """
@@ -39,7 +39,7 @@ def channel_of_states(name: str, index: int, at: Positions, states: Levels, leng
 
 
 def quantized(ticks: Positions, per_second: Fraction, rate: Fraction) -> Positions:
-    """What `snap` gives, quickly where the arithmetic fits 64 bits. OffGrid as there."""
+    """Return the same as `snap`, by array operations where the arithmetic fits 64 bits. OffGrid as there."""
     period = per_second / rate
     top, bottom = period.denominator, period.numerator
     if not len(ticks) or 2 * max(int(ticks.max()), 1) * top + bottom >= 1 << 63:

@@ -1,7 +1,7 @@
-"""A capture as an analyser of another rate would have seen it: positions go in, samples of that rate come out.
+"""Resampling of a capture, as an analyser of another rate would have recorded it.
 
-An edge goes to the first sample at or after it. A pulse between two samples is not seen: it is lost,
-counted, and told in the notes.
+An edge goes to the first sample at or after it. A pulse between two samples is lost,
+counted, and mentioned in the notes.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ MOST_POSITION = 1 << 62
 
 
 def resampled(capture: Capture, rate: Fraction) -> Capture:
-    """The capture on samples of `rate` a second, with a note where pulses were lost. BadCapture if it has no time."""
+    """Return the capture on samples of `rate` a second, with a note of lost pulses. BadCapture without a rate."""
     if capture.rate is None:
         raise BadCapture(
             capture.path, "its rate", "none stated", "positions with a time", "state the rate at which it was captured"
         )
     ratio = rate / capture.rate
     last = max((int(channel.edges[-1]) for channel in capture.channels if len(channel.edges)), default=0)
-    length = max(_ceil(capture.length * ratio), _ceil(last * ratio) + 1)  # no edge falls behind the last sample
+    length = max(_ceil(capture.length * ratio), _ceil(last * ratio) + 1)  # no edge is after the last sample
     if length > MOST_POSITION:
         raise BadCapture(capture.path, "its length", f"{length} samples", f"at most {MOST_POSITION}", "use less --rate")
     moved = [_moved(channel, ratio, length) for channel in capture.channels]
@@ -38,7 +38,7 @@ def resampled(capture: Capture, rate: Fraction) -> Capture:
 
 
 def rate_text(rate: Fraction) -> str:
-    """`4 MHz`, `115200 Hz`, `1000000/3 Hz`: exact, in the largest unit that leaves a whole number."""
+    """Format a rate exactly, in the largest unit that gives a whole number: `4 MHz`, `115200 Hz`, `1000000/3 Hz`."""
     for unit, size in (("GHz", 10**9), ("MHz", 10**6), ("kHz", 10**3)):
         if rate % size == 0:
             return f"{rate // size} {unit}"
@@ -46,7 +46,7 @@ def rate_text(rate: Fraction) -> str:
 
 
 def _moved(channel: Channel, ratio: Fraction, length: int) -> tuple[Channel, int]:
-    """(the channel on the new samples, pulses lost)."""
+    """Return (the channel on the new samples, pulses lost)."""
     at, changes = np.unique(_up(channel.edges, ratio), return_counts=True)
     lost = int((changes // 2).sum())
     spans = ((_ceil(hole.begin * ratio), min(_ceil(hole.end * ratio), length)) for hole in channel.unknown)
@@ -56,7 +56,7 @@ def _moved(channel: Channel, ratio: Fraction, length: int) -> tuple[Channel, int
 
 
 def _up(positions: Positions, ratio: Fraction) -> Positions:
-    """The first sample at or after each position, exactly."""
+    """Return the first sample at or after each position, exactly."""
     top, bottom = ratio.numerator, ratio.denominator
     if not len(positions) or int(positions[-1]) * top + bottom < 1 << 63:
         return -(-positions * top // bottom)

@@ -1,8 +1,8 @@
-"""How well a capture knows its times: a Capture goes in, the step from one sample to the next comes out.
+"""Resolution of a capture's times: the step from one sample to the next.
 
-A file of time stamps (VCD, Saleae CSV and binary) does not say how it was sampled. Its times are taken to be as good
-as the coarsest grid on which all its edges lie. A grid finer than any analyser's is a simulation's, whose times are
-exact, as are those of our own runs.
+A file of time stamps (VCD, Saleae CSV and binary) does not say how it was sampled. Its times are assumed to be as
+good as the coarsest grid on which all its edges are. A grid finer than any analyser's is that of a simulation, whose
+times are exact, as are those of our own runs.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from .capture import BadCapture, Capture, Channel
 from .resample import rate_text, resampled
 
 FASTEST_ANALYSER = 10**10  # samples a second; nothing samples logic faster
-LONGEST_PAUSE = 1 << 26  # samples without an edge that are made of time stamps: 0.7 s at 100 MHz
+LONGEST_PAUSE = 1 << 26  # samples without an edge when time stamps become samples: 0.7 s at 100 MHz
 
 
 def grid_of(channels: tuple[Channel, ...]) -> int:
-    """The greatest common divisor of the positions between any two edges; 1 with fewer than two edges."""
+    """Return the greatest common divisor of the positions between any two edges; 1 with fewer than two edges."""
     busy = [channel.edges for channel in channels if len(channel.edges)]
     steps = [int(np.gcd.reduce(edges - busy[0][0])) for edges in busy]
     return max(1, gcd(*steps))
 
 
 def is_exact(capture: Capture) -> bool:
-    """True if the positions are a simulation's own instants, or too fine for any analyser."""
+    """True if the positions are the instants of a simulation, or too fine for any analyser."""
     if capture.sampled or capture.rate is None:
         return False
     return capture.exact or capture.rate / grid_of(capture.channels) > FASTEST_ANALYSER
 
 
 def sample_step(capture: Capture) -> int:
-    """Positions from one sample to the next: within so many nobody knows where an edge truly was.
+    """Return the positions from one sample to the next, which is the uncertainty of an edge's true instant.
 
     1 where positions are samples, and where they are exact; else the grid of the edges.
     """
@@ -43,21 +43,21 @@ def sample_step(capture: Capture) -> int:
 
 
 def stamp_notes(capture: Capture) -> list[str]:
-    """One note on how good the time stamps of a capture are taken to be; none of samples and exact times."""
+    """Return a note on the assumed resolution of a capture's time stamps; none for samples and exact times."""
     if capture.sampled or capture.rate is None or is_exact(capture):
         return []
     apart = float(grid_of(capture.channels) * 10**9 / capture.rate)
     return [
-        f"the file gives times, not samples; all its edges lie {apart:g} ns or multiples of it apart, and so good its "
-        "times are taken to be"
+        f"the file gives times, not samples; all its edges are multiples of {apart:g} ns apart, which is "
+        "taken as their resolution"
     ]
 
 
 def on_samples(capture: Capture) -> Capture:
-    """The capture in samples of the slowest rate that loses no edge, with a note that says so.
+    """Return the capture in samples of the slowest rate that loses no edge, with a note that says so.
 
-    A capture of samples, or without a rate, as it is. BadCapture where most samples would be one long pause, which a
-    single damaged time stamp makes.
+    A capture of samples, or without a rate, is returned as it is. BadCapture if most samples would be one long pause,
+    as after a single damaged time stamp.
     """
     if capture.sampled or capture.rate is None:
         return capture
@@ -70,7 +70,7 @@ def on_samples(capture: Capture) -> Capture:
 
 
 def _refuse_pause(capture: Capture, rate: Fraction) -> None:
-    """BadCapture if one pause has more samples than LONGEST_PAUSE, and more than all the rest. Exact times may."""
+    """Raise BadCapture if one pause has more samples than LONGEST_PAUSE and than all the rest. Exact times may."""
     assert capture.rate is not None
     edges = np.sort(np.concatenate([channel.edges for channel in capture.channels] or [np.empty(0, np.int64)]))
     ends = [0, *edges.tolist(), capture.length]

@@ -1,11 +1,11 @@
-"""What a file may make a reader hold, or a writer make: stated once, so that no small file can fill the memory.
+"""Limits on what a reader holds in memory and a writer produces, so that no small file can fill the memory.
 
 A zip of a few kilobytes can hold terabytes, and a count in a header can be anything.
 """
 
 from __future__ import annotations
 
-MOST_BYTES = 1 << 36  # unpacked samples that are looked at: 64 GiB, which takes some minutes
+MOST_BYTES = 1 << 36  # unpacked samples that are examined: 64 GiB, which takes some minutes
 MOST_EDGES = 1 << 26  # of all channels together: 512 MiB of positions
 MOST_METADATA = 1 << 20  # bytes of a text that describes the samples
 MOST_DIRECTORY = 1 << 24  # bytes of a zip's directory: some 200 000 members

@@ -1,4 +1,4 @@
-"""Does a trace keep the timing limits of the I2C-bus specification? For the command and for tests.
+"""Check of a trace against the timing limits of the I2C-bus specification, for the command and for tests.
 
     Capture --measure--> times of every limit --judge--> Report: pass, fail, or undecidable at this sample rate
 
@@ -27,9 +27,9 @@ def check(
     *,
     exact: bool | None = None,
 ) -> Report:
-    """The verdict on every limit of a mode; `str()` of it is a table.
+    """Return the verdict on every limit of a mode; `str()` of it is a table.
 
-    exact: as for `resolution_of`. LookupError if a channel is not there; ValueError without a rate.
+    exact: as for `resolution_of`. LookupError for a missing channel; ValueError without a rate.
     """
     mode = Mode(mode)
     resolution = resolution_of(capture, exact)

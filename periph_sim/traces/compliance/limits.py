@@ -2,7 +2,7 @@
 
 Source: UM10204 (I2C-bus specification and user manual), Table 10, characteristics of the SDA and SCL bus lines, with
 its footnotes; the maxima of tVD in Fast-mode Plus from general knowledge. Times are whole nanoseconds. The maximum
-of fSCL is kept as the least period.
+of fSCL is stated as the minimum period.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ class Mode(Enum):
 
 
 class Bounds(NamedTuple):
-    """Nanoseconds a time must at least and may at most have; None: no such limit."""
+    """Minimum and maximum of a time in nanoseconds; None: no such limit."""
 
     least: int | None = None
     most: int | None = None
 
 
 class Limit(NamedTuple):
-    """seen: False where a capture with one threshold a line cannot show it. rule: a footnote, and how it is read."""
+    """seen: False if a capture with one threshold a line cannot show it. rule: a footnote and its interpretation."""
 
     symbol: str
     begins: str
@@ -89,4 +89,4 @@ LIMITS: tuple[Limit, ...] = (
 )
 
 LIMIT = {limit.symbol: limit for limit in LIMITS}
-SPIKES_TO = 2  # times tSP: a pulse up to here is a spike, if too long a one
+SPIKES_TO = 2  # times tSP: a pulse of up to this length is a spike, if an invalid one

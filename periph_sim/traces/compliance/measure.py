@@ -1,4 +1,4 @@
-"""Every time that Table 10 of UM10204 names, measured over the whole trace at once.
+"""Measurement of every time of UM10204's Table 10, over the whole trace at once.
 
     Capture --known spans, spikes put aside--> SCL rises and falls, SDA edges --> symbol -> Measured
 
@@ -10,15 +10,16 @@
 
 Rules:
 - SDA changes while SCL is high before and after are conditions: START (falling), STOP (rising), a repeated START if
-  the condition before was a START. Where both lines change at one position, it is data: no time behind the fall, or no
-  time before the rise.
-- SCL's high phases with a condition inside are no tHIGH and no whole period; tSU;STA and tSU;STO are measured from the
-  rise to the first condition behind it.
-- Data times are measured between START and STOP; tVD;DAT, tVD;ACK and the maximum of tHD;DAT only in low phases that
-  come before a bit: with no condition in the high phase behind. The ninth bit of each byte is ACK.
-- Who drove: conditions and SCL are the controller's. A bit is driven by whom the protocol asks (bytes behind R/W = 1
-  by the target, their ACK by the controller, the rest the other way round); a falling SDA is the work of the driver of
-  this bit, a rising one of the driver before, who has let go. SDA falling ahead of STOP is the controller's.
+    the condition before was a START. If both lines change at one position, it is data: no time after the fall, or no
+    time before the rise.
+  - SCL's high phases with a condition inside are no tHIGH and no whole period; tSU;STA and tSU;STO are measured from
+    the rise to the first condition after it.
+  - Data times are measured between START and STOP; tVD;DAT, tVD;ACK and the maximum of tHD;DAT only in low phases that
+    come before a bit, that is, with no condition in the high phase after them. The ninth bit of each byte is ACK.
+  - Driver: conditions and SCL are the controller's. The protocol determines the driver of a bit (bytes after R/W = 1
+    by the target, their ACK by the controller, the rest the other way round); a falling SDA is caused by the driver of
+    this bit, a rising one by the driver of the bit before, which released it. SDA falling ahead of STOP is the
+    controller's.
 - Unknown spans are never crossed.
 """
 
@@ -47,9 +48,9 @@ BITS = 9  # of a byte, with its ACK
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """One symbol's times, in order: where each begins, how many positions it is long, and by whose doing (a PARTY key).
+    """One symbol's times, in order: begin and length of each in positions, and the party that caused it (a PARTY key).
 
-    excused: where a maximum does not bind. doubtful: where at this resolution it is not sure that the limit binds (the
+    excused: where a maximum does not apply. doubtful: where the resolution does not show whether the limit applies (the
     pulse may be a spike, the low phase a stretched one), so that a time beyond it is not surely wrong.
     """
 
@@ -70,7 +71,7 @@ def measured(
     excused: Flags | None = None,
     doubtful: Flags | None = None,
 ) -> Measured:
-    """From `begins` to `ends`; nobody is excused and nothing doubtful unless said."""
+    """Return the times from `begins` to `ends`; none is excused or doubtful by default."""
     nothing = np.zeros(len(begins), np.bool_)
     who = np.full(len(begins), party, np.uint8) if isinstance(party, int) else party
     return Measured(
@@ -84,13 +85,13 @@ def measured(
 
 @dataclass(frozen=True)
 class Measures:
-    """of: symbol -> its times, for every limit a capture can show. starts: STARTs of any kind.
+    """times: symbol -> its times, for every limit a capture can show. starts: STARTs of any kind.
 
     shared: positions at which both lines change, so that their order is unknown. coarse: the mode allows SCL pulses
-    shorter than a sample. blind: besides, some levels of SCL last one sample only, so that others may lie between two.
+    shorter than a sample. blind: also, some levels of SCL last one sample only; others may be missed.
     """
 
-    of: dict[str, Measured]
+    times: dict[str, Measured]
     starts: int
     shared: Positions
     coarse: bool
@@ -98,7 +99,7 @@ class Measures:
 
 
 def measure(capture: Capture, scl: str | int, sda: str | int, mode: Mode, resolution: Resolution) -> Measures:
-    """All times of a capture. LookupError if a channel is not there. The mode says what is a spike."""
+    """Measure all times of a capture. LookupError for a missing channel. The mode defines what is a spike."""
     lines = capture.channel(scl), capture.channel(sda)
     spans = capture.known(*lines)
     clock, data = lines
@@ -139,18 +140,18 @@ class _Part:
         self.conditions = sda.edges[steady]
         self.is_start = sda.levels[steady] == 0
         self.starts = self.conditions[self.is_start]
-        # A pulse is a rise and what follows it up to the next fall; the low phase before it goes with it.
-        self._low_from = _at(self.falls, np.searchsorted(self.falls, self.rises) - 1)  # -1: out of sight
-        self._high_to = _at(self.falls, np.searchsorted(self.falls, self.rises, side="right"))  # -1: out of sight
+        # A pulse is from a rise to the next fall; the low phase before it belongs to it.
+        self._low_from = _at(self.falls, np.searchsorted(self.falls, self.rises) - 1)  # -1: not in the capture
+        self._high_to = _at(self.falls, np.searchsorted(self.falls, self.rises, side="right"))  # -1: not in the capture
         high_to = np.where(self._high_to < 0, span.end, self._high_to)
         self._condition_in = np.searchsorted(self.conditions, high_to) > np.searchsorted(self.conditions, self.rises)
         self._number_bits(sda)
 
     def _number_bits(self, sda: Channel) -> None:
-        """Of each pulse: which bit it is since the last START, and who should drive SDA in it."""
+        """Determine the number of each pulse since the last START, and the party that should drive SDA in it."""
         last = np.searchsorted(self.conditions, self.rises) - 1
         busy = (last >= 0) & _pick(self.is_start, last, False)
-        first = np.searchsorted(self.rises, self.conditions)  # the first pulse behind each condition
+        first = np.searchsorted(self.rises, self.conditions)  # the first pulse after each condition
         number = np.arange(len(self.rises)) - _pick(first, last, 0)
         self._busy = busy
         self._is_bit = busy & ~self._condition_in
@@ -161,24 +162,24 @@ class _Part:
         whole = rw_bit < next_first
         asked[whole] = sda.at(self.rises[rw_bit[whole]]) == 1
         read = _pick(asked, last, False) & (number >= BITS)
-        by_target = (read != self._ack) & self._is_bit  # before START and STOP it is the controller
+        by_target = (read != self._ack) & self._is_bit  # before START and STOP the controller drives
         self._driver = np.where(busy, np.where(by_target, TARGET, CONTROLLER), NOBODY).astype(np.uint8)
         before = np.concatenate((np.zeros(1, np.uint8), self._driver))[:-1]
         self._driver_before = np.where(busy & (number == 0), CONTROLLER, before).astype(np.uint8)
 
     def own_lows(self) -> Positions:
-        """Lengths of the low phases before bits."""
+        """Return the lengths of the low phases before bits."""
         seen = self._is_bit & (self._low_from >= 0)
         lengths: Positions = self.rises[seen] - self._low_from[seen]
         return lengths
 
     def shortest_phase(self) -> int:
-        """Positions of the shortest level of SCL between two edges."""
+        """Return the length of SCL's shortest level between two edges, in positions."""
         edges = np.sort(np.concatenate((self.rises, self.falls)))
         return int(np.diff(edges).min()) if len(edges) > 1 else np.iinfo(np.int64).max
 
     def measures(self, shortest_low: int) -> dict[str, Measured]:
-        """symbol -> its times. shortest_low: of the whole capture, in positions."""
+        """Return symbol -> its times. shortest_low: that of the whole capture, in positions."""
         return {
             **self._clock(),
             **self._start_stop(),
@@ -235,7 +236,7 @@ class _Part:
         first, last = np.minimum(first, len(self._edges) - 1), np.maximum(last, 0)
         hold_by, setup_by = self._by(first), self._by(last)
         valid = self._edges[last]
-        # With SCL's rise in one sample: data, or a condition just behind it.
+        # In the sample of SCL's rise: data, or a condition just after it.
         unsure = (valid == rises) & (self._resolution.slack > 0)
         return {
             "tHD;DAT": measured(low_from[seen], self._edges[first][seen], hold_by[seen], excused[seen], maybe[seen]),
@@ -245,14 +246,14 @@ class _Part:
         }
 
     def _by(self, edge: NDArray[np.intp]) -> Parties:
-        """Who made this SDA edge, one a pulse, in the low phase before it."""
+        """Return the party that made this SDA edge in the low phase before each pulse."""
         return np.where(self._levels[edge] == 0, self._driver, self._driver_before).astype(np.uint8)
 
     def _stretched(self, shortest_low: int) -> tuple[Flags, Flags]:
-        """Where the low phase before a pulse is surely stretched, and where this cannot be decided.
+        """Return where the low phase before a pulse is surely stretched, and where this cannot be decided.
 
-        Own is what is no longer than the least tLOW, or than the shortest of the trace and a tenth; both lengths are
-        true to within the slack.
+        A low phase is not stretched if it is no longer than the least tLOW, or than 1.1 times the shortest of the
+        trace; both lengths are exact to within the slack.
         """
         least, slack = _least("tLOW", self._mode), self._resolution.slack
         lengths = self.rises - self._low_from
@@ -274,12 +275,12 @@ def _least(symbol: str, mode: Mode) -> int:
 
 
 def _at(positions: Positions, index: NDArray[np.intp]) -> Positions:
-    """positions[index], -1 where there is no such one."""
+    """Return positions[index], -1 where the index is out of range."""
     padded = np.concatenate((positions, np.full(1, -1, np.int64)))
     return padded[np.where((index < 0) | (index >= len(positions)), len(positions), index)]
 
 
 def _pick(values: NDArray[Scalar], index: NDArray[np.intp], default: bool | int) -> NDArray[Scalar]:
-    """values[index], the default where the index is -1."""
+    """Return values[index], the default where the index is -1."""
     padded = np.concatenate((values, np.array([default], values.dtype)))
     return padded[np.where(index < 0, len(values), index)]

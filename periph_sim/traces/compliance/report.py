@@ -1,4 +1,4 @@
-"""The verdict on one trace: rows of limits go in; pass, fail or undecidable, a text, or an AssertionError comes out."""
+"""The verdict on one trace, from its rows of limits: pass, fail or undecidable, a text, or an AssertionError."""
 
 from __future__ import annotations
 
@@ -35,18 +35,18 @@ class Report:
         return Verdict.UNDECIDABLE if Verdict.UNDECIDABLE in found else Verdict.PASS
 
     def row(self, symbol: str) -> Row:
-        """KeyError if there is no such limit."""
+        """Return the row of a limit. KeyError if there is no such limit."""
         for row in self.rows:
             if row.limit.symbol == symbol:
                 return row
         raise KeyError(f"there is no limit {symbol!r}; there are {', '.join(row.limit.symbol for row in self.rows)}")
 
-    def of(self, verdict: Verdict) -> list[str]:
-        """The symbols that have this verdict."""
+    def symbols_with(self, verdict: Verdict) -> list[str]:
+        """Return the symbols that have this verdict."""
         return [row.limit.symbol for row in self.rows if row.verdict is verdict]
 
     def assert_compliant(self, strict: bool = False) -> None:
-        """AssertionError with the worst rows if any limit is broken, or none was measured; strict: or undecidable."""
+        """AssertionError with the worst rows if a limit is broken, or undecidable if strict, or none was measured."""
         if self.verdict is Verdict.NOT_JUDGED:
             raise AssertionError(f"{self.name}: no time of the I2C limits was measured; the trace has no whole bit")
         if self.verdict is Verdict.FAIL or (strict and self.verdict is Verdict.UNDECIDABLE):

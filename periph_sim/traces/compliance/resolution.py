@@ -1,9 +1,9 @@
-"""How good a position is, and what a measured time can therefore decide.
+"""Resolution of positions, and the thresholds at which a measured time is decisive.
 
     Capture --> Resolution --thresholds--> whole numbers of positions to compare with
 
-A time of n samples is truly between n - 1 and n + 1 sample periods, both ends excluded: each edge stands at the first
-sample after it. Exact positions (ticks of a simulation) are what they say. All arithmetic is in whole numbers.
+A time of n samples is truly between n - 1 and n + 1 sample periods, both ends excluded: each edge is at the first
+sample after it. Exact positions (ticks of a simulation) have no error. All arithmetic is in whole numbers.
 """
 
 from __future__ import annotations
@@ -20,41 +20,41 @@ NS = 10**9
 
 @dataclass(frozen=True)
 class Resolution:
-    """rate: positions a second. slack: positions that a time may be off to either side, 0 if exact."""
+    """rate: positions a second. slack: error of a time in positions to either side, 0 if exact."""
 
     rate: Fraction
     slack: int
 
     @property
     def period(self) -> Fraction:
-        """What a time may be off, in nanoseconds."""
+        """Maximum error of a time, in nanoseconds."""
         return self.slack * NS / self.rate
 
     def ns(self, positions: int) -> Fraction:
         return positions * NS / self.rate
 
     def surely_at_least(self, ns: int) -> int:
-        """The fewest positions that surely are `ns` or more."""
+        """Return the fewest positions that surely are `ns` or more."""
         return ceil(ns * self.rate / NS) + self.slack
 
     def surely_at_most(self, ns: int) -> int:
-        """The most positions that surely are `ns` or less."""
+        """Return the most positions that surely are `ns` or less."""
         return floor(ns * self.rate / NS) - self.slack
 
     def surely_below(self, ns: int) -> int:
-        """The most positions that surely are less than `ns`."""
+        """Return the most positions that surely are less than `ns`."""
         return self.surely_at_most(ns) if self.slack else ceil(ns * self.rate / NS) - 1
 
     def surely_above(self, ns: int) -> int:
-        """The fewest positions that surely are more than `ns`."""
+        """Return the fewest positions that surely are more than `ns`."""
         return self.surely_at_least(ns) if self.slack else floor(ns * self.rate / NS) + 1
 
 
 def resolution_of(capture: Capture, exact: bool | None = None) -> Resolution:
-    """What the capture's positions are good to.
+    """Return the resolution of the capture's positions.
 
-    exact: True takes unsampled times as they are, False as stamps on the coarsest grid that holds all edges; None:
-    exact where the capture is known to be, or finer than any analyser samples. ValueError without a rate.
+    exact: True takes unsampled times as exact, False as stamps on the coarsest grid that holds all edges; None: exact
+    if the capture is known to be, or is finer than any analyser samples. ValueError without a rate.
     """
     if capture.rate is None:
         raise ValueError(f"{capture.path}: limits need a time base and the file states no rate; state the rate")

@@ -1,10 +1,10 @@
-"""Spikes, put aside as an I2C input's filter does it: two channels in, the same without spikes and the spikes out.
+"""Removal of spikes from SCL and SDA, as the filter of an I2C input does it.
 
           _____   __________          ________________
     SCL        |_|            -->                       and one spike, two positions wide
 
-A level that lasts no longer than a spike may last is none. What is left keeps its place: of an edge that rings, the
-last one counts. Rule of which pulse is a spike: `limits.SPIKE`.
+A level that lasts no longer than a spike may last is removed. The rest keeps its place: of an edge that rings, the
+last one counts. Definition of a spike: `limits.SPIKE`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .resolution import Resolution
 def without_spikes(
     scl: Channel, sda: Channel, mode: Mode, resolution: Resolution
 ) -> tuple[Channel, Channel, Positions, Positions]:
-    """(SCL, SDA, where each spike began, how long it was). In Standard-mode, which has no filter, nothing is a spike.
+    """Return (SCL, SDA, begins of spikes, their lengths). In Standard-mode, which has no filter, nothing is a spike.
 
     Only what surely is a spike at this resolution is one.
     """
@@ -42,12 +42,12 @@ def without_spikes(
 
 
 def _lengths(channel: Channel) -> Positions:
-    """How long the level behind each edge holds; the last one for ever."""
+    """Return the duration of the level after each edge; the last one holds for ever."""
     return np.append(np.diff(channel.edges), np.iinfo(np.int64).max // 2)[: len(channel.edges)]
 
 
 def _filtered(channel: Channel, short: NDArray[np.bool_]) -> tuple[Channel, Positions, Positions]:
-    """The channel without the levels that are too short, and where these began and how long they were."""
+    """Return the channel without the levels that are too short, and their begins and lengths."""
     if not short.any():
         return channel, channel.edges[:0], channel.edges[:0]
     edges, levels = channel.edges[~short], channel.levels[~short]

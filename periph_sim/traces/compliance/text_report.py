@@ -1,4 +1,4 @@
-"""A compliance report as a person reads it, and as JSON; floats appear here and nowhere before."""
+"""A compliance report as text and as JSON; only this module computes floats."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RULES = ("symbol", "from -> to", "worst begins at", "by")
 
 
 def table(report: Report) -> str:
-    """Head line, what was measured of each limit, from where to where and where worst, notes, and the verdict."""
+    """Format a head line, the measured times of each limit, its begin, end and worst place, notes, and the verdict."""
     lines = text_table(MEASURED, [_measured(report, row) for row in report.rows], (2, 3, 4))
     rules = text_table(RULES, [_rule(report, row) for row in report.rows], (2,))
     remarks = [line for note in _remarks(report) for line in paragraph(f"note: {note}")]
@@ -25,7 +25,7 @@ def table(report: Report) -> str:
 
 
 def failure(report: Report, strict: bool) -> str:
-    """The rows that do not pass, worst places and all, for an AssertionError."""
+    """Format the rows that do not pass, with their worst places, for an AssertionError."""
     wanted = {Verdict.FAIL, Verdict.UNDECIDABLE} if strict else {Verdict.FAIL}
     lines = [f"{report.name} does not keep the I2C limits of mode {report.mode.value}:"]
     for row in report.rows:
@@ -41,7 +41,7 @@ def failure(report: Report, strict: bool) -> str:
 
 
 def as_json(report: Report) -> dict[str, object]:
-    """Times in seconds as numbers; positions as in the capture."""
+    """Convert a report to JSON: times as numbers in seconds, positions as in the capture."""
     return {
         "capture": report.name,
         "mode": report.mode.value,
@@ -56,7 +56,7 @@ def as_json(report: Report) -> dict[str, object]:
 
 
 def limit_text(bounds: Bounds) -> str:
-    """`min 4.7 us`, `0 to 3.45 us`, `max 50 ns`, or `-`."""
+    """Format bounds: `min 4.7 us`, `0 to 3.45 us`, `max 50 ns`, or `-`."""
     if bounds.least is None and bounds.most is None:
         return "-"
     if bounds.most is None:
@@ -129,7 +129,7 @@ def _remarks(report: Report) -> list[str]:
 def _conclusion(report: Report) -> str:
     if report.verdict is Verdict.NOT_JUDGED:
         return "NOT JUDGED: nothing was measured"
-    failed, open_rows = report.of(Verdict.FAIL), report.of(Verdict.UNDECIDABLE)
+    failed, open_rows = report.symbols_with(Verdict.FAIL), report.symbols_with(Verdict.UNDECIDABLE)
     if failed:
         return f"FAIL: {', '.join(failed)}"
     if open_rows:
@@ -174,7 +174,7 @@ def _json_row(report: Report, row: Row) -> dict[str, object]:
 
 
 def _short(ns: Fraction) -> str:
-    """A time in the unit that suits it, three decimals at most."""
+    """Format a time in a suitable unit with at most three decimals."""
     for unit, size in (("ns", 1), ("us", 10**3), ("ms", 10**6)):
         if abs(ns) < 1000 * size:
             return f"{_trimmed(ns / size)} {unit}"

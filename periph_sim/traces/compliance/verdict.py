@@ -2,8 +2,8 @@
 
     Measures + LIMITS + Resolution --> Row, one a limit --> a Report, see report.py
 
-A time passes if even the worst it may truly have keeps the limit, fails if even the best breaks it, and is undecidable
-in between. A row fails if any of its times does, else is undecidable if any is, else passes.
+A time passes if even its worst possible true value keeps the limit, fails if even the best breaks it, and is
+undecidable in between. A row fails if any of its times does, else is undecidable if any is, else passes.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .limits import LIMITS, Bounds, Limit, Mode
 from .measure import PARTY, Flags, Measured, Measures
 from .resolution import Resolution
 
-PLACES = 3  # worst places a row names
+PLACES = 3  # worst places listed in a row
 
 
 class Verdict(Enum):
@@ -26,7 +26,7 @@ class Verdict(Enum):
     FAIL = "fail"
     UNDECIDABLE = "undecidable at this sample rate"
     NOT_SEEN = "does not occur"
-    NOT_JUDGED = "not judged: nothing was measured"  # of a whole trace
+    NOT_JUDGED = "not judged: nothing was measured"  # verdict of a whole trace
     NO_LIMIT = "no limit in this mode"
     NOT_IN_CAPTURE = "not in a logic capture"
 
@@ -42,10 +42,10 @@ class Occurrence:
 
 @dataclass(frozen=True)
 class Row:
-    """least, most: positions, None where nothing was measured. failed, undecided: how many times.
+    """least, most: positions, None if nothing was measured. failed, undecided: number of times.
 
-    excused: times beyond a maximum that does not bind there. unsure: of `undecided`, those beyond their limit where
-    it may not bind. worst: the worst places, worst first.
+    excused: times beyond a maximum that does not apply there. unsure: those of `undecided` that are beyond a limit
+    which may not apply. worst: the worst places, worst first.
     """
 
     limit: Limit
@@ -62,18 +62,18 @@ class Row:
 
 
 def judge(measures: Measures, mode: Mode, resolution: Resolution) -> tuple[Row, ...]:
-    """One row a limit, in the order of the specification's table."""
+    """Return one row for each limit, in the order of the specification's table."""
     return tuple(_row(limit, measures, mode, resolution) for limit in LIMITS)
 
 
 def _row(limit: Limit, measures: Measures, mode: Mode, resolution: Resolution) -> Row:
-    found = measures.of.get(limit.symbol)
+    found = measures.times.get(limit.symbol)
     bounds = limit.bounds[mode]
     if not limit.seen:
         return Row(limit, bounds, 0, None, None, Verdict.NOT_IN_CAPTURE)
     if bounds == Bounds():
         return Row(limit, bounds, 0, None, None, Verdict.NO_LIMIT)
-    # What is shorter than a sample can lie between two of them.
+    # A pulse shorter than a sample can be between two of them.
     hidden = measures.blind or (limit.symbol == "tSP" and resolution.period > (bounds.most or 0))
     if found is None or not len(found):
         return Row(limit, bounds, 0, None, None, Verdict.UNDECIDABLE if hidden or measures.coarse else Verdict.NOT_SEEN)
@@ -92,7 +92,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
         within = lengths <= resolution.surely_at_most(bounds.most)
         excused = int((found.excused & ~within).sum())
         kept &= within | found.excused
-        if not (hidden or coarse):  # else an edge between may have gone unseen
+        if not (hidden or coarse):  # else an edge in between may be missing
             broken |= (lengths >= resolution.surely_above(bounds.most)) & ~found.excused
     unsure = int((broken & found.doubtful).sum())
     broken &= ~found.doubtful
@@ -108,7 +108,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
 
 
 def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolution) -> tuple[Occurrence, ...]:
-    """The culprits that go furthest beyond their limit, or come nearest to it."""
+    """Return the culprits that are furthest beyond their limit, or nearest to it."""
     which = np.flatnonzero(culprits)
     lengths = found.lengths[which]
     beyond = np.full(len(which), np.iinfo(np.int64).min)

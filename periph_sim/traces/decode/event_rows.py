@@ -1,4 +1,4 @@
-"""Events of any protocol as rows of one shape, so that several buses of a capture stand in one list.
+"""Events of any protocol as rows of one shape, so that several buses of a capture share one list.
 
 I2cTable, UartTable, events of an SPI line --> Rows (numbers) --> in order of time
 """
@@ -38,10 +38,10 @@ class Rows(NamedTuple):
     """Arrays of equal length; the tuple is of columns.
 
     at, end  int64   positions, as in the tables
-    bus      uint8   which of the buses that were asked for
+    bus      uint8   number of the bus in the list of buses to decode
     event    uint8   index into EVENTS
-    value    int32   address, byte or bits; -1 for none. int64 of an SPI line
-    bits     uint8   how many bits of `value` were on the wire; 10 of a 10-bit address that is asked again
+    value    int32   address, byte or bits; -1 for none. int64 for an SPI line
+    bits     uint8   number of bits of `value` on the wire; 10 for a 10-bit address that is repeated
     detail   uint8   index into DETAILS
     """
 
@@ -53,26 +53,26 @@ class Rows(NamedTuple):
     bits: NDArray[np.uint8]
     detail: NDArray[np.uint8]
 
-    def take(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Rows:
-        """The rows of these numbers, of this mask or slice."""
+    def select(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Rows:
+        """Return the rows of these numbers, of this mask or slice."""
         return Rows._make(column[rows] for column in self)
 
 
 def joined(parts: Sequence[Rows]) -> Rows:
-    """The rows of all parts, one part behind the other."""
+    """Concatenate the rows of all parts."""
     return Rows._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
 
 
 def no_rows() -> Rows:
-    """The rows of a line on which nothing happened."""
+    """Return the rows of a line without events."""
     kinds = (np.int64, np.int64, np.uint8, np.uint8, np.int32, np.uint8, np.uint8)
     return Rows._make(np.empty(0, kind) for kind in kinds)
 
 
 def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
-    """The rows of an I2C table: bytes, whole or cut, say who was asked to send, addresses what they are reserved for.
+    """Return the rows of an I2C table. Detail: the direction of bytes, whole or cut, and reserved addresses' purposes.
 
-    A 10-bit address that is asked again, to send, has all its ten bits in `value`.
+    A 10-bit address that is repeated, to read, has all its ten bits in `value`.
     """
     is_byte = (table.bits >= 8) | (table.kind == i2c_table.I2cRowKind.CUT)
     detail = (table.read + np.uint8(1)) * is_byte
@@ -93,15 +93,15 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
 
 
 def uart_rows(table: UartTable, bus: int = 0) -> Rows:
-    """The rows of a UART table."""
+    """Return the rows of a UART table."""
     detail = OF_FAULTS[table.parity_error + 2 * table.frame_error + 4 * table.glitched]
     return Rows(table.at, table.end, _all(bus, table), OF_UART[table.kind], table.value, table.bits, detail)
 
 
 def spi_rows(events: Sequence[spi.Event], bits: int, is_mosi: bool, bus: int = 0) -> Rows:
-    """The rows of one data line of an SPI bus, with the selections.
+    """Return the rows of one data line of an SPI bus, with the selections.
 
-    bits: of a word. The bits of a cut word are in the order in which they came.
+    bits: bits of a word. The bits of a cut word are in the order of reception.
     """
     rows: list[tuple[int, int, int, int, int, int, int]] = []
     for one in events:
@@ -120,11 +120,11 @@ def spi_rows(events: Sequence[spi.Event], bits: int, is_mosi: bool, bus: int = 0
 
 
 def merged(parts: Sequence[Rows]) -> Rows:
-    """All rows in order of time; of one position in the order of the parts."""
+    """Merge all rows in order of time; rows at one position are in the order of the parts."""
     if len(parts) == 1:
         return parts[0]
     rows = joined(parts)
-    return rows.take(np.argsort(rows.at, kind="stable"))
+    return rows.select(np.argsort(rows.at, kind="stable"))
 
 
 def _all(bus: int, table: I2cTable | UartTable) -> NDArray[np.uint8]:
@@ -132,15 +132,15 @@ def _all(bus: int, table: I2cTable | UartTable) -> NDArray[np.uint8]:
 
 
 def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np.int64]]:
-    """The rows, those of one transfer together, and the number of the row each transfer begins with.
+    """Return the rows, those of one transfer together, and the number of the row with which each transfer begins.
 
-    A burst of frames or words begins where its line was quiet for over `silence[bus]` positions before. Where `silence`
-    is None, a transfer begins at each START of an I2C bus, and where an SPI line is selected. Transfers come in order
-    of their first row.
+    A burst of frames or words begins after its line was quiet for over `silence[bus]` positions. If `silence` is None,
+    a transfer begins at each START of an I2C bus, and where an SPI line is selected. Transfers are in the order of
+    their first rows.
     """
     parts, keys = [], []
     for bus, quiet in enumerate(silence):
-        part = rows.take(rows.bus == bus)
+        part = rows.select(rows.bus == bus)
         if quiet is None:
             first = (part.event == START) | (part.event == SELECT)
             first[:1] = True  # a capture may begin while an SPI line is selected
@@ -153,4 +153,4 @@ def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np
     order = np.lexsort((buses, begins))
     buses, begins = buses[order], begins[order]
     new = np.concatenate(([True], (np.diff(begins) != 0) | (np.diff(buses) != 0)))[: len(order)]
-    return joined(parts).take(order), np.flatnonzero(new)
+    return joined(parts).select(order), np.flatnonzero(new)

@@ -1,12 +1,12 @@
-"""Pulses too short to be meant are taken out of a line: a Channel in, the same line without them out.
+"""Glitch filter: removes pulses that are too short from a Channel.
 
     shortest = 3     __-_______----____        __________----____
                      __--_-____----____   -->  __________----____
                      __--_-----___-____        ______----________   the last edge of a bounce stays
 
 A pulse is dropped with both its edges, from left to right; of a run of short pulses that leaves the line at
-the other level, the last edge stays. What is before the first edge and behind the last is no pulse: its
-length is unknown.
+the other level, the last edge stays. The levels before the first edge and after the last are no pulses: their
+lengths are unknown.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..capture.capture import Channel, channel_of_edges
 
 
 def without_glitches(line: Channel, shortest: int) -> Channel:
-    """The line without pulses of fewer than `shortest` positions, high or low. It must be known throughout."""
+    """Return the line without pulses of fewer than `shortest` positions, high or low. It must be known throughout."""
     if shortest <= 1 or len(line.edges) < 2:
         return line
     near = np.diff(line.edges) < shortest  # edge n and n + 1 bound a short pulse

@@ -11,11 +11,11 @@ SCL of its first bit, ACK or NACK at the ninth.
 Rules, from the I2C-bus specification (UM10204, section 3.1):
 - A bit is SDA's level at a rising SCL. Where both lines change in one sample the order is unknown: at a
   rising SCL SDA's new level counts, at a falling SCL its old one, and neither is a START or STOP.
-- SDA falling while SCL is high before and after is START or repeated START, rising is STOP, wherever it
-  comes. The SCL high phase in which it comes holds no bit, unless it is the ninth: the sender has looked at the
-  ACK when SCL rose. Bits gathered of a byte that does not come to its end are `Cut`.
-- The first byte behind a START is the address. Bytes behind R/W = 1 are the target's, their ACKs the
-  controller's; else the other way round. This is who should drive: the lines do not say who did.
+- SDA falling while SCL is high before and after is START or repeated START, rising is STOP, at any
+  place. The SCL high phase in which it comes holds no bit, unless it is the ninth: the sender sampled the
+  ACK when SCL rose. The bits of an incomplete byte are `Cut`.
+- The first byte after a START is the address. Bytes after R/W = 1 are the target's, their ACKs the
+  controller's; else the other way round. This is who should drive: the lines do not show who did.
 - 10-bit addresses are not joined: 11110xx comes as an address, the second byte as data.
 """
 
@@ -59,7 +59,7 @@ class Address:
 
 @dataclass(frozen=True, slots=True)
 class Data:
-    """read: True if the address asked the target to send it."""
+    """read: True if the target sends it, by the address's R/W bit."""
 
     at: int
     value: int
@@ -151,7 +151,7 @@ class Transfer:
 
     gap: positions between the STOP before and this START; None if there is no such STOP in sight.
     stop: None if the capture ends first. lead: rising SCL before the first START of the capture, of a
-    transfer whose START nobody saw; such a transfer has no phases, since its bytes have no known bounds.
+    transfer whose START was not captured; it has no phases, since the bounds of its bytes are unknown.
     """
 
     phases: tuple[Phase, ...]
@@ -170,17 +170,17 @@ class _Pulses:
 
     rises: list[int]
     values: list[int]  # SDA at the rise
-    falls_before: list[int]  # the SCL fall before each rise; -1 if out of sight
+    falls_before: list[int]  # the SCL fall before each rise; -1 if not in the capture
     falls_after: list[int]  # and after it
     settled: list[int]  # SDA's last edge up to the rise; -1 if none since the fall
     conditions: list[int]  # SDA edges under steadily high SCL
     starts: list[bool]  # falling ones
     seen: list[int]  # rises before each condition
-    falls_behind: list[int]  # the SCL fall after each condition; -1 if out of sight
+    falls_behind: list[int]  # the SCL fall after each condition; -1 if not in the capture
 
 
 def transfers(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> list[Transfer]:
-    """All transfers of a capture, in order. LookupError if a channel is not there."""
+    """Decode all transfers of a capture, in order. LookupError for a missing channel."""
     lines = capture.channel(scl), capture.channel(sda)
     found: list[Transfer] = []
     for span in capture.known(*lines):
@@ -189,12 +189,12 @@ def transfers(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") 
 
 
 def events(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> list[Event]:
-    """All events of a capture, in order; nothing before the first START. LookupError if a channel is not there."""
+    """Decode all events of a capture, in order, from the first START on. LookupError for a missing channel."""
     return [event for transfer in transfers(capture, scl, sda) for event in events_of(transfer)]
 
 
 def events_of(transfer: Transfer) -> Iterator[Event]:
-    """The events of one transfer, in order."""
+    """Yield the events of one transfer, in order."""
     for number, phase in enumerate(transfer.phases):
         yield RepeatedStart(phase.start.at) if number else Start(phase.start.at)
         for place, byte in enumerate(phase.bytes):
@@ -212,7 +212,7 @@ def events_of(transfer: Transfer) -> Iterator[Event]:
 
 
 def shared_edges(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> int:
-    """How many samples hold an edge of both lines: there the order, and so a START or STOP, is unknown."""
+    """Count the samples with an edge of both lines, whose order, and so a START or STOP, is unknown."""
     clock, data = capture.channel(scl), capture.channel(sda)
     return len(np.intersect1d(clock.edges, data.edges, assume_unique=True))
 
@@ -241,7 +241,7 @@ def _pulses(scl: Channel, sda: Channel) -> _Pulses:
 
 
 def _transfers(p: _Pulses) -> Iterator[Transfer]:
-    """Walks from condition to condition; what lies between two of them belongs to the first."""
+    """Go from condition to condition; the bytes between two of them belong to the first."""
     phases: list[Phase] = []
     stopped: int | None = None  # where the last STOP was
     gap: int | None = None
@@ -266,7 +266,7 @@ def _transfers(p: _Pulses) -> Iterator[Transfer]:
 
 
 def _phase(p: _Pulses, number: int) -> Phase:
-    """START number `number` and the bytes up to the next condition."""
+    """Return START number `number` with the bytes up to the next condition."""
     begin = p.seen[number]
     if number + 1 == len(p.conditions):
         end = len(p.rises)

@@ -1,4 +1,4 @@
-"""Rows of an I2C table as the objects of `decode.i2c`, one by one, for whoever looks at single events."""
+"""Conversion of rows of an I2C table to the event objects of `decode.i2c`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PLAIN: dict[I2cRowKind, Callable[[int], i2c.Event]] = {
 
 
 def events_of_table(table: I2cTable) -> list[i2c.Event]:
-    """The same events, in the same order, as `i2c.events` finds in the capture that the table is of."""
+    """Return the same events, in the same order, as `i2c.events` finds in the table's capture."""
     columns = (table.kind, table.at, table.last, table.value, table.bits, table.read)
     return [_event(I2cRowKind(kind), *rest) for kind, *rest in zip(*(c.tolist() for c in columns), strict=True)]
 

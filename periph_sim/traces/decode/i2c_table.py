@@ -1,11 +1,11 @@
-"""I2C from edges, all at once: SCL and SDA in, a table of events out, a row an event and a column a property.
+"""I2C decoder on arrays: from SCL and SDA to a table with a row for each event and a column for each property.
 
     edges --> clock rises with SDA's level | START and STOP --> phases --> bytes --> rows in order of time
 
-The rules are those of `decode.i2c`, which gives the same events one by one as objects, with the timing of each
-bit. Here nothing is done edge by edge: a capture of a million edges takes some tens of milliseconds.
+The rules are those of `decode.i2c`, which gives the same events as objects, with the timing of each bit. Here
+nothing is done edge by edge: a capture of a million edges takes some tens of milliseconds.
 
-10-bit addresses (UM10204, section 3.1.11): behind an acknowledged 11110xx with R/W = 0 the next byte is their lower
+10-bit addresses (UM10204, section 3.1.11): after an acknowledged 11110xx with R/W = 0 the next byte is their lower
 half, `ADDRESS_LOW`, whose value is the whole address.
 """
 
@@ -26,7 +26,7 @@ Counts = NDArray[np.int64]
 
 
 class I2cRowKind(IntEnum):
-    """What a row is. CUT: bits of a byte that START, STOP or the end of the capture left incomplete."""
+    """Kind of a row. CUT: bits of a byte that START, STOP or the end of the capture left incomplete."""
 
     START = 0
     REPEATED_START = 1
@@ -45,11 +45,11 @@ class I2cTable(NamedTuple):
     kind    uint8   a `I2cRowKind`
     at      int64   START, STOP: the SDA edge; else the rising SCL of the first bit, of ACK and NACK the ninth
     last    int64   the rising SCL of the last bit (of an address: of its R/W bit); START, STOP: as `at`
-    end     int64   the falling SCL behind the last bit, or `last` where the capture ends before; START, STOP: as `at`
+    end     int64   the falling SCL after the last bit, or `last` if the capture ends before; START, STOP: as `at`
     value   int16   ADDRESS: seven bits, right-aligned; ADDRESS_LOW: ten bits; DATA: the byte; CUT: its bits, the
                     last one least significant; else -1
-    bits    uint8   bits gathered: 8 of a whole byte, 1 of ACK and NACK, fewer than 8 of CUT, 0 of START and STOP
-    read    bool    the address of this phase asked the target to send; False where there is none
+    bits    uint8   bits decoded: 8 of a whole byte, 1 of ACK and NACK, fewer than 8 of CUT, 0 of START and STOP
+    read    bool    the target sends in this phase, by the address's R/W bit; False if there is no address
     """
 
     kind: NDArray[np.uint8]
@@ -60,8 +60,8 @@ class I2cTable(NamedTuple):
     bits: NDArray[np.uint8]
     read: Flags
 
-    def take(self, rows: NDArray[np.int64] | Flags | slice) -> I2cTable:
-        """The table of some rows: their numbers, a mask, or a slice."""
+    def select(self, rows: NDArray[np.int64] | Flags | slice) -> I2cTable:
+        """Return the table of some rows: their numbers, a mask, or a slice."""
         return I2cTable._make(column[rows] for column in self)
 
 
@@ -70,8 +70,8 @@ class I2cBits(NamedTuple):
 
     at      int64   the rising SCL
     value   uint8   SDA there
-    low     int64   positions SCL was low before, stretching included; -1 where that began out of sight
-    high    int64   positions to the falling SCL; -1 where the capture ended before
+    low     int64   positions SCL was low before, stretching included; -1 if that began before the capture
+    high    int64   positions to the falling SCL; -1 if the capture ended before
     """
 
     at: Positions
@@ -81,15 +81,15 @@ class I2cBits(NamedTuple):
 
 
 def i2c_table(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cTable:
-    """All events of a capture; nothing before the first START of each known span, nothing across unknown ones.
+    """Decode all events of a capture from the first START of each known span on; none spans unknown levels.
 
-    glitch: pulses of fewer positions on either line are left out first. LookupError if a channel is not there.
+    glitch: pulses of fewer positions on either line are removed first. LookupError for a missing channel.
     """
     return _joined([_table(rises, lines) for rises, lines in _spans(capture, scl, sda, glitch)])
 
 
 def i2c_bits(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cBits:
-    """Every SCL pulse of a capture, whether a START was seen before or not. LookupError if a channel is not there."""
+    """Return every SCL pulse of a capture, also before the first START. LookupError for a missing channel."""
     found = []
     for rises, (clock, data) in _spans(capture, scl, sda, glitch):
         falls = _edges(clock, 0)
@@ -108,7 +108,7 @@ def i2c_bits(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", g
 def _spans(
     capture: Capture, scl: str | int, sda: str | int, glitch: int
 ) -> Iterator[tuple[Positions, tuple[Channel, Channel]]]:
-    """Rising SCL, and both lines, of each span in which both are known."""
+    """Yield rising SCL, and both lines, of each span in which both are known."""
     clock, data = capture.channel(scl), capture.channel(sda)
     for span in capture.known(clock, data):
         lines = without_glitches(clock.cut(span), glitch), without_glitches(data.cut(span), glitch)
@@ -116,16 +116,16 @@ def _spans(
 
 
 def _edges(line: Channel, level: int) -> Positions:
-    """The edges to a level: every second one."""
+    """Return the edges to a level: every second one."""
     return line.edges[int(line.initial == level) :: 2]
 
 
 def _table(rises: Positions, lines: tuple[Channel, Channel]) -> I2cTable:
-    """The events of one span in which both lines are known."""
+    """Decode the events of one span in which both lines are known."""
     clock, data = lines
-    falls = _edges(clock, 0)[clock.initial :]  # the first one stands behind the first rise
+    falls = _edges(clock, 0)[clock.initial :]  # the first one is after the first rise
 
-    # Where each SDA edge stands among SCL's, and what SCL does there.
+    # The place of each SDA edge among SCL's, and SCL's level there.
     edges = data.edges
     passed = np.searchsorted(clock.edges, edges)  # SCL edges before it
     seen = (passed + 1 - clock.initial) >> 1  # rises among them
@@ -133,7 +133,7 @@ def _table(rises: Positions, lines: tuple[Channel, Channel]) -> I2cTable:
     together = clock.edges[np.minimum(passed, len(clock.edges) - 1)] == edges if len(clock.edges) else np.False_
     which = np.flatnonzero(high & ~together)
 
-    # SDA at each rise: its edges up to there turn the level over.
+    # SDA at each rise: each edge up to there inverts the level.
     values = np.bincount(seen, minlength=len(rises) + 1)[: len(rises)].astype(np.uint8)
     np.cumsum(values, out=values)  # only whether it is odd counts, so it may wrap
     values &= 1
@@ -146,7 +146,7 @@ def _table(rises: Positions, lines: tuple[Channel, Channel]) -> I2cTable:
         return _joined([])
     conditions, seen = edges[which], seen[which]
 
-    # Phases: the rises behind each START, without the pulse of the next condition unless that is a ninth.
+    # Phases: the rises after each START, without the pulse of the next condition unless that is a ninth.
     ends = np.append(np.maximum(seen[:-1], seen[1:] - 1), len(rises))
     ends[:-1] += (ends[:-1] - seen[:-1]) % 9 == 8
     count = np.where(starts, ends - seen, 0)
@@ -166,7 +166,7 @@ class _Bytes(NamedTuple):
 
 
 def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
-    """Nine rises a byte: `count` of them, from `seen` on, belong to each condition."""
+    """Divide rises into bytes of nine: `count` of them, from `seen` on, belong to each condition."""
     per = (count + 8) // 9
     phase = np.repeat(np.arange(len(per)), per)
     number = np.arange(len(phase)) - np.repeat(np.cumsum(per) - per, per)  # of the byte in its phase
@@ -196,7 +196,7 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
 def _rows(
     conditions: Positions, starts: Flags, found: _Bytes, rises: Positions, values: NDArray[np.uint8], falls: Positions
 ) -> I2cTable:
-    """Conditions (START and STOP, the first one a START) and bytes in turn, an acknowledge behind its byte."""
+    """Return conditions (START and STOP, the first one a START) and bytes in order, an acknowledge after its byte."""
     again = np.concatenate(([False], starts[:-1]))  # the condition before was a START
     shown = starts | again  # a second STOP ends nothing
 
@@ -221,7 +221,7 @@ def _rows(
     table.value[at_byte] = found.value
     table.bits[at_byte] = found.bits
     table.read[at_byte] = found.read
-    table.kind[at_ack] = values[ninth] + np.uint8(I2cRowKind.ACK)  # NACK stands behind ACK
+    table.kind[at_ack] = values[ninth] + np.uint8(I2cRowKind.ACK)  # NACK is ACK + 1
     table.at[at_ack] = table.last[at_ack] = rises[ninth]
     table.end[at_ack] = _behind(falls, rises, ninth)
     table.bits[at_ack] = 1
@@ -230,7 +230,7 @@ def _rows(
 
 
 def _behind(falls: Positions, rises: Positions, which: Counts) -> Positions:
-    """The falling edges behind some rises; the rise itself where the last one has none."""
+    """Return the falling edges after some rises; the rise itself where the last one has none."""
     if len(falls) == len(rises):
         return falls[which]
     ends = rises[which]

@@ -1,4 +1,4 @@
-"""Where SCL was low for longer than usual: two lines in, a table of low phases out.
+"""Table of the low phases of SCL that were longer than usual.
 
 A target that is not ready stretches the low phase; a controller that pauses looks the same, since the lines do not show
 who held SCL.
@@ -19,7 +19,7 @@ LONG = Fraction(3, 2)  # times the usual low phase
 
 
 class LongLows(NamedTuple):
-    """rises: every rising SCL of the capture. which: of these, by number, those behind a long low. lengths: of it, in
+    """rises: every rising SCL of the capture. which: indices of those after a long low. lengths: of these lows, in
     positions."""
 
     rises: Positions
@@ -28,7 +28,7 @@ class LongLows(NamedTuple):
 
 
 def long_lows(capture: Capture, scl: Channel, sda: Channel, glitch: int = 0) -> LongLows:
-    """Low phases of SCL over half as long again as the median, and two samples longer. glitch: as in `i2c_table`."""
+    """Return SCL's lows of over 1.5 times the median, and at least two samples longer. glitch: as in `i2c_table`."""
     bits = i2c_bits(capture, scl.index, sda.index, glitch)
     seen = bits.low[bits.low >= 0]
     usual = Fraction(float(np.median(seen))) if len(seen) else Fraction(0)

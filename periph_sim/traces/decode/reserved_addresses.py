@@ -1,4 +1,4 @@
-"""I2C addresses that are no device's: an address byte goes in, what it is for comes out.
+"""Purposes of reserved I2C addresses.
 
 Source: UM10204, section 3.1.12, table "Reserved addresses", and sections 3.1.11 (10-bit), 3.1.13 (general call),
 3.1.15 (START byte), 3.1.17 (device ID), 5.3 (Hs-mode).
@@ -19,7 +19,7 @@ PURPOSES = (
 
 
 def purpose_of(byte: int) -> str:
-    """Of an address byte with its R/W bit; empty where it is a device's."""
+    """Return the purpose of an address byte with its R/W bit; empty for a device's address."""
     high = byte >> 1
     if high == 0:
         return "START byte" if byte & 1 else "general call"

@@ -1,6 +1,6 @@
-"""Whether a sampling rate can be true, from the clock it would give the bus: a capture goes in, a sentence comes out.
+"""Plausibility check of a capture's sampling rate, by the bus clock that results from it.
 
-Captures come without a rate, or with a wrong one (a file of 500 kHz that states 1 Hz); all times are then wrong.
+Captures come without a rate, or with a wrong one (a file of 500 kHz that states 1 Hz); then all times are wrong.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ FEWEST = 9  # clocks: a byte
 
 
 def impossible_rate(capture: Capture, scl: str | int) -> str:
-    """Why the rate cannot be true; empty where it can, and where there is too little to judge by.
+    """Return why the rate cannot be true; empty if it can, or if there are too few clocks to judge by.
 
-    LookupError if the channel is not there.
+    LookupError for a missing channel.
     """
     line = capture.channel(scl)
     rises = line.edges[line.levels == 1]
@@ -29,6 +29,6 @@ def impossible_rate(capture: Capture, scl: str | int) -> str:
     if SLOWEST <= clock <= FASTEST:
         return ""
     return (
-        f"at {rate_text(capture.rate)}, as it was captured or so it is stated, SCL would run at {float(clock):.3g} Hz; "
+        f"at {rate_text(capture.rate)}, as captured or stated, SCL would run at {float(clock):.3g} Hz; "
         f"expected {SLOWEST} Hz to {FASTEST // 10**6} MHz"
     )

@@ -1,4 +1,4 @@
-"""SPI words from edges: a clock, one or two data lines and a chip select in, words and selections out.
+"""SPI decoder: from a clock, one or two data lines and a chip select to words and selections.
 
 An oracle: it shares no code with the SPI model.
 
@@ -9,11 +9,11 @@ An oracle: it shares no code with the SPI model.
               at      end
 
 Rules:
-- A bit is what the data lines have in the sample of each latching edge: the rising edge if polarity and phase are
-  equal, else the falling one. Where a data line or CS changes in that same sample, its new level counts.
-- Without a chip select, words follow each other from the first latching edge on, and after gaps in what is known.
-- With one, only edges while it is active count, and its change ends a word: bits gathered of one are `Cut`, as at the
-  end of the capture. A capture that begins with CS active has its words counted from the first latching edge.
+- A bit is the level of a data line in the sample of each latching edge: the rising edge if polarity and phase are
+  equal, else the falling one. If a data line or CS changes in that same sample, its new level counts.
+- Without a chip select, words follow each other from the first latching edge on, and after gaps in the capture.
+- With one, only edges while it is active count, and its change ends a word: the bits of an incomplete word are
+  `Cut`, as at the end of the capture. If CS is active from the beginning, words count from the first latching edge.
 
 Polarity and phase are CPOL and CPHA of the field. TI's CLK_PHASE is the opposite of CPHA.
 """
@@ -34,7 +34,7 @@ class SpiFormat(Struct, frozen=True):
 
     bits: bits of a word.
     polarity: level of the clock between words (CPOL).
-    phase: 0 if the edge that leaves this level latches, 1 if the other one does (CPHA).
+    phase: 0 if the edge away from this level latches, 1 if the other one does (CPHA).
     lsb_first: the least significant bit comes first.
     active_high: the chip select is active at 1.
     """
@@ -79,7 +79,7 @@ class Word:
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """Bits of a word that was not completed, in the order in which they came."""
+    """Bits of a word that was not completed, in order of reception."""
 
     at: int
     end: int
@@ -99,10 +99,10 @@ def events(
     cs: str | int | None = "CS",
     glitch: int = 0,
 ) -> list[Event]:
-    """All events of a capture, in order of where they begin; words end before the Deselect that ends them.
+    """Decode all events of a capture, in the order of their begins; words end before the Deselect that ends them.
 
-    glitch: pulses of fewer positions are left out first. A line that is None is not looked at. LookupError if a channel
-    is not there; ValueError without any data line.
+    glitch: pulses of fewer positions are removed first. A line that is None is not used. LookupError for a missing
+    channel; ValueError without any data line.
     """
     if mosi is None and miso is None:
         raise ValueError("no data line; expected mosi, miso or both")
@@ -118,7 +118,7 @@ def events(
 def _events(
     format_: SpiFormat, clk: Channel, mosi: Channel | None, miso: Channel | None, cs: Channel | None
 ) -> list[Event]:
-    """Events of a stretch in which all lines are known."""
+    """Decode the events of a span in which all lines are known."""
     latches = clk.edges[clk.levels == int(format_.polarity == format_.phase)]
     found: list[Event] = []
     if cs is None:
@@ -134,7 +134,7 @@ def _events(
 
 
 def _words(format_: SpiFormat, latches: Positions, mosi: Channel | None, miso: Channel | None) -> list[Event]:
-    """Words of latching edges that follow each other without a change of the chip select."""
+    """Decode the words of latching edges without a change of the chip select between them."""
     streams = [None if line is None else line.at(latches).tolist() for line in (mosi, miso)]
     found: list[Event] = []
     for begin in range(0, len(latches), format_.bits):

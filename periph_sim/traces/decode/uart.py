@@ -1,20 +1,20 @@
-"""Asynchronous serial frames from edges: one line in, frames and breaks out.
+"""Decoder of asynchronous serial frames: from the edges of one line to frames and breaks.
 
 An oracle: it shares no code with the SCI model.
 
            ___     ___ ___ ___ ... ___ ___
     idle      \\___/___X___X___X ...___/        start bit, data (least significant first), parity, stop
             |   '   '   '   '        '
-            at  mid-bit: where each bit is looked at
+            at  mid-bit: where each bit is sampled
 
-Rules: a falling edge starts a frame. Each bit is looked at once, in its middle (the first sample not before
-it, the bits counted from half a sample before the first low one, since the edge lies between two samples), or
-three times around it, and the majority counts. A start bit that is high there is a rejected start. Only the
-first stop bit is checked, and the next falling edge after that look starts the next frame. A low phase of at
-least a whole frame is a break, besides the frame it makes.
+Rules: a falling edge starts a frame. Each bit is sampled once, in its middle (the first sample not before
+it, the bits counted from half a sample before the first low one, since the edge is between two samples), or
+three times around it, and the majority counts. A start bit that is sampled high is a rejected start. Only the
+first stop bit is checked, and the next falling edge after its sample starts the next frame. A low phase of at
+least a whole frame is a break, in addition to its frame.
 
-A pulse of less than half a bit is a glitch. Where it lies at a place at which receivers look at a bit, they may
-read that bit one way or another, and nobody can tell from the line which.
+A pulse of less than half a bit is a glitch. If it is at a place at which receivers sample a bit, they may
+read that bit either way, and the line does not show which.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ __all__ = ["PARITIES", "Break", "CutFrame", "Event", "Frame", "Line", "RejectedS
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """at: the start edge. end: where its last stop bit is over. value: the first data bit is the least significant.
+    """at: the start edge. end: the end of its last stop bit. value: the first data bit is the least significant.
 
     glitched: True with a glitch between the start edge and the end of the first stop bit. unsure: the bits that
-    receivers may read differently for a glitch, as a mask: bit 0 the start bit, then data, parity and the first stop
-    bit.
+    receivers may read differently because of a glitch, as a mask: bit 0 the start bit, then data, parity and the
+    first stop bit.
     """
 
     at: int
@@ -63,7 +63,7 @@ class Break:
 
 @dataclass(frozen=True, slots=True)
 class CutFrame:
-    """The capture, or its known part, ends within a frame. bits: data bits seen until then, least significant first."""
+    """A frame cut by the end of the capture or of its known part. bits: data bits received, least significant first."""
 
     at: int
     bits: tuple[int, ...]
@@ -71,7 +71,7 @@ class CutFrame:
 
 @dataclass(frozen=True, slots=True)
 class RejectedStart:
-    """The line left its rest at `at` for no start bit; `end`: where it came back first."""
+    """The line left idle at `at`, but not for a start bit; `end`: its first return."""
 
     at: int
     end: int
@@ -81,10 +81,10 @@ Event = Frame | Break | CutFrame | RejectedStart
 
 
 def events(capture: Capture, channel: str | int, line: Line, vote: bool = False) -> list[Event]:
-    """What one channel holds, in order of where it begins, a frame before the break it is part of.
+    """Decode the events of one channel, in the order of their begins, a frame before the break it is part of.
 
-    vote: each bit is the majority of three looks. LookupError if the channel is not there; ValueError if the capture
-    has no rate, or under two samples a bit.
+    vote: each bit is the majority of three samples. LookupError for a missing channel; ValueError if the capture has
+    no rate, or under two samples a bit.
     """
     wire = capture.channel(channel)
     width = width_of(capture, line.baud)
@@ -97,7 +97,7 @@ def events(capture: Capture, channel: str | int, line: Line, vote: bool = False)
 
 
 def _frames(wire: Channel, line: Line, width: Fraction, end: int, looks: list[tuple[int, ...]]) -> list[Event]:
-    low = int(line.invert)  # what the wire is at during a start bit
+    low = int(line.invert)  # level of the wire during a start bit
     edges: list[int] = wire.edges.tolist()
     starts: list[int] = wire.edges[wire.levels == low].tolist()
     first = wire.initial ^ low
@@ -128,7 +128,7 @@ def _frames(wire: Channel, line: Line, width: Fraction, end: int, looks: list[tu
 
 
 def _unsure(glitches: list[tuple[int, int]], windows: list[tuple[int, int]]) -> int:
-    """The bits in whose window a glitch lies, as a mask."""
+    """Return the bits whose window contains a glitch, as a mask."""
     return sum(
         1 << bit for bit, (begin, last) in enumerate(windows) if any(a <= last and b > begin for a, b in glitches)
     )

@@ -1,11 +1,11 @@
-"""What a serial line is set to, from its edges: a channel in, rate, frame and polarity out, and how sure that is.
+"""Estimate of a serial line's rate, frame and polarity from its edges, with a measure of certainty.
 
-    low pulses --> the largest bit time they are whole numbers of --> a usual rate near it
-    frames as each usual shape would read them --> the first one without errors that enough values speak for
+    low pulses --> the largest bit time of which all are multiples --> a usual rate near it
+    frames decoded with each usual shape --> the first one without errors that enough values support
 
-Low pulses hold start and data bits and never silence, so all of them are whole bits long; high ones are not.
-What reads a line without errors need not be right: 7e1 reads as 8n1 always, and any parity fits one byte out of
-two. A shape that asks more of the line is believed where at least six different values agree with it.
+Low pulses consist of start and data bits and never of silence, so all are whole bits long; high ones are not.
+A shape without errors need not be right: 7e1 always reads as 8n1, and any parity fits one byte out of two.
+A shape that demands more of the line is accepted if at least six different values agree with it.
 """
 
 from __future__ import annotations
@@ -27,33 +27,33 @@ from .uart_table import UartRowKind, breaks_of, frames_of
 
 Pulses = NDArray[np.int64]
 
-# Rates that people use.
+# Rates in common use.
 USUAL = (
     *(50, 75, 110, 134, 150, 200, 300, 600, 1200, 1800, 2400, 4800, 7200, 9600, 14400, 19200, 28800, 31250, 38400),
     *(56000, 57600, 74880, 76800, 100_000, 115_200, 125_000, 153_600, 187_500, 230_400, 250_000, 312_500, 345_600),
     *(375_000, 460_800, 500_000, 576_000, 625_000, 750_000, 921_600, 1_000_000, 1_250_000, 1_500_000, 1_843_200),
     *(2_000_000, 2_500_000, 3_000_000, 3_500_000, 4_000_000, 6_000_000, 8_000_000, 12_000_000),
 )
-NEAR = 0.035  # a rate this near to a usual one is taken for it: 2.5 % that receivers bear, 1 % of a short capture
+NEAR = 0.035  # such a rate is rounded to the usual one: 2.5 % that receivers tolerate, 1 % of a short capture
 
-# Shapes in the order in which they are believed, each where it reads without errors.
+# Shapes in order of preference, each if it reads without errors.
 SHAPES = ("5n1", "6n1", "7n1", "7e1", "7o1", "8n1", "8e1", "8o1", "9n1")
 PLAIN = "8n1"
 ENOUGH = 6  # different values that must agree with any other shape
-CLEAN = 0.005  # part of the frames that may be wrong all the same
+CLEAN = 0.005  # tolerated part of wrong frames
 
-MANY = 12  # pulses from which on it shows that all are longer by the same
-LOOKED_AT = 20_000  # edges that the shapes are tried on
+MANY = 12  # pulses needed to see that all are longer by a constant
+LOOKED_AT = 20_000  # edges on which the shapes are tried
 LONGEST = 10.5  # bits of a low pulse, start and nine data bits; longer ones are breaks
 
 
 @dataclass(frozen=True)
 class Guess:
-    """measured: baud as the edges have it. errors: part of the frames, of those looked at, that are wrong.
+    """measured: baud according to the edges. errors: part of the examined frames that are wrong.
 
-    off: how far edges are from bit bounds, in bits, on average. also: shapes that read as well, but are less
-    likely or less spoken for. sure: 0 to 1, small where few frames, errors, edges that fit ill, or other shapes
-    that fit as well leave doubt; a guide, no probability.
+    off: average distance of edges from bit bounds, in bits. also: shapes that read as well, but are less likely or
+    supported by fewer values. sure: 0 to 1, small if few frames, errors, edges off the bit bounds, or other shapes
+    that fit as well leave doubt; a guide, not a probability.
     """
 
     line: Line
@@ -76,9 +76,9 @@ class Guess:
 def guess(
     capture: Capture, channel: str | int, shape: str | None = None, invert: bool | None = None, glitch: int = 0
 ) -> Guess:
-    """The settings that read a channel best; `shape` (8n1) and `invert` where they are known.
+    """Return the settings that read a channel best; `shape` (8n1) and `invert` if they are known.
 
-    LookupError if the channel is not there; ValueError if the capture has no rate, or too few edges for a guess.
+    LookupError for a missing channel; ValueError if the capture has no rate, or too few edges for a guess.
     """
     wire = capture.channel(channel)
     if capture.rate is None:
@@ -100,7 +100,7 @@ def guess(
 
 @dataclass(frozen=True)
 class _Tried:
-    """A shape, and how it reads the line. values: how many different ones."""
+    """A shape and its result on the line. values: number of different ones."""
 
     line: Line
     frames: int
@@ -109,7 +109,7 @@ class _Tried:
 
 
 def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, invert: bool) -> Guess | None:
-    """The best reading at one polarity; None if there is nothing to go by. step: positions of a sample."""
+    """Return the best guess at one polarity; None without enough pulses. step: positions of a sample."""
     pulses = np.concatenate([np.empty(0, np.int64), *(_low_pulses(part, invert) for part in parts)])
     found = _bit_time(pulses, step)
     if found is None:
@@ -132,21 +132,21 @@ def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, in
 
 
 def _only_longer(line: Line, than: Line) -> bool:
-    """Silence reads as more data bits, all high, and says nothing."""
+    """True if a line has only more data bits: silence reads as data bits, all high, and is no evidence."""
     return line.parity == "none" and line.shape != PLAIN and line.bits > than.bits
 
 
 def _low_pulses(part: Channel, invert: bool) -> Pulses:
-    """Lengths of the pulses at the level of a start bit, between two edges each."""
+    """Return the lengths of the pulses at the level of a start bit, between two edges each."""
     first = int(part.initial == int(invert))
     falls, rises = part.edges[first::2], part.edges[first + 1 :: 2]
     return rises - falls[: len(rises)]
 
 
 def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
-    """Positions of one bit, and how far the pulses are from whole bits on average, in bits.
+    """Return the positions of one bit, and the average distance of pulses from whole bits, in bits.
 
-    The shortest pulse that is no rarity is one bit, or a few where the bytes never have a single bit alone.
+    The shortest frequent pulse is one bit, or a few if the bytes never contain a single bit alone.
     """
     pulses = np.sort(pulses[pulses >= 2])
     if not len(pulses):
@@ -163,9 +163,9 @@ def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
 
 
 def _fit(pulses: Pulses, width: float) -> tuple[float, float]:
-    """A bit time near `width` that fits the pulses best, and how far they are off on average.
+    """Return the bit time near `width` that fits the pulses best, and their average distance from whole bits.
 
-    A line that falls faster than it rises makes all low pulses longer by the same.
+    A line that falls faster than it rises makes all low pulses longer by a constant.
     """
     longer = 0.0
     for longest in (2.5, 5.5, LONGEST, LONGEST):  # short pulses first: an error of the bit time adds up in long ones
@@ -186,7 +186,7 @@ def _fit(pulses: Pulses, width: float) -> tuple[float, float]:
 
 
 def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
-    """How a line reads: without what the end cuts off."""
+    """Decode with a line's settings and count frames, values and errors, without frames cut by the end."""
     width = rate / Fraction(line.baud)
     sample = sample_point_step(step, width)
     frames = wrong = 0
@@ -198,9 +198,9 @@ def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
         some = replace(part, edges=edges, levels=part.levels[: len(edges)])
         end = int(edges[-1]) + ceil(line.frame * width)
         table = frames_of(some, line, width, end, sample)
-        table = table.take(table.kind == UartRowKind.FRAME)
+        table = table.select(table.kind == UartRowKind.FRAME)
         breaks = breaks_of(some, line, width).at
-        table = table.take(~np.isin(table.at, breaks, assume_unique=True))
+        table = table.select(~np.isin(table.at, breaks, assume_unique=True))
         frames += len(table.at)
         wrong += int(np.count_nonzero(table.parity_error | table.frame_error))
         values.update(np.unique(table.value).tolist())
@@ -208,12 +208,12 @@ def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
 
 
 def _idle(parts: list[Channel], spans: list[Span], invert: bool) -> float:
-    """Part of the time that the line is at the level it would rest at: most lines rest more than they work."""
+    """Return the part of the time that the line is at its idle level: most lines are idle more than busy."""
     low = sum(_low(part, span, invert) for part, span in zip(parts, spans, strict=True))
     return 1 - low / sum(span.end - span.begin for span in spans)
 
 
 def _low(part: Channel, span: Span, invert: bool) -> int:
-    """How long a line is at the level of a start bit."""
+    """Return the time that a line is at the level of a start bit."""
     bounds = np.concatenate(([span.begin], part.edges, [span.end]))
     return int(np.diff(bounds)[part.initial ^ int(invert) :: 2].sum())

@@ -1,4 +1,4 @@
-"""How the frames of a serial line are made: a rate and a shape, or their text, go in; a Line comes out."""
+"""Format of a serial line: its rate and the shape of its frames, also parsed from text."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PARITIES = ("none", "odd", "even", "mark", "space")
 
 
 class Line(Struct, frozen=True):
-    """How frames are made. invert: True where idle is low on the wire."""
+    """Rate and shape of frames. invert: True if idle is low on the wire."""
 
     baud: Fraction | int
     bits: int = 8
@@ -34,7 +34,7 @@ class Line(Struct, frozen=True):
 
     @property
     def shape(self) -> str:
-        """Data bits, first letter of the parity, stop bits: 8n1."""
+        """Data bits, first letter of the parity, and stop bits: 8n1."""
         return f"{self.bits}{self.parity[0]}{float(self.stop):g}"
 
     @property
@@ -44,7 +44,7 @@ class Line(Struct, frozen=True):
 
 
 def line_of(baud: str, shape: str = "8n1", invert: bool = False) -> Line:
-    """A line from text: `115200` or `31250.5` baud; data bits, first letter of the parity, stop bits: `8n1`, `7e1.5`.
+    """Parse a line: `115200` or `31250.5` baud; data bits, first letter of the parity, stop bits: `8n1`, `7e1.5`.
 
     ValueError says what was expected.
     """

@@ -1,4 +1,4 @@
-"""Rows of a UART table as the objects of `decode.uart`, one by one, for whoever looks at single frames."""
+"""Conversion of rows of a UART table to the event objects of `decode.uart`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from .uart_table import UartRowKind, UartTable
 
 
 def events_of_table(table: UartTable) -> list[uart.Event]:
-    """The same events, in the same order, as `uart.events` finds in the capture that the table is of."""
+    """Return the same events, in the same order, as `uart.events` finds in the table's capture."""
     return [
         _event(UartRowKind(kind), *rest) for kind, *rest in zip(*(column.tolist() for column in table), strict=True)
     ]

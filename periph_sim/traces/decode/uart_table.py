@@ -1,10 +1,10 @@
-"""Asynchronous serial frames from edges, all at once: one line in, a table of frames, breaks and rejected starts out.
+"""UART decoder on arrays: from one line to a table of frames, breaks and rejected starts.
 
     falling edges --> where the next frame would begin --> the chain of frames --> edges within each --> bits
 
-The rules are those of `decode.uart`, which gives the same events one by one as objects. A frame decides where
-the next may begin, so the chain is followed one by one, which is one look into a list a frame; all else is
-done for all frames at once.
+The rules are those of `decode.uart`, which gives the same events as objects. A frame decides where the next
+may begin, so the chain is followed frame by frame, with one list access each; all else is done for all frames
+at once.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .uart_line import Line
 
 
 class UartRowKind(IntEnum):
-    """What a row is. CUT: a frame that the end of the capture, or of its known part, left incomplete."""
+    """Kind of a row. CUT: a frame that the end of the capture, or of its known part, left incomplete."""
 
     FRAME = 0
     BREAK = 1
@@ -34,19 +34,19 @@ class UartRowKind(IntEnum):
 
 
 class UartTable(NamedTuple):
-    """Arrays of equal length, in order of where the rows begin, a frame before the break it is part of.
+    """Arrays of equal length, in the order of the rows' begins, a frame before the break it is part of.
 
     The tuple is of columns.
 
     kind          uint8   a `UartRowKind`
     at            int64   the start edge
-    end           int64   FRAME: where its last stop bit is over; BREAK, REJECTED: the rising edge; CUT: where it was
+    end           int64   FRAME: the end of its last stop bit; BREAK, REJECTED: the rising edge; CUT: where it was
                           cut off
-    value         int32   the data bits, the first one least significant; -1 of a break and a rejected start
-    bits          uint8   data bits seen; 0 of a break and a rejected start
+    value         int32   the data bits, the first one least significant; -1 for a break and a rejected start
+    bits          uint8   data bits received; 0 for a break and a rejected start
     parity_error  bool
     frame_error   bool    the stop bit was low
-    glitched      bool    a glitch lies within the frame
+    glitched      bool    there is a glitch within the frame
     unsure        int32   the bits that receivers may read differently: bit 0 the start bit, then as sent
     """
 
@@ -60,16 +60,16 @@ class UartTable(NamedTuple):
     glitched: NDArray[np.bool_]
     unsure: NDArray[np.int32]
 
-    def take(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> UartTable:
-        """The table of some rows: their numbers, a mask, or a slice."""
+    def select(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> UartTable:
+        """Return the table of some rows: their numbers, a mask, or a slice."""
         return UartTable._make(column[rows] for column in self)
 
 
 def uart_table(capture: Capture, channel: str | int, line: Line, glitch: int = 0, vote: bool = False) -> UartTable:
-    """Frames, breaks and rejected starts of one channel; nothing across unknown spans.
+    """Decode frames, breaks and rejected starts of one channel; none spans unknown levels.
 
-    glitch: pulses of fewer positions are left out first. vote: each bit is the majority of three looks. LookupError
-    if the channel is not there; ValueError if the capture has no rate, or under two samples a bit.
+    glitch: pulses of fewer positions are removed first. vote: each bit is the majority of three samples. LookupError
+    for a missing channel; ValueError if the capture has no rate, or under two samples a bit.
     """
     wire = capture.channel(channel)
     width = width_of(capture, line.baud)
@@ -84,17 +84,17 @@ def _table(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote
     if not len(breaks.at) and not len(rejected.at):
         return frames
     both = _joined([frames, rejected, breaks])
-    return both.take(np.argsort(both.at, kind="stable"))
+    return both.select(np.argsort(both.at, kind="stable"))
 
 
 def frames_of(wire: Channel, line: Line, width: Fraction, end: int, step: int = 1) -> UartTable:
-    """The frames of a line that is known up to `end`, each bit `width` positions long, each sample `step`."""
+    """Decode the frames of a line that is known up to `end`, each bit `width` positions long, each sample `step`."""
     return _frames(wire, line, width, end, step, vote=False)[0]
 
 
 def _frames(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote: bool) -> tuple[UartTable, UartTable]:
-    """(frames, rejected starts)"""
-    low = int(line.invert)  # what the wire is at during a start bit
+    """Return (frames, rejected starts)."""
+    low = int(line.invert)  # level of the wire during a start bit
     edges = wire.edges
     first = int(wire.initial == low)  # among the edges, the first that may start a frame
     starts = edges[first::2]
@@ -135,8 +135,8 @@ def _frames(wire: Channel, line: Line, width: Fraction, end: int, step: int, vot
 
 
 def _seen(edges: Positions, first: int, taken: NDArray[np.int64], looks: Positions) -> NDArray[np.int32]:
-    """The levels at the looks of each frame, as bits; 1 is the level of rest. Each edge of a frame turns over all looks
-    from it on; edge 0 is the start bit's own."""
+    """Return the levels at the sample points of each frame, as bits; 1 is the idle level. Each edge of a frame inverts
+    all sample points after it; edge 0 is the start bit's own."""
     begin = 2 * taken + first
     if not len(begin):
         return np.empty(0, np.int32)
@@ -158,7 +158,7 @@ def _majority(seen: list[NDArray[np.int32]]) -> NDArray[np.int32]:
 def _glitches(
     edges: Positions, at: Positions, line: Line, width: Fraction
 ) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
-    """Of each frame, which begin at `at`: whether a glitch lies in it, and the bits that it makes unsure."""
+    """Return for each frame, which begin at `at`, if a glitch is in it, and the bits that it makes unsure."""
     glitched, unsure = np.zeros(len(at), bool), np.zeros(len(at), np.int32)
     short = np.flatnonzero(np.diff(edges) <= longest_glitch(width)) if len(at) else edges[:0]
     begins, ends = edges[short], edges[short + 1]
@@ -176,10 +176,10 @@ def _glitches(
 def _chain(
     starts: Positions, edges: Positions, first: int, looks: NDArray[np.int64], end: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Which of the edges that may start a frame do, and which were tried and do not.
+    """Return the edges that start a frame, and those that are rejected as starts.
 
-    The first edge is tried, and each time the first behind the last look at the one before. An edge whose start bit is
-    over where it is looked at starts nothing.
+    Candidates are the first edge, and each time the first after the last sample point of the candidate before. An edge
+    whose start bit is over at its sample point starts nothing.
     """
     passed = [np.searchsorted(edges, starts + look, side="right") for look in looks[0].tolist()]
     high = sum((done - first & 1 == 0).astype(np.int64) for done in passed)

@@ -1,9 +1,9 @@
-"""Two captures compared by what happened on the bus, not by when: for the command and for tests.
+"""Comparison of two captures by the events on the bus, regardless of their times: for the command and for tests.
 
     Capture A, Capture B --decode--> words --pair--> entries --> TraceDiff
 
-A run whose interrupt came 3 us later has the same events; from one of them on they are 3 us later, and that one is
-named.
+A run whose interrupt came 3 us later has the same events; from one of them on they are 3 us later, and that event
+is reported.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def diff_i2c(
     lines_b: I2cLines | None = None,
     tolerance: Fraction | None = None,
 ) -> TraceDiff:
-    """The differences of two I2C captures. lines: SCL and SDA, of B too unless `lines_b` says otherwise.
+    """Return the differences of two I2C captures. lines: SCL and SDA, also of B unless `lines_b` is given.
 
     tolerance: seconds; None: a position of each capture. LookupError for a missing channel, ValueError without a rate.
     """
@@ -43,7 +43,7 @@ def diff_uart(
     channel_b: str | int | None = None,
     tolerance: Fraction | None = None,
 ) -> TraceDiff:
-    """The differences of two UART lines. Otherwise as `diff_i2c`."""
+    """Return the differences of two UART lines. Otherwise as `diff_i2c`."""
     other = channel if channel_b is None else channel_b
     return _diff(a, b, uart_groups(a, channel, line), uart_groups(b, other, line), tolerance)
 

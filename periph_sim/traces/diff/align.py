@@ -1,13 +1,13 @@
-"""Two sequences of numbers, aligned: what they have in common comes out as runs, in order.
+"""Alignment of two sequences of numbers: what they have in common, as runs in order.
 
     1 2 3 4 5 6
     1 2 9 4 5 5 6   -->  Run(0, 0, 2) Run(3, 3, 2) Run(5, 6, 1)
 
 The greedy algorithm of Myers (An O(ND) difference algorithm and its variations, 1986) finds the fewest insertions and
 deletions, in time that grows with length times differences: a long capture with few differences is quick, also where
-it repeats one transfer for ever, as a polling loop does (difflib's SequenceMatcher is quadratic there). What occurs on
-one side only is left out before. Beyond `MOST_EDITS` differences in one piece the way that got furthest is kept, and
-the search starts anew from there: no longer always the fewest, but never quadratic.
+it repeats one transfer endlessly, as a polling loop does (difflib's SequenceMatcher is quadratic there). Items that
+occur on one side only are removed first. Beyond `MOST_EDITS` differences in one piece the furthest path is kept, and
+the search restarts from there: no longer always the fewest, but never quadratic.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MOST_EDITS = 200
-STRIDE = 16  # what is compared one by one before whole arrays are
+STRIDE = 16  # items that are compared before larger arrays are
 
 
 class Run(NamedTuple):
@@ -31,7 +31,7 @@ class Run(NamedTuple):
 
 
 def align(a: Sequence[int] | NDArray[np.int64], b: Sequence[int] | NDArray[np.int64]) -> list[Run]:
-    """The runs that both sequences have in common, in order, none empty, neighbours joined."""
+    """Return the runs that both sequences have in common, in order, none empty, neighbours joined."""
     left, right = np.asarray(a, np.int64), np.asarray(b, np.int64)
     head = equal_from_start(left, right)
     tail = equal_from_start(left[head:][::-1], right[head:][::-1])
@@ -51,7 +51,7 @@ def align(a: Sequence[int] | NDArray[np.int64], b: Sequence[int] | NDArray[np.in
 
 
 def _middle(a: NDArray[np.int64], b: NDArray[np.int64]) -> list[Run]:
-    """Piece by piece, each up to MOST_EDITS differences long."""
+    """Align piece by piece, each up to MOST_EDITS differences long."""
     found: list[Run] = []
     x = y = 0
     while x < len(a) and y < len(b):
@@ -62,7 +62,7 @@ def _middle(a: NDArray[np.int64], b: NDArray[np.int64]) -> list[Run]:
 
 
 def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, int]:
-    """(runs, how far they go in a, and in b): to the end, or as far as MOST_EDITS differences lead."""
+    """Return (runs, their extent in a, and in b): to the end, or as far as MOST_EDITS differences lead."""
     reach = {1: 0}  # diagonal x - y -> furthest x on it
     history: list[dict[int, int]] = []
     for edits in range(MOST_EDITS + 1):
@@ -71,7 +71,7 @@ def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, 
             x = _step(reach, k, edits)
             y = x - k
             if x > len(a) or y > len(b) or y < 0:
-                reach[k] = x  # outside: never goes on from here
+                reach[k] = x  # outside: never continued
                 continue
             x += equal_from_start(a[x:], b[y:])
             reach[k] = x
@@ -83,7 +83,7 @@ def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, 
 
 
 def _step(reach: dict[int, int], k: int, edits: int) -> int:
-    """Where diagonal k is entered: downwards from k + 1 (an insertion) or to the right from k - 1 (a deletion)."""
+    """Return x where diagonal k is entered: down from k + 1 (an insertion) or right from k - 1 (a deletion)."""
     if k == -edits or (k != edits and reach[k - 1] < reach[k + 1]):
         return reach[k + 1]
     return reach[k - 1] + 1
@@ -104,7 +104,7 @@ def _way_back(history: list[dict[int, int]], x: int, y: int) -> list[Run]:
 
 
 def equal_from_start(a: NDArray[np.int64], b: NDArray[np.int64]) -> int:
-    """How many items are equal from the start on."""
+    """Return the number of equal items from the start on."""
     length = min(len(a), len(b))
     done, stride = 0, STRIDE
     while done < length:

@@ -1,11 +1,11 @@
-"""Paired events with their times: what differs, and where a difference in time begins.
+"""Comparison of paired events and their times: what differs, and where a difference in time begins.
 
     pairs, rate of A, rate of B --> TraceDiff: entries, offset, change points, a summary a kind
 
-Times are whole ticks of a clock that both rates divide. B's clock began at another moment than A's: the first event
-that both have sets the offset, and how much later an event is in B is counted from there. A change point is where
-this lateness leaves the value it had since the last change point by more than the tolerance: what happened just before
-is the cause, and events behind it that are equally late are no news.
+Times are whole ticks of a clock that both rates divide. B's clock began at another moment than A's: the first common
+event defines the offset, and the lateness of an event in B is counted from there. A change point is where this
+lateness deviates by more than the tolerance from its value at the last change point: what happened just before is
+the cause, and later events that are equally late are not reported.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .matching import Pair
 
 
 class Entry(NamedTuple):
-    """number: place among all pairs. later: ticks by which B's event is later than A's, None where one is not there."""
+    """number: place among all pairs. later: ticks by which B's event is later than A's, None if one is missing."""
 
     number: int
     a: Event | None
@@ -42,7 +42,7 @@ class Entry(NamedTuple):
 
 
 class ChangePoint(NamedTuple):
-    """From `entry` on B is `step` ticks later than it was at `before`, the event that both have before."""
+    """From `entry` on, B is `step` ticks later than at `before`, the common event before it."""
 
     entry: Entry
     before: Entry
@@ -51,7 +51,7 @@ class ChangePoint(NamedTuple):
 
 @dataclass(frozen=True)
 class KindSummary:
-    """Of one kind of event. median, worst: ticks B is later, worst by size; None where no event is in both."""
+    """Summary of a kind of event. median, worst: ticks B is later, worst by size; None without a common event."""
 
     kind: str
     both: int
@@ -64,9 +64,9 @@ class KindSummary:
 
 @dataclass(frozen=True)
 class TraceDiff:
-    """Two captures compared. ticks: a second. offset: ticks from A's clock to B's, None without a common event.
+    """Two captures compared. ticks: ticks a second. offset: ticks from A's clock to B's, None without a common event.
 
-    tolerance: seconds; a lateness up to there is no difference.
+    tolerance: seconds; a lateness of up to this is no difference.
     """
 
     name_a: str
@@ -80,12 +80,12 @@ class TraceDiff:
 
     @cached_property
     def missing(self) -> list[Entry]:
-        """In A only."""
+        """Entries in A only."""
         return [entry for entry in self.entries if entry.b is None]
 
     @cached_property
     def inserted(self) -> list[Entry]:
-        """In B only."""
+        """Entries in B only."""
         return [entry for entry in self.entries if entry.a is None]
 
     @cached_property
@@ -94,12 +94,12 @@ class TraceDiff:
 
     @cached_property
     def late(self) -> list[Entry]:
-        """Later or earlier in B by more than the tolerance."""
+        """Entries later or earlier in B by more than the tolerance."""
         return [entry for entry in self.entries if entry.later is not None and self.beyond(entry.later)]
 
     @cached_property
     def change_points(self) -> list[ChangePoint]:
-        """Where the lateness changes by more than the tolerance."""
+        """Entries at which the lateness changes by more than the tolerance."""
         found: list[ChangePoint] = []
         level = 0
         before: Entry | None = None
@@ -114,7 +114,7 @@ class TraceDiff:
 
     @property
     def equal(self) -> bool:
-        """The same events, at the same times within the tolerance."""
+        """True if the events are the same, at the same times within the tolerance."""
         return not (self.missing or self.inserted or self.changed or self.late)
 
     @cached_property
@@ -124,7 +124,7 @@ class TraceDiff:
 
     @cached_property
     def kinds(self) -> list[KindSummary]:
-        """One summary a kind of event, in order of first appearance."""
+        """One summary for each kind of event, in order of first appearance."""
         sorted_out: dict[str, list[Entry]] = {}
         for entry in self.entries:
             sorted_out.setdefault(entry.kind, []).append(entry)
@@ -145,11 +145,11 @@ class TraceDiff:
         return Fraction(ticks, self.ticks)
 
     def time_a(self, entry: Entry) -> Fraction | None:
-        """Where A has it, in seconds of A's own clock."""
+        """Return the time of A's event, in seconds of A's own clock."""
         return None if entry.a is None else entry.a.at / self.rate_a
 
     def time_b(self, entry: Entry) -> Fraction | None:
-        """Where B has it, in seconds of B's own clock."""
+        """Return the time of B's event, in seconds of B's own clock."""
         return None if entry.b is None else entry.b.at / self.rate_b
 
 
@@ -159,7 +159,7 @@ def compared(
     rates: tuple[Fraction, Fraction],
     tolerance: Fraction | None = None,
 ) -> TraceDiff:
-    """tolerance: seconds; None: one position of each capture, which is what sampling alone may make of it."""
+    """Compare pairs. tolerance: seconds; None: one position of each capture, the possible effect of sampling alone."""
     rate_a, rate_b = rates
     ticks = lcm(rate_a.numerator, rate_b.numerator)
     per_a, per_b = int(ticks / rate_a), int(ticks / rate_b)  # whole: see lcm

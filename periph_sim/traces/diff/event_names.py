@@ -1,4 +1,4 @@
-"""What happened on a bus, as words without times: a capture goes in, events in groups come out.
+"""Names of the events on a bus, without times, in groups.
 
     I2C   START, address 53 W, ACK, byte 1D, ACK, STOP     a group is a transfer
     UART  41, 0D FE, break                                 a group is one frame
@@ -17,7 +17,7 @@ from ..decode.i2c_table import i2c_table
 
 
 class Event(NamedTuple):
-    """kind: what it is. word: all that can be compared of it. at: its position in the capture."""
+    """kind: type of event. word: all that is compared. at: its position in the capture."""
 
     kind: str
     word: str
@@ -28,7 +28,7 @@ Group = list[Event]
 
 
 def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
-    """The transfers of a capture. What comes before its first START is left out. LookupError for a missing channel."""
+    """Return the transfers of a capture from its first START on. LookupError for a missing channel."""
     groups: list[Group] = []
     for event in events_of_table(i2c_table(capture, scl, sda)):
         if isinstance(event, i2c.Start):
@@ -38,7 +38,7 @@ def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
 
 
 def uart_groups(capture: Capture, channel: str | int, line: uart.Line) -> list[Group]:
-    """The frames and breaks of a line, each on its own; rejected starts are none. Errors as of `decode.uart.events`."""
+    """Return each frame and break of a line as a group, without rejected starts. Errors as of `decode.uart.events`."""
     digits = (line.bits + 3) // 4
     events = uart.events(capture, channel, line)
     return [[_uart_event(event, digits)] for event in events if not isinstance(event, uart.RejectedStart)]

@@ -1,11 +1,11 @@
-"""Events of two captures, paired: groups in, pairs out, in order, by what happened and not by when.
+"""Pairing of the events of two captures, in order, by their words and not by their times.
 
     groups of A, groups of B --whole groups alike--> --events alike--> --events of one kind--> pairs
 
-First whole groups (transfers) are aligned by their text, so that a long capture is mostly done. Then the events of what
-lies between, if that has much in common; if not, each transfer with the one it is most like. Among equals, times decide
-which one is missing. What is left of two transfers is paired where it is of one class (a byte with a byte, ACK with
-NACK): these are the changed ones. The rest is missing (in B) or inserted.
+First whole groups (transfers) are aligned by their text, which covers most of a long capture. Then the events in
+between are aligned, if these have much in common; if not, each transfer is paired with the most similar one. Among
+equals, times decide which one is missing. The rest of two transfers is paired if it is of one class (a byte with a
+byte, ACK with NACK): these are the changed ones. All others are missing (in B) or inserted.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from .gap_alignment import Numbers, place_by_time
 from .similarity import ENOUGH, class_of, head, shape, similar_runs
 
 T = TypeVar("T")
-FEW_EVENTS = 5_000  # that are aligned one by one, across the bounds of transfers
-FEW_GROUPS = 60  # each of which is compared with each of the other side
+FEW_EVENTS = 5_000  # aligned one by one, across the bounds of transfers
+FEW_GROUPS = 60  # each compared with each of the other side
 
 
 class Pair(NamedTuple):
-    """One event in both captures, or None where it is not. Both with different words: changed."""
+    """One event in both captures, None where it is missing. If the words differ, it is changed."""
 
     a: Event | None
     b: Event | None
@@ -39,13 +39,13 @@ class Pair(NamedTuple):
 
 
 def pairs(a: Sequence[Group], b: Sequence[Group], rates: tuple[Fraction, Fraction]) -> list[Pair]:
-    """Every event of both, once, in order. rates: positions a second of A and B."""
+    """Return every event of both, once, in order. rates: positions a second of A and B."""
     return list(_Pairing(rates).pairs(a, b))
 
 
 class _Pairing:
     def __init__(self, rates: tuple[Fraction, Fraction]) -> None:
-        self._rates = tuple(map(float, rates))  # times here only choose among equals
+        self._rates = tuple(map(float, rates))  # times are only used to choose among equals
 
     def pairs(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
         texts = [_text(group) for group in a], [_text(group) for group in b]
@@ -56,7 +56,7 @@ class _Pairing:
                 yield from map(Pair, one, other)
 
     def _block(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
-        """Groups that have no equal: event by event where half of all is alike, else each group with the like of it."""
+        """Pair groups without equals: by event if half of all are equal, else each group with a similar one."""
         if len(a) == len(b) and all(shape(one) == shape(other) for one, other in zip(a, b, strict=True)):
             for one, other in zip(a, b, strict=True):
                 yield from map(Pair, one, other)
@@ -79,7 +79,7 @@ class _Pairing:
                 yield from self._events(one, other)
 
     def _by_head(self, a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
-        """Runs of groups with the same addresses."""
+        """Return runs of groups with the same addresses."""
         heads = [head(group) for group in a], [head(group) for group in b]
         begins = [group[0].at for group in a], [group[0].at for group in b]
         return self._aligned(*heads, *begins)
@@ -98,7 +98,7 @@ class _Pairing:
 
 
 def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
-    """Events none of which has its equal: those of one class are changed, the rest missing or inserted."""
+    """Pair events without equals: those of one class are changed, the rest missing or inserted."""
     classes = align(*_numbered([class_of(event.kind) for event in a], [class_of(event.kind) for event in b]))
     for run, left, right in _between(classes, a, b):
         yield from (Pair(event, None) for event in left)
@@ -107,7 +107,7 @@ def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
 
 
 def _numbered(a: Iterable[Hashable], b: Iterable[Hashable]) -> tuple[Numbers, Numbers]:
-    """Equal items get equal numbers."""
+    """Replace items by numbers, equal for equal items."""
     numbers: dict[Hashable, int] = {}
     left = [numbers.setdefault(item, len(numbers)) for item in a]
     right = [numbers.setdefault(item, len(numbers)) for item in b]
@@ -115,7 +115,7 @@ def _numbered(a: Iterable[Hashable], b: Iterable[Hashable]) -> tuple[Numbers, Nu
 
 
 def _between(runs: list[Run], a: Sequence[T], b: Sequence[T]) -> Iterator[tuple[Run, Sequence[T], Sequence[T]]]:
-    """Each run, with what both have before it and behind the run before; an empty run at the end."""
+    """Yield each run with the items of both between the run before and this one; an empty run at the end."""
     at_a = at_b = 0
     for run in [*runs, Run(len(a), len(b), 0)]:
         yield run, a[at_a : run.a], b[at_b : run.b]

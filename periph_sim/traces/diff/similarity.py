@@ -1,10 +1,10 @@
-"""Which transfer of one run became which of the other: groups that have no equal in, pairs of the alike out.
+"""Pairing of transfers of two runs that are similar, but not equal.
 
     A   read 6 of 68    read 6 of 53    read 6 of 1E
     B   53 NACK         read 1 of 53                     -->  the two reads of 53 are one, changed; the others are not
 
-Two groups are alike as far as they have words in common; half of them is enough, and so is the same sequence of
-addresses, or of kinds of events. Of all ways to pair in order the one with most likeness is taken.
+The similarity of two groups is their share of common words; half of them is enough, and so is the same sequence of
+addresses, or of kinds of events. The pairing in order with the largest total similarity is chosen.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ CLASSES = {"NACK": "ACK", "repeated START": "START", "cut byte": "byte", "cut fr
 
 
 def similar_runs(a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
-    """The groups to pair, each a run of one. The time taken grows with the product of both lengths."""
+    """Return the groups to pair, each as a run of one. The computing time grows with the product of both lengths."""
     score = [[is_similar(one, other) for other in b] for one in a]
     best = [[0.0] * (len(b) + 1) for _ in range(len(a) + 1)]
     for i in reversed(range(len(a))):
@@ -42,7 +42,7 @@ def similar_runs(a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
 
 
 def is_similar(a: Group, b: Group) -> float:
-    """0 for nothing in common, 1 for the same words in any order."""
+    """Return the similarity: 0 for nothing in common, 1 for the same words in any order."""
     common = Counter(event.word for event in a) & Counter(event.word for event in b)
     share = 2 * common.total() / (len(a) + len(b))
     same = shape(a) == shape(b) or (head(a) == head(b) != ())
@@ -50,15 +50,15 @@ def is_similar(a: Group, b: Group) -> float:
 
 
 def head(group: Group) -> tuple[str, ...]:
-    """Its addresses and conditions of START."""
+    """Return the group's addresses and START conditions."""
     return tuple(event.word for event in group if event.kind in HEADS)
 
 
 def shape(group: Group) -> tuple[str, ...]:
-    """The classes of its events."""
+    """Return the classes of the group's events."""
     return tuple(class_of(event.kind) for event in group)
 
 
 def class_of(kind: str) -> str:
-    """Kinds that may become one another are of one class."""
+    """Return the class of a kind; kinds that may replace one another are of one class."""
     return CLASSES.get(kind, kind)

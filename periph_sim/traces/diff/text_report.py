@@ -1,4 +1,4 @@
-"""A trace diff as a person reads it, and as JSON; floats appear here and nowhere before."""
+"""A trace diff as text and as JSON; only this module computes floats."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from .compare import ChangePoint, Entry, KindSummary, TraceDiff
 COUNTS = ("kind", "in both", "changed", "missing", "inserted")
 LATENESS = ("kind", "median later", "worst later", "worst at (A)")
 SHOWN = 10  # of each list, unless all are wanted
-WORDS = 8  # of a row of events that are not in both
+WORDS = 8  # shown of successive events that are not in both
 
 
 def text(diff: TraceDiff, everything: bool = False) -> str:
-    """Offset, tables of kinds, the first difference, where lateness changes, what is not in both, and the verdict."""
+    """Format offset, tables of kinds, first difference, changes of lateness, events not in both, and the verdict."""
     counts = [(one.kind, *map(str, (one.both, one.changed, one.missing, one.inserted))) for one in diff.kinds]
     parts = [_title(diff), "", *text_table(COUNTS, counts, range(1, len(COUNTS))), ""]
     parts += [*text_table(LATENESS, [_lateness(diff, one) for one in diff.kinds], range(1, len(LATENESS))), ""]
@@ -29,7 +29,7 @@ def text(diff: TraceDiff, everything: bool = False) -> str:
 
 
 def as_json(diff: TraceDiff, everything: bool = False) -> dict[str, object]:
-    """Times in seconds as numbers; positions as in the captures. Without `everything` only what differs is listed."""
+    """Convert to JSON: times as numbers in seconds, positions as in the captures. everything: include equal events."""
     return {
         "a": diff.name_a,
         "b": diff.name_b,
@@ -62,7 +62,7 @@ def as_json(diff: TraceDiff, everything: bool = False) -> dict[str, object]:
 
 
 def duration(seconds: Fraction) -> str:
-    """With sign, in microseconds to the nanosecond, or in milliseconds or seconds where long."""
+    """Format with sign, in microseconds to the nanosecond, or in milliseconds or seconds if long."""
     us = float(seconds * 10**6)
     if abs(us) < 10_000:
         return f"{us:+.3f} us"
@@ -90,7 +90,7 @@ def _lateness(diff: TraceDiff, kind: KindSummary) -> tuple[str, ...]:
 
 
 def _said(diff: TraceDiff, entry: Entry) -> str:
-    """One entry in words: `event 12: byte 1D changed to byte 1E, at A ... and B ...`."""
+    """Format one entry: `event 12: byte 1D changed to byte 1E, at A ... and B ...`."""
     if entry.b is None:
         assert entry.a is not None
         return f"event {entry.number}: {entry.a.word} is missing in B, at A {_at(diff.time_a(entry))}"
@@ -102,7 +102,7 @@ def _said(diff: TraceDiff, entry: Entry) -> str:
 
 
 def _apart(diff: TraceDiff) -> list[str]:
-    """What is changed, missing and inserted; of events in a row that are missing or inserted, one line."""
+    """List what is changed, missing and inserted; successive missing or inserted events share one line."""
     apart = [entry for entry in diff.entries if entry.later is None or entry.changed]
     found: list[str] = []
     for _, same in groupby(enumerate(apart), lambda pair: (pair[1].number - pair[0], _sort(pair[1]))):
@@ -122,12 +122,12 @@ def _sort(entry: Entry) -> str | None:
 
 
 def _step(diff: TraceDiff, point: ChangePoint) -> str:
-    """With what stands just before it, which may be in one of the two only."""
+    """Format a change point with the event just before it, which may be in one of the two only."""
     before = diff.entries[point.entry.number - 1]
     event = before.b or before.a
     assert event is not None, "an entry has at least one event"
     only = "" if before.later is not None else ", which is inserted" if before.a is None else ", which is missing"
-    return f"{duration(diff.seconds(point.step))} from {_said(diff, point.entry)}; behind {event.word}{only}"
+    return f"{duration(diff.seconds(point.step))} from {_said(diff, point.entry)}; after {event.word}{only}"
 
 
 def _list(title: str, lines: list[str], everything: bool) -> list[str]:

@@ -1,1 +1,1 @@
-"""Pictures for people: plain lanes, times and words go in, SVG text comes out. It knows no chip, bus or file format."""
+"""Timing diagrams as SVG or text, from plain lanes, times and words; independent of chips, buses and file formats."""

@@ -1,4 +1,4 @@
-"""Wires of a capture as lanes of a diagram: a capture and a span of it go in; waves, and bytes on the bus, come out.
+"""Lanes of a diagram from a span of a capture: waves of the wires, and the bytes on the bus.
 
 Capture --cut to span--> SCL, SDA, bytes, other wires that move
 """
@@ -20,10 +20,10 @@ Seconds = Callable[[float], float]  # a position of the capture on the diagram's
 
 
 def wire_lanes(capture: Capture, span: Span, seconds: Seconds, columns: int, colour: str = BLACK) -> list[Lane]:
-    """The bus with its bytes; then each other wire that moves within the span.
+    """Return the lanes of the bus and its bytes, then of each other wire that moves within the span.
 
-    columns: how many things can be told apart side by side. What is on the bus is told byte by byte; phase by phase
-    where a bit is less than a column; not at all where a byte is.
+    columns: number of things that can be distinguished side by side. The bus is shown byte by byte; phase by phase if a
+    bit is less than a column; not at all if a byte is.
     """
     lanes: list[Lane] = []
     names = [channel.name for channel in capture.channels]
@@ -40,7 +40,7 @@ def wire_lanes(capture: Capture, span: Span, seconds: Seconds, columns: int, col
 
 
 def bit_of(capture: Capture, otherwise: int) -> int:
-    """How long a bit of the I2C bus takes, in positions: the middle of the distances of SCL's rising edges."""
+    """Return the length of a bit of the I2C bus in positions: the median distance of SCL's rising edges."""
     for channel in capture.channels:
         rises = channel.edges[channel.levels == 1]
         if channel.name == BUS[0] and len(rises) > BYTE:
@@ -59,8 +59,8 @@ def _boxes(capture: Capture, span: Span, seconds: Seconds, columns: int) -> tupl
     column = (span.end - span.begin) / columns
     if not bit or column > BYTE * bit:
         return ()
-    told = _bytes if column <= bit else _phases
-    boxes = [box for transfer in i2c.transfers(_around(capture, span)) for box in told(transfer, bit, span.end)]
+    drawn_as = _bytes if column <= bit else _phases
+    boxes = [box for transfer in i2c.transfers(_around(capture, span)) for box in drawn_as(transfer, bit, span.end)]
     return tuple(
         Box(seconds(begin), seconds(end), text) for begin, end, text in boxes if end > span.begin and begin < span.end
     )
@@ -70,7 +70,7 @@ Stretch = tuple[float, float, str]  # begin, end, text
 
 
 def _bytes(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
-    """START, bytes, ACK and STOP."""
+    """Yield START, bytes, ACK and STOP."""
     for number, phase in enumerate(transfer.phases):
         yield phase.start.at, phase.start.at + bit / 2, "Sr" if number else "S"
         for place, byte in enumerate(phase.bytes):
@@ -85,7 +85,7 @@ def _bytes(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
 
 
 def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
-    """Each phase up to the next one or the STOP, by its address and how many bytes follow."""
+    """Yield each phase up to the next one or the STOP, with its address and number of bytes."""
     stops = [phase.start.at for phase in transfer.phases[1:]]
     stops.append(end if transfer.stop is None else transfer.stop.at)
     for phase, stop in zip(transfer.phases, stops, strict=True):
@@ -96,9 +96,9 @@ def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
 
 
 def _around(capture: Capture, span: Span) -> Capture:
-    """From the last STOP before the span to its end and half as far again: all that is decoded, however long the run.
+    """Return the capture from the last STOP before the span to half the span's length after it: all that is decoded.
 
-    So a byte that the span cuts in two is still whole here, where the run went on as long.
+    A byte that the end of the span cuts in two is thus complete, if the run lasted long enough.
     """
     scl, sda = (capture.channel(name) for name in BUS)
     known = [one for one in capture.known(scl, sda) if one.begin <= span.begin]

@@ -1,11 +1,11 @@
-"""A timing diagram: lanes with edges and boxes, a window of time and marks go in; SVG text comes out.
+"""A timing diagram as SVG text, from lanes with edges and boxes, a window of time and marks.
 
     lanes --clip to window--> waves, boxes, ticks      capture  SCL  _/-\\_/-\\_
     marks ------------------> lines across all lanes   replay   SCL  _/-\\___/-
     window -----------------> axis with its unit                0   5   10 us
 
-Times are seconds on one common axis, as floats, since they only end as places on paper. Equal input gives equal text.
-Colours are told apart also in print without colour, by people who do not see all of them, and beside each other.
+Times are seconds on one common axis, as floats, since they only become places on paper. Equal input gives equal text.
+Colours can be distinguished in print without colour, with colour blindness, and beside each other.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ LANE, WAVE, GAP = 30, 18, 14  # height of a lane, of its wave, and between group
 TITLE, LABELS, AXIS = 34, 18, 44
 FONT, MONO = "Helvetica, Arial, sans-serif", "DejaVu Sans Mono, Menlo, Consolas, monospace"
 UNITS = ((1e-9, "ns"), (1e-6, "us"), (1e-3, "ms"), (1.0, "s"))
-CHARACTER = 6.3  # width of one, in the labels
+CHARACTER = 6.3  # width of a character in the labels
 
 
 @dataclass(frozen=True)
 class Box:
-    """A named stretch of time in a lane. wrong: drawn as what should not be."""
+    """A named stretch of time in a lane. wrong: drawn as an error."""
 
     begin: float
     end: float
@@ -50,10 +50,10 @@ class Tick:
 
 @dataclass(frozen=True)
 class Lane:
-    """One line of the diagram: a level with its edges, boxes, or ticks; what is not given is not drawn.
+    """One line of the diagram: a level with its edges, boxes, or ticks, as far as given.
 
     initial: the level before the first of `edges`, which are (time, level); None: no wave. group: lanes of one group
-    stand together under its name, in `colour`.
+    are drawn together under its name, in `colour`.
     """
 
     name: str
@@ -67,7 +67,7 @@ class Lane:
 
 @dataclass(frozen=True)
 class Mark:
-    """A line across all lanes. wrong: where two sides part."""
+    """A line across all lanes. wrong: marks a divergence of two sides."""
 
     at: float
     text: str
@@ -77,7 +77,7 @@ class Mark:
 def timing_diagram(
     lanes: Sequence[Lane], window: tuple[float, float], marks: Sequence[Mark] = (), title: str = "", axis: str = ""
 ) -> str:
-    """SVG text. window: first and last time shown. axis: what the times are counted from.
+    """Return SVG text. window: first and last time shown. axis: the origin of the times.
 
     ValueError if the window holds no time, or there is no lane.
     """
@@ -150,7 +150,7 @@ class _Diagram:
 
     # Parts ------------------------------------------------------------------------
 
-    def _draw_axis(self, told: str) -> None:
+    def _draw_axis(self, origin: str) -> None:
         step = nice_step(self._end - self._begin)
         scale, unit = next(((s, u) for s, u in reversed(UNITS) if step >= s * 0.999), UNITS[0])
         for number in range(ceil(self._begin / step - 1e-9), floor(self._end / step + 1e-9) + 1):
@@ -158,7 +158,7 @@ class _Diagram:
             self._line(x, self._top, x, self._bottom + 4, GRID, 1)
             self._words(f"{number * step / scale:g}", x, self._bottom + 18, 11, anchor="middle", fill=GREY)
         self._line(GUTTER, self._bottom + 4, WIDTH - MARGIN, self._bottom + 4, RULE, 1)
-        self._words(f"{unit}{', ' if told else ''}{told}", WIDTH - MARGIN, self._bottom + 36, 11, anchor="end")
+        self._words(f"{unit}{', ' if origin else ''}{origin}", WIDTH - MARGIN, self._bottom + 36, 11, anchor="end")
 
     def _draw_band(self, mark: Mark) -> None:
         if mark.wrong and self._seen(mark.at):
@@ -167,7 +167,7 @@ class _Diagram:
             self._page.append(band)
 
     def _draw_marks(self, marks: Sequence[Mark]) -> None:
-        free = [float("-inf"), float("-inf")]  # to where each of two rows of labels is taken
+        free = [float("-inf"), float("-inf")]  # the end of the occupied part of two rows of labels
         for mark in sorted(marks, key=lambda one: one.at):
             if not self._seen(mark.at):
                 continue
@@ -248,7 +248,7 @@ class _Diagram:
 
 
 def nice_step(length: float, steps: int = 10) -> float:
-    """1, 2 or 5 times a power of ten, of which at most `steps` fit into `length`."""
+    """Return 1, 2 or 5 times a power of ten, of which at most `steps` fit into `length`."""
     least = length / steps
     power = 10.0 ** floor(log10(least))
     return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least * 0.999)

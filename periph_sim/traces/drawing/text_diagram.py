@@ -1,11 +1,11 @@
-"""A timing diagram in characters: lanes, a window of time and marks go in; lines of text come out.
+"""A timing diagram as lines of text, from lanes, a window of time and marks.
 
     lanes --cut to window--> waves (two rows a lane), boxes (one row)     SCL   ┐ ┌─┐ ┌─┐
     marks -----------------> a row above each, pointing down                    └─┘ └─┘ └
     window ----------------> axis with its unit                           bytes [-- 68 write --]
 
-One column is one slice of the window. A wave that turns over more than once within a slice is shown as ░: too fast to
-be drawn, but seen. The same lanes as in `drawing.timing` make the same picture as SVG. Equal input gives equal text.
+One column is one slice of the window. A wave that changes more than once within a slice is shown as ░: too fast to
+be drawn, but not lost. `drawing.timing` draws the same lanes as SVG. Equal input gives equal text.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ RISE, FALL = ("┘", "┌"), ("└", "┐")
 def text_diagram(
     lanes: Sequence[Lane], window: tuple[float, float], marks: Sequence[Mark] = (), axis: str = "", width: int = 80
 ) -> list[str]:
-    """The lines, none longer than `width`, without spaces at their ends. window: first and last time shown, in seconds.
+    """Return the lines, of at most `width`, without trailing spaces. window: first and last time shown, in seconds.
 
-    axis: what the times are counted from. Groups and colours of lanes are not shown. ValueError if there is no lane,
+    axis: the origin of the times. Groups and colours of lanes are not shown. ValueError if there is no lane,
     the window holds no time, or `width` leaves fewer than 20 columns for the waves.
     """
     begin, end = window
@@ -52,14 +52,14 @@ class _Slices:
         self.begin, self.end, self.count = begin, end, count
 
     def column(self, at: float) -> int:
-        """The column that a time falls into; below 0 or from `count` on if it is not in the window.
+        """Return the column of a time; below 0 or from `count` on if it is not in the window.
 
-        A time just short of a column, by less than floats can tell, is in that column.
+        A time just short of a column, by less than the precision of floats, is in that column.
         """
         return floor((at - self.begin) / (self.end - self.begin) * self.count + 1e-6)
 
     def last(self, at: float) -> int:
-        """The last column that ends by this time."""
+        """Return the last column that ends by this time."""
         return ceil((at - self.begin) / (self.end - self.begin) * self.count - 1e-6) - 1
 
 
@@ -75,7 +75,7 @@ def _lane(lane: Lane, slices: _Slices) -> list[str]:
 
 
 def _wave(initial: int, edges: Sequence[tuple[float, int]], slices: _Slices) -> list[str]:
-    """The upper and the lower row."""
+    """Return the upper and the lower row."""
     level = initial
     turns: dict[int, int] = {}  # column -> edges within
     for at, value in edges:
@@ -97,9 +97,9 @@ def _wave(initial: int, edges: Sequence[tuple[float, int]], slices: _Slices) -> 
 
 
 def _boxes(boxes: Sequence[Box], slices: _Slices) -> str:
-    """Boxes as [-- text --]; a narrow one as its text alone, as the first word of it, or as |. wrong: with ! in it."""
+    """Draw boxes as [-- text --]; a narrow one as its text or first word only, or as |. wrong: with ! in it."""
     row = [" "] * slices.count
-    taken = 0  # columns that a box may no longer begin in
+    taken = 0  # columns in which a box may no longer begin
     for box in sorted(boxes, key=lambda one: one.begin):
         if box.end <= slices.begin or box.begin >= slices.end:
             continue
@@ -124,7 +124,7 @@ def _boxed(text: str, width: int) -> str:
 
 
 def _ticks(ticks: Sequence[tuple[float, str]], slices: _Slices) -> str:
-    """Instants as |text; a text whose room another instant needs is left out."""
+    """Draw instants as |text; a text whose room another instant needs is left out."""
     row = [" "] * slices.count
     places = [(slices.column(at), text) for at, text in ticks if 0 <= slices.column(at) < slices.count]
     for column, _ in places:
@@ -137,7 +137,7 @@ def _ticks(ticks: Sequence[tuple[float, str]], slices: _Slices) -> str:
 
 
 def _marks(marks: Sequence[Mark], slices: _Slices) -> list[str]:
-    """A row a mark, in order of time; v stands above the instant."""
+    """Draw a row for each mark, in order of time, with v above the instant."""
     rows = []
     for mark in sorted(marks, key=lambda one: one.at):
         column = slices.column(mark.at)
@@ -149,7 +149,7 @@ def _marks(marks: Sequence[Mark], slices: _Slices) -> list[str]:
     return rows
 
 
-def _axis(slices: _Slices, told: str) -> list[str]:
+def _axis(slices: _Slices, origin: str) -> list[str]:
     step = nice_step(slices.end - slices.begin, 8)
     scale, unit = next(((s, u) for s, u in reversed(UNITS) if step >= s * 0.999), UNITS[0])
     rule, words = ["·"] * slices.count, [" "] * slices.count
@@ -162,4 +162,4 @@ def _axis(slices: _Slices, told: str) -> list[str]:
             if column >= taken and column + len(text) <= slices.count:
                 words[column : column + len(text)] = text
                 taken = column + len(text) + 1
-    return ["".join(rule), "".join(words), f"{unit}{', ' if told else ''}{told}"[: slices.count]]
+    return ["".join(rule), "".join(words), f"{unit}{', ' if origin else ''}{origin}"[: slices.count]]

@@ -1,21 +1,21 @@
-"""Trace files: a path goes in, a `Capture` comes out, whatever wrote the file; and back.
+"""Trace files of many formats, read to a `Capture` and written from one.
 
 One file of this folder is one format. It defines
 
-    NAME                                     what people call it
+    NAME                                     the usual name
     SUFFIXES                                 the usual ends of its file names, with the dot; "/" for a folder
 
 and one or both of
 
     recognises(path, head)                   whether a file that begins with these bytes can be one (b"" for a folder)
-    read(path, rate=None, salvage=False)     the Capture; BadCapture in one sentence if it cannot be had
+    read(path, rate=None, salvage=False)     the Capture; BadCapture if it cannot be read
 
-    write(capture, path)                     makes the file (`path` is a temporary name); None, or notes on what is lost
+    write(capture, path)                     writes the file (`path` is a temporary name); None, or notes on losses
     SAMPLES_ONLY = True                      if positions must be samples, since the format has no times
     WRITTEN                                  which of SUFFIXES are written, if not all
 
-and is found by being there. `rate` states the sampling rate where the file does not, or says it
-wrong; times given in seconds are put on its grid. With `salvage` a damaged file is read up to the
+and is found by its presence. `rate` states the sampling rate if the file does not, or states a
+wrong one; times given in seconds are put on its grid. With `salvage` a damaged file is read up to the
 damage, and the notes of the Capture say what was dropped.
 """
 
@@ -38,9 +38,9 @@ from .atomic_write import atomic_write
 
 __all__ = ["BadCapture", "Capture", "Channel", "Format", "Span", "formats", "rate_of", "read", "whole", "write"]
 
-HEAD = 4096  # bytes of a file that `recognises` is shown
+HEAD = 4096  # bytes of a file that `recognises` receives
 
-REFUSED = {  # by suffix: what it is, and the way out
+REFUSED = {  # by suffix: description and remedy
     ".sal": ("a Saleae session, whose layout the vendor changes at will", "export CSV or binary from Logic 2"),
     ".logicdata": ("a Saleae Logic 1 session, whose layout is not published", "export CSV from Logic"),
     ".pvs": ("a PulseView setup without samples", "give the .sr file beside it"),
@@ -48,14 +48,14 @@ REFUSED = {  # by suffix: what it is, and the way out
 
 
 class Format(Protocol):
-    """What every format of this folder has."""
+    """The definitions that all formats of this folder have."""
 
     NAME: str
     SUFFIXES: tuple[str, ...]
 
 
 class Reader(Format, Protocol):
-    """A format that is read."""
+    """A format that can be read."""
 
     def recognises(self, path: Path, head: bytes) -> bool: ...
 
@@ -63,33 +63,33 @@ class Reader(Format, Protocol):
 
 
 class Writer(Format, Protocol):
-    """A format that is written."""
+    """A format that can be written."""
 
     def write(self, capture: Capture, path: Path) -> tuple[str, ...] | None: ...
 
 
 @cache
 def formats() -> dict[str, Format]:
-    """Every format of this folder, by the name of its file."""
+    """Return every format of this folder, by the name of its file."""
     return {name: cast(Format, module) for name, module in modules_with("NAME", __name__, __path__).items()}
 
 
 def readers() -> dict[str, Reader]:
-    """The formats that are read."""
+    """Return the formats that can be read."""
     return {name: cast(Reader, found) for name, found in formats().items() if hasattr(found, "read")}
 
 
 def writers() -> dict[str, Writer]:
-    """The formats that are written, by suffix."""
+    """Return the formats that can be written, by suffix."""
     able = [cast(Writer, found) for found in formats().values() if hasattr(found, "write")]
     return {suffix: writer for writer in able for suffix in getattr(writer, "WRITTEN", writer.SUFFIXES)}
 
 
 def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = False) -> Capture:
-    """The capture in a file or folder; BadCapture says what is wrong with it and the way out.
+    """Read the capture in a file or folder; BadCapture states the problem and its remedy.
 
-    The content decides; the suffix only says which formats are asked first, and which one complains
-    when none knows the content.
+    The content decides; the suffix only determines which formats are tried first, and which one reports
+    an error if none recognises the content.
     """
     path = note_input(Path(path))
     suffix = "/" if isdir(path) else path.suffix.casefold()
@@ -112,7 +112,7 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
 
 
 def _readers_of(suffix: str) -> list[Reader]:
-    """The formats that are read and have this suffix. Only files that mention it are imported: most take long."""
+    """Return the readable formats of this suffix. Only files that mention it are imported: most imports take long."""
     found: list[Reader] = []
     for file in sorted(Path(__file__).parent.glob("*.py")):
         if file.stem != "__init__" and f'"{suffix}"' in file.read_text(encoding="utf-8"):
@@ -123,10 +123,10 @@ def _readers_of(suffix: str) -> list[Reader]:
 
 
 def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -> tuple[str, ...]:
-    """Notes about what writing changed, a sentence each; the suffix chooses the format.
+    """Write a capture in the format of the suffix. Return notes on what writing changed, a sentence each.
 
-    With `rate` the capture is put on the samples of that rate first, without one on the slowest that loses no edge
-    where the format holds samples only. The file appears whole or not at all; BadCapture says why it did not.
+    With `rate` the capture is put on the samples of that rate first; without one, if the format has samples only, on
+    those of the slowest that loses no edge. The file appears whole or not at all; BadCapture states why not.
     """
     path = Path(path)
     writer = _writer_of(path)
@@ -137,7 +137,7 @@ def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -
         try:
             lost = writer.write(ready, unfinished)
         except BadCapture as error:
-            raise (error.of(path) if str(error).startswith(str(unfinished)) else error) from None
+            raise (error.with_path(path) if str(error).startswith(str(unfinished)) else error) from None
         except OSError as error:
             found = (error.strerror or "an error").lower()
             raise BadCapture(path, "writing", found, "room for the file", "give another path") from error
@@ -145,14 +145,14 @@ def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -
 
 
 def ready_for(path: Path, capture: Capture) -> Capture:
-    """The capture as the format of `path` can hold it. BadCapture where nothing is written under such a name."""
+    """Return the capture as the format of `path` can hold it. BadCapture if no format has such a name."""
     return on_samples(capture) if getattr(_writer_of(path), "SAMPLES_ONLY", False) else capture
 
 
 def _writer_of(path: Path) -> Writer:
     able = writers()
     name = path.name.casefold()
-    suffix = max((known for known in able if name.endswith(known)), key=len, default=None)  # one may have two dots
+    suffix = max((known for known in able if name.endswith(known)), key=len, default=None)  # a suffix may have two dots
     if suffix is None:
         raise BadCapture(
             path, "its name", repr(path.suffix), f"one of {', '.join(able)}", did_you_mean(path.suffix, able)

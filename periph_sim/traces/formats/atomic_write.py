@@ -1,4 +1,4 @@
-"""A file that appears whole or not at all: a path goes in, a temporary path comes out, renamed at the end.
+"""Atomic writing of a file: to a temporary path, which is renamed at the end.
 
 with atomic_write(path) as unfinished: ... write to `unfinished` ...
 """
@@ -22,13 +22,13 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 def atomic_write(path: Path) -> Iterator[Path]:
     """Yield a temporary path of the same suffix, whose file replaces `path` when the block ends without an error.
 
-    Links are followed. A device or pipe, such as /dev/stdout, is never replaced: it takes the bytes when
-    the block ends. When the block raises, nothing is left and the file at `path` stays as it was. BadCapture
-    where no file can be made, where the disk is full, and for a file that the present command has read: no output
-    takes the place of an input.
+    Links are followed. A device or pipe, such as /dev/stdout, is never replaced: the bytes are copied to it when
+    the block ends. If the block raises, nothing is left and the file at `path` is unchanged. BadCapture if no file
+    can be created, if the disk is full, and for a file that the present command has read: an output never replaces
+    an input.
     """
     import shutil
-    import tempfile  # only who writes pays for its start
+    import tempfile  # imported only for writing
 
     whole = Path(os.path.realpath(path)) if path.is_symlink() else path
     replaced = whole.is_file() or not path.exists()

@@ -1,10 +1,10 @@
-"""Rows of levels, with or without a time before them: blocks of lines in, the rows that change something out.
+"""Reader of rows of levels, with or without a time before them: keeps the rows that change a level.
 
     1,0\\n  2360,1,0\\n --> all rows of the form of the first? --> compare whole rows --> changed rows: time, levels
                        --> else line by line
 
 A block whose rows all look like the first is compared as arrays; any other is read line by line, which
-allows comments, blank lines and mixed line ends, and finds what is wrong with its line number.
+allows comments, blank lines and mixed line ends, and reports errors with their line number.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Time(NamedTuple):
 
 @dataclass(frozen=True)
 class Form:
-    """What the rows of a block have in common, behind the time: `(byte & mask) == bytes`, levels at `cells`."""
+    """The common part of a block's rows, after the time: `(byte & mask) == bytes`, levels at `cells`."""
 
     bytes: NDArray[np.uint8]
     mask: NDArray[np.uint8]
@@ -55,7 +55,7 @@ class Form:
 
 
 class Rows:
-    """Takes up blocks of whole lines; `count` is the number of rows and `line` that of lines so far."""
+    """Reader of blocks of whole lines; `count` is the number of rows and `line` that of lines so far."""
 
     def __init__(self, columns: int, timed: bool, separator: str, line: int) -> None:
         self.count = 0
@@ -71,14 +71,14 @@ class Rows:
         self._levels: list[Levels] = []
 
     def feed(self, block: bytes) -> None:
-        """BadRow when a row cannot be read; those before it are kept."""
+        """Read a block. BadRow for a row that cannot be read; those before it are kept."""
         if not self._quickly(block):
             self._line_by_line(block)
 
     def changes(self) -> tuple[Positions, int, Levels]:
-        """(place of each row that changes something, decimals of the places, its levels, a line each).
+        """Return (place of each row that changes a level, decimals of the places, its levels, a line each).
 
-        Places are row numbers where there are no times. OverflowError if the times need over 64 bits.
+        Places are row numbers if there are no times. OverflowError if the times need over 64 bits.
         """
         decimals = max(self._decimals, default=0)
         scaled = [
@@ -89,13 +89,13 @@ class Rows:
         return np.concatenate([*scaled, np.zeros(0, np.int64)]), decimals, levels
 
     def last(self) -> Time:
-        """The time of the last row."""
+        """Return the time of the last row."""
         return self._last
 
     # Whole blocks ------------------------------------------------------------------
 
     def _quickly(self, block: bytes) -> bool:
-        """Takes up a block of rows that all have the form of its first; False if they have not."""
+        """Read a block of rows that all have the form of its first; False if they have not."""
         first = block[: block.find(b"\n") + 1]
         tail = first[first.find(self._separator) :] if self._timed else first
         form = _form(tail, self._columns)
@@ -150,7 +150,7 @@ class Rows:
         return True
 
     def _with_first(self, changed: NDArray[np.intp], levels: Levels) -> NDArray[np.intp]:
-        """The changed rows, with the first of the block if it differs from the one before."""
+        """Return the changed rows, with the first of the block if it differs from the one before."""
         if self._before == bytes(levels & 1):
             return changed
         return np.concatenate((np.zeros(1, np.intp), changed))
@@ -202,7 +202,7 @@ class Rows:
                 raise BadRow(self.line, "times that need over 64 bits", "times of one kind") from None
 
     def _row(self, row: bytes) -> bytes:
-        """The levels of a row, a byte each; takes up its time."""
+        """Return the levels of a row, a byte each, and store its time."""
         cells = [cell.strip() for cell in row.split(self._separator)]
         expected = f"{'a time and ' if self._timed else ''}{self._columns} levels 0 or 1"
         time, levels = self._last, b""
@@ -221,7 +221,7 @@ class Rows:
 
 
 def _form(row: bytes, columns: int) -> Form | None:
-    """What rows that look like this one have in common; None if it is not `columns` levels and single marks."""
+    """Return the form of rows like this one; None if it is not `columns` levels and single marks."""
     if not re.fullmatch(rb"[,;|\t ]{0,2}[01]([,;|\t ]{1,2}[01])*[ \t]?\r?\n", row):
         return None
     data = np.frombuffer(row, np.uint8)
@@ -232,7 +232,7 @@ def _form(row: bytes, columns: int) -> Form | None:
 
 
 def _times(texts: list[bytes]) -> tuple[NDArray[np.int64], int]:
-    """(digits, decimals that all have). ValueError if one is no number, OverflowError beyond 64 bits."""
+    """Return (digits, common decimals). ValueError if one is no number, OverflowError beyond 64 bits."""
     joined = b" ".join(texts)
     if b"e" not in joined and b"E" not in joined:
         points = {len(text) - 1 - text.rfind(b".") if b"." in text else 0 for text in texts}
@@ -244,7 +244,7 @@ def _times(texts: list[bytes]) -> tuple[NDArray[np.int64], int]:
 
 
 def _time(text: bytes) -> Time:
-    """ValueError if it is no number or none that 64 bits hold."""
+    """Parse a time. ValueError if it is no number or exceeds 64 bits."""
     if not (match := NUMBER.fullmatch(text)):
         raise ValueError
     part = match[2] or b""

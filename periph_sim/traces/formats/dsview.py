@@ -1,10 +1,10 @@
-"""DSView sessions, `.dsl`: a zip with one packed bit a sample and a file a channel and block in, edges out.
+"""DSView sessions, `.dsl`: a zip of one packed bit a sample, with a file for each block of a channel, to edges.
 
     L-<channel>/0, /1, ... --> words of 64 samples --> words that change inside or at their begin --> edges
 
 Chosen: a probe without blocks was not captured. DSView numbers the probes of the header and the
-folders of the blocks apart when channels are off; where a number has no folder, both are taken in order.
-With salvage the levels of a channel are unknown behind its damage.
+folders of the blocks differently if channels are off; if a number has no folder, both are taken in order.
+With salvage the levels of a channel are unknown after its damage.
 
 Source: the demo captures that come with DSView (header versions 2 and 3): INI text and such blocks.
 """
@@ -29,7 +29,7 @@ SUFFIXES = (".dsl",)
 
 WHAT = "DSView session"
 WORD = 8  # bytes: 64 samples
-SALVAGE = "copy or save it again, or read what is whole with --salvage"
+SALVAGE = "copy or save it again, or read the intact part with --salvage"
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -37,7 +37,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """The capture; `rate` wins over the file's samplerate. BadCapture if zip, header or blocks are broken."""
+    """Read the capture; `rate` overrides the file's samplerate. BadCapture if zip, header or blocks are broken."""
     with Archive(path, WHAT, salvage) as archive:
         keys = _header(path, archive.text("header"))
         probes = {int(match[1]): name for key, name in keys.items() if (match := re.fullmatch(r"probe(\d{1,4})", key))}
@@ -60,7 +60,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 
 class Folder(NamedTuple):
-    """Where the samples of a channel are: in `blocks` members L-<number>/..., of `size` bytes in all."""
+    """Place of a channel's samples: `blocks` members L-<number>/..., of `size` bytes in all."""
 
     number: int
     blocks: int
@@ -68,17 +68,17 @@ class Folder(NamedTuple):
 
 
 class Bits:
-    """Blocks of packed samples of one channel in, in order; its edges out. `length` is the number of samples so far."""
+    """Decoder of blocks of packed samples of one channel, in order. `length` is the number of samples so far."""
 
     def __init__(self) -> None:
         self.length = 0
-        self._rest = b""  # of a word that the last block cut
+        self._rest = b""  # an incomplete word at the end of the last block
         self._first = 0
         self._last = 0
         self._edges = PositionBuffer()
 
     def feed(self, block: bytes) -> None:
-        """Takes up a block of any size."""
+        """Read a block of any size."""
         if self.length == 0 and block:
             self._first = self._last = block[0] & 1
         self.length += 8 * len(block)
@@ -89,16 +89,16 @@ class Bits:
             self._compare(block[:whole], 8 * len(self._rest))
 
     def mark(self) -> tuple[int, bytes, int, int]:
-        """This place, for `back`."""
+        """Return the present state, for `back`."""
         return self.length, self._rest, self._last, len(self._edges)
 
     def back(self, mark: tuple[int, bytes, int, int]) -> None:
-        """Forgets all blocks since the mark."""
+        """Discard all blocks since the mark."""
         self.length, self._rest, self._last, edges = mark
         self._edges.cut(edges)
 
     def channel(self, name: str, index: int, length: int) -> Channel:
-        """The line up to `length`, unknown from the last sample that was fed; nothing may be fed behind."""
+        """Return the line up to `length`, unknown after the last sample that was fed; nothing may be fed afterwards."""
         known = min(self.length, length)
         if self._rest:
             self._compare(self._rest.ljust(WORD, b"\0"), 8 * (len(self._rest) - WORD))
@@ -111,7 +111,7 @@ class Bits:
         return len(self._edges)
 
     def _compare(self, block: bytes, behind: int) -> None:
-        """Takes up whole words, of which the last ends `behind` samples before `length`."""
+        """Read whole words, the last of which ends `behind` samples before `length`."""
         words = np.frombuffer(block, "<u8")
         before = words << np.uint64(1)
         before[1:] |= words[:-1] >> np.uint64(63)
@@ -142,13 +142,13 @@ def _scanned(archive: Archive, folder: Folder, salvage: bool, notes: list[str]) 
                 raise BadCapture(archive.path, name, damage.found, f"a whole {WHAT}", SALVAGE) from None
             if not damage.cut:
                 bits.back(before)
-            notes.append(f"{name} holds {damage.found}: what its channel did from sample {bits.length} on is dropped")
+            notes.append(f"{name} holds {damage.found}: its channel is dropped from sample {bits.length} on")
             break
     return bits
 
 
 def _folders(path: Path, archive: Archive, probes: dict[int, str], keys: dict[str, str]) -> dict[int, Folder]:
-    """The blocks of every probe that has any."""
+    """Return the blocks of every probe that has any."""
     sizes: dict[int, int] = {}
     blocks = _count(keys, "total blocks") or 0
     for name, member in archive.members.items():
@@ -168,7 +168,7 @@ def _folders(path: Path, archive: Archive, probes: dict[int, str], keys: dict[st
 
 
 def _count(keys: dict[str, str], key: str) -> int | None:
-    """A number of the header, None where it states none that can be."""
+    """Return a number of the header, None if it states no valid one."""
     stated = keys.get(key, "")
     return int(stated) if re.fullmatch(r"[1-9]\d{0,17}", stated, re.ASCII) else None
 

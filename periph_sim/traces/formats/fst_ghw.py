@@ -1,12 +1,12 @@
-"""FST (GTKWave, Verilator, Icarus) and GHW (GHDL): binary waveforms of simulators in, edges at integer ticks out.
+"""FST (GTKWave, Verilator, Icarus) and GHW (GHDL): binary waveforms of simulators, read as edges at integer ticks.
 
 `fst_writer` writes FST.
 
-    file --> a process of its own, with the library `pywellen` --> positions and states --> Capture
+    file --> a separate process with the library `pywellen` --> positions and states --> Capture
 
-Chosen as for VCD: tick 0 is position 0; `z` is high; states that say neither 0 nor 1 are unknown; a vector is a channel
-a bit, `name[k]` counted from its width (the library does not tell declared ranges); reals and strings are left out.
-The end is the last time that an FST file names; GHW has none, so there it is the last change.
+Chosen as for VCD: tick 0 is position 0; `z` is high; states other than 0 and 1 are unknown; a vector is a channel
+for each bit, `name[k]` counted from its width (the library does not report declared ranges); reals and strings are
+ignored. The end is the last time that an FST file names; GHW has none, so there it is the last change.
 
 VCD is not read this way: the library loses the end of a capture, and declared ranges of vectors.
 """
@@ -40,12 +40,12 @@ FST_HEAD = struct.Struct(">BQQQ")  # block type 0, its length, first and last ti
 FST_LENGTH = 329
 GHW_MARK = b"GHDLwave\n"
 READER = Path(__file__).with_name("wellen_worker.py")
-PATIENCE = 900  # seconds; the reader itself ends after its limit of processor time
+PATIENCE = 900  # seconds; the reader itself ends at its limit of processor time
 MOST_TICKS = 1 << 62
 ERROR = re.compile(r"^(?:[\w.]*(?:Error|Exception)): (.+)$", re.MULTILINE)
-NO_END = "the format does not say where the run ends, so the last change is taken for it"
+NO_END = "the format does not say where the run ends, so the last change is used"
 
-STATE_OF = np.full(256, UNKNOWN, np.uint8)  # of a letter
+STATE_OF = np.full(256, UNKNOWN, np.uint8)  # by letter
 for _letters, _state in ((b"0lL", 0), (b"1hHzZ", 1)):
     STATE_OF[list(_letters)] = _state
 
@@ -55,7 +55,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """The capture in ticks of the file, or in samples where `rate` is given. BadCapture says what is wrong."""
+    """Read the capture in ticks of the file, or in samples if `rate` is given. BadCapture for a file with errors."""
     with path.open("rb") as file:
         end = _fst_end(file.read(FST_HEAD.size))
     head, signals = _signals(path)
@@ -89,7 +89,7 @@ def _fst_end(head: bytes) -> int | None:
 
 
 def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]]]:
-    """(names and timescale, positions and letters of each signal) from the process that reads the file."""
+    """Return (names and timescale, positions and letters of each signal) from the process that reads the file."""
     command = [sys.executable, "-P", str(READER), str(path.absolute())]
     try:
         done = subprocess.run(command, capture_output=True, timeout=PATIENCE)
@@ -97,7 +97,7 @@ def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any
         _bad(path, "the file", "no end of reading it", f"one within {PATIENCE} s", "dump fewer signals")
     if done.returncode:
         said = ERROR.findall(done.stderr.decode(errors="replace"))
-        found = f"what makes its reader stop ({said[-1] if said else 'aborted'})"
+        found = f"an error of its reader ({said[-1] if said else 'aborted'})"
         _bad(path, "the file", found, "an undamaged waveform of kinds that it knows", "dump it again, or as VCD")
     first, _, _ = done.stdout.partition(b"\n")
     head = json.loads(first)
@@ -115,7 +115,7 @@ def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any
 
 
 def _ticks(head: dict[str, Any]) -> Fraction | None:
-    """Ticks a second, None where the file does not say."""
+    """Return ticks a second, None if the file does not state them."""
     if not head["factor"] or head["exponent"] is None:
         return None
     factor, exponent = int(head["factor"]), int(head["exponent"])

@@ -1,7 +1,7 @@
-"""Writing FST, the compressed waveform of GTKWave and Surfer: variables with their changes in, the bytes of a file out.
+"""Writer of FST, the compressed waveform of GTKWave and Surfer: from variables with their changes to a file.
 
-The library is GTKWave's own, `fstapi.c`, as `pylibfst` brings it: the extra `fst`. It keeps files beside the one that
-it writes until it is done, and so gets a folder of its own.
+The library is GTKWave's own, `fstapi.c`, as `pylibfst` provides it: the extra `fst`. It keeps temporary files beside
+the one that it writes, and so gets its own folder.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ TEXT = 0  # the width of a variable whose values are texts
 
 
 class Variable(NamedTuple):
-    """name: with its scopes in front, `dsp.I2C_A.I2CSTR`. changes: (time, value) in order, from time 0 on, values as
-    `width` letters of 0, 1, x, or as a text."""
+    """name: with its scopes, `dsp.I2C_A.I2CSTR`. changes: (time, value) in order, from time 0 on, values as
+    `width` letters of 0, 1, x, or as text."""
 
     name: str
     width: int
@@ -37,7 +37,7 @@ class NoFstLibrary(ImportError):
 
 
 def library() -> Any:
-    """`pylibfst`. NoFstLibrary says how to get it."""
+    """Return `pylibfst`. NoFstLibrary explains how to install it."""
     try:
         import pylibfst
     except ImportError:
@@ -48,7 +48,7 @@ def library() -> Any:
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
-    """Notes on what FST cannot say. BadCapture where positions have no time, or one that is too fine."""
+    """Write a capture. Return notes on losses. BadCapture if positions have no time, or one that is too fine."""
     try:
         library()
     except NoFstLibrary as error:
@@ -68,7 +68,7 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
 
 
 def fst_bytes(per_second: Fraction, variables: Sequence[Variable], end: int) -> bytes:
-    """The file. per_second: times a second, a power of ten. end: the time at which it is over."""
+    """Return the file. per_second: times a second, a power of ten. end: the end time."""
     fst = library()
     with TemporaryDirectory() as folder:
         path = Path(folder) / "x.fst"
@@ -95,7 +95,7 @@ def _write(lib: Any, null: Any, path: Path, per_second: Fraction, variables: Seq
 
 
 def _declared(lib: Any, null: Any, file: Any, variables: Sequence[tuple[str, int]]) -> list[int]:
-    """The handle of each variable. Those of one scope are declared together, as the format nests scopes."""
+    """Declare variables and return their handles. Those of one scope are declared together, since scopes are nested."""
     handles = [0] * len(variables)
     inside: list[str] = []
     for number in sorted(range(len(variables)), key=lambda number: variables[number][0].split(".")[:-1]):

@@ -1,9 +1,9 @@
-"""Packed samples in, the edges of each channel out: blocks of bytes are looked at once, and only changes are kept.
+"""Decoder of packed samples: blocks of bytes are scanned once, and only the edges of each channel are kept.
 
-    block --> words --> which words differ from the one before --> which bits of those --> positions a channel
+    block --> words --> words that differ from the one before --> their changed bits --> positions a channel
 
-The comparison runs at about the speed of memory; a channel costs only where a word changed. So memory
-and nearly all time follow the number of edges, which is limited.
+The comparison runs at about the speed of memory; a channel costs time only where a word changed. So memory
+and nearly all time grow with the number of edges, which is limited.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from ..capture import size_limits as limits
 from ..capture.buffer import PositionBuffer
 from ..capture.capture import BadCapture, Channel, channel_of_edges
 
-BLOCK = 1 << 19  # bytes looked at in one go: fits the caches of a processor
+BLOCK = 1 << 19  # bytes scanned at once: fits the caches of a processor
 
 Words = NDArray[np.unsignedinteger]
 
 
 class Mark(NamedTuple):
-    """A place to go back to."""
+    """A state of a `Scan` to return to."""
 
     length: int
     last: int
@@ -33,9 +33,9 @@ class Mark(NamedTuple):
 
 
 class Scan:
-    """Blocks of little-endian samples of `unitsize` bytes in, in order. `channels` are bit -> name.
+    """Scanner of blocks of little-endian samples of `unitsize` bytes, in order. `channels` are bit -> name.
 
-    `length` is the number of whole samples so far, `rest` the bytes of one that the last block cut.
+    `length` is the number of whole samples so far, `rest` the bytes of an incomplete one.
     """
 
     def __init__(self, path: Path, unitsize: int, channels: dict[int, str]) -> None:
@@ -49,7 +49,7 @@ class Scan:
         self._last = 0
 
     def feed(self, block: bytes) -> None:
-        """Takes up a block of any size. BadCapture when there are more edges than `limits` allows."""
+        """Scan a block of any size. BadCapture if there are more edges than `limits` allows."""
         if self.rest:
             block = self.rest + block
         whole = len(block) - len(block) % self._unitsize
@@ -58,17 +58,17 @@ class Scan:
             self._compare(_words(memoryview(block)[:whole], self._unitsize))
 
     def mark(self) -> Mark:
-        """This place, for `back`."""
+        """Return the present state, for `back`."""
         return Mark(self.length, self._last, self.rest, tuple(len(edges) for edges in self._edges.values()))
 
     def back(self, mark: Mark) -> None:
-        """Forgets all blocks since the mark."""
+        """Discard all blocks since the mark."""
         self.length, self._last, self.rest = mark.length, mark.last, mark.rest
         for edges, length in zip(self._edges.values(), mark.edges, strict=True):
             edges.cut(length)
 
     def channels(self) -> tuple[Channel, ...]:
-        """Every channel, in the order given; nothing may be fed behind."""
+        """Return every channel, in the order given; nothing may be fed afterwards."""
         return tuple(
             channel_of_edges(self._names[bit], bit, self._first >> bit & 1, edges.done())
             for bit, edges in self._edges.items()
@@ -95,7 +95,7 @@ class Scan:
 
 
 def _changes(words: Words, last: int) -> NDArray[np.int64]:
-    """The places of words that differ from the one before; `last` stands before the first."""
+    """Return the places of words that differ from the one before; `last` precedes the first."""
     differs = np.empty(len(words), np.bool_)
     differs[0] = int(words[0]) != last
     np.not_equal(words[1:], words[:-1], out=differs[1:])
@@ -103,7 +103,7 @@ def _changes(words: Words, last: int) -> NDArray[np.int64]:
 
 
 def _words(block: memoryview, unitsize: int) -> Words:
-    """Little-endian samples of 1 to 8 bytes as an array of the next wider machine word."""
+    """Return little-endian samples of 1 to 8 bytes as an array of the next wider machine word."""
     if unitsize in (1, 2, 4, 8):
         return np.frombuffer(block, f"<u{unitsize}")
     wide = np.zeros((len(block) // unitsize, 4 if unitsize == 3 else 8), np.uint8)

@@ -1,8 +1,8 @@
-"""pcapng, the capture file of Wireshark: packets with their times in, blocks of bytes out.
+"""Writer of pcapng, the capture file of Wireshark: from packets with their times to blocks of bytes.
 
     section | interface, one a bus | packet, packet, ...
 
-Three blocks with two options are all that is needed, which is less than any library asks for.
+Three blocks with two options are sufficient, so no library is used.
 
 Source: IETF draft-ietf-opsawg-pcapng; LINKTYPE_I2C_LINUX (209) and LINKTYPE_USER0 (147) of the list of link types at
 tcpdump.org.
@@ -13,32 +13,32 @@ from __future__ import annotations
 from struct import pack
 
 I2C_LINUX = 209  # bus number, flags as of Linux' struct i2c_msg, then the bytes on the wire, the address first
-USER0 = 147  # whatever sender and receiver have agreed on: here, bytes of a serial line
+USER0 = 147  # content by agreement of sender and receiver: here, bytes of a serial line
 READ, TEN_BITS = 0x0001, 0x0010  # flags of an I2C message
 
 COMMENT, IF_NAME, IF_TSRESOL, END = 1, 2, 9, 0
 
 
 def section() -> bytes:
-    """What a file begins with."""
+    """Return the header of a file."""
     return _block(0x0A0D0D0A, pack("<IHHq", 0x1A2B3C4D, 1, 0, -1))
 
 
 def interface(link_type: int, name: str, decimals: int) -> bytes:
-    """The next interface, from 0 on. decimals: of a second, in which its packets have their times."""
+    """Return the next interface, numbered from 0. decimals: those of a second in its packets' times."""
     options = _option(IF_NAME, name.encode()) + _option(IF_TSRESOL, bytes([decimals])) + _option(END, b"")
     return _block(1, pack("<HHI", link_type, 0, 0) + options)
 
 
 def packet(number: int, time: int, content: bytes, comment: str) -> bytes:
-    """A packet of interface `number`."""
+    """Return a packet of interface `number`."""
     size = len(content)
     head = pack("<IIIII", number, time >> 32, time & 0xFFFFFFFF, size, size)
     return _block(6, head + _padded(content) + _option(COMMENT, comment.encode()) + _option(END, b""))
 
 
 def i2c_content(bus: int, flags: int, on_the_wire: bytes) -> bytes:
-    """A packet of an interface of link type I2C_LINUX."""
+    """Return the content of a packet of link type I2C_LINUX."""
     return pack(">BI", bus & 0x7F, flags) + on_the_wire
 
 

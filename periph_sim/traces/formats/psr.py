@@ -1,4 +1,4 @@
-"""Our own records, `.psr`: a run or a capture as typed columns; what goes in comes out, whole and exact.
+"""Our own records, `.psr`: a run or a capture as typed columns, stored without any loss.
 
     RecordTable, Capture --> write_table, write --> zip of numpy arrays --> read_table, read
 
@@ -6,17 +6,18 @@ A zip whose members are .npy arrays, so that `numpy.load` opens it:
 
     head.npy     UTF-8 bytes of a JSON object: format, version, ticks_per_second, end, names, topics, modules, clocks,
                  capture
-    number.npy   tick.npy    of each record what it is more than the one before, of the first what it is
-    topic.npy    a place in `topics`, of which each has three: of its kind, where and what in `names`
+        number.npy   tick.npy    differences from the record before, of the first record its values
+        topic.npy    an index into `topics`, each of which has three indices into `names`: of kind, where and what
     value.npy    text.npy    cause.npy   field.npy
 
-Each array is int8, int16, int32 or int64, as its numbers need. `text` and `field` are places in `names`, so each string
-stands once. `ticks_per_second` is a whole number, a fraction as text ("100000000/3"), or null. A capture has one "edge"
-record an edge, `where` being the channel's place, and under `capture` what edges alone do not say; of a run each wire
-that ever changed is a channel. `clocks` has for each unit pairs of a tick and SYSCLKOUT from there on, in Hz as text.
+Each array is int8, int16, int32 or int64, as its numbers need. `text` and `field` are indices into `names`, so each
+string is stored once. `ticks_per_second` is a whole number, a fraction as text ("100000000/3"), or null. A capture has
+one "edge" record for each edge, `where` being the channel's index, and under `capture` what edges do not contain; in a
+run each wire that ever changed is a channel. `clocks` has for each unit pairs of a tick and the SYSCLKOUT from then
+on, in Hz as text.
 
-Files of version 2, which had number, tick, value and cause as int64, kind as uint8, and where, what, text and field as
-uint32 columns, are read, too; so are those of version 1, without field.
+Files of version 2, which have number, tick, value and cause as int64, kind as uint8, and where, what, text and field as
+uint32 columns, can also be read, as can those of version 1, without field.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ MOST_BYTES = 4 << 30  # of all columns: more than 80 million records
 ROW = sum(np.dtype(dtype).itemsize for _, dtype in COLUMNS.values())
 EDGE = Kind.EDGE.value
 COPY = "copy or record it again"
-# What numpy raises for a damaged head of an array, which it reads as Python.
+# Exceptions of numpy for a damaged head of an array, which it reads as Python.
 UNREADABLE = (ValueError, SyntaxError, TokenError, TypeError, KeyError, AttributeError, MemoryError, RecursionError)
 
 
@@ -63,19 +64,19 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """The edges as a Capture, on the grid of `rate` where one is given. BadCapture says what is wrong."""
+    """Read the edges as a Capture, on the grid of `rate` if given. BadCapture for a file with errors."""
     head, table = _load(path)
     capture = _stored(path, head, table) if head.get("capture") is not None else _wires(path, table)
     return capture if rate is None or rate == capture.rate else _at_rate(capture, rate)
 
 
 def read_table(path: Path) -> RecordTable:
-    """Every record, as columns. BadCapture says what is wrong with the file."""
+    """Read every record, as columns. BadCapture for a file with errors."""
     return _load(path)[1]
 
 
 def holds_run(path: Path) -> bool:
-    """Whether the file is a recorded run, with more in it than edges. False for any other file, or none."""
+    """True if the file is a recorded run, with more in it than edges. False for any other file, or none."""
     try:
         with open_regular(path) as file:
             known = recognises(path, file.read(38))
@@ -88,7 +89,7 @@ def holds_run(path: Path) -> bool:
 
 
 def write(capture: Capture, path: Path) -> None:
-    """The capture, all that it knows but its path."""
+    """Write all of the capture except its path."""
     channels = capture.channels
     tick = np.concatenate([np.empty(0, np.int64), *(channel.edges for channel in channels)])
     value = np.concatenate([np.empty(0, np.uint8), *(channel.levels for channel in channels)])
@@ -119,7 +120,7 @@ def write(capture: Capture, path: Path) -> None:
 
 
 def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | None = None) -> None:
-    """The members into an open file, the same bytes for the same table. capture: see `write`."""
+    """Write the members to an open file, the same bytes for the same table. capture: see `write`."""
     per_second, topics = table.per_second, table.topics()
     head = {
         "format": FORMAT,
@@ -127,7 +128,7 @@ def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | N
         "ticks_per_second": int(per_second) if per_second and per_second.denominator == 1 else _text(per_second),
         "end": table.end,
         "names": table.names,
-        "topics": topics.of.tolist(),
+        "topics": topics.indices.tolist(),
         "modules": table.modules,
         "clocks": {unit: [[tick, str(hz)] for tick, hz in of] for unit, of in table.clocks.items()},
         "capture": capture,
@@ -142,13 +143,13 @@ def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | N
             member.create_system = 3
             content = io.BytesIO()
             np.lib.format.write_array(content, values, allow_pickle=False)
-            # Level 1: a record is written once, and level 6 takes three times as long for a third of the size.
+            # Level 1: level 6 takes three times as long for a third of the size.
             archive.writestr(member, content.getbuffer(), zipfile.ZIP_DEFLATED, 1)
 
 
 def _stored_as(name: str, values: NDArray[Any]) -> NDArray[Any]:
     if name in DIFFERENCES:
-        values = np.diff(values, prepend=values.dtype.type(0))  # modulo 2**64, as what adds them up again
+        values = np.diff(values, prepend=values.dtype.type(0))  # modulo 2**64, as their later summation
     least, most = (int(values.min()), int(values.max())) if len(values) else (0, 0)
     narrow = next(width for width in WIDTHS if np.iinfo(width).min <= least and most <= np.iinfo(width).max)
     return values.astype(narrow)
@@ -195,7 +196,7 @@ def _member(path: Path, archive: zipfile.ZipFile, name: str) -> tuple[IO[bytes],
 
 
 def _column(path: Path, archive: zipfile.ZipFile, name: str, dtypes: tuple[str, ...]) -> NDArray[Any]:
-    """The array of a member, whose type and size are checked before memory is asked for."""
+    """Read the array of a member, whose type and size are checked before memory is allocated."""
     file, size = _member(path, archive, name)
     with file:
         try:
@@ -234,7 +235,7 @@ def _head(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
 
 
 def _topics(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) -> Topics:
-    """What is in the file, in place of which `columns` gets all of COLUMNS."""
+    """Return the topics of the file, and replace its columns by all of COLUMNS."""
     row = columns.pop("topic")
     try:
         given = [[_whole(place) for place in topic] for topic in head["topics"]]
@@ -257,7 +258,7 @@ def _topics(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) 
 
 
 def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]], topics: Topics | None) -> RecordTable:
-    """The head and the columns checked against each other."""
+    """Build the table after checking head and columns against each other."""
     try:
         names = {name: tuple(_strings(head["names"][name])) for name in TABLES if name in columns}
         end = _whole(head["end"])
@@ -286,7 +287,7 @@ def _strings(given: Any) -> list[str]:
 
 
 def _clock(given: Any) -> tuple[tuple[int, Fraction], ...]:
-    """Ticks that rise, each with a frequency."""
+    """Parse rising ticks, each with a frequency. ValueError otherwise."""
     found = tuple((_whole(tick), Fraction(hz)) for tick, hz in given)
     if not found or any(hz <= 0 for _, hz in found) or any(one[0] > other[0] for one, other in pairwise(found)):
         raise ValueError("a clock that is none")
@@ -308,7 +309,7 @@ def _rate(given: Any) -> Fraction | None:
 
 
 def _wires(path: Path, table: RecordTable) -> Capture:
-    """Of a run: each wire that ever changed, in the order of their first changes, from its first tick to its end."""
+    """Return each wire of a run that ever changed, in the order of first changes, from its first tick to its end."""
     rows = table.rows(Kind.EDGE)
     if (np.diff(table.tick[rows], prepend=0) < 0).any():
         _bad(path, "tick.npy", "an edge before the one above", "times that rise from 0")
@@ -325,7 +326,7 @@ def _wires(path: Path, table: RecordTable) -> Capture:
 
 
 def _wire(name: str, index: int, tick: NDArray[np.int64], value: NDArray[np.int64]) -> Channel:
-    """Of several levels at one tick the last counts; the level before the first change is the other one."""
+    """Build a wire. Of several levels at one tick the last counts; the initial level is the opposite of the first."""
     last = np.append(tick[1:] != tick[:-1], True)
     at, levels = tick[last], (value[last] != 0).astype(np.uint8)
     if at[0] == 0:
@@ -367,7 +368,7 @@ def _channel(table: RecordTable, place: int, entry: dict[str, Any], length: int)
 
 
 def _at_rate(capture: Capture, rate: Fraction) -> Capture:
-    """Samples take the rate that the caller knows; ticks go onto its samples, BadCapture where one falls on none."""
+    """Convert to a rate. Samples just get this rate; ticks become its samples, BadCapture if one is off the grid."""
     ratio = capture.rate
     if capture.sampled or ratio is None:
         return replace(capture, rate=rate)

@@ -1,4 +1,4 @@
-"""CSV by sigrok-cli, PulseView and DSView: comments and a row a sample (or a change, with a time column) in, edges out.
+"""CSV by sigrok-cli, PulseView and DSView: comments, and a row for each sample (or change, with a time column).
 
     ; Channels (2/8): SCL, SDA        names
     ; Samplerate: 4 MHz               rate; DSView: Sample rate
@@ -9,9 +9,9 @@ Times are counted from the first row: libsigrok 0.5 prints them one sample perio
 not, and the first row is the first sample either way. Their unit is the header's, else the coarsest
 in which a sample period is at least 1, as the writer chooses it.
 
-Chosen: without a time column every row is a sample. The separator is what the first row has of comma,
-tab, semicolon, bar and blank, looked for in this order. In a block of regular rows only the times of
-those that change a level, and of the last, are read.
+Chosen: without a time column every row is a sample. The separator is the first of comma, tab, semicolon,
+bar and blank that is in the first row. In a block of regular rows only the times of those that change a
+level, and of the last, are read.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """The capture; `rate` wins over the file's. BadCapture names the line."""
+    """Read the capture; `rate` overrides the file's. BadCapture names the line."""
     try:
         with path.open("rb") as file:
             return _read(path, file, rate, salvage)
@@ -71,7 +71,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 @dataclass
 class Head:
-    """What the comments and the header row say."""
+    """Contents of the comments and the header row."""
 
     names: list[str] = field(default_factory=list)
     rate: Fraction | None = None
@@ -94,7 +94,7 @@ def _read(path: Path, file: BinaryIO, rate: Fraction | None, salvage: bool) -> C
         if not (salvage and rows.count):
             way_out += SALVAGE if rows.count else ""
             raise BadCapture(path, f"line {bad.line}", bad.found, bad.expected, way_out) from None
-        notes.append(f"line {bad.line} is {bad.found}: it and what follows is dropped")
+        notes.append(f"line {bad.line} is {bad.found}: it and all later lines are dropped")
     if not rows.count:
         raise _no_rows(path)
     positions_a_second = head.rate
@@ -111,13 +111,13 @@ def _read(path: Path, file: BinaryIO, rate: Fraction | None, salvage: bool) -> C
 
 
 def _channel(name: str, index: int, at: Positions, levels: np.ndarray[tuple[int], np.dtype[np.uint8]]) -> Channel:
-    """The first state is that of position 0; a state that changes nothing is none."""
+    """Build a channel. The first state is that of position 0; unchanged states are dropped."""
     turned = np.flatnonzero(levels[1:] != levels[:-1]) + 1
     return channel_of_edges(name, index, int(levels[0]), at[turned])
 
 
 def _blocks(path: Path, file: BinaryIO) -> Iterator[bytes]:
-    """Whole lines, about BLOCK bytes at a time."""
+    """Yield whole lines, about BLOCK bytes at a time."""
     rest = b""
     while piece := file.read(BLOCK):
         rest += piece
@@ -133,7 +133,7 @@ def _blocks(path: Path, file: BinaryIO) -> Iterator[bytes]:
 
 
 def _head(path: Path, block: bytes) -> tuple[Head, bytes]:
-    """(what comments and header say, the lines behind them): all of it lies in the first block."""
+    """Return (contents of comments and header, the lines after them): all of them are in the first block."""
     head = Head()
     at = len(BOM) if block.startswith(BOM) else 0
     while at < len(block):
@@ -163,7 +163,7 @@ def _comment(path: Path, head: Head, line: str) -> None:
 
 
 def _header(path: Path, head: Head, line: str) -> bool:
-    """Takes separator, names and time column from the first row; whether it is a header, and no samples."""
+    """Take separator, names and time column from the first row. True if it is a header and not samples."""
     head.separator = next((mark for mark in SEPARATORS if mark in line), ",")
     if line.count(head.separator) > limits.MOST_CHANNELS:
         found, most = f"{line.count(head.separator) + 1} columns", f"at most {limits.MOST_CHANNELS}"
@@ -195,7 +195,7 @@ def _header(path: Path, head: Head, line: str) -> bool:
 def _timed(
     path: Path, head: Head, rows: Rows, notes: list[str]
 ) -> tuple[Positions, int, Fraction, np.ndarray[tuple[int, int], np.dtype[np.uint8]]]:
-    """(position of each row that changes something, length, positions a second, levels): counted from the first row."""
+    """Return (position of each row with a change, from the first row on, length, positions a second, levels)."""
     if head.rate is None and head.unit is None:
         raise BadCapture(path, "the header", "times without unit or samplerate", "one of them", "export with comments")
     if head.unit is not None:
@@ -218,15 +218,15 @@ def _timed(
         raise BadCapture(
             path, "its times", "times that need over 64 bits", "times of one kind", "export again"
         ) from None
-    counts = np.append(positions[1:] != positions[:-1], True)  # of several rows of one sample the last counts
+    counts = np.append(positions[1:] != positions[:-1], True)  # the last of several rows of one sample counts
     if not counts.all():
         lost = len(counts) - int(counts.sum())
-        notes.append(f"rows that do not count, since the row behind them has the same sample: {lost}")
+        notes.append(f"rows ignored, since the next row has the same sample: {lost}")
     return positions[counts], length, rate, levels[counts]
 
 
 def _since_first(at: Positions, decimals: int, last: Time) -> tuple[int, Positions, int]:
-    """(decimals, times, last time) on one scale, counted from the first time. OverflowError beyond 64 bits."""
+    """Return (decimals, times, last time) on one scale, counted from the first time. OverflowError beyond 64 bits."""
     finer = max(last.decimals - decimals, 0)
     first = int(at[0]) * 10**finer
     end = last.scaled(decimals + finer) - first
@@ -236,7 +236,7 @@ def _since_first(at: Positions, decimals: int, last: Time) -> tuple[int, Positio
 
 
 def _nearest(times: Positions, ratio: Fraction) -> Positions:
-    """The sample nearest to each time, exactly. OverflowError beyond 64 bits."""
+    """Return the sample nearest to each time, exactly. OverflowError beyond 64 bits."""
     top, bottom = ratio.numerator, ratio.denominator
     if 2 * int(times[-1]) * top + bottom < 1 << 63:
         return (2 * times * top + bottom) // (2 * bottom)

@@ -1,9 +1,9 @@
-"""Records as columns: growing while a run goes on, arrays afterwards.
+"""Records as columns: collected during a run, arrays afterwards.
 
     record of a topic --> Columns.keep --> RecordTable: one numpy array a column, each string once in a table
 
-A record costs 53 bytes here, and 44 while it is collected: its topic stands for kind, where and what. They stand in
-blocks of fixed length, a number a column, so that no object is made for a record, and none is moved.
+A record costs 53 bytes here, and 44 while it is collected: its topic stands for kind, where and what. Records are in
+blocks of fixed length, a number a column, so that no object is created for a record, and none is moved.
 """
 
 # core: compiled
@@ -28,7 +28,7 @@ Clocks = Mapping[str, Sequence[tuple[int, Fraction]]]
 KINDS = RECORDED
 NUMBER_OF = {kind: number for number, kind in enumerate(KINDS)}
 
-# Column, array's type code, numpy's type; the five strings are places in the table of that name.
+# Column, array's type code, numpy's type; the five strings are indices into the table of that name.
 COLUMNS: dict[str, tuple[str, str]] = {
     "number": ("q", "<i8"),
     "tick": ("q", "<i8"),
@@ -41,7 +41,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "field": ("I", "<u4"),
 }
 BLOCK = 2048  # records
-# What is collected of a record: array's type code, and bytes. topic: its number stands for kind, where and what.
+# Collected columns: array's type code, and bytes. topic: a number for kind, where and what.
 COLLECTED = {"topic": ("I", 4), "number": ("q", 8), "tick": ("q", 8), "value": ("q", 8)}
 COLLECTED |= {"cause": ("q", 8), "text": ("I", 4), "field": ("I", 4)}
 EMPTY = {name: array(code, bytes(BLOCK * size)) for name, (code, size) in COLLECTED.items()}
@@ -50,7 +50,7 @@ TOPIC = TABLES[:3]
 
 
 class Strings(dict[str, int]):
-    """The place of each string; a new one is put at the end."""
+    """Indices of strings; a new string is appended."""
 
     def __missing__(self, text: str) -> int:
         place = len(self)
@@ -59,19 +59,19 @@ class Strings(dict[str, int]):
 
 
 class Topics(NamedTuple):
-    """Which kind, where and what come together. of: each one's places in `names`. row: which of them each row has."""
+    """The combinations of kind, where and what. indices: of each, into `names`. row: the combination of each row."""
 
-    of: NDArray[np.int64]  # [topic, 3]
+    indices: NDArray[np.int64]  # [topic, 3]
     row: NDArray[np.uint32]
 
 
 @dataclass(frozen=True, eq=False)
 class RecordTable:
-    """Columns of equal length; row i of `where`, `what`, `text`, `field`, `kind` is a place in `names` of that column.
+    """Columns of equal length; `where`, `what`, `text`, `field` and `kind` are indices into `names` of that column.
 
-    per_second: ticks a second, None where nobody knows. end: the tick at which it was over.
-    modules: the units of the run with their modules; empty for a capture. known_topics: of its rows, where they are.
-    clocks: of units, SYSCLKOUT in Hz from each tick on; none in recordings that do not tell them.
+    per_second: ticks a second, None if unknown. end: the last tick of the run.
+    modules: the units of the run with their modules; empty for a capture. known_topics: those of its rows, if known.
+    clocks: of units, SYSCLKOUT in Hz from each tick on; none in recordings without them.
     """
 
     columns: dict[str, NDArray[Any]]
@@ -86,7 +86,7 @@ class RecordTable:
         return len(self.columns["tick"])
 
     def topics(self) -> Topics:
-        """What comes together in its rows."""
+        """Return the combinations of kind, where and what in the rows."""
         if self.known_topics is not None:
             return self.known_topics
         three = np.stack([self.columns[name].astype(np.int64) for name in TOPIC], axis=1)
@@ -110,7 +110,7 @@ class RecordTable:
         return self.columns["cause"]
 
     def rows(self, kind: Kind | None = None, where: str | None = None, what: str | None = None) -> NDArray[np.int64]:
-        """The rows, in order, of one kind, one place and one thing; None takes all."""
+        """Return the rows, in order, of one kind, one place and one thing; None matches all."""
         wanted = np.ones(len(self), bool)
         for column, name in (("kind", kind.value if kind else None), ("where", where), ("what", what)):
             if name is not None:
@@ -122,13 +122,13 @@ class RecordTable:
         return np.flatnonzero(wanted)
 
     def texts(self, column: str, rows: NDArray[np.int64] | None = None) -> list[str]:
-        """The strings of `kind`, `where`, `what`, `text` or `field`, row by row."""
+        """Return the strings of `kind`, `where`, `what`, `text` or `field`, row by row."""
         places = self.columns[column] if rows is None else self.columns[column][rows]
         names = self.names[column]
         return [names[place] for place in places.tolist()]
 
     def records(self, rows: NDArray[np.int64] | None = None) -> Iterator[Record]:
-        """The records as they were made, a piece at a time, so that a long run costs no second copy."""
+        """Yield the records as they were made, piecewise, so that a long run needs no second copy."""
         chosen = np.arange(len(self)) if rows is None else rows
         where, what, text, fields = (self.names[name] for name in ("where", "what", "text", "field"))
         kinds = [Kind(name) for name in self.names["kind"]]
@@ -142,7 +142,7 @@ class RecordTable:
 
 @final
 class _Strings:
-    """The strings of a topic's last record, and their places: those of the next one are mostly the same objects."""
+    """The strings of a topic's last record, and their indices: the next one mostly has the same objects."""
 
     __slots__ = ("field", "field_place", "text", "text_place")
 
@@ -153,7 +153,7 @@ class _Strings:
 
 
 class Columns(Keeper):
-    """Collects records; `table` gives them as arrays."""
+    """Collector of records; `table` returns them as arrays."""
 
     _tags: Buffer[UInt32]
     _text_places: Buffer[UInt32]
@@ -165,11 +165,11 @@ class Columns(Keeper):
 
     def __init__(self) -> None:
         self._topics: dict[tuple[Kind, str, str], int] = {}
-        self._last: list[_Strings] = []  # two a topic: at an edge, who pulls goes with the level
+        self._last: list[_Strings] = []  # two a topic: the pulling parties of an edge depend on the level
         self.clear()
 
     def clear(self) -> None:
-        """Forget what was kept."""
+        """Discard the collected records."""
         self._full: list[Block] = []
         self._texts: dict[str, int] = {}
         self._fields: dict[str, int] = {}
@@ -179,7 +179,7 @@ class Columns(Keeper):
         self._begin()
 
     def _begin(self) -> None:
-        """An empty block."""
+        """Begin an empty block."""
         self._filled = 0
         self._block = {name: column[:] for name, column in EMPTY.items()}
         block = self._block
@@ -188,7 +188,7 @@ class Columns(Keeper):
         self._values, self._causes = block["value"], block["cause"]
 
     def _column(self, name: str, dtype: str) -> NDArray[Any]:
-        """All of a column so far."""
+        """Return all of a column so far."""
         blocks = [np.frombuffer(block[name], dtype) for block in self._full]
         return np.concatenate([*blocks, np.frombuffer(self._block[name], dtype)[: self._filled]])
 
@@ -220,11 +220,11 @@ class Columns(Keeper):
             self._begin()
 
     def _place(self, places: dict[str, int], text: Text) -> int:
-        """The place of a string, which may have none yet."""
+        """Return the index of a string, which may be new."""
         return places.setdefault(text, len(places))
 
     def add(self, record: Record) -> None:
-        """One that was made elsewhere."""
+        """Add a record that was made elsewhere."""
         number, tick, kind, where, what, value, text, cause, field = record
         self.keep(self.tag_of(kind, where, what), number, tick, value, text, cause, field)
 
@@ -234,7 +234,7 @@ class Columns(Keeper):
     def table(self, per_second: Fraction, end: int, modules: dict[str, tuple[str, ...]]) -> RecordTable:
         names, topics = self._topics_in_use()
         columns: dict[str, NDArray[Any]] = {
-            name: topics.of[:, place].astype(COLUMNS[name][1])[topics.row] for place, name in enumerate(TOPIC)
+            name: topics.indices[:, place].astype(COLUMNS[name][1])[topics.row] for place, name in enumerate(TOPIC)
         }
         columns |= {name: self._column(name, COLUMNS[name][1]) for name in COLLECTED if name != "topic"}
         names |= {"text": tuple(self._texts), "field": tuple(self._fields)}
@@ -242,12 +242,12 @@ class Columns(Keeper):
         return RecordTable(in_order, names, per_second, end, modules, topics)
 
     def _topics_in_use(self) -> tuple[dict[str, tuple[str, ...]], Topics]:
-        """Topics that have records, and their names; both as they came first."""
+        """Return topics that have records, and their names; both in order of first use."""
         tags = self._column("topic", "<u4")
         wheres, whats = Strings(), Strings()
         known = list(self._topics)
         first = np.full(len(known), len(tags))
-        first[tags[::-1]] = np.arange(len(tags))[::-1]  # of a topic's places its first one is put last
+        first[tags[::-1]] = np.arange(len(tags))[::-1]  # assigned in reverse, so that each topic's first place remains
         used = np.flatnonzero(first < len(tags))
         used = used[np.argsort(first[used])]
         of = [(NUMBER_OF[known[tag][0]], wheres[known[tag][1]], whats[known[tag][2]]) for tag in used.tolist()]
@@ -258,7 +258,7 @@ class Columns(Keeper):
 
 
 def table_of(records: Iterable[Record], per_second: Fraction, end: int) -> RecordTable:
-    """The table of given records."""
+    """Return the table of given records."""
     columns = Columns()
     for record in records:
         columns.add(record)

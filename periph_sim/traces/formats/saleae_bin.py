@@ -1,12 +1,12 @@
-"""Saleae's binary export, versions 0 and 1: one file a channel (or their folder) in, edges out.
+"""Saleae's binary export, versions 0 and 1: one file for each channel, or their folder.
 
     <SALEAE> version type | v0: level begin end count times... | v1: chunks of level rate begin end count times...
 
 Times are float64 seconds. They are put on the sampling grid (v1 states it, v0 needs `rate`), else on
-nanoseconds, which is what the vendor's CSV of the same capture holds.
+nanoseconds, as in the vendor's CSV of the same capture.
 
 Chosen: position 0 is the earliest begin of all files. Time between chunks is unknown. With salvage a
-channel is unknown behind its damage.
+channel is unknown after its damage.
 
 Source: Saleae's published export formats, binary digital version 0 and the 2025 update.
 """
@@ -37,12 +37,12 @@ NANOSECONDS = Fraction(10**9)
 OFF_GRID = 0.02  # of a sample: far more than float64 loses, far less than a wrong rate gives
 MOST_POSITIONS = float(1 << 62)
 BLOCK = 1 << 16  # times read at once
-OR_SALVAGE = ", or read what is whole with --salvage"
+OR_SALVAGE = ", or read the intact part with --salvage"
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """A stretch without gaps: level at its begin, where in the file the times of change are; times in seconds."""
+    """A part without gaps: level at its begin, place of the times of change in the file; times in seconds."""
 
     initial: int
     rate: float | None
@@ -59,7 +59,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """The capture of one file, or of all `digital_N.bin` of a folder. BadCapture names file and byte."""
+    """Read the capture of one file, or of all `digital_N.bin` of a folder. BadCapture names file and byte."""
     files = _files(path) if path.is_dir() else {_number(path) or 0: path}
     if not files:
         raise BadCapture(path, "the folder", "no digital_N.bin", "one file a channel", "export digital data as binary")
@@ -83,7 +83,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 
 class _Grid:
-    """Seconds to positions counted from `begin`."""
+    """Conversion of seconds to positions counted from `begin`."""
 
     def __init__(self, begin: float, rate: Fraction | None) -> None:
         self._begin = begin
@@ -91,7 +91,7 @@ class _Grid:
         self._strict = rate is not None
 
     def places(self, path: Path, times: NDArray[np.float64]) -> Positions:
-        """Positions of changes. BadCapture if one lies between two samples of a known rate."""
+        """Return the positions of changes. BadCapture if one is between two samples of a known rate."""
         exact = self._exact(path, times)
         near = np.rint(exact)
         off = np.abs(exact - near) > OFF_GRID
@@ -101,7 +101,7 @@ class _Grid:
         return near.astype(np.int64)
 
     def nearest(self, path: Path, time: float) -> int:
-        """The position nearest to a begin or an end, which real files have between samples, too."""
+        """Return the position nearest to a begin or an end, which real files also have between samples."""
         return round(float(self._exact(path, np.array([time]))[0]))
 
     def _exact(self, path: Path, times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -113,7 +113,7 @@ class _Grid:
 
 
 class _Line:
-    """The edges of one file, read in blocks. Without `notes` damage is refused, with them it is noted."""
+    """Reader of the edges of one file, in blocks. Damage is an error without `notes`, else a note."""
 
     def __init__(self, path: Path, grid: _Grid, notes: list[str] | None) -> None:
         self._path = path
@@ -130,7 +130,7 @@ class _Line:
                 begin = self._grid.nearest(self._path, chunk.begin)
                 if begin > known_to:
                     unknown.append(Span(known_to, begin))
-                if chunk.initial != level:  # it changed while nobody looked
+                if chunk.initial != level:  # it changed in the gap
                     self._flips.append(np.array([begin]))
                 before = len(self._flips)
                 end = self._changes(file, chunk)
@@ -147,7 +147,7 @@ class _Line:
         return channel_of_edges(self._path.stem, index, initial, edges, tuple(unknown))
 
     def _changes(self, file: BinaryIO, chunk: Chunk) -> float | None:
-        """Takes up the changes of a chunk; None, or the last time before they end early."""
+        """Read the changes of a chunk. Return None, or the last time before they end early."""
         file.seek(chunk.at)
         last = chunk.begin
         for done in range(0, chunk.count, BLOCK):
@@ -170,7 +170,7 @@ class _Line:
 
 
 def _odd(flips: Positions) -> Positions:
-    """The positions, which do not fall, that occur an odd number of times: two changes in one undo each other."""
+    """Return the positions, which do not fall, that occur an odd number of times: two changes at one cancel out."""
     firsts = np.flatnonzero(np.diff(flips, prepend=-1))
     if len(firsts) == len(flips):
         return flips
@@ -190,7 +190,7 @@ def _number(path: Path) -> int | None:
 
 
 def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
-    """The chunks of a file, without their times. With `notes` those before any damage."""
+    """Read the chunks of a file, without their times. With `notes`, those before any damage."""
     try:
         opened = open_regular(path)
     except OSError as error:
@@ -199,15 +199,15 @@ def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
         ) from None
     with opened as file:
         cursor = _Cursor(path, file)
-        if cursor.take("8s")[0] != MARK:
+        if cursor.read("8s")[0] != MARK:
             raise BadCapture(path, "byte 0", "no <SALEAE> mark", "a Saleae binary export", "export it again")
-        version, kind = cursor.take("ii")
+        version, kind = cursor.read("ii")
         if kind != 0:
             found = KINDS.get(kind, f"type {kind}")
             raise BadCapture(path, "byte 12", found, "digital data", "export digital data as binary")
         if version not in (0, 1):
             raise BadCapture(path, "byte 8", f"version {version}", "version 0 or 1", "export CSV")
-        count = cursor.take("Q")[0] if version else 1
+        count = cursor.read("Q")[0] if version else 1
         chunks: list[Chunk] = []
         try:
             for _ in range(min(count, cursor.left)):  # a chunk is more than a byte: no count makes a long loop
@@ -222,7 +222,7 @@ def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
             if notes is None:
                 way_out = error.way_out.removesuffix(OR_SALVAGE) + OR_SALVAGE
                 raise BadCapture(path, error.place, error.found, error.expected, way_out) from None
-            notes.append(f"{error.place} of {path.name} has {error.found}: what follows is dropped")
+            notes.append(f"{error.place} of {path.name} has {error.found}: the rest is dropped")
             return chunks
     if len(chunks) < count or not chunks:
         raise BadCapture(path, "byte 16", f"{count} chunks", "at least one, all there", "export it again")
@@ -231,9 +231,9 @@ def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
 
 def _chunk(cursor: _Cursor, version: int, notes: list[str] | None) -> Chunk:
     place = cursor.at
-    (level,) = cursor.take("I")
-    (rate,) = cursor.take("d") if version else (None,)
-    begin, end, count = cursor.take("ddQ")
+    (level,) = cursor.read("I")
+    (rate,) = cursor.read("d") if version else (None,)
+    begin, end, count = cursor.read("ddQ")
     if level > 1:
         raise BadCapture(cursor.path, f"byte {place}", f"initial level {level}", "0 or 1", "export it again")
     if rate is not None and not 0 < rate < float("inf"):
@@ -244,7 +244,7 @@ def _chunk(cursor: _Cursor, version: int, notes: list[str] | None) -> Chunk:
     at = cursor.at
     if notes is not None and 8 * count > cursor.left:
         whole = cursor.left // 8
-        notes.append(f"{cursor.path.name} ends after {whole} of {count} changes: what follows is dropped")
+        notes.append(f"{cursor.path.name} ends after {whole} of {count} changes: the rest is dropped")
         cursor.skip(8 * whole)
         return Chunk(level, rate, begin, end, place, at, whole, cut=True)
     cursor.skip(8 * count, OR_SALVAGE)
@@ -252,7 +252,7 @@ def _chunk(cursor: _Cursor, version: int, notes: list[str] | None) -> Chunk:
 
 
 class _Cursor:
-    """A file's bytes, taken from the front; BadCapture at a cut."""
+    """Sequential reader of a file's bytes; BadCapture at a cut."""
 
     def __init__(self, path: Path, file: BinaryIO) -> None:
         self.path = path
@@ -264,7 +264,7 @@ class _Cursor:
     def left(self) -> int:
         return self._size - self.at
 
-    def take(self, layout: str) -> tuple[Any, ...]:
+    def read(self, layout: str) -> tuple[Any, ...]:
         at = self.at
         self.skip(struct.calcsize("<" + layout))
         self._file.seek(at)

@@ -1,13 +1,13 @@
-"""Saleae's CSV of digital data, Logic 2 and Logic 1.x (KingstVIS writes the latter): rows of changes in, edges out.
+"""Saleae's CSV of digital data, Logic 2 and Logic 1.x (KingstVIS writes the latter): rows of changes.
 
     Time [s],Channel 0,Channel 1      Logic 2: the first row is the start, the last row the end
     Time[s], SCL, SDA                 Logic 1.x: blanks after commas, no row for the end
 
-Chosen: position 0 is the first row, whatever its time. Without a rate, positions are nanoseconds, or as
-much finer as some row needs. `X` means that the level is not known.
+Chosen: position 0 is the first row, whatever its time. Without a rate, positions are nanoseconds, or
+finer if some row needs it. `X` means that the level is unknown.
 
 Written as Logic 2 does, with a row for the end, with nine decimals or as many as the rate needs to be exact.
-Where no number of decimals is exact (24 MHz) times are rounded so finely that a reader who is told the rate
+If no number of decimals is exact (24 MHz) times are rounded so finely that a reader that knows the rate
 gets the same samples.
 """
 
@@ -38,13 +38,13 @@ STATES = {"0": 0, "1": 1, "X": UNKNOWN, "x": UNKNOWN}
 MOST_CELLS = MOST_EDGES  # a byte each while reading
 MOST_POSITIONS = 1 << 62
 MOST_DECIMALS = 15  # femtoseconds
-ROUNDED_TO = 10  # units of the last decimal in a sample, at least, where decimals are not exact
+ROUNDED_TO = 10  # units of the last decimal in a sample, at least, if decimals are not exact
 CELLS = "01X"
-NO_END = "the format has no row for the end, so the last change is taken for it"
+NO_END = "the format has no row for the end, so the last change is used"
 
 
 class Rows(Protocol):
-    """What csv.reader gives."""
+    """The interface of csv.reader's result."""
 
     line_num: int
 
@@ -57,7 +57,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """The capture on the grid of `rate`, or in ticks of the time stamps. BadCapture names the line."""
+    """Read the capture on the grid of `rate`, or in ticks of the time stamps. BadCapture names the line."""
     with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
         rows = csv.reader(file, skipinitialspace=True)
         try:
@@ -67,7 +67,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
-    """Notes where times are rounded. BadCapture where positions have no time, or too fine a one."""
+    """Write a capture. Return notes on rounded times. BadCapture if positions have no time, or one that is too fine."""
     decimals, notes = _decimals(capture)
     per_second = 10**decimals
     ratio = per_second / (capture.rate or Fraction(per_second))
@@ -93,7 +93,7 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
 
 
 def _decimals(capture: Capture) -> tuple[int, tuple[str, ...]]:
-    """(decimals of a second, a note if they are not exact)."""
+    """Return (decimals of a second, a note if they are not exact)."""
     rate = capture.rate
     if rate is None:
         raise BadCapture(capture.path, "its rate", "none stated", "positions with a time", "state it with --rate")
@@ -105,28 +105,26 @@ def _decimals(capture: Capture) -> tuple[int, tuple[str, ...]]:
     if not fine:
         most = 10**MOST_DECIMALS // ROUNDED_TO // 10**9
         raise BadCapture(capture.path, "its rate", rate_text(rate), f"up to {most} GHz", "write .psr")
-    said = (
-        f"times are rounded to {fine[0]} decimals; whoever reads the file with {rate_text(rate)} gets the same samples"
-    )
+    said = f"times are rounded to {fine[0]} decimals; a reader that uses {rate_text(rate)} gets the same samples"
     return fine[0], (said,)
 
 
 class _Table:
-    """The rows so far: each one's time after the first, in ticks, and its states."""
+    """The rows so far: for each the time since the first, in ticks, and its states."""
 
     def __init__(self, path: Path, names: list[str]) -> None:
         self._path = path
         self._columns = len(names) + 1
-        self.ticks: array[int] | list[int] = array("q")  # a list where one is beyond 64 bits
-        self.lines = array("q")  # where each row stands
+        self.ticks: array[int] | list[int] = array("q")  # a list if one is beyond 64 bits
+        self.lines = array("q")  # the line of each row
         self._kinds: dict[tuple[str, ...], int] = {}  # the few combinations of cells, numbered
-        self._states: list[list[int]] = []  # of each combination
+        self._states: list[list[int]] = []  # states of each combination
         self._rows = array("I")  # the combination of each row
         self.decimals = LEAST_DECIMALS
         self._first = self._last = 0
 
     def add(self, row: list[str], line: int) -> None:
-        """BadCapture names the line where the row is no row, or its time falls."""
+        """Add a row. BadCapture names the line if the row is malformed or its time falls."""
         if len(row) != self._columns:
             raise self.bad(line, f"{len(row)} columns", f"{self._columns} as in line 1", "export it again")
         try:
@@ -166,11 +164,11 @@ class _Table:
         self.decimals = decimals
 
     def states(self, index: int) -> Levels:
-        """The state of one channel in each row."""
+        """Return the state of one channel in each row."""
         return np.array([states[index] for states in self._states], np.uint8)[np.frombuffer(self._rows, np.uint32)]
 
     def positions(self, rate: Fraction | None) -> tuple[Positions, Fraction]:
-        """(position of each row counted from the first, positions a second)."""
+        """Return (position of each row counted from the first, positions a second)."""
         ticks, decimals = self.ticks, self.decimals
         many = np.array(ticks, object) if isinstance(ticks, list) else np.frombuffer(ticks, np.int64)
         while decimals > LEAST_DECIMALS and not (many % 10).any():

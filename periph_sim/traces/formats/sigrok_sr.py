@@ -1,11 +1,11 @@
-"""sigrok sessions, `.sr`: a zip of metadata and packed samples in, edges out; and back as version 2.
+"""sigrok sessions, `.sr`: a zip of metadata and packed samples, read and written (as version 2).
 
     logic-1 | logic-1-1, -2, ... -10 --> blocks of samples --> edges a channel
     edges a channel --> words --> chunks logic-1-1, -2, ... of 4 MiB
 
-Chosen: a file that names no probe at all has all of `total probes`, called 0, 1, ...; where some
-are named, the nameless were not captured. With salvage, a chunk in which the damage lies is dropped
-with all behind it, unless the file merely ends there or it is the first.
+Chosen: a file that names no probe at all has all of `total probes`, called 0, 1, ...; if only some
+are named, the others were not captured. With salvage, a damaged chunk and all after it are dropped,
+unless the file merely ends there or it is the first.
 
 Source: sigrok's file format as its own tools write and read it (libsigrok 0.1 to 0.6 files).
 """
@@ -38,13 +38,13 @@ SAMPLES_ONLY = True
 WHAT = "sigrok session"
 CHUNK = 1 << 22  # bytes of a chunk, as sigrok's own writer makes them
 MOST_WIDE = 64  # channels: 8 bytes a sample
-LONG_AGO = (1980, 1, 1, 0, 0, 0)  # a date in the file would make two writings of one capture differ
-SALVAGE = "read what is whole with --salvage"
+LONG_AGO = (1980, 1, 1, 0, 0, 0)  # fixed, so that equal captures give equal files
+SALVAGE = "read the intact part with --salvage"
 
 
 @dataclass(frozen=True)
 class Metadata:
-    """What the member `metadata` says about the first device."""
+    """Contents of the member `metadata` about the first device."""
 
     capturefile: str
     unitsize: int
@@ -57,7 +57,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """The capture; `rate` wins over the file's samplerate. BadCapture if zip, metadata or samples are broken."""
+    """Read the capture; `rate` overrides the file's samplerate. BadCapture if zip, metadata or samples are broken."""
     with Archive(path, WHAT, salvage) as archive:
         _check_version(path, archive.text("version"))
         meta = _metadata(path, archive.text("metadata"))
@@ -71,12 +71,12 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     if not scan.length:
         raise BadCapture(path, meta.capturefile, "no samples", "logic samples", "capture again")
     if scan.rest:
-        notes.append(f"a partial sample at the end is left out, {counted(len(scan.rest), 'byte')}")
+        notes.append(f"a partial sample at the end is dropped, {counted(len(scan.rest), 'byte')}")
     return Capture(path, rate, scan.length, scan.channels(), notes=tuple(notes))
 
 
 def _scanned(archive: Archive, member: str, scan: Scan, notes: list[str] | None) -> bool:
-    """Whether the samples of a member were all sound. Without `notes` damage is refused, with them it is noted."""
+    """True if all samples of a member are intact. Damage is an error without `notes`, else a note."""
     before = scan.mark()
     try:
         for block in archive.blocks(member, BLOCK):
@@ -87,10 +87,10 @@ def _scanned(archive: Archive, member: str, scan: Scan, notes: list[str] | None)
                 archive.path, member, damage.found, f"a whole {WHAT}", f"copy or save it again, or {SALVAGE}"
             ) from None
         if damage.cut:
-            notes.append(f"{member} holds {damage.found}: what follows sample {scan.length} is dropped")
+            notes.append(f"{member} holds {damage.found}: all samples after {scan.length} are dropped")
         elif before.length:
             scan.back(before)
-            notes.append(f"{member} holds {damage.found}: it and what follows sample {scan.length} is dropped")
+            notes.append(f"{member} holds {damage.found}: it and all samples after {scan.length} are dropped")
         else:
             notes.append(f"{member} holds {damage.found}: its samples are read up to {scan.length}, some may be wrong")
         scan.rest = b""
@@ -116,9 +116,9 @@ def _check_version(path: Path, text: str) -> None:
 
 
 def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[str] | None) -> list[str]:
-    """The members that hold samples, in order: one plain, or chunks by number (10 after 9).
+    """Return the members that hold samples, in order: a single one, or chunks by number (10 after 9).
 
-    A missing number is refused, or ends the list when there are `notes`.
+    A missing number is an error, or ends the list if there are `notes`.
     """
     chunk = re.compile(re.escape(capturefile) + r"-(\d{1,9})", re.ASCII)
     numbered = {int(match[1]): name for name in archive.members if (match := chunk.fullmatch(name))}
@@ -133,7 +133,7 @@ def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[
             if notes is None or missing == 1:
                 way_out = "save it again" if missing == 1 else f"save it again, or {SALVAGE}"
                 raise BadCapture(path, "the archive", f"no chunk {capturefile}-{missing}", expected, way_out)
-            notes.append(f"{capturefile}-{missing} is missing: it and what follows is dropped")
+            notes.append(f"{capturefile}-{missing} is missing: it and the rest are dropped")
             members = members[: missing - 1]
     size = sum(archive.members[name].size or 0 for name in members)
     if size > limits.MOST_BYTES:
@@ -143,7 +143,7 @@ def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[
 
 
 def _metadata(path: Path, text: str) -> Metadata:
-    """Sections and keys by hand: real files indent keys, which configparser takes for continued values."""
+    """Parse sections and keys; configparser would read the indented keys of real files as continued values."""
     section = ""
     keys: dict[str, str] = {}
     for line in (line.strip() for line in text.splitlines()):
@@ -180,14 +180,14 @@ def _number(path: Path, keys: dict[str, str], key: str, least: int, most: int) -
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
-    """Writes version 2, the channels in order as bits from 0. BadCapture where sigrok could not read it."""
+    """Write version 2, the channels in order as bits from 0. BadCapture if sigrok could not read it."""
     _check_writable(capture, path)
     with path.open("wb") as file:
         return write_to(file, capture)
 
 
 def write_to(file: IO[bytes], capture: Capture) -> tuple[str, ...] | None:
-    """The same into an open file, of a capture with up to 64 channels and a whole number of samples a second."""
+    """Write to an open file a capture with up to 64 channels and a whole number of samples a second."""
     channels = capture.channels
     unitsize = next(size for size in (1, 2, 4, 8) if len(channels) <= 8 * size)
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -202,7 +202,7 @@ def write_to(file: IO[bytes], capture: Capture) -> tuple[str, ...] | None:
 
 
 def _check_writable(capture: Capture, path: Path) -> None:
-    """BadCapture with all that stands in the way at once, and the options that clear it."""
+    """Raise BadCapture with all obstacles at once, and the options that remove them."""
     found, expected, options = [], [], []
     if not 1 <= (count := len(capture.channels)) <= MOST_WIDE:
         found.append(f"{count} channels")
@@ -223,13 +223,13 @@ def _check_writable(capture: Capture, path: Path) -> None:
 
 
 def _few_names(capture: Capture) -> list[str]:
-    """The first lines that a bus or serial line has names for, else the first two."""
+    """Return the first lines named like those of a bus or serial line, else the first two."""
     usual = [found[0].name for line in ("scl", "sda", "rx", "tx") if (found := channels_named(capture, line))]
     return usual or [channel.name for channel in capture.channels[:2]]
 
 
 def _possible_rate(capture: Capture) -> str:
-    """A rate at which the capture can be written, 4 MHz if that will do."""
+    """Return a rate at which the capture can be written, at most 4 MHz."""
     rate = Fraction(4_000_000)
     while capture.rate and capture.length / capture.rate * rate > limits.MOST_SAMPLES_WRITTEN:
         rate /= 2
@@ -262,7 +262,7 @@ def _described(capture: Capture, unitsize: int) -> str:
 
 
 def _chunks(capture: Capture, unitsize: int) -> Iterator[NDArray[np.unsignedinteger]]:
-    """The samples as words, a chunk at a time: each edge turns its bit over, from there on."""
+    """Yield the samples as words, a chunk at a time: each edge inverts its bit from there on."""
     samples = CHUNK // unitsize
     word = sum(channel.initial << bit for bit, channel in enumerate(capture.channels))
     for begin in range(0, capture.length, samples):

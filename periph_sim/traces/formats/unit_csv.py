@@ -1,10 +1,10 @@
-"""CSV with a unit in every column's title: a path goes in, names, units and float64 columns come out.
+"""CSV with a unit in every column's title, read as names, units and float64 columns.
 
     time [s],phi [deg],ax [g]
     0.00,1.5,0.01
 
-The first line holds the titles; every other line has one finite number a column. What is wrong is said with its
-line (BadCapture). Read as arrays; line by line only to find what is wrong.
+The first line holds the titles; every other line has one finite number a column. Errors name their line
+(BadCapture). Read as arrays; line by line only to find an error.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ WRITTEN = "a title such as 'time [s]' or 'phi [deg]' for every column"
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """One column: its name and unit as the title has them, and its numbers."""
+    """One column: its name and unit from the title, and its numbers."""
 
     name: str
     unit: str
@@ -40,7 +40,7 @@ class Column:
 
 
 def read(path: Path) -> list[Column]:
-    """The columns in the order of the file, of equal length, one row at least. BadCapture in one sentence."""
+    """Read the columns in the order of the file, of equal length, with at least one row. BadCapture for errors."""
     try:
         with open_input(path, LARGEST) as file:
             head = file.readline().decode("utf-8-sig")
@@ -65,7 +65,7 @@ def read(path: Path) -> list[Column]:
 
 
 def line_of_row(path: Path, row: int) -> int:
-    """The line on which a row of numbers stands, counted from 0, since there may be blank lines."""
+    """Return the line of a row of numbers, counted from 0; the file may contain blank lines."""
     return next(line for number, (line, _) in enumerate(_rows(path)) if number == row)
 
 
@@ -77,12 +77,12 @@ def _title(path: Path, cell: str) -> tuple[str, str]:
 
 
 def _numbers(path: Path, columns: int) -> Floats:
-    """Shape (rows, columns), all finite."""
+    """Return the numbers, shape (rows, columns), all finite."""
     import warnings
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # a file without rows is told below
+            warnings.simplefilter("ignore", UserWarning)  # a file without rows is reported below
             values = np.loadtxt(path, delimiter=",", skiprows=1, comments=None, ndmin=2, encoding="utf-8-sig")
     except (ValueError, UnicodeDecodeError):
         raise _first_wrong(path, columns) from None
@@ -110,7 +110,7 @@ def _first_wrong(path: Path, columns: int) -> BadCapture:
 
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Every row behind the titles, with its line."""
+    """Yield every row after the titles, with its line."""
     with path.open(encoding="utf-8-sig", newline="") as file:
         rows = csv.reader(file)
         next(rows, None)

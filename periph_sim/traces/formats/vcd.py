@@ -1,17 +1,17 @@
-"""Value change dumps (IEEE 1364, four-state): text in, edges at integer ticks out; written by `vcd_writer`.
+"""Value change dumps (IEEE 1364, four-state), read as edges at integer ticks; `vcd_writer` writes them.
 
     lines of bytes --> one array of positions and one of states a bit --> Channel
 
-Read line by line and not with pyvcd's reader, which goes byte by byte, refuses the spaces that sigrok's users put
-into channel names and the non-ASCII letters in comments, and takes a file cut short for whole; nor with wellen, which
-reads FST for us, since it loses the end of a capture and the declared ranges of vectors.
+Read line by line and not with pyvcd's reader, which goes byte by byte, rejects the spaces that sigrok's users put
+into channel names and the non-ASCII letters in comments, and accepts a truncated file; nor with wellen, which reads
+FST for us, since it loses the end of a capture and the declared ranges of vectors.
 
 Chosen:
 - Tick 0 of the file is position 0; before the first `#` levels are unknown, unless values precede it.
-- `z` is high (an open-drain line let go); `x` and the VHDL states that say neither 0 nor 1 are unknown.
-- A vector is a channel a bit, `name[k]`. Reals, strings, events and parameters are left out.
-- A last `#N` with nothing behind it is the end: N positions. Else the last change is the last position.
-- With salvage the changes before what is wrong are kept, if lines were declared and a time has come.
+- `z` is high (a released open-drain line); `x` and the VHDL states other than 0 and 1 are unknown.
+- A vector is a channel for each bit, `name[k]`. Reals, strings, events and parameters are ignored.
+- A last `#N` with nothing after it is the end: N positions. Else the last change is the last position.
+- With salvage the changes before an error are kept, if lines were declared and there was a time.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """The capture in ticks of the file's timescale, or in samples where `rate` is given. BadCapture names the line."""
+    """Read the capture in ticks of the file's timescale, or samples if `rate` is given. BadCapture names the line."""
     with path.open("rb") as file:
         lines = iter(partial(file.readline, LONGEST), b"")
         return _Reader(path, lines, salvage).read(rate)
@@ -85,8 +85,8 @@ class _Reader:
         self._names: list[tuple[str, Line]] = []
         self._lines: dict[bytes, list[Line]] = {}  # identifier -> its bits, most significant first
         self._now = 0
-        self._timed = False  # a `#` has come
-        self._moved = False  # a change has come since
+        self._timed = False  # a `#` was read
+        self._moved = False  # a change was read since
 
     def read(self, rate: Fraction | None) -> Capture:
         try:
@@ -102,8 +102,8 @@ class _Reader:
         return self._capture(rate)
 
     def _parse(self) -> None:
-        """Most lines are a time or the change of a scalar, one of a few texts: these are done here."""
-        simple: dict[bytes, tuple[Line, int]] = {}  # a whole line -> what it changes to which state
+        """Parse the lines. The common ones, a time or the change of a scalar, are handled here."""
+        simple: dict[bytes, tuple[Line, int]] = {}  # a whole line -> (bit, its new state)
         now = self._now
         changes = 0
         for number, text in self._numbered:

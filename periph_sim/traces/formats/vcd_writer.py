@@ -1,7 +1,7 @@
-"""Writing a value change dump: edges in, text out, by the library that knows the format.
+"""Writer of value change dumps, by the library pyvcd.
 
-Chosen: the coarsest timescale of which a sample is a whole number of ticks. At rates such as 24 MHz there is none: then
-times are rounded to a tick so fine that a reader who is told the rate gets the same samples back, and a note says so.
+Chosen: the coarsest timescale in which a sample is a whole number of ticks. At rates such as 24 MHz there is none: then
+times are rounded to a tick so fine that a reader that knows the rate gets the same samples back, and a note says so.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from ..capture.resample import rate_text
 SECONDS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}  # decimals of each unit
 MOST_TICKS = 1 << 62
 FINEST = 15  # decimals of a second: femtoseconds
-ROUNDED_TO = 1000  # ticks in a sample, at least, where the timescale does not divide it
+ROUNDED_TO = 1000  # ticks in a sample, at least, if the timescale does not divide it
 LETTERS = "01x"
-OURS, SCOPE = "periph-sim", "capture"  # variables need a scope; reading drops this one of files of ours
+OURS, SCOPE = "periph-sim", "capture"  # variables need a scope; reading our own files drops it
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
-    """Notes on what VCD cannot say. BadCapture where positions have no time, or one that is too fine or too long."""
+    """Write a capture. Return notes on losses. BadCapture if positions have no time, or it is too fine or too long."""
     with path.open("w", encoding="utf-8", newline="\n") as file:
         return write_to(file, capture)
 
 
 def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,)) -> tuple[str, ...]:
-    """The same into an open file. scope: what all names get in front."""
+    """Write to an open file. scope: prefix of all names."""
     from vcd import VCDWriter
 
     scale, per_second, notes = timescale_of(capture)
@@ -58,7 +58,7 @@ def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,))
 
 
 def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
-    """(`10 ns`, its ticks a second, a note if samples are not whole ticks)."""
+    """Return (`10 ns`, its ticks a second, a note if samples are not whole ticks)."""
     rate = capture.rate
     if rate is None:
         raise BadCapture(capture.path, "its rate", "none stated", "positions with a time", "state it with --rate")
@@ -77,19 +77,19 @@ def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
     scale = f"{10 ** (size - decimals)} {unit}"
     notes = [
         f"a sample of {rate_text(rate)} is no whole number of ticks, so times are rounded to {scale}; "
-        "whoever reads the file with that rate gets the same samples"
+        "a reader that uses that rate gets the same samples"
     ]
     return scale, Fraction(10**decimals), [] if exact else notes
 
 
 def to_ticks(positions: list[int], ratio: Fraction) -> list[int]:
-    """Each position times `ratio`, to the nearest whole number."""
+    """Return each position times `ratio`, to the nearest whole number."""
     top, bottom = ratio.numerator, ratio.denominator
     return [(2 * position * top + bottom) // (2 * bottom) for position in positions]
 
 
 def channel_names(capture: Capture) -> list[str]:
-    """Names without blanks, no part of them empty, none twice."""
+    """Return names without blanks, without empty parts, and without duplicates."""
     names: list[str] = []
     for channel in capture.channels:
         parts = [re.sub(r"\s+|^\$", "_", part.strip()) for part in channel.name.split(".")]

@@ -1,8 +1,8 @@
-"""WaveDrom's JSON, for a picture in a document: a short window goes in, a line of bricks a channel comes out.
+"""WaveDrom's JSON, for a picture of a short window in a document: a line of bricks for each channel.
 
-    SCL  11100111...     one brick is the greatest step of which all edges are a multiple
+    SCL  11100111...     a brick is the largest step that divides the times of all edges
 
-Written only. Bricks are all equally long, so the picture is true to scale; a window that needs too many is refused.
+Written only. Bricks are all equally long, so the picture is true to scale; a window that needs too many is an error.
 Source: the WaveDrom schema (github.com/wavedrom/schema), waves `0`, `1`, `x` and `.` for "as before".
 """
 
@@ -25,7 +25,7 @@ LETTERS = "01x"
 
 
 def write(capture: Capture, path: Path) -> None:
-    """The picture's source. BadCapture where the window is too long to be looked at."""
+    """Write the picture's source. BadCapture if the window is too long for a picture."""
     edges = sum(len(channel.edges) for channel in capture.channels)
     if edges > MOST_EDGES:
         _refuse(capture, f"{edges} edges", f"at most {MOST_EDGES}")
@@ -34,7 +34,7 @@ def write(capture: Capture, path: Path) -> None:
     brick = gcd(*at, capture.length) or 1
     bricks = capture.length // brick
     if bricks > MOST_BRICKS:
-        brick = gcd(*at) or capture.length  # the window's end need not fall on a brick
+        brick = gcd(*at) or capture.length  # the window's end need not be on a brick
         bricks = -(-capture.length // brick)
     if bricks > MOST_BRICKS:
         _refuse(capture, f"{bricks} bricks of {brick} positions", f"at most {MOST_BRICKS}")
@@ -53,7 +53,7 @@ def _refuse(capture: Capture, found: str, expected: str) -> None:
 
 
 def _time(length: Fraction) -> str:
-    """For people: `250 ns`, `8.333 us`."""
+    """Format a length: `250 ns`, `8.333 us`."""
     for unit, size in (("s", 1), ("ms", 10**3), ("us", 10**6)):
         if length * size >= 1:
             return f"{float(length * size):.6g} {unit}"

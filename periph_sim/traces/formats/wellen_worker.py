@@ -1,10 +1,10 @@
-"""The work of a process of its own: a waveform file goes in, the states of its lines come out on standard output.
+"""Main program of a separate process: reads a waveform file and writes the states of its lines to standard output.
 
-    python -m periph_sim.traces.formats.wellen_worker FILE --> head (JSON), a line; then of each signal
+    python -m periph_sim.traces.formats.wellen_worker FILE --> head (JSON), a line; then for each signal
         number of changes, width (8 bytes each, as this machine has them), positions (8 bytes each), states (letters)
 
-A damaged file can make the reader ask for any memory and abort, which nobody can catch; so it may not happen in the
-process of the user. Only this file knows the library. It imports nothing that takes long: it is started for each file.
+A damaged file can make the library allocate any amount of memory and abort, which cannot be caught; so this must not
+happen in the user's process. Only this file uses the library. Its imports are quick: it is started for each file.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ NO_LINES = {"Parameter", "Event", "Time"}
 
 
 def limited() -> None:
-    """Memory and time end here, where the system can say so."""
+    """Limit memory and time, if the system supports it."""
     try:
         import resource
-    except ImportError:  # not a POSIX system: the process is still one of its own
+    except ImportError:  # not a POSIX system: the process is still a separate one
         return
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
@@ -36,7 +36,7 @@ def limited() -> None:
 
 
 def alone() -> IO[bytes]:
-    """The output, to which from now on nobody but us writes: what the library prints goes where errors go."""
+    """Return the output, used by this program only: what the library prints is redirected to standard error."""
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     return out
@@ -79,7 +79,7 @@ def main(path: str) -> None:
 
 
 class Changes:
-    """Of one signal: times, and the state of each bit as a letter, most significant first."""
+    """Changes of one signal: times, and the state of each bit as a letter, most significant first."""
 
     def __init__(self, width: int) -> None:
         self.width = width
@@ -93,7 +93,7 @@ class Changes:
 
 
 def collected(wave: Any, places: dict[str, int], variables: list[Any]) -> Iterator[Changes]:
-    """The changes of each signal. Reading one goes through all of an FST, so many are read in one go."""
+    """Yield the changes of each signal. Reading one scans the whole FST, so many are read at once."""
     if len(variables) <= FEW or str(wave.file_format) != "FST":
         for variable in variables:
             changes = Changes(variable.bitwidth)

@@ -1,9 +1,9 @@
-"""Zip archives for the session formats: a path goes in, members come out in blocks that fit a processor's cache.
+"""Zip archives of the session formats: members are read in blocks that fit a processor's cache.
 
     central directory | with salvage also: local headers, forward --> Archive.members --> blocks of unpacked bytes
 
-Each block is checked as it goes: sizes, CRC-32, end of the deflate stream. What does not fit is `Damage`,
-and the caller decides between a refusal and reading up to there.
+Each block is checked as it is read: sizes, CRC-32, end of the deflate stream. A mismatch is `Damage`,
+and the caller decides between an error and reading up to there.
 
 Source: APPNOTE 6.3 (PKWARE), sections 4.3 and 4.5.
 """
@@ -27,7 +27,7 @@ STORED, DEFLATED = 0, 8
 ENCRYPTED, SIZES_BEHIND = 1 << 0, 1 << 3  # flag bits of a header
 LOCAL = struct.Struct("<4s5H3I2H")
 LOCAL_MARK, BEHIND_MARK, END_MARK = b"PK\3\4", b"PK\7\x08", b"PK\5\6"
-END_REACH = 22 + 65535  # the end record and the longest comment behind it
+END_REACH = 22 + 65535  # the end record and the longest comment after it
 ZIP64 = 1  # tag of the extra field with 64-bit sizes
 PIECE = 1 << 16  # packed bytes read at once
 BrokenStream = cast(type[Exception], zlib_ng.error)  # its stub calls the class an instance
@@ -35,7 +35,7 @@ BROKEN = (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSErr
 
 
 class Damage(ValueError):
-    """Where a member stops being sound. `cut`: the file ends there, and what came before it is right."""
+    """Damage within a member. `cut`: the file ends there, and the data before it is intact."""
 
     def __init__(self, member: str, found: str, cut: bool = False) -> None:
         super().__init__(f"{member}: {found}")
@@ -46,7 +46,7 @@ class Damage(ValueError):
 
 @dataclass(frozen=True)
 class Member:
-    """One packed file. `size` and `crc` are None where a cut archive does not say them."""
+    """One packed file. `size` and `crc` are None if a truncated archive does not state them."""
 
     name: str
     at: int  # of its data, from the beginning of the archive
@@ -57,7 +57,7 @@ class Member:
 
 
 class Archive:
-    """The members of a zip by name; `notes` says what salvaging found. BadCapture if it is no zip.
+    """The members of a zip by name; `notes` lists what salvaging found. BadCapture if it is no zip.
 
     what: the kind of file, for messages. A context manager.
     """
@@ -83,7 +83,7 @@ class Archive:
         self._file.close()
 
     def text(self, name: str) -> str:
-        """A whole member as text, with marks where it is not UTF-8. BadCapture if it is missing, large or damaged."""
+        """Read a member as UTF-8 text, invalid bytes replaced. BadCapture if it is missing, large or damaged."""
         if name not in self.members:
             raise BadCapture(self.path, "the archive", f"no member {name!r}", f"a {self.what}", "save it again")
         size = self.members[name].size
@@ -96,7 +96,7 @@ class Archive:
             raise BadCapture(self.path, name, damage.found, f"a whole {self.what}", "copy or save it again") from None
 
     def blocks(self, name: str, most: int) -> Iterator[bytes]:
-        """The unpacked bytes of a member, at most `most` at a time. Damage where they stop being sound."""
+        """Yield the unpacked bytes of a member, at most `most` at a time. Damage where they are invalid."""
         member = self.members[name]
         total = crc = 0
         for block in self._unpacked(member, most):
@@ -137,10 +137,10 @@ class Archive:
             yield piece
 
     def _ends_at(self, member: Member) -> bool:
-        """Whether the archive ends within this member."""
+        """True if the archive ends within this member."""
         return member.at + member.packed >= self._file.seek(0, 2)
 
-    # Where the members are ---------------------------------------------------------
+    # Places of the members ---------------------------------------------------------
 
     def _members(self, salvage: bool) -> dict[str, Member]:
         try:
@@ -150,15 +150,15 @@ class Archive:
         except BROKEN as error:
             found = f"a broken zip ({str(error) or type(error).__name__})"
             if salvage and self._starts_as_zip():
-                self.notes.append(f"the archive is {found}: its members were looked for one by one")
+                self.notes.append(f"the archive is {found}: its members were searched one by one")
                 return self._met()
             way_out = "copy or save it again"
             if self._starts_as_zip():
-                way_out += ", or read what is whole with --salvage"
+                way_out += ", or read the intact part with --salvage"
             raise BadCapture(self.path, "the archive", found, f"a whole {self.what}", way_out) from None
 
     def _check_directory(self) -> None:
-        """Refuses a directory whose entries alone would fill the memory."""
+        """Reject a directory whose entries alone would fill the memory."""
         end = self._file.seek(0, 2)
         self._file.seek(max(0, end - END_REACH))
         tail = self._file.read()
@@ -173,7 +173,7 @@ class Archive:
         return self._file.read(4) == LOCAL_MARK
 
     def _listed(self, info: zipfile.ZipInfo) -> Member:
-        """A member of the directory; its local header says where the data begin."""
+        """Return a member of the directory; its local header states where the data begin."""
         self._file.seek(info.header_offset)
         head = self._file.read(LOCAL.size)
         if len(head) < LOCAL.size or head[:4] != LOCAL_MARK:
@@ -190,7 +190,7 @@ class Archive:
             raise zipfile.BadZipFile(f"member {name!r} is packed by method {method}, not by deflate")
 
     def _met(self) -> dict[str, Member]:
-        """The members met from the front, up to the first that cannot be followed."""
+        """Return the members found from the front, up to the first that cannot be followed."""
         end = self._file.seek(0, 2)
         found: dict[str, Member] = {}
         at = 0
@@ -217,7 +217,7 @@ class Archive:
         return found
 
     def _measured(self, name: str, at: int, end: int) -> tuple[Member, int]:
-        """(a member whose sizes stand behind its data, the place of the next): unpacked once to find its end."""
+        """Return (a member whose sizes follow its data, the place of the next), unpacking it once to find its end."""
         inflate = zlib_ng.decompressobj(-15)
         self._file.seek(at)
         packed = size = 0
@@ -247,7 +247,7 @@ class Archive:
 
 
 def _wide(extra: bytes, size: int, packed: int) -> tuple[int, int]:
-    """Sizes from the extra field where the header's 32 bits do not hold them."""
+    """Return sizes, from the extra field if the header's 32 bits do not hold them."""
     place = 0
     while place + 4 <= len(extra):
         tag, length = struct.unpack_from("<HH", extra, place)

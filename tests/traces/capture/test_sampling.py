@@ -45,7 +45,7 @@ def test_times_finer_than_any_analyser_are_a_simulations():
 
 def test_what_was_inferred_is_said():
     (note,) = stamp_notes(stamped([11, 27, 67]))
-    assert note.startswith("the file gives times, not samples; all its edges lie 8 ns or multiples of it apart")
+    assert note.startswith("the file gives times, not samples; all its edges are multiples of 8 ns apart")
     assert stamp_notes(stamped([8, 24], sampled=True)) == stamp_notes(stamped([8, 24], exact=True)) == []
     assert stamp_notes(stamped([8, 24], None)) == []
 

@@ -45,7 +45,7 @@ def test_what_is_decided_is_a_sample_away_from_its_limit(name, mode):
 def test_a_400_khz_bus_is_no_100_khz_bus():
     """Three devices of an e-book reader; at 4 MHz the limits of Fast-mode itself are too near to decide."""
     capture = formats.read(capture_of("i2c_trekstor_accel_pmic_rtc"))
-    assert check(capture, mode=Mode.STANDARD).of(Verdict.FAIL) == [
+    assert check(capture, mode=Mode.STANDARD).symbols_with(Verdict.FAIL) == [
         "fSCL",
         "tHD;STA",
         "tLOW",
@@ -54,18 +54,18 @@ def test_a_400_khz_bus_is_no_100_khz_bus():
         "tSU;STO",
     ]
     fast = check(capture, mode=Mode.FAST)
-    assert fast.verdict is Verdict.UNDECIDABLE and "tSU;DAT" in fast.of(Verdict.PASS)
+    assert fast.verdict is Verdict.UNDECIDABLE and "tSU;DAT" in fast.symbols_with(Verdict.PASS)
 
 
 @needs_captures
 def test_at_125_mhz_a_bus_5_percent_too_fast_is_found():
     capture = formats.read(capture_of("i2c_mdfu_write_csv"))
     report = check(capture, *lines("i2c_mdfu_write_csv"), Mode.STANDARD, exact=False)
-    assert report.of(Verdict.FAIL) == ["fSCL"] and report.resolution.period == 8
+    assert report.symbols_with(Verdict.FAIL) == ["fSCL"] and report.resolution.period == 8
     assert report.row("tVD;DAT").excused > 0, "the target stretches, and sends late where it does"
 
 
 @needs_captures
 def test_at_500_khz_a_100_khz_bus_cannot_be_judged():
     report = check(formats.read(capture_of("i2c_bh1750_hres")), *lines("i2c_bh1750_hres"), Mode.STANDARD)
-    assert report.verdict is Verdict.UNDECIDABLE and not report.of(Verdict.FAIL)
+    assert report.verdict is Verdict.UNDECIDABLE and not report.symbols_with(Verdict.FAIL)

@@ -32,7 +32,7 @@ def times(found: Measures, *symbols: str) -> dict[str, list[tuple[int, int]]]:
     """symbol -> (begin, length) of each, without the symbols that have none."""
     return {
         symbol: list(zip(of.begins.tolist(), of.lengths.tolist(), strict=True))
-        for symbol, of in found.of.items()
+        for symbol, of in found.times.items()
         if len(of) and (not symbols or symbol in symbols)
     }
 
@@ -131,7 +131,7 @@ def test_nothing_is_measured_across_an_unknown_stretch():
 def test_the_ninth_bit_is_the_acknowledge():
     """SDA changes before three of the four acknowledges of each transfer: 1 then ACK, 1 then ACK, 0 then NACK."""
     found = measured(bus_drawn(EASY[Mode.STANDARD]))
-    assert len(found.of["tVD;ACK"]) == 2 * 3 and found.starts == 2 * 2
+    assert len(found.times["tVD;ACK"]) == 2 * 3 and found.starts == 2 * 2
 
 
 @pytest.mark.parametrize(
@@ -148,12 +148,12 @@ def test_the_ninth_bit_is_the_acknowledge():
 )
 def test_who_made_a_change(bit, party):
     late = EASY[Mode.STANDARD].but(odd={bit: Odd(data=(2_222,))})
-    found = measured(bus_drawn(late)).of["tSU;DAT"]
+    found = measured(bus_drawn(late)).times["tSU;DAT"]
     assert found.party[found.lengths == late.low - 2_222].tolist() == [party]
 
 
 def test_sda_that_falls_ahead_of_stop_is_the_controllers_also_behind_read_data():
-    found = measured(bus_drawn(EASY[Mode.STANDARD])).of
+    found = measured(bus_drawn(EASY[Mode.STANDARD])).times
     setup = found["tSU;DAT"]
     ahead = np.isin(setup.begins + setup.lengths, found["tSU;STO"].begins)
     assert setup.party[ahead].tolist() == [CONTROLLER] * 2
@@ -162,7 +162,7 @@ def test_sda_that_falls_ahead_of_stop_is_the_controllers_also_behind_read_data()
 def test_parties_are_those_of_the_decoder():
     """Falling: the driver of the bit; rising: the driver of the bit before, who lets go."""
     capture = formats.read(TRACES / "imu_round.sr")
-    found = measured(capture).of["tSU;DAT"]
+    found = measured(capture).times["tSU;DAT"]
     who = dict(zip(found.begins.tolist(), found.party.tolist(), strict=True))
     level = capture.channel("SDA")
     seen = set()
@@ -180,7 +180,7 @@ def test_parties_are_those_of_the_decoder():
 
 
 def test_a_bus_that_reads_has_targets_that_drive():
-    found = measured(bus_drawn(EASY[Mode.FAST])).of["tVD;DAT"]
+    found = measured(bus_drawn(EASY[Mode.FAST])).times["tVD;DAT"]
     assert {CONTROLLER, TARGET} == set(found.party.tolist())
 
 

@@ -96,13 +96,13 @@ def test_a_maximum_does_not_bind_where_scl_is_stretched():
     assert report.verdict is Verdict.PASS and report.row("tVD;DAT").excused == 1
     assert "note: beyond a maximum where it does not bind: tHD;DAT 1, tVD;DAT 1" in str(report)
     report = judged(STANDARD.but(odd={(3, 1): Odd(data=(19_800,), low=20_000)}))
-    assert report.of(Verdict.FAIL) == ["tSU;DAT"]
+    assert report.symbols_with(Verdict.FAIL) == ["tSU;DAT"]
 
 
 def test_a_low_phase_a_tenth_longer_is_the_controllers_own():
     for low, fails in ((7_150, ["tHD;DAT", "tVD;DAT"]), (7_151, [])):
         report = judged(STANDARD.but(odd={(3, 1): Odd(data=(4_000,), low=low)}))
-        assert report.of(Verdict.FAIL) == fails
+        assert report.symbols_with(Verdict.FAIL) == fails
 
 
 def test_what_may_be_stretched_is_counted_apart_and_is_neither_pass_nor_failure():
@@ -116,7 +116,7 @@ def test_what_may_be_stretched_is_counted_apart_and_is_neither_pass_nor_failure(
     assert "note: a maximum that binds only where SCL is not stretched, which these samples do not tell: " in text
     odd.pop((3, 3))
     report = check(sampled(drawn(STANDARD.but(odd=odd)), 10**7))
-    assert report.verdict is Verdict.UNDECIDABLE and "tVD;DAT" in report.of(Verdict.UNDECIDABLE)
+    assert report.verdict is Verdict.UNDECIDABLE and "tVD;DAT" in report.symbols_with(Verdict.UNDECIDABLE)
 
 
 def test_an_assertion_names_the_worst_rows_and_places():
@@ -155,7 +155,7 @@ def test_both_lines_at_once_are_told():
 def test_pulses_that_may_be_missed_pass_nothing():
     """A 100 kHz bus seen at 100 kHz and a bit: no limit passes, and that is told."""
     report = check(sampled(drawn(STANDARD.but(low=5_000, high=5_000)), 170_000, phase=3))
-    assert not report.of(Verdict.PASS) and not report.of(Verdict.FAIL)
+    assert not report.symbols_with(Verdict.PASS) and not report.symbols_with(Verdict.FAIL)
     assert "may be shorter than a sample" in str(report)
 
 

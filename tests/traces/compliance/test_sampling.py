@@ -43,7 +43,7 @@ def test_what_is_decided_from_samples_is_what_is_true(mode, data):
     rate = data.draw(st.integers(60, 600)) * 10**6  # no pulse is missed
     true = drawn(bus)
     exact = check(true, mode=mode)
-    assert not exact.of(Verdict.UNDECIDABLE)
+    assert not exact.symbols_with(Verdict.UNDECIDABLE)
     seen = check(sampled(true, rate, data.draw(st.integers(0, 17))), mode=mode)
     for row in seen.rows:
         if row.verdict in DECIDED:
@@ -95,9 +95,9 @@ RATES = st.one_of(st.sampled_from([10**6, 4 * 10**6, 24 * 10**6, 100 * 10**6]), 
 def test_a_legal_controller_never_fails_however_it_is_sampled(mode, data):
     """Also where a low phase may or may not be stretched, and where whole pulses lie between two samples."""
     true = drawn(data.draw(legal_buses(mode)))
-    assert not check(true, mode=mode).of(Verdict.FAIL)
+    assert not check(true, mode=mode).symbols_with(Verdict.FAIL)
     seen = check(sampled(true, data.draw(RATES), data.draw(st.integers(0, 999))), mode=mode)
-    assert not seen.of(Verdict.FAIL)
+    assert not seen.symbols_with(Verdict.FAIL)
 
 
 def test_a_clock_that_beats_with_the_samples_fails_no_maximum():

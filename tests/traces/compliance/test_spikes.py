@@ -26,7 +26,7 @@ FAST = EASY[Mode.FAST]
 def test_a_spike_by_its_length(line, after, length, fails):
     """Behind the fourth rise; SCL is high for 900 ns."""
     report = check(drawn(FAST.but(spike=Spike(line, 3, after, length))), "SCL", "SDA", Mode.FAST)
-    assert report.of(Verdict.FAIL) == fails
+    assert report.symbols_with(Verdict.FAIL) == fails
     assert report.row("tSP").count == (length <= 100)
 
 
@@ -42,7 +42,7 @@ def test_while_scl_is_low_sda_may_change_as_often_as_it_likes():
 def test_standard_mode_knows_no_spikes():
     bus = EASY[Mode.STANDARD].but(spike=Spike("SCL", 3, 2_000, 30))
     report = check(drawn(bus), "SCL", "SDA", Mode.STANDARD)
-    assert report.of(Verdict.FAIL) == ["fSCL", "tLOW", "tHIGH"]
+    assert report.symbols_with(Verdict.FAIL) == ["fSCL", "tLOW", "tHIGH"]
     assert report.row("tSP").verdict is Verdict.NO_LIMIT
 
 

@@ -61,10 +61,10 @@ ALSO = {"tHD;DAT": ["tHD;DAT", "tVD;DAT"]}  # data that begin to change too late
 def test_the_easy_bus_keeps_everything(mode):
     report = check(drawn(EASY[mode]), "SCL", "SDA", mode)
     assert report.verdict is Verdict.PASS
-    assert report.of(Verdict.FAIL) == report.of(Verdict.UNDECIDABLE) == []
-    assert report.of(Verdict.NOT_IN_CAPTURE) == ["tr", "tf"]
-    assert report.of(Verdict.NO_LIMIT) == (["tSP"] if mode is Mode.STANDARD else [])
-    assert report.of(Verdict.NOT_SEEN) == ([] if mode is Mode.STANDARD else ["tSP"])
+    assert report.symbols_with(Verdict.FAIL) == report.symbols_with(Verdict.UNDECIDABLE) == []
+    assert report.symbols_with(Verdict.NOT_IN_CAPTURE) == ["tr", "tf"]
+    assert report.symbols_with(Verdict.NO_LIMIT) == (["tSP"] if mode is Mode.STANDARD else [])
+    assert report.symbols_with(Verdict.NOT_SEEN) == ([] if mode is Mode.STANDARD else ["tSP"])
 
 
 @pytest.mark.parametrize(("symbol", "mode"), CASES)
@@ -78,7 +78,7 @@ def test_exactly_at_the_limit_passes(symbol, mode):
 @pytest.mark.parametrize(("symbol", "mode"), CASES)
 def test_a_nanosecond_beyond_the_limit_fails_and_nothing_else_does(symbol, mode):
     report = check(drawn(bus_with(symbol, mode, 1 if symbol in MAXIMA else -1)), "SCL", "SDA", mode)
-    assert report.of(Verdict.FAIL) == ALSO.get(symbol, [symbol])
+    assert report.symbols_with(Verdict.FAIL) == ALSO.get(symbol, [symbol])
     assert report.verdict is Verdict.FAIL
 
 
@@ -98,7 +98,7 @@ def test_sampled_at_500_mhz_what_is_ten_nanoseconds_off_is_decided(symbol, mode,
     good = (off > 0) != (symbol in MAXIMA)
     report = check(capture, "SCL", "SDA", mode)
     assert report.row(symbol).verdict is (Verdict.PASS if good else Verdict.FAIL)
-    assert report.of(Verdict.FAIL) == ([] if good else ALSO.get(symbol, [symbol]))
+    assert report.symbols_with(Verdict.FAIL) == ([] if good else ALSO.get(symbol, [symbol]))
 
 
 @pytest.mark.parametrize("mode", Mode)

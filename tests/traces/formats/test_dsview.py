@@ -111,7 +111,7 @@ def test_salvage_leaves_a_damaged_channel_unknown_behind_its_damage(tmp_path: Pa
     assert edges(capture) == {"SCL": [1, 40, 70], "SDA": [0, 5, *range(6, 64)]}
     assert [channel.unknown for channel in capture.channels] == [(), (Span(64, 100),)]
     assert capture.notes == (
-        "L-1/2 holds bytes that do not fit their CRC-32: what its channel did from sample 64 on is dropped",
+        "L-1/2 holds bytes that do not fit their CRC-32: its channel is dropped from sample 64 on",
     )
 
 
@@ -120,4 +120,4 @@ def test_salvage_reads_a_cut_file_up_to_its_end(tmp_path: Path):
     capture = read(tmp_path, content[: content.index(b"L-1/1") + 5 + 2], salvage=True)
     assert edges(capture) == {"SCL": [1, 40, 70], "SDA": [0, 5, *range(6, 48)]}
     assert [channel.unknown for channel in capture.channels] == [(), (Span(48, 100),)]
-    assert capture.notes[1:] == ("L-1/1 holds 2 bytes instead of 4: what its channel did from sample 48 on is dropped",)
+    assert capture.notes[1:] == ("L-1/1 holds 2 bytes instead of 4: its channel is dropped from sample 48 on",)

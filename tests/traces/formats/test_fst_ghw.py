@@ -158,7 +158,7 @@ def test_an_abort_of_the_reader_is_one_sentence(tmp_path: Path, monkeypatch: pyt
     with pytest.raises(formats.BadCapture) as caught:
         formats.read(path)
     assert str(caught.value) == (
-        f"{path}, the file: found what makes its reader stop (aborted), expected an undamaged waveform of kinds that "
+        f"{path}, the file: found an error of its reader (aborted), expected an undamaged waveform of kinds that "
         "it knows; dump it again, or as VCD"
     )
 

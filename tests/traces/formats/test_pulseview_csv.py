@@ -127,7 +127,7 @@ def test_dsview_lists_changes_in_seconds(tmp_path: Path):
 def test_of_rows_of_one_sample_the_last_counts(tmp_path: Path):
     capture = read(tmp_path, DSVIEW.replace("0.00001500000, 0, 0", "0.0000122, 0, 0"))
     assert edges(capture) == {"SCL": [1, 12], "SDA": [1, 12, 2_500_000]}
-    assert capture.notes == ("rows that do not count, since the row behind them has the same sample: 1",)
+    assert capture.notes == ("rows ignored, since the next row has the same sample: 1",)
 
 
 ROW = st.tuples(st.integers(1, 40), st.sampled_from([(0, 0), (0, 1), (1, 0), (1, 1)]), st.integers(0, 12))
@@ -174,7 +174,7 @@ def test_a_cut_line_is_dropped_with_salvage(tmp_path: Path, end: str):
         pulseview_csv.read(path)
     capture = pulseview_csv.read(path, salvage=True)
     assert (edges(capture), capture.length) == ({"SCL": [1, 3], "SDA": [1, 2]}, 5)
-    assert capture.notes == (f"line 10 is {end!r}: it and what follows is dropped",)
+    assert capture.notes == (f"line 10 is {end!r}: it and all later lines are dropped",)
 
 
 def test_a_long_file_is_read_in_pieces(tmp_path: Path):

@@ -80,12 +80,12 @@ def test_positions_without_a_time_are_refused(tmp_path: Path, suffix: str):
             "24 MHz",
             ".vcd",
             "a sample of 24 MHz is no whole number of ticks, so times are rounded to 10 ps; "
-            "whoever reads the file with that rate gets the same samples",
+            "a reader that uses that rate gets the same samples",
         ),
         (
             "24 MHz",
             ".csv",
-            "times are rounded to 9 decimals; whoever reads the file with 24 MHz gets the same samples",
+            "times are rounded to 9 decimals; a reader that uses 24 MHz gets the same samples",
         ),
     ],
 )

@@ -100,7 +100,7 @@ def test_float_seconds_lose_no_sample(
 
 
 GOOD = version_0(1, 0.0, 1e-6, [120e-9, 200e-9])
-SALVAGE = ", or read what is whole with --salvage"
+SALVAGE = ", or read the intact part with --salvage"
 
 
 @pytest.mark.parametrize(
@@ -170,8 +170,8 @@ def test_a_folder_without_exports(tmp_path: Path):
 @pytest.mark.parametrize(
     ("content", "edges", "unknown", "note"),
     [
-        (GOOD[:-1], [120], (Span(121, 1001),), "digital_3.bin ends after 1 of 2 changes: what follows is dropped"),
-        (GOOD[:-16], [], (Span(1, 1001),), "digital_3.bin ends after 0 of 2 changes: what follows is dropped"),
+        (GOOD[:-1], [120], (Span(121, 1001),), "digital_3.bin ends after 1 of 2 changes: the rest is dropped"),
+        (GOOD[:-16], [], (Span(1, 1001),), "digital_3.bin ends after 0 of 2 changes: the rest is dropped"),
         (
             version_0(1, 0, 1e-6, [1e-7, 5e-7, 4e-7, 6e-7]),
             [100, 500],
@@ -182,7 +182,7 @@ def test_a_folder_without_exports(tmp_path: Path):
             version_1((0, 1e9, 0, 1e-7, [5e-8]), (0, 1e9, 2e-7, 3e-7, []), (2, 1e9, 4e-7, 5e-7, [])),
             [50, 200],
             (Span(101, 200),),
-            "byte 104 of digital_3.bin has initial level 2: what follows is dropped",
+            "byte 104 of digital_3.bin has initial level 2: the rest is dropped",
         ),
     ],
 )

@@ -45,7 +45,7 @@ def test_logic_1_has_blanks_and_fifteen_decimals_and_no_end(tmp_path: Path):
     capture = read(tmp_path, text)
     assert edges(capture) == {"SCL": [1, 500], "SDA": [1, 1250]}
     assert facts(capture) == (10**9, 1251, False)
-    assert capture.notes == ("the format has no row for the end, so the last change is taken for it",)
+    assert capture.notes == ("the format has no row for the end, so the last change is used",)
 
 
 def test_ticks_are_as_fine_as_the_times_need(tmp_path: Path):

@@ -121,7 +121,7 @@ def test_a_file_that_names_no_channel_has_all_of_them_by_number(tmp_path: Path):
 def test_a_partial_sample_at_the_end_is_left_out_and_noted(tmp_path: Path):
     capture = read(tmp_path, sr_bytes(["a"], "1 MHz", b"\1\0\0", b"\0\1\0\1", unitsize=2))
     assert edges(capture) == {"a": [1, 1, 2]}
-    assert (capture.length, capture.notes) == (3, ("a partial sample at the end is left out, 1 byte",))
+    assert (capture.length, capture.notes) == (3, ("a partial sample at the end is dropped, 1 byte",))
 
 
 @pytest.mark.parametrize("line", [b"samplerate=0\n", b"samplerate=0 Hz\n", b""])
@@ -155,7 +155,7 @@ GOOD = sr_bytes(["a"], "1 MHz", b"\1\0" * 100)
 def test_a_truncated_zip(tmp_path: Path, cut: int):
     message = refusal(tmp_path, GOOD[:cut])
     assert message.startswith("the archive: found a broken zip (")
-    salvage = ", or read what is whole with --salvage" if cut > 3 else ""
+    salvage = ", or read the intact part with --salvage" if cut > 3 else ""
     assert message.endswith(f"), expected a whole sigrok session; copy or save it again{salvage}")
 
 
@@ -163,7 +163,7 @@ def test_a_zip_packed_otherwise_is_refused_by_name(tmp_path: Path):
     content = zip_bytes({"version": b"2"}, zipfile.ZIP_LZMA)
     assert refusal(tmp_path, content) == (
         "the archive: found a broken zip (member 'version' is packed by method 14, not by deflate), "
-        "expected a whole sigrok session; copy or save it again, or read what is whole with --salvage"
+        "expected a whole sigrok session; copy or save it again, or read the intact part with --salvage"
     )
 
 
@@ -180,7 +180,7 @@ def test_damaged_samples(tmp_path: Path):
     damaged = GOOD.replace(b"\1\0" * 100, b"\1\0" * 99 + b"\0\0")
     assert refusal(tmp_path, damaged) == (
         "logic-1-1: found bytes that do not fit their CRC-32, expected a whole sigrok session; "
-        "copy or save it again, or read what is whole with --salvage"
+        "copy or save it again, or read the intact part with --salvage"
     )
 
 
@@ -224,7 +224,7 @@ HEAD = b"[device 1]\ncapturefile=logic-1\n"
         (
             {"version": b"2", "metadata": HEAD + b"unitsize=1\nprobe1=a\n", "logic-1-1": b"\1", "logic-1-3": b"\1"},
             "the archive: found no chunk logic-1-2, expected chunks 1 to 3; "
-            "save it again, or read what is whole with --salvage",
+            "save it again, or read the intact part with --salvage",
         ),
         (
             {"version": b"2", "metadata": HEAD + b"unitsize=1\nprobe1=a\nsamplerate=fast\n", "logic-1": b"\1"},
@@ -318,8 +318,8 @@ def test_a_zip_without_its_end_is_read_from_the_front(tmp_path: Path):
     capture = salvaged(tmp_path, content[: content.index(b"logic-1-3") + 9 + 1234])
     assert (edges(capture), capture.length) == ({"a": [1, 5000, 10_000, 20_000]}, 21_234)
     assert capture.notes == (
-        "the archive is a broken zip (File is not a zip file): its members were looked for one by one",
-        "logic-1-3 holds 1234 bytes instead of 10000: what follows sample 21234 is dropped",
+        "the archive is a broken zip (File is not a zip file): its members were searched one by one",
+        "logic-1-3 holds 1234 bytes instead of 10000: all samples after 21234 are dropped",
     )
 
 
@@ -364,7 +364,7 @@ def test_a_damaged_chunk_is_dropped_with_all_behind_it(tmp_path: Path):
     capture = salvaged(tmp_path, bytes(content))
     assert (edges(capture), capture.length) == ({"a": [1, 5000]}, 10_000)
     assert capture.notes == (
-        "logic-1-2 holds bytes that do not fit their CRC-32: it and what follows sample 10000 is dropped",
+        "logic-1-2 holds bytes that do not fit their CRC-32: it and all samples after 10000 are dropped",
     )
 
 
@@ -381,7 +381,7 @@ def test_damage_in_the_first_chunk_leaves_no_better_than_that(tmp_path: Path):
 def test_chunks_behind_a_missing_one_are_dropped(tmp_path: Path):
     capture = salvaged(tmp_path, chunked(zipfile.ZIP_STORED, 2))
     assert (edges(capture), capture.length) == ({"a": [1, 5000]}, 10_000)
-    assert capture.notes == ("logic-1-2 is missing: it and what follows is dropped",)
+    assert capture.notes == ("logic-1-2 is missing: it and the rest are dropped",)
 
 
 # Writing -------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Parties that nobody here wrote: a session without input and output of its own goes between them and a case.
+"""Connection of a case with external parties, by a session without input and output of its own.
 
 simulator, serial port, driver --apply--> Session --advance--> what our pins did, and when
                                              `--log--> replay --> the same run once more

@@ -1,9 +1,9 @@
-"""Wires of a scene that lead outside: they take levels with their ticks, and report how our own hold on each moves.
+"""External wires of a scene: levels are applied at given ticks, and changes of our own side's pulls are reported.
 
     put(tick, levels) --event of that tick--> pins --> wires <-- units, chips
-                       told of each instant <--'        '--our hold--> changes
+                       on_instant <-----------'        '--our pulls-> changes
 
-All lines of an instant move together, in whichever order they were put. The outside's own hold is not reported to it.
+All lines of an instant move together, in whatever order they were put. The outside's own pulls are not reported.
 """
 
 # core: compiled
@@ -20,11 +20,11 @@ from ..form.c_types import Text
 if TYPE_CHECKING:
     from ..core.wire import Pin
 
-WHO = "outside"  # in records, and among those that hold a line
+WHO = "outside"  # its name in records, and as a party that pulls a line
 
 
 class Change(NamedTuple):
-    """Our side let go of a line (1) or pulled it low (0), with the tick."""
+    """A line released (1) or pulled low (0) by our side at tick `at`."""
 
     at: int
     line: str
@@ -33,38 +33,38 @@ class Change(NamedTuple):
 
 @final
 class Door(Agent):
-    """Pins of the outside on wires.
+    """The outside's pins on wires.
 
-    told: called for each instant in which the outside moves lines, in order of time; is passed the tick, and the levels
-        by line.
+    on_instant: called for each instant in which the outside moves lines, in order of time, with the tick and the
+        levels by line.
     """
 
     def __init__(
-        self, kernel: Kernel, wires: Mapping[str, Wire], told: Callable[[int, Mapping[str, int]], None]
+        self, kernel: Kernel, wires: Mapping[str, Wire], on_instant: Callable[[int, Mapping[str, int]], None]
     ) -> None:
         self._kernel = kernel
         self._wires = dict(wires)
         self._names = list(wires)
         self._pins = {name: wire.attach(WHO) for name, wire in wires.items()}
-        self._told = told
+        self._on_instant = on_instant
         self._put: dict[int, dict[str, int]] = {}
-        self._event: Event | None = None  # for the first of them
+        self._event: Event | None = None  # for the first entry of `_put`
         self._levels = {name: self.held(name) for name in wires}
         self._changes: list[Change] = []
         for line, wire in enumerate(wires.values()):
             wire.watch_pulls(self, line)
 
     def put(self, at: int, name: Text, level: int) -> None:
-        """Move a line at tick `at`, which is not past. For one line and tick the last call counts."""
+        """Move a line at tick `at`, which must not be past. For one line and tick the last call counts."""
         self._put.setdefault(at, {})[name] = level
 
     def plan(self) -> None:
-        """Schedule what was put, before time goes on. Until then the kernel has no event of it."""
+        """Schedule the moves that were put, before time advances. Until then the kernel has no event for them."""
         if self._put:
             self._event = self._kernel.ask(min(self._put), self)
 
     def withdraw(self) -> None:
-        """Remove what `plan` has scheduled, so that the kernel's next event is one of the case's own."""
+        """Remove the event that `plan` scheduled, so that the kernel's next event is one of the case's own."""
         if self._event is not None:
             self._kernel.cancel(self._event)
             self._event = None
@@ -72,7 +72,7 @@ class Door(Agent):
     def act(self, tag: int) -> None:
         now = self._kernel.now
         levels = self._put.pop(now)
-        self._told(now, levels)
+        self._on_instant(now, levels)
         for name, level in levels.items():
             self._drive(name, level)
         self._event = None
@@ -83,7 +83,7 @@ class Door(Agent):
         pin.drive(level)
 
     def held(self, name: Text) -> int:
-        """Return the level of our own hold on a line."""
+        """Return the level that our own side drives: 0 if it pulls the line."""
         wire: Wire
         pin: Pin
         wire, pin = self._wires[name], self._pins[name]

@@ -1,10 +1,10 @@
-"""What the outside asked and cannot have."""
+"""Errors of requests from outside."""
 
 from __future__ import annotations
 
 
 class OutsideError(ValueError):
-    """One sentence for the user: who, what was found, what was expected, the way out."""
+    """One sentence for the user: place, what was found, what was expected, remedy."""
 
 
 class ArbitrationLost(OutsideError):

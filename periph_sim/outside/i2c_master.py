@@ -1,10 +1,10 @@
-"""An I2C controller at a session's SDA and SCL, one call after the other: bytes go in, ACKs and bytes come out.
+"""An I2C controller at a session's SDA and SCL: each call moves the lines and returns ACKs and bytes.
 
     start(0x68, read=False)   write(0x3B)        start(0x68, read=True)      read(ack=False)      stop()
     SDA --|__ A6..A0 W [ack]  D7..D0 [ack]    --|__ A6..A0 R [ack]        [D7..D0] N            __|--
     SCL held low between calls, as adapters do
 
-Every call moves the session's time on by what it takes on the wires; SCL that others hold low is waited for.
+Every call advances the session by its duration on the wires, including the time that others hold SCL low.
 
 Source: UM10204 sections 3.1.4 to 3.1.10 and Table 10.
 """
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
     from .session import Session
 
 LINES = ("SDA", "SCL")
-HOLD = Fraction(300, 10**9)  # of SDA behind a fall of SCL: what a controller has to give (UM10204 Table 10, note 3)
+HOLD = Fraction(300, 10**9)  # of SDA after a fall of SCL, as a controller must provide (UM10204 Table 10, note 3)
 FASTEST = 5_000_000  # Hz: of Ultra Fast-mode
 PATIENCE = Fraction(25, 1000)  # that SCL or the bus may be held: SMBus section 3.1.1.3
 
 
 class Master:
-    """rate: of SCL, where nobody stretches it; half of a period low, half high. held: SCL is, between two calls.
+    """rate: of SCL, without stretching; half of a period low, half high. held: SCL is held low, between two calls.
 
-    OutsideError where SDA and SCL do not lead outside, where a call comes in the wrong order, where others hold a line
-    for more than 25 ms, and where another controller wins the bus.
+    OutsideError if SDA and SCL do not lead outside, if a call comes in the wrong order, if others hold a line for more
+    than 25 ms, and if another controller wins the bus.
     """
 
     def __init__(self, session: Session) -> None:
@@ -64,7 +64,7 @@ class Master:
 
     @property
     def reads(self) -> bool:
-        """A transfer is under way, and reads."""
+        """True while a transfer reads."""
         return self.held and self._reads
 
     @property
@@ -74,7 +74,7 @@ class Master:
     # Calls --------------------------------------------------------------------------
 
     def start(self, address: int, read: bool = False) -> bool:
-        """Whether somebody acknowledged the address. START, or repeated START within a transfer."""
+        """Send START, or repeated START within a transfer, and the address. True if it was acknowledged."""
         if type(address) is not int or not 0 <= address < 0x80:
             shown = f"{address:#x}" if type(address) is int else repr(address)
             raise OutsideError(f"address {shown}: expected 0 to 0x7f")
@@ -85,7 +85,7 @@ class Master:
         else:
             self._wait_for_idle()
         if not self._session.level("SDA"):
-            raise OutsideError("START cannot be: SDA is low, held by another party")
+            raise OutsideError("START is impossible: SDA is low, held by another party")
         self._move("SDA", 0)
         self._wait(self._half)
         self._fall()
@@ -93,7 +93,7 @@ class Master:
         return self._byte(address << 1 | read)
 
     def write(self, *values: int) -> bool:
-        """Whether all these bytes were acknowledged; behind the first that is not, nothing is sent."""
+        """Send bytes up to the first that is not acknowledged. True if all were acknowledged."""
         if not self.writes:
             raise OutsideError("write: there is no transfer to write in; begin one with start(address)")
         for value in values:
@@ -102,7 +102,7 @@ class Master:
         return all(self._byte(value) for value in values)
 
     def read(self, ack: bool) -> int:
-        """The next byte, which we acknowledge or, as the last one, do not."""
+        """Read a byte and acknowledge it, or not if it is the last one."""
         if not self.reads:
             raise OutsideError("read: there is no transfer to read in; begin one with start(address, read=True)")
         value = 0
@@ -112,9 +112,9 @@ class Master:
         return value
 
     def bits(self, *levels: int) -> list[int]:
-        """Clock single bits, to break off in a byte: SDA at each of them, let go (1) or pulled low (0) by us.
+        """Clock single bits, also a part of a byte: SDA at each of them, released (1) or pulled low (0) by us.
 
-        START or STOP may follow behind any number of them; the target counts on.
+        START or STOP may follow after any number of them; the target continues to count.
         """
         if not self.held:
             raise OutsideError("bits: there is no transfer to clock bits in; begin one with start(address)")
@@ -123,7 +123,7 @@ class Master:
         return [self._bit(level) for level in levels]
 
     def stop(self) -> None:
-        """Ends the transfer; the bus is free behind it."""
+        """End the transfer; the bus is free afterwards."""
         if not self.held:
             raise OutsideError("stop: there is no transfer to end")
         self._put_sda(0)
@@ -133,12 +133,12 @@ class Master:
         self._wait(self._half)
         self.held = False
         if not self._session.level("SDA"):
-            raise OutsideError("STOP cannot be: SDA is low, held by another party")
+            raise OutsideError("STOP is impossible: SDA is low, held by another party")
 
     def clear(self) -> bool:
-        """Nine clocks with SDA let go, and a STOP: a target that sends a 0 lets go of SDA. Whether both lines are high.
+        """Send nine clocks with SDA released, and a STOP, to free a held SDA. True if both lines are high.
 
-        Whatever was under way is over. Source: UM10204 section 3.1.16.
+        A transfer in progress is aborted. Source: UM10204 section 3.1.16.
         """
         self.let_go()
         if not self._session.level("SCL"):
@@ -153,19 +153,19 @@ class Master:
         return all(self._session.level(line) for line in LINES)
 
     def let_go(self) -> None:
-        """Both lines, whatever is under way; without a STOP."""
+        """Release both lines at once, without a STOP."""
         session = self._session
         session.apply(session.now, dict.fromkeys(LINES, 1))
         session.advance(session.now + 1)
         self.held = False
 
     def transfer(self, address: int, data: Sequence[int] = b"", count: int = 0) -> bytes | None:
-        """Write data, if there is any, then read so many bytes by repeated START. None where one was not acknowledged.
+        """Write data, if any, then read `count` bytes after a repeated START. None if a byte was not acknowledged.
 
-        With neither, the address alone is asked.
+        With neither, only the address is sent.
         """
         if type(count) is not int or count < 0:
-            raise OutsideError(f"count {count!r}: expected how many bytes to read, 0 or more")
+            raise OutsideError(f"count {count!r}: expected the number of bytes to read, 0 or more")
         try:
             sent = bytes(data)
         except (TypeError, ValueError):
@@ -191,7 +191,7 @@ class Master:
         return not self._bit(1)
 
     def _bit(self, level: int) -> int:
-        """SDA at the end of SCL's high time."""
+        """Clock one bit and return SDA at the end of SCL's high time."""
         self._put_sda(level)
         self._rise()
         self._wait(self._half)
@@ -200,14 +200,14 @@ class Master:
         return seen
 
     def _put_sda(self, level: int) -> None:
-        """Behind SCL's fall, or now if that is later."""
+        """Drive SDA after SCL's fall, or now if that is later."""
         session = self._session
         at = max(self._fell + self._hold, session.now)
         session.apply(at, {"SDA": level})
         session.advance(at + 1)
 
     def _rise(self) -> None:
-        """SCL is let go after its low time, and is high when this returns."""
+        """Release SCL after its low time, and wait until it is high."""
         session = self._session
         at = max(self._fell + self._half, session.now)
         session.apply(at, {"SCL": 1})
@@ -225,7 +225,7 @@ class Master:
         session.advance(session.now + 1)
 
     def _wait(self, ticks: int) -> None:
-        """So long after the last edge, which was in the tick before."""
+        """Wait for a number of ticks after the last edge, which was in the tick before."""
         self._session.advance(self._session.now + ticks - 1)
 
     def _wait_high(self, line: str) -> None:
@@ -235,7 +235,7 @@ class Master:
             due = session.next_output()
             if due is None or due > limit:
                 session.advance(limit)
-                who = " and ".join(session.scene.wires[line].held_by()) or "nobody"
+                who = " and ".join(session.scene.wires[line].held_by()) or "no party"
                 self.let_go()
                 raise OutsideError(f"{line} is held low by {who} for more than 25 ms; the bus was let go")
             session.advance(due + 1)

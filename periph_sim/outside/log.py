@@ -1,4 +1,4 @@
-"""What the outside does, as a file: each instant goes in as it passes. `scene.outside_log` says what stands in it."""
+"""Log file of the outside's moves, written instant by instant. `scene.outside_log` describes its format."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .errors import OutsideError
 
 
 class LogWriter:
-    """Each line is written as it is known, so that what was live is there whatever ends the process.
+    """Writer of a log. Each line is written at once, so that the log is complete whatever ends the process.
 
-    A file that is there already is replaced by `begin`, when time begins to pass: a session that is refused before that
-    leaves it as it was. OutsideError for a file that cannot be written, and for one that the case is read from.
+    An existing file is replaced by `begin`, when time begins to pass: a session that fails before that leaves it as it
+    was. OutsideError for a file that cannot be written, and for one that the case is read from.
     """
 
     def __init__(self, path: Path, case: Case, ticks_per_second: int, wires: tuple[str, ...]) -> None:
@@ -33,12 +33,12 @@ class LogWriter:
             raise OutsideError(f"{path}: {error.strerror}; give the log another place") from None
         head = {"format": FORMAT, "version": VERSION, "case": case.name, "ticks_per_second": ticks_per_second}
         file: dict[str, object] = {}
-        if case.file is not None and case.file.is_file():  # and was not made by a program
+        if case.file is not None and case.file.is_file():  # and not built by a program
             file = {"file": relpath(case.file, path.parent), "set": case.changes}
-        self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines, until it begins
+        self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines, until `begin`
 
     def begin(self) -> None:
-        """Write what waits: the session's time begins to pass."""
+        """Write the waiting lines: the session's time begins to pass."""
         if self._waiting is not None:
             if self._path.is_file():  # and no device or pipe
                 self._file.truncate(0)
@@ -51,7 +51,7 @@ class LogWriter:
         self._write({"serial": wire})
 
     def instant(self, tick: int, levels: Mapping[str, int], begun: Sequence[str] = ()) -> None:
-        """begun: wires on which a byte begins."""
+        """Write an instant. begun: wires on which a byte begins."""
         self._write([tick, dict(sorted(levels.items())), *([sorted(begun)] if begun else [])])
 
     def end(self, tick: int) -> None:
@@ -60,7 +60,7 @@ class LogWriter:
         self._file.close()
 
     def close(self) -> None:
-        """Without an end: the session was not finished. Nothing is left of a log that did not begin."""
+        """Close without an end: the session was not finished. A new log that did not begin is removed."""
         self._file.close()
         if self._waiting is not None and self._is_new:
             self._path.unlink(missing_ok=True)
@@ -74,7 +74,7 @@ class LogWriter:
 
 
 def refuse_input(path: Path, case: Case, what: str) -> None:
-    """OutsideError if a session of this case reads the file to which it would write. what: it would write there."""
+    """Raise OutsideError if a session of this case reads the file to which it would write. what: the output."""
     if is_input(path) or any(is_same(path, file) for file in case.files()):
         raise OutsideError(f"{path}: the session reads this file; give the {what} another place")
 

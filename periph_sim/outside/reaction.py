@@ -1,12 +1,12 @@
-"""How soon a case may answer: what its kernel will do and edges put but not done yet go in, a tick comes out.
+"""The earliest tick at which a case may answer, from its kernel's events and edges that were put but not applied yet.
 
     events of the kernel            --+--> the first tick at which a pin of ours may move
-    edges: at once, or behind a filter'
+    edges: at once, or after a filter -'
 
-An I2C module that is no master knows of an edge only behind its noise filter, and an SCI behind its synchroniser. In
-the middle of a byte nobody can tell even then that an edge came: the module says of how many that is so, and as long as
-they come far enough apart, and SDA moves as SCL is low, there is no answer to them. Whoever else listens is taken to
-answer at once. What a program does moves a pin once a write of it has reached a register.
+An I2C module that is not a master sees an edge only after its noise filter, and an SCI after its synchroniser. In the
+middle of a byte not even then is an edge observable: the module reports for how many edges this holds, and as long as
+they are far enough apart, and SDA changes while SCL is low, they get no answer. All other listeners are assumed to
+answer at once. A program moves a pin once one of its writes has reached a register.
 """
 
 # core: compiled
@@ -37,13 +37,13 @@ if TYPE_CHECKING:
     from ..core.wire import Wire
 
 LONG_AGO = -NEVER
-REMEMBERED = 64  # edges, where nobody asks
+REMEMBERED = 64  # edges kept while `due` is not called
 _tick = itemgetter(0)
 
 
 @final
 class Reaction(Agent):
-    """Ticks are the kernel's. lines: that lead outside."""
+    """Times are the kernel's ticks. lines: those that lead outside."""
 
     _kernel: Kernel
     _mark: Event
@@ -57,35 +57,35 @@ class Reaction(Agent):
         self._mark = scene.kernel.ask(scene.kernel.now, self)
         scene.kernel.cancel(self._mark)
         self._wires = [scene.wires[name] for name in lines]
-        self._version = -1  # the sum of theirs, which only grow
+        self._version = -1  # the sum of the wires' versions, which only grow
         self._clocks = {socket: dsp.clock for dsp in scene.units.values() for socket in dsp.sockets.values()}
         self._cpu_clocks = {dsp.processor: dsp.clock for dsp in scene.units.values()}
         self._chips = {
             dsp.processor: [socket.chip for socket in dsp.sockets.values() if isinstance(socket.chip, I2c)]
             for dsp in scene.units.values()
         }
-        self._direct: list[Socket] = []  # modules that listen, but for those behind synchronised pads:
+        self._direct: list[Socket] = []  # listening modules, except those behind synchronised pads:
         self._routers: list[Router] = []
-        self._listening: list[Socket] = []  # all who listen, if each of them does so behind a filter
-        self._modules: list[tuple[Socket, I2c]] = []  # those that are I2C modules
-        self._pins: list[list[Pin]] = []  # of SCL and SDA of each
-        self._scl = self._sda = ""  # their lines; "" if there are none, or several
+        self._listening: list[Socket] = []  # all listeners, if each of them has a filter
+        self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules among them
+        self._pins: list[list[Pin]] = []  # pins of SCL and SDA of each
+        self._scl = self._sda = ""  # the lines of these pins; "" if none or several
         self._at_once = True
-        self._now = scene.kernel.now  # the tick that comes next
-        self._levels = dict.fromkeys(lines, 1)  # as they were put, up to then
-        self._put: list[tuple[int, str, int]] = []  # from then on, in order of time
-        self._fresh = False  # what follows is of now:
+        self._now = scene.kernel.now  # the next tick
+        self._levels = dict.fromkeys(lines, 1)  # as put, before `_now`
+        self._put: list[tuple[int, str, int]] = []  # from `_now` on, in order of time
+        self._fresh = False  # True if the following values are up to date:
         self._due = NEVER
-        self._silent = -1  # further edges of SCL of which nobody can tell; -1: of any edge somebody can
-        self._widest = 0  # ticks: of the longest pulse that may go unseen, so that its edges are not counted on
-        self._widest_of: list[tuple[int, Clock]] = []  # with these filters, and clocks
-        self._hz: list[Fraction] = []  # as they run
-        self._seen = self._levels.copy()  # levels behind all that was put
-        self._scl_moved = LONG_AGO  # behind all that was put,
+        self._silent = -1  # further unobservable edges of SCL; -1: any edge is observable
+        self._widest = 0  # ticks: the longest pulse that a filter may remove, whose edges do not count
+        self._widest_of: list[tuple[int, Clock]] = []  # for these filters and clocks
+        self._hz: list[Fraction] = []  # their frequencies
+        self._seen = self._levels.copy()  # levels after all moves that were put
+        self._scl_moved = LONG_AGO  # SCL's last edge among all that was put,
         self._scl_done = LONG_AGO  # and up to now
 
     def put(self, tick: int, line: Text, level: int) -> None:
-        """The outside moves a line at `tick`."""
+        """Record that the outside moves a line at `tick`."""
         if self._put and tick < self._put[-1][0]:
             insort(self._put, (tick, line, level), key=_tick)
             self._fresh = False
@@ -95,14 +95,14 @@ class Reaction(Agent):
             self._weigh(tick, line, level)
 
     def advanced(self, now: int) -> None:
-        """All before tick `now` is done."""
+        """Record that all before tick `now` is done."""
         self._now = now
         self._fresh = False
         if len(self._put) > 2 * REMEMBERED:  # nobody asks what comes next, so nobody looks
             self._pass(len(self._put) - REMEMBERED)
 
     def due(self) -> int:
-        """Before this tick no pin of ours moves if nothing more is put; or NEVER."""
+        """Return the tick before which none of our pins moves if nothing more is put; NEVER if none will."""
         if not self._fresh:
             self._look()
         return self._due
@@ -124,7 +124,7 @@ class Reaction(Agent):
             self._weigh_all()
 
     def _pass(self, most: int) -> None:
-        """Of what was put, what is done is the lines' levels; `most` of it."""
+        """Move up to `most` of the past moves into the lines' levels."""
         done: int = 0
         tick: int
         level: int
@@ -138,7 +138,7 @@ class Reaction(Agent):
         del self._put[:done]
 
     def _weigh_all(self) -> None:
-        """Apart from what is done by now."""
+        """Weigh all moves that are not past."""
         self._pass(len(self._put))
         self._seen = self._levels.copy()
         self._scl_moved = self._scl_done
@@ -148,7 +148,7 @@ class Reaction(Agent):
             self._weigh(tick, line, level)
 
     def _listeners(self) -> None:
-        """Who listens now: pins are routed anew as firmware sets them up."""
+        """Update the listeners: firmware may have changed the routing of pins."""
         version: int = 0
         wire: Wire
         for wire in self._wires:
@@ -167,7 +167,7 @@ class Reaction(Agent):
         self._modules = [(socket, socket.chip) for socket in self._listening if isinstance(socket.chip, I2c)]
 
     def _lines(self) -> None:
-        """Which lines the modules' pins are on now."""
+        """Update the lines of the modules' pins."""
         pins = [pins for socket, _ in self._modules for pins in socket.pins]  # each has two
         if pins != self._pins:
             self._pins = pins
@@ -175,7 +175,7 @@ class Reaction(Agent):
             self._scl, self._sda = (scl.pop(), sda.pop()) if len(scl) == len(sda) == 1 else ("", "")
 
     def _first_event(self) -> int:
-        """The kernel's first that may move a pin; a module's wake-up of which nobody can tell is none."""
+        """Return the tick of the first event that may move a pin; unobservable wake-ups of modules do not count."""
         due = NEVER
         event = self._events()
         while event is not None and event.time < due:
@@ -184,15 +184,15 @@ class Reaction(Agent):
         return due
 
     def _events(self) -> Event | None:
-        """The kernel's first event; the others follow it."""
+        """Return the kernel's first event; the others follow it."""
         kernel = self._kernel
-        kernel.renew(self._mark, kernel.now, 0)  # what is due now is done: it is the first of all
+        kernel.renew(self._mark, kernel.now, 0)  # past events are done: it is the first of all
         event = self._mark.following
         kernel.cancel(self._mark)
         return event
 
     def _routes(self) -> bool:
-        """An edge is on its way from a pad to a module."""
+        """True if an edge is on its way from a pad to a module."""
         if not self._routers:
             return False
         event = self._events()
@@ -201,7 +201,7 @@ class Reaction(Agent):
         return event is not None
 
     def _effect(self, event: Event) -> int:
-        """Before this tick no pin moves by an event."""
+        """Return the tick before which an event moves no pin."""
         agent = event.agent
         if isinstance(agent, Socket):
             socket: Socket = agent
@@ -212,7 +212,7 @@ class Reaction(Agent):
             processor, chips = agent, self._chips[agent]
             chip: I2c
             for chip in chips:
-                if chip.target.pulls & SCL or chip.master.active:  # which a read may end, and that acts at once
+                if chip.target.pulls & SCL or chip.master.active:  # a read may end these, with an effect at once
                     return event.time
             clock: Clock = self._cpu_clocks[processor]
             return _tick_of(clock, processor.next_output(clock.cycle_at(event.time)))
@@ -221,7 +221,7 @@ class Reaction(Agent):
         return event.time
 
     def _weigh(self, tick: int, line: Text, level: int) -> None:
-        """What was put may be answered, or not."""
+        """Lower `_due` to the earliest answer to a move, if it may be answered."""
         if level == self._seen[line]:
             return
         self._seen[line] = level
@@ -232,7 +232,7 @@ class Reaction(Agent):
             if line == self._scl:
                 before, self._scl_moved = self._scl_moved, tick
                 if tick - before <= self._widest:
-                    tick = max(before, self._now)  # a pulse that the filter may swallow: SDA moved as SCL was high
+                    tick = max(before, self._now)  # a pulse that the filter may remove: SDA moved while SCL was high
                 elif self._silent:
                     self._silent -= 1
                     return
@@ -242,7 +242,7 @@ class Reaction(Agent):
         self._due = min(self._due, self._answer(tick))
 
     def _answer(self, tick: int) -> int:
-        """The first tick at which a line that moves at `tick` is answered."""
+        """Return the first tick of an answer to a line that moves at `tick`."""
         first: int = NEVER
         chip: I2c
         for _, chip in self._modules:

@@ -1,4 +1,4 @@
-"""A session once more: its case and its log go in, the same run comes out, records and all."""
+"""Repetition of a session from its case and its log, with the same records."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def replay(
     subscribe: Subscribe | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> Result:
-    """What the case comes to as the log's session drove it. OutsideError for a damaged log, or one of other clocks."""
+    """Run the case as the log's session drove it. OutsideError for a damaged log, or one with other clocks."""
     case = case if isinstance(case, Case) else load(Path(case))
     try:
         return _replayed(case, LogReader(Path(log)), str(log), subscribe, programs)
@@ -37,7 +37,7 @@ def _replayed(
         if reader.head.ticks_per_second != session.ticks_per_second:
             found = f"case {reader.head.case} with {reader.head.ticks_per_second} ticks a second"
             other = f"case {case.name} has {session.ticks_per_second}"
-            raise OutsideError(f"{log}: it is the log of {found}, and {other}; replay it with the case it is of")
+            raise OutsideError(f"{log}: it is the log of {found}, and {other}; replay it with its own case")
         for tick, levels, sent in reader.instants():
             for wire, count in sent.items():
                 session.scene.sent_from_outside(wire, count)

@@ -1,10 +1,10 @@
-"""What is at the other end of an SCI's lines: bytes go in, bytes come out, as of a serial port.
+"""The other end of an SCI's lines: sends and receives bytes, like a serial port.
 
     write --queue--> frames, bit by bit --apply--> RX --> SCI
     read  <--bytes-- decoder <----------- TX <-- SCI
 
-The client's rate and format are the wire's bit times, so that a mismatch is one on the wire, too: framing errors and
-breaks, as between two real ports. Frames are put on the line as time reaches them; what waits is bytes, not edges.
+The client's rate and format define the bit times on the wire, so that a mismatch has its real effect: framing errors
+and breaks, as between two real ports. Frames are put on the line as time reaches them; only bytes wait, not edges.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]
 WRONG = ("", "parity", "stop")
-LAST = Fraction(1, 10)  # seconds of what a client had sent, that still go on the line when the next one is there
+LAST = Fraction(1, 10)  # seconds of a client's bytes that are still sent after the next one has connected
 
 
 class SerialLine:
-    """received: bytes that came; those with a wrong parity or stop bit are counted in `wrong`, too.
+    """received: number of received bytes; those with a wrong parity or stop bit are also counted in `wrong`.
 
     rx: the wire. waiting: bytes that are not on the line yet; sent: those that were put there. broken: RX is low for a
-    break, or will be once what waits is sent.
+    break, or will be once all waiting bytes are sent.
     """
 
     def __init__(self, session: Session, rx: str, tx: str, baud: int, form: str) -> None:
@@ -44,9 +44,9 @@ class SerialLine:
         self.wrong = self.sent = self.received = 0
         self.waiting = 0
         self._got = bytearray()
-        self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes, or the level that a break gives RX
-        self._place = 0  # in the first of them
-        self._begins: deque[int] = deque()  # ticks of start bits that are not passed
+        self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes, or RX's level for a break
+        self._place = 0  # in the first entry of `_queue`
+        self._begins: deque[int] = deque()  # ticks of start bits that are not past
         self.broken = False
         self._parts = 1  # of a tick: a bit is a whole number of them
         self._free = 0  # the time from which the line may carry the next frame, in parts of a tick
@@ -55,7 +55,7 @@ class SerialLine:
         reader.on_end.append(self._heard)
 
     def set(self, baud: int, form: str = "8n1") -> None:
-        """From the next frame on. OutsideError for what is no rate or format."""
+        """Set rate and format from the next frame on. OutsideError if they are invalid."""
         free = self._free_at()
         self._bit, self._format = self.checked(baud, form)
         # Integers, exact: a frame that follows the last one at once may begin between two ticks.
@@ -64,16 +64,16 @@ class SerialLine:
         self._free = free * self._parts
 
     def checked(self, baud: int, form: str) -> tuple[Fraction, UartFormat]:
-        """A bit in ticks, and the frame's format. OutsideError for what is no rate or format."""
+        """Return a bit in ticks, and the frame's format. OutsideError for an invalid rate or format."""
         bits, parity, stop = parts_of_format(form)
         if baud < 1 or baud > self._session.ticks_per_second:
             raise OutsideError(f"{baud} baud: expected 1 or more, and no bit shorter than a tick")
         return Fraction(self._session.ticks_per_second, baud), UartFormat(bits, PARITIES[parity], stop)
 
     def write(self, data: bytes, wrong: Wrong = "") -> None:
-        """Sent from now on, behind what waits already. wrong: with its parity bit, or its stop bit, inverted."""
+        """Queue bytes after those that wait already. wrong: with inverted parity bit, or stop bit."""
         if not isinstance(data, bytes | bytearray | memoryview):
-            raise OutsideError(f"{data!r} is no bytes; b'abc' is, or 'abc'.encode()")
+            raise OutsideError(f"{data!r} is not of type bytes; write b'abc' or 'abc'.encode()")
         if wrong not in WRONG:
             raise OutsideError(f"wrong={wrong!r}: expected {' or '.join(map(repr, WRONG[1:]))}")
         if wrong == "parity" and self._format.parity == "none":
@@ -84,13 +84,13 @@ class SerialLine:
             self.waiting += len(data)
 
     def hold_break(self, on: bool) -> None:
-        """RX goes low behind what waits, until this is called once more or bytes are written."""
+        """Pull RX low after the waiting bytes, until this is called again or bytes are written."""
         if on != self.broken:
             self.broken = on
             self._queue.append(0 if on else 1)
 
     def send_break(self, length: str) -> None:
-        """RX is low for so long, "1 ms", now. OutsideError while bytes wait."""
+        """Pull RX low now for a duration such as "1 ms". OutsideError while bytes wait."""
         session = self._session
         if self._queue or self._free_at() > session.now:
             raise OutsideError("a break cannot begin: bytes are on their way; advance first")
@@ -115,14 +115,14 @@ class SerialLine:
         return discarded
 
     def read(self, count: int | None = None) -> bytes:
-        """Up to so many of the bytes that came; all of them if None."""
+        """Remove and return up to `count` received bytes; all of them if None."""
         count = len(self._got) if count is None else count
         got = bytes(self._got[:count])
         del self._got[:count]
         return got
 
     def feed(self, until: int) -> None:
-        """Frames that begin before tick `until` go on the line. The session calls it before it advances."""
+        """Put frames that begin before tick `until` on the line. The session calls it before it advances."""
         parts = self._parts
         while self._queue:
             begin = max(self._free, self._session.now * parts)
@@ -131,7 +131,7 @@ class SerialLine:
             first = self._queue[0]
             if isinstance(first, int):
                 self._session.apply(begin // parts, {self.rx: first})
-                # A bit at least: so long it lasts, and so it is parted from a frame.
+                # A bit at least: the minimum length of a break, and its distance from a frame.
                 self._free = begin + self._parts_of_bit
                 self._queue.popleft()
                 continue
@@ -151,7 +151,7 @@ class SerialLine:
         return True
 
     def _frame(self, begin: int, byte: int, wrong: Wrong) -> None:
-        """begin: in parts of a tick."""
+        """Put a frame on the line. begin: in parts of a tick."""
         form, parts, bit = self._format, self._parts, self._parts_of_bit
         levels = form.levels(byte)
         if wrong == "parity":
@@ -166,13 +166,13 @@ class SerialLine:
             at += bit
         self.sent += 1
         self._begins.append(begin // parts)
-        if not before:  # a stop bit that was low: the line is free a bit later
+        if not before:  # after a low stop bit the line is free a bit later
             self._session.apply(at // parts, {self.rx: 1})
             at += bit
         self._free = at
 
     def _free_at(self) -> int:
-        """The first whole tick from which the line may carry the next frame."""
+        """Return the first whole tick at which the next frame may begin."""
         return -(-self._free // self._parts)
 
     def _heard(self, heard: Heard) -> None:
@@ -182,7 +182,7 @@ class SerialLine:
 
 
 def parts_of_format(form: str) -> tuple[int, str, int]:
-    """Data bits, parity as a letter, stop bits of "8n1". OutsideError for what is no format."""
+    """Return data bits, parity as a letter, and stop bits of "8n1". OutsideError for an invalid format."""
     match = re.fullmatch(r"([5-8])([noe])([12])", form.strip().lower())
     if match is None:
         raise OutsideError(f"format {form!r}: expected data bits 5 to 8, n, o or e, and 1 or 2 stop bits: 8n1")
@@ -190,13 +190,13 @@ def parts_of_format(form: str) -> tuple[int, str, int]:
 
 
 def module_of(port: str) -> str:
-    """The module that a port names: SCI-A of "scia"; any other name is one already."""
+    """Return the module of a port: "SCI-A" for "scia"; any other name is returned as it is."""
     plain = PORT.fullmatch(port)
     return f"SCI-{plain[1].upper()}" if plain else port
 
 
 def serial_line(session: Session, port: str, baud: int, form: str) -> tuple[str, SerialLine]:
-    """The SCI that a port names, and its other end. OutsideError where there is none, or RX does not lead outside."""
+    """Return the name of a port's SCI, and its other end. OutsideError without one, or if RX does not lead outside."""
     try:
         sci = sci_named(session.case, module_of(port), "outside")
     except BadCase as error:

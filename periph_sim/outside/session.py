@@ -1,11 +1,11 @@
-"""One case, stepped from outside: lines and ticks go in, what our pins do comes out; no input or output of its own.
+"""A case stepped from outside: moves lines at given ticks and reports our pins; without own input or output.
 
     apply(at, levels) --> Door --> wires of the scene <-- units, chips, agents of the case
-    advance(until)    --> kernel runs what is before `until` --> changes of our own hold
-    finish()          --> Result, as of a run
+    advance(until)    --> kernel runs up to `until` --> changes of our own pulls
+    finish()          --> Result, as from a run
 
-`now` is the tick that comes next: nothing of it is done yet, so that whatever is applied at it acts in it. The same
-calls of `apply` give the same records, however time was stepped in between.
+`now` is the next tick: nothing of it is done yet, so that a level applied at it acts in it. The same calls of `apply`
+give the same records, however time was stepped in between.
 """
 
 # core: compiled
@@ -41,13 +41,13 @@ if TYPE_CHECKING:
 
 
 class Session:
-    """Steps a case whose lines `outside` are moved by others.
+    """A case that is stepped, and whose lines `outside` are moved, by external code.
 
-    case: of `load` or `make_case`, or a file. outside: names of wires, instead of those that its [outside] gives.
-    log: a file for what the outside does, from which `replay` makes the same run. subscribe, programs: as a Scene has
-    them. BadCase for a case that cannot be built or has no such wires; OutsideError for a log that cannot be written.
+    case: from `load` or `make_case`, or a file. outside: names of wires, instead of those that its [outside] gives.
+    log: a file for the outside's moves, from which `replay` repeats the run. subscribe, programs: as in a Scene.
+    BadCase for a case that cannot be built or has no such wires; OutsideError for a log that cannot be written.
 
-    Times are ticks (`ticks_per_second`), counted from the begin of the case. A session is a context manager; left
+    Times are ticks (`ticks_per_second`), counted from the begin of the case. A session is a context manager; if left
     without `finish`, its log has no end.
     """
 
@@ -70,7 +70,7 @@ class Session:
         if outside is None and case.outside is not None:
             outside = case.outside.wires
         if outside is None:
-            raise BadCase(f"case {case.name}: nobody is outside; name the wires: Session(case, outside=('SDA', 'SCL'))")
+            raise BadCase(f"case {case.name}: no wire leads outside; name them: Session(case, outside=('SDA', 'SCL'))")
         case = with_outside(case, tuple(outside))
         self.case = case
         self.lines = tuple(outside)
@@ -99,15 +99,15 @@ class Session:
 
     @property
     def now(self) -> int:
-        """The tick that comes next; all before it is done."""
+        """The next tick; all before it is done."""
         return self._now
 
     def ticks(self, length: Text) -> int:
-        """A length of time, "5 us", in ticks to the nearest. ValueError if it is none."""
+        """Convert a duration such as "5 us" to ticks, rounded to the nearest. ValueError if it is invalid."""
         return self.scene.timebase.ticks(duration(length), "nearest")
 
     def advance(self, until: BigInt) -> list[Change]:
-        """Do what comes before tick `until`; how our own hold on lines moved meanwhile. OutsideError for the past."""
+        """Run up to tick `until`, exclusive; return the changes of our own pulls. OutsideError for the past."""
         self._open()
         self._check_tick(until)
         if until < self._now:
@@ -128,7 +128,7 @@ class Session:
         return [change._replace(at=change.at - self._start) for change in changes] if changes else changes
 
     def next_output(self) -> int | None:
-        """Before this tick none of our pins moves unless `apply` is called; None if never again."""
+        """Return the tick before which none of our pins moves unless `apply` is called; None for never."""
         self._open()
         due = self._reaction.due()
         return None if due >= NEVER else max(due - self._start, self._now)
@@ -136,10 +136,10 @@ class Session:
     # Lines -----------------------------------------------------------------------
 
     def apply(self, at: int, levels: Mapping[str, int]) -> None:  # core: python
-        """The outside pulls lines low (0) or lets go (1) at tick `at`, all of them together.
+        """Let the outside pull lines low (0) or release them (1) at tick `at`, all of them together.
 
-        For one line and tick the last call counts. OutsideError for the past, for a line that does not lead outside,
-        for a level that is neither: nothing of such a call is done.
+        For one line and tick the last call counts. OutsideError, without any effect, for the past, for a line that does
+        not lead outside, and for an invalid level.
         """
         self._open()
         self._check_tick(at)
@@ -157,13 +157,13 @@ class Session:
             self._reaction.put(tick, name, int(level))
 
     def pulls(self, line: Text) -> bool:
-        """Whether our side pulls a line low, whatever the outside does. OutsideError for a line that is not outside."""
+        """True if our side pulls a line low, regardless of the outside. OutsideError for a line that is not outside."""
         if line not in self.lines:
             raise OutsideError(f"line {line!r} does not lead outside; {did_you_mean(line, self.lines)}")
         return not self._door.held(line)
 
     def level(self, line: Text) -> int:
-        """The level of a wire of the case, with what both sides hold, at the end of the last tick that is done."""
+        """Return the level of a wire of the case, pulled by both sides, at the end of the last tick that is done."""
         if line not in self.scene.wires:
             raise OutsideError(f"there is no wire {line!r}; {did_you_mean(line, self.scene.wires)}")
         return self.scene.wires[line].level
@@ -172,13 +172,13 @@ class Session:
 
     @property
     def i2c(self) -> Master:
-        """A controller on SDA and SCL, at 100 kHz unless its `rate` is set."""
+        """A controller on SDA and SCL, at 100 kHz by default (see `rate`)."""
         if self._master is None:
             self._master = Master(self)
         return self._master
 
     def serial(self, port: Text, baud: BigInt = 115_200, form: Text = "8n1") -> SerialLine:
-        """What is at the other end of an SCI's lines: "scia", "SCI-A" or "dsp.SCI-A". OutsideError if there is none."""
+        """Return the other end of an SCI's lines: "scia", "SCI-A" or "dsp.SCI-A". OutsideError if it does not exist."""
         name, line = serial_line(self, port, baud, form)
         if name in self._serial:
             raise OutsideError(f"{name} has its other end already; use that, or close the session")
@@ -192,7 +192,7 @@ class Session:
     # The end -----------------------------------------------------------------------
 
     def finish(self) -> Result:
-        """What the time stepped came to, judged by the case's budgets. The session is over."""
+        """End the session and return its result, judged by the case's budgets."""
         if self._result is None:
             self._result = self.scene.finish(self._now)
             if self._log is not None:
@@ -201,7 +201,7 @@ class Session:
 
     def _check_tick(self, tick: object) -> None:
         if type(tick) is not int:
-            raise OutsideError(f"{tick!r} is no tick: expected a whole number, as session.ticks('5 us') gives it")
+            raise OutsideError(f"{tick!r} is no tick: expected a whole number, as from session.ticks('5 us')")
 
     def _open(self) -> None:
         if self._result is not None:

@@ -218,7 +218,7 @@ def test_clocks_free_the_bus_where_a_read_was_given_up_at_a_0(form: str) -> None
     master = session.i2c
     assert master.start(ACCELEROMETER, read=True)
     assert master.bits(1, 1, 1) == [1, 1, 1]
-    with pytest.raises(OutsideError, match="STOP cannot be: SDA is low, held by another party"):
+    with pytest.raises(OutsideError, match="STOP is impossible: SDA is low, held by another party"):
         master.stop()
     assert session.pulls("SDA")
     assert master.clear()

@@ -132,7 +132,7 @@ def test_calls_in_the_wrong_order_are_refused() -> None:
 @pytest.mark.parametrize(
     ("asked", "sentence"),
     [
-        ((0x50, b"", -1), "count -1: expected how many bytes to read, 0 or more"),
+        ((0x50, b"", -1), "count -1: expected the number of bytes to read, 0 or more"),
         ((0x50, "ab"), "data 'ab': expected bytes"),
         ((0x50, [300]), r"data \[300\]: expected bytes"),
         (("0x50",), "address '0x50': expected 0 to 0x7f"),

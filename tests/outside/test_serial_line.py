@@ -93,7 +93,7 @@ def test_wrong_bits_reach_the_status(wrong: Any, bit: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("data", "wrong", "sentence"), [("abc", "", "is no bytes"), (b"a", "foo", "wrong='foo': expected")]
+    ("data", "wrong", "sentence"), [("abc", "", "is not of type bytes"), (b"a", "foo", "wrong='foo': expected")]
 )
 def test_what_cannot_be_sent_is_refused(data: Any, wrong: Any, sentence: str) -> None:
     _, line, _ = echo()

@@ -1,4 +1,4 @@
-"""What sensor drivers talk to, instead of hardware: a session goes in; objects and files that drivers know come out."""
+"""Substitutes for hardware that sensor drivers use: objects and files connected to a session."""
 
 from __future__ import annotations
 

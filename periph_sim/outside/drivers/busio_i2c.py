@@ -1,4 +1,4 @@
-"""A session's bus as CircuitPython's `busio.I2C`: calls of a driver go in, transfers on the wires and bytes come out.
+"""A session's bus as CircuitPython's `busio.I2C`: calls of a driver become transfers on the wires.
 
 Source: CircuitPython 9.2, shared-bindings, busio.I2C.
 """
@@ -16,9 +16,9 @@ ADDRESSES = range(0x08, 0x78)  # those that are not reserved
 
 
 class I2C:
-    """frequency: of SCL, Hz. pause: the time that passes before each call, since a driver's `time.sleep` moves none.
+    """frequency: of SCL, Hz. pause: time that passes before each call, since a driver's `time.sleep` has no effect.
 
-    OSError, as of hardware: ENODEV where nobody acknowledges the address, EIO where a byte is refused, ETIMEDOUT where
+    OSError, as on hardware: ENODEV if the address is not acknowledged, EIO if a byte is not acknowledged, ETIMEDOUT if
     the bus is held.
     """
 
@@ -39,7 +39,7 @@ class I2C:
         self._locked = False
 
     def try_lock(self) -> bool:
-        """True if nobody had it; it is the caller's then."""
+        """Lock the bus for the caller. False if it is locked already."""
         if self._locked:
             return False
         self._locked = True
@@ -49,7 +49,7 @@ class I2C:
         self._locked = False
 
     def scan(self) -> list[int]:
-        """The addresses that are acknowledged."""
+        """Return the addresses that are acknowledged."""
         return [address for address in ADDRESSES if self._asks(address)]
 
     def writeto(self, address: int, buffer: bytes | Buffer, *, start: int = 0, end: int | None = None) -> None:
@@ -69,7 +69,7 @@ class I2C:
         in_start: int = 0,
         in_end: int | None = None,
     ) -> None:
-        """With a repeated START between the two."""
+        """Write, then read after a repeated START."""
         self._transfer(address, bytes(out_buffer[out_start:out_end]), memoryview(in_buffer)[in_start:in_end])
 
     def _asks(self, address: int) -> bool:

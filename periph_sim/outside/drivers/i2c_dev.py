@@ -1,9 +1,9 @@
-"""`/dev/i2c-N` for code that opens it by number, as smbus2 does: a session a number goes in; within the block, files.
+"""`/dev/i2c-N` for code that opens it by number, as smbus2 does: within a block, such files access given sessions.
 
-    os.open, open --number that no file has--> ioctl: address, SMBus transfer, messages --> Master --> SDA, SCL
+    os.open, open --unused file number-------> ioctl: address, SMBus transfer, messages --> Master --> SDA, SCL
                                                read, write: plain transfers
 
-Only within the block, and only for these numbers: any other file is as it was.
+Only within the block, and only for these numbers: other files are not affected.
 
 Source: Linux 6.6 Documentation/i2c/dev-interface.rst, smbus-protocol.rst and fault-codes.rst; include/uapi/linux/i2c.h
 and i2c-dev.h.
@@ -30,9 +30,9 @@ from .smbus import MOST_BLOCK, SmbusTransfer
 RETRIES, TIMEOUT = 0x701, 0x702
 SLAVE, TENBIT, FUNCS, SLAVE_FORCE, RDWR, PEC, SMBUS = 0x703, 0x704, 0x705, 0x706, 0x707, 0x708, 0x720
 QUICK, BYTE, BYTE_DATA, WORD_DATA, PROC_CALL, BLOCK_DATA, BLOCK_PROC_CALL, I2C_BLOCK = 0, 1, 2, 3, 4, 5, 7, 8
-FUNCTIONS = 0x1 | 0x8 | 0x8000 | 0x0FFF_0000  # plain I2C; PEC; block process call; SMBus of all kinds
+FUNCTIONS = 0x1 | 0x8 | 0x8000 | 0x0FFF_0000  # plain I2C; PEC; block process call; all SMBus transfers
 READS = 1  # read_write of an SMBus transfer; the same bit of a message's flags
-FIRST_FILE = 1 << 20  # no process has so many files
+FIRST_FILE = 1 << 20  # above the file numbers of any process
 
 
 class _SmbusTransfer(ctypes.Structure):
@@ -58,7 +58,7 @@ class _Messages(ctypes.Structure):
 
 
 class Adapter:
-    """One open file. pause: ticks that pass before each transfer."""
+    """An open file. pause: ticks that pass before each transfer."""
 
     def __init__(self, session: Session, pause: int) -> None:
         self._session = session
@@ -72,15 +72,15 @@ class Adapter:
                 raise OSError(errno.EINVAL, f"address {argument}: expected 0 to 0x7f")
             self._address = int(argument)
         elif request == FUNCS:
-            size = ctypes.sizeof(argument)  # of an unsigned long; programs give an int, too
+            size = ctypes.sizeof(argument)  # of an unsigned long; programs also pass an int
             ctypes.memmove(ctypes.addressof(argument), FUNCTIONS.to_bytes(size, sys.byteorder), size)
         elif request == TENBIT:
             if int(argument):
-                raise OSError(errno.EINVAL, "ten-bit addresses are not what this adapter can do")
+                raise OSError(errno.EINVAL, "this adapter does not support ten-bit addresses")
         elif request == PEC:
             self._checks = bool(int(argument))
         elif request in (RETRIES, TIMEOUT):
-            pass  # of arbitration that is lost, and of a bus that is held: 25 ms here
+            pass  # retries after lost arbitration, and the time-out of a held bus: 25 ms here
         elif request == SMBUS:
             self._on_bus(self._smbus, _SmbusTransfer.from_address(ctypes.addressof(argument)))
         elif request == RDWR:
@@ -99,7 +99,7 @@ class Adapter:
         return bytes(got)
 
     def _on_bus(self, transfer: Callable[[Master, Any], object], argument: Any) -> None:
-        """STOP ends what was begun, whatever became of it."""
+        """Run a transfer and end it by STOP, also after an error."""
         session = self._session
         if self._address < 0 and not isinstance(argument, _Messages):
             raise OSError(errno.EINVAL, "no address was given")
@@ -160,7 +160,7 @@ class Adapter:
 
 
 class _Opened(io.RawIOBase):
-    """An open file as `open` gives it, unbuffered."""
+    """An open file as `open` returns it, unbuffered."""
 
     def __init__(self, number: int, adapter: Adapter) -> None:
         self._number = number
@@ -188,10 +188,9 @@ class _Opened(io.RawIOBase):
 def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[None]:
     """Within the block `/dev/i2c-N` is the bus of the session with that number. For Linux, where such code runs.
 
-    pause: the time that passes before each transfer, since `time.sleep` moves none. OSError as of a kernel: ENXIO where
-    nobody acknowledges the address, EIO where a byte is refused, ETIMEDOUT where the bus is held, EAGAIN where another
-    controller wins it, ENOENT for a number
-    that is not given.
+    pause: time that passes before each transfer, since `time.sleep` has no effect. OSError as from a kernel: ENXIO if
+    the address is not acknowledged, EIO if a byte is not acknowledged, ETIMEDOUT if the bus is held, EAGAIN if
+    arbitration is lost, ENOENT for a number that is not given.
     """
     import fcntl
 

@@ -1,4 +1,4 @@
-"""The I2CDriver's serial protocol, without a port: bytes of its client go in; what it answers comes out.
+"""The I2CDriver's serial protocol, without a port: bytes of its client in, its answers out.
 
     client --'s' 0xD0, 0xC0 0x00, 'p' ...--> I2cDriver --start, write, stop--> Master --> SDA, SCL
            <--report: '0' | lost, timeout, ACK----
@@ -7,17 +7,17 @@ An adapter with a serial port for a PC (i2cdriver.com). Its programs run on it u
 
     s ADDRESS+R/W    START: report              e BYTE    the same byte             ?   status, 80 characters
     0xC0+n-1 DATA    n bytes written: report    1, 4      100, 400 kHz              J   introspection, 80 characters
-    0x80+n-1         n bytes, the last NACKed   u MASK    pull-ups, stored          c   capture until a byte comes
+    0x80+n-1         n bytes, the last NACKed   u MASK    pull-ups, stored          c   capture until a byte
     a N              n bytes, all ACKed         x         bus reset: '0', SDA, SCL  b   bits, until '@'
-    r DEV REG N      register read, with STOP   d         112 reports of a scan     m   monitor until a byte comes
-    p                STOP                       i, _      lines let go; also boot   f   'X', its display fades
-    @                nothing; nor does any other
+    r DEV REG N      register read, with STOP   d         112 reports of a scan     m   monitor until a byte
+    p                STOP                       i, _      lines released; also boot   f   'X', its display fades
+    @                nothing, like any other byte
 
 Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/main.fs and capture.fs).
 
-Chosen: 5 V, 0 mA, 25 degrees. The checksum is of each byte of the bus once, addresses included. A line that bits would
-drive high is let go: the bus is open drain. 'v' with its byte and 'w', which weigh pull-ups, do nothing. A line that is
-held for more than 25 ms is a time-out in the next report.
+Chosen: 5 V, 0 mA, 25 degrees. The checksum covers each byte of the bus once, addresses included. A line that `b` would
+drive high is released: the bus is open drain. 'v' with its byte and 'w', which test pull-ups, do nothing. A line held
+for more than 25 ms is a time-out in the next report.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from ..errors import ArbitrationLost, OutsideError
 from ..i2c_master import Master
 from ..session import Session
 
-Service = Generator[None, int, None]  # is sent the bytes of its client
+Service = Generator[None, int, None]  # receives the bytes of its client
 
-ACK, TIMEOUT, LOST = 1, 2, 4  # of a report
+ACK, TIMEOUT, LOST = 1, 2, 4  # bits of a report
 SCAN = range(0x08, 0x78)
 MOST = 64  # bytes of a command
-NOBODY = 0xFF  # read where no transfer is
+NOBODY = 0xFF  # read outside of a transfer
 INFORMATION = 80  # characters between brackets
 A_BYTE = "10 us"  # at 1 Mbaud
 START, STOP, BITS = 1, 2, 8  # tokens of a capture: three bits of a byte's nine in each of the last
@@ -43,7 +43,7 @@ WIRES = ("SDA", "SCL")
 
 
 class I2cDriver:
-    """pause: ticks that pass before each START, since a client's own pauses move no simulated time."""
+    """pause: ticks that pass before each START, since a client's own pauses have no effect on simulated time."""
 
     def __init__(self, session: Session, pause: int) -> None:
         self._session = session
@@ -62,24 +62,24 @@ class I2cDriver:
             ord("x"): self._reset,
             ord("_"): self._boot,
         }
-        self._heard: list[Transfer] = []
+        self._transfers: list[Transfer] = []
         self._monitor: I2cMonitor | None = None
         self.capturing = False
         self._boot()
         self._service = self._serve()
         next(self._service)
 
-    def take(self, data: bytes) -> bytes:
-        """What it answers to these bytes of its client."""
+    def receive(self, data: bytes) -> bytes:
+        """Process these bytes of the client and return the answers."""
         for byte in data:
             self._service.send(byte)
         said, self._said = bytes(self._said), bytearray()
         return said
 
     def captured(self) -> bytes:
-        """The bus since this was asked last, as a capture tells it; b"" outside of one."""
-        tokens = [token for transfer in self._heard for token in _tokens(transfer)]
-        self._heard.clear()
+        """Return the bus traffic since the last call, in the capture format; b"" outside of a capture."""
+        tokens = [token for transfer in self._transfers for token in _tokens(transfer)]
+        self._transfers.clear()
         tokens += [0] * (len(tokens) % 2)
         return bytes(high << 4 | low for high, low in zip(tokens[::2], tokens[1::2], strict=True))
 
@@ -112,7 +112,7 @@ class I2cDriver:
             elif command == ord("c"):
                 yield from self._capture()
             elif command in (ord("m"), ord("v")):
-                yield  # nobody sees a monitor's display; pull-ups are not weighed
+                yield  # the monitor's display and the pull-up test are not modelled
             elif command in self._simple:
                 self._simple[command]()
 
@@ -146,7 +146,7 @@ class I2cDriver:
         self._say(0x30 | self._lines())
 
     def _bang(self) -> Service:
-        """Each byte: SDA driven, its level, SCL driven, its level, the lines are to be told."""
+        """Apply each byte: SDA driven, its level, SCL driven, its level, report the lines."""
         session = self._session
         self._let_go()
         self._mode = "B"
@@ -162,15 +162,15 @@ class I2cDriver:
         self._let_go()
         if self._monitor is None:
             wires = self._session.scene.wires
-            self._monitor = I2cMonitor(wires["SCL"], wires["SDA"], self._hear, {})
+            self._monitor = I2cMonitor(wires["SCL"], wires["SDA"], self._on_transfer, {})
         self.capturing = True
         yield
         self.capturing = False
-        self._heard.clear()
+        self._transfers.clear()
 
-    def _hear(self, transfer: Transfer) -> None:
+    def _on_transfer(self, transfer: Transfer) -> None:
         if self.capturing:
-            self._heard.append(transfer)
+            self._transfers.append(transfer)
 
     # On the bus ---------------------------------------------------------------------------
 
@@ -216,7 +216,7 @@ class I2cDriver:
                 self._give_up(error)
 
     def _give_up(self, error: OutsideError) -> None:
-        """A line was held for too long, or another controller won: the client is told with the next report."""
+        """Release the lines after a time-out or lost arbitration; the next report contains the error."""
         self._trouble = LOST if isinstance(error, ArbitrationLost) else TIMEOUT
         self._let_go()
 
@@ -249,7 +249,7 @@ class I2cDriver:
         )
 
     def _count(self, byte: int) -> None:
-        """CRC-16/CCITT, first bit first."""
+        """Update the checksum: CRC-16/CCITT, most significant bit first."""
         crc = self._checksum ^ byte << 8
         for _ in range(8):
             crc = crc << 1 ^ (0x1021 if crc & 0x8000 else 0)

@@ -1,4 +1,4 @@
-"""A case's bus as an I2CDriver at a serial port: a case goes in; within the block programs open the path.
+"""A case's bus as an I2CDriver at a serial port, which programs can open within a block.
 
 program --/dev/pts/N, or LINK--> thread, which owns the session --I2cDriver--> SDA, SCL
 """
@@ -17,17 +17,17 @@ from ...scene.result import Result
 from ..session import Session
 from .i2cdriver_adapter import I2cDriver
 
-STEP = "1 ms"  # of simulated time, while a capture waits for others
+STEP = "1 ms"  # of simulated time, while a capture is waiting
 TURN = 0.001  # seconds of real time from one such step to the next
 
 
 class I2cDriverPort:
-    """A context manager. path: what programs open. result: what the time came to, once the block is left.
+    """A context manager. path: the path to open. result: the run's result, once the block is left.
 
-    case, outside, log: as a Session has them. link: a name for the path, made as a symbolic link. run_up: what passes
-    before a program can open it. pause: what passes before each START, since a program's own pauses move no simulated
-    time; in a capture time passes by itself. BadCase and OutsideError as of a Session, OutsideError for a link that is
-    taken (see `PseudoTerminal`); what goes wrong later is raised as the block is left.
+    case, outside, log: as in a Session. link: a name for the path, made as a symbolic link. run_up: time that passes
+    before a program can open it. pause: time that passes before each START, since a program's own pauses have no effect
+    on simulated time; in a capture time passes by itself. BadCase and OutsideError as from a Session, OutsideError for
+    an existing link (see `PseudoTerminal`); later errors are raised as the block is left.
     """
 
     path: str
@@ -68,7 +68,7 @@ class I2cDriverPort:
 
 
 class _Thread(threading.Thread):
-    """All of the session's life: firmware runs in the thread that built it. failed: what ended it before its time."""
+    """The session's whole life: firmware runs in the thread that built it. failed: the error that ended it early."""
 
     def __init__(
         self,
@@ -89,14 +89,14 @@ class _Thread(threading.Thread):
         from ..live.pseudo_terminal import PseudoTerminal
 
         self._terminal = PseudoTerminal(link)
-        self._told, self._tell = os.pipe()
+        self._wake_read, self._wake_write = os.pipe()
         return self._terminal.path if link is None else str(link)
 
     def end(self) -> None:
-        os.write(self._tell, b".")
+        os.write(self._wake_write, b".")
         if self.ident is not None:
             self.join()
-        for file in (self._told, self._tell):
+        for file in (self._wake_read, self._wake_write):
             os.close(file)
         self._terminal.close()
 
@@ -115,20 +115,20 @@ class _Thread(threading.Thread):
         self.ready.set()
 
     def _turn(self, session: Session, adapter: I2cDriver) -> bool:
-        """False where the block was left."""
-        files = [self._terminal.file, self._told]
+        """Do one turn. False if the block was left."""
+        files = [self._terminal.file, self._wake_read]
         ready, _, _ = select.select(files, [], [], TURN if adapter.capturing else None)
-        if self._told in ready:
+        if self._wake_read in ready:
             return False
         if ready:
-            return self._give(adapter.take(self._terminal.read()))
+            return self._give(adapter.receive(self._terminal.read()))
         session.advance(session.now + session.ticks(STEP))
         return self._give(adapter.captured())
 
     def _give(self, data: bytes) -> bool:
-        """A client that does not read is waited for; False where the block was left meanwhile."""
+        """Send data, waiting for a client that does not read. False if the block was left meanwhile."""
         while data:
-            ready, writable, _ = select.select([self._told], [self._terminal.file], [])
+            ready, writable, _ = select.select([self._wake_read], [self._terminal.file], [])
             if ready:
                 return False
             if writable:

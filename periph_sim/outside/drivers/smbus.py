@@ -1,4 +1,4 @@
-"""The bytes of an SMBus transfer on a controller: what is sent, what is got, and the packet error code (PEC) behind it.
+"""The bytes of an SMBus transfer on a controller, and the packet error code (PEC) after them.
 
     S address W command [data ...] [PEC] P
     S address W command [data ...] Sr address R data ... [PEC] N P
@@ -21,24 +21,24 @@ POLYNOMIAL = 0x107
 
 
 class SmbusTransfer:
-    """checks: with a packet error code. OSError, as of a kernel: ENXIO where nobody acknowledges the address, EIO where
-    a byte is refused, EBADMSG where the code is wrong, EPROTO for a block of a length that none has.
+    """checks: with a packet error code. OSError, as from a kernel: ENXIO if the address is not acknowledged, EIO if
+    a byte is not acknowledged, EBADMSG for a wrong code, EPROTO for a block of an invalid length.
     """
 
     def __init__(self, master: Master, address: int, checks: bool = False) -> None:
         self._master = master
         self._address = address
         self._checks = checks
-        self._code = 0  # of the bytes up to here
+        self._code = 0  # of the bytes so far
 
     def begin(self, reads: bool) -> None:
-        """START, or repeated START, and the address."""
+        """Send START, or repeated START, and the address."""
         if not self._master.start(self._address, reads):
-            raise OSError(errno.ENXIO, f"nobody acknowledges address {self._address:#04x}")
+            raise OSError(errno.ENXIO, f"address {self._address:#04x} was not acknowledged")
         self._add(self._address << 1 | reads)
 
     def send(self, data: Iterable[int], answered: bool = False) -> None:
-        """A write. answered: a read follows, and the code with it."""
+        """Write bytes. answered: a read follows, which includes the code."""
         self.begin(reads=False)
         for byte in data:
             self._send(byte)
@@ -50,12 +50,12 @@ class SmbusTransfer:
         return self._got(count)
 
     def got_block(self) -> bytes:
-        """A read whose first byte says how many follow."""
+        """Read a block, whose first byte states the number of bytes."""
         self.begin(reads=True)
         count = self._byte(ack=True)
         if not 1 <= count <= MOST_BLOCK:
             self._master.read(ack=False)
-            raise OSError(errno.EPROTO, f"a block of {count} bytes came; expected 1 to {MOST_BLOCK}")
+            raise OSError(errno.EPROTO, f"a block of {count} bytes was received; expected 1 to {MOST_BLOCK}")
         return self._got(count)
 
     def _got(self, count: int) -> bytes:
@@ -64,7 +64,7 @@ class SmbusTransfer:
             right = self._code
             code = self._byte(ack=False)
             if code != right:
-                raise OSError(errno.EBADMSG, f"packet error code {code:#04x} came; {right:#04x} is that of what came")
+                raise OSError(errno.EBADMSG, f"received packet error code {code:#04x}; expected {right:#04x}")
         return data
 
     def _send(self, byte: int) -> None:

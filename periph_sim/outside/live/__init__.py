@@ -1,1 +1,1 @@
-"""A session in real time: one loop steps it as a clock says; doors hand bytes in and out between its steps."""
+"""A session in real time: one loop steps it by a clock; doors transfer bytes between its steps."""

@@ -1,19 +1,19 @@
-"""Bytes that an SCI has sent and no client has taken: they go in as they come, and out as far as there is room.
+"""Bytes that an SCI has sent and no client has read.
 
-A client that is away, or reads nothing, finds the last megabyte; what is older is given up, and counted.
+A client that is away, or does not read, finds the last megabyte; older bytes are discarded, and counted.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-MOST = 1 << 20  # bytes that wait at most, either way
+MOST = 1 << 20  # bytes waiting at most, in either direction
 AT_ONCE = 4096  # bytes
-MOST_HELD = 16 * MOST  # that a system holds for us at most, as far as it is counted
+MOST_HELD = 16 * MOST  # maximum held by the system for us, as far as it is counted
 
 
 class Backlog:
-    """lost: bytes that were given up."""
+    """lost: number of discarded bytes."""
 
     def __init__(self, most: int = MOST) -> None:
         self.lost = 0
@@ -30,30 +30,30 @@ class Backlog:
             self.lost += beyond
             del self._bytes[:beyond]
 
-    def give(self, take: Callable[[bytes], int]) -> None:
-        """As much as there is room for. take: gives how many of these bytes it took; BlockingIOError for none."""
+    def flush(self, write: Callable[[bytes], int]) -> None:
+        """Pass on all that `write` accepts. write: returns the number of bytes accepted; BlockingIOError for none."""
         while self._bytes:
             try:
-                taken = take(bytes(self._bytes[:AT_ONCE]))
+                taken = write(bytes(self._bytes[:AT_ONCE]))
             except BlockingIOError:
                 return
             if not taken:
                 return
             del self._bytes[:taken]
 
-    def take(self, count: int) -> bytes:
-        """Up to so many of them."""
+    def read(self, count: int) -> bytes:
+        """Remove and return up to `count` bytes."""
         taken = bytes(self._bytes[:count])
         del self._bytes[:count]
         return taken
 
     def clear(self) -> None:
-        """A client wants none of it."""
+        """Drop all bytes."""
         self._bytes.clear()
 
 
 def left_there(read: Callable[[], bytes]) -> int:
-    """Bytes that the system took from a client, and nobody read: they are given up. read: b"" where none is left."""
+    """Discard and count the bytes that the system received from a client. read: returns b"" if none is left."""
     count = 0
     while count < MOST_HELD and (data := read()):
         count += len(data)

@@ -1,9 +1,9 @@
-"""A case made ready for a party outside: the case's file, and the lines that the party drives, go in.
+"""Preparation of a case for an external party that drives some of its lines.
 
 at an SCI      its RX
 at SDA, SCL    both
 
-`scene.outside_parties` says which parties of the case it replaces there.
+`scene.outside_parties` defines which parties of the case it replaces there.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..serial_line import module_of
 
 
 def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) -> Case:
-    """OutsideError, or BadCase, one sentence, for a case that cannot be had or has no such SCI."""
+    """Load a case for a party at an SCI. OutsideError or BadCase if the case has errors or no such SCI."""
     if not str(path):
         raise OutsideError("no case was given; f28335://PATH/OF/CASE.toml?port=scia")
     case = load(Path(path), list(changes))
@@ -32,11 +32,11 @@ def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) ->
 
 
 def case_for_bus(path: str | Path, changes: tuple[str, ...] = ()) -> Case:
-    """The same for SDA and SCL. BadCase for a case that cannot be had; one without a bus is refused by the session."""
+    """Load a case for a party at SDA and SCL. BadCase for errors; the session rejects a case without a bus."""
     return _driven(load(Path(path), list(changes)), *LINES)
 
 
 def _driven(case: Case, *lines: str) -> Case:
-    """Return the case with these lines driven from outside, besides those that its [outside] names."""
+    """Return the case with these lines driven from outside, in addition to those that its [outside] names."""
     named = () if case.outside is None else case.outside.wires
     return with_outside(case, tuple(dict.fromkeys((*named, *lines))))

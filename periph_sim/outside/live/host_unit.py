@@ -1,11 +1,11 @@
-"""The host unit as a program of its own: a flight or datagrams go in, frames of 12 bytes go out over a serial port.
+"""The host unit as a separate program: sends frames of 12 bytes, from a flight or datagrams, over a serial port.
 
     flight.csv --motion--> MotionFrames --.
                                            +--> frame n, n periods after the first --> port
     Simulink --UDP--> latest datagram ----'
 
-The port is any of pyserial's: a real one, the pseudo-terminal of `serve`, rfc2217://, f28335://. What comes back on it
-is read and counted, so that nobody waits for us. A frame is what [host] of a case sends: see `sensors.host_frame`.
+The port is any of pyserial's: a real one, the pseudo-terminal of `serve`, rfc2217://, f28335://. Bytes received on it
+are read and counted, so that the sender never blocks. A frame is what [host] of a case sends: see `sensors.host_frame`.
 """
 
 from __future__ import annotations
@@ -31,20 +31,20 @@ from .pacing import Pacer
 NANOSECONDS = 10**9
 AT_ONCE = 4096  # bytes
 LONGEST = 1 << 16  # bytes of a datagram
-KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # bytes of a datagram: what its numbers are
+KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # length of a datagram: format of its numbers
 OTHERS = "six doubles (48 bytes), six singles (24) or a frame as it is (12)"
 
 
 class FrameSource(Protocol):
     def frame(self, number: int) -> bytes | None:
-        """The bytes of frame `number`; None where there is none yet."""
+        """Return the bytes of frame `number`; None if there is none yet."""
 
     def over(self, number: int) -> bool:
-        """Whether the one before was the last."""
+        """Return True if the frame before `number` was the last."""
 
 
 class FlightFrames:
-    """The frames of a flight in a CSV file. BadMotion or BadCapture for one that holds none."""
+    """The frames of a flight in a CSV file. BadMotion or BadCapture if it contains none."""
 
     def __init__(self, file: Path, encoding: Encoding, period: Fraction) -> None:
         flight = motion(Settings(file))
@@ -60,17 +60,17 @@ class FlightFrames:
 
 
 class UdpFrames:
-    """The latest values that came as a datagram: phi, theta, psi in rad, ax, ay, az in g; held until the next.
+    """The latest values received as a datagram: phi, theta, psi in rad, ax, ay, az in g; held until the next.
 
-    order: of their bytes. refused: datagrams that hold no such values. held: frames for which none was new.
+    order: byte order. refused: datagrams without such values. held: frames without new values.
     OutsideError for a port that is taken.
     """
 
-    def __init__(self, address: str, port: int, encoding: Encoding, order: str, told: Callable[[str], None]) -> None:
+    def __init__(self, address: str, port: int, encoding: Encoding, order: str, notify: Callable[[str], None]) -> None:
         self.refused = self.held = 0
         self._encoding = encoding
         self._order = "<" if order == "little" else ">"
-        self._told = told
+        self._notify = notify
         self._frame: bytes | None = None
         self._socket = socket.socket(socket.AF_INET6 if ":" in address else socket.AF_INET, socket.SOCK_DGRAM)
         try:
@@ -97,21 +97,21 @@ class UdpFrames:
         return False
 
     def _latest(self) -> bytes | None:
-        """Of what came since: the last one that is right."""
+        """Return the last valid datagram since the last call."""
         found = None
         while True:
             try:
                 data = self._socket.recv(LONGEST)
             except BlockingIOError:
                 return found
-            except OSError:  # an error of a datagram that was sent here: none of ours
+            except OSError:  # an error of a datagram sent to us
                 continue
             try:
                 found = self._framed(data)
             except BadMotion as error:
                 self.refused += 1
                 if self.refused == 1:
-                    self._told(f"a datagram was refused: {error}")
+                    self._notify(f"a datagram was refused: {error}")
 
     def _framed(self, data: bytes) -> bytes:
         if len(data) == 2 * VALUES:
@@ -142,9 +142,9 @@ def send_frames(
     frames: int | None = None,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Sent:
-    """Frames until there are no more, or it is stopped. pacer: of nanoseconds, which also says how late they were.
+    """Send frames until there are no more, or it is stopped. pacer: in nanoseconds; it also measures lateness.
 
-    Waiting is reading: of a port whose time is simulated that is what makes time pass.
+    Waiting is done by reading: this also advances a port whose time is simulated.
     """
     sent = Sent()
     number = 0
@@ -167,5 +167,5 @@ def send_frames(
 
 
 def pacer_for(port: Any) -> Pacer:
-    """By the clock of the port, if its time is simulated."""
+    """Return a pacer with the port's clock, if its time is simulated."""
     return Pacer(NANOSECONDS, Fraction(1), "slip", getattr(port, "clock", time.monotonic))

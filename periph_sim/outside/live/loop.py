@@ -1,4 +1,4 @@
-"""The one thread that owns a session: it steps time as a pacer says; between two steps its doors hand bytes over.
+"""The loop of the thread that owns a session: steps time by a pacer; between steps its doors transfer bytes.
 
 doors --turn--> session --advance a step--> doors --turn--> ...      until `stop`, or a tick
 """
@@ -12,16 +12,16 @@ from typing import Protocol
 from ..session import Session
 from .pacing import Pacer
 
-STEP = "1 ms"  # of simulated time: as late as a byte may be noticed
+STEP = "1 ms"  # of simulated time: the maximum delay of a byte
 
 
 class Door(Protocol):
-    """What hands bytes in and out. files: whose input ends a wait; it may change."""
+    """A connection that transfers bytes. files: those whose input ends a wait; they may change."""
 
     def files(self) -> Sequence[int]: ...
 
     def turn(self) -> None:
-        """Hand over what came, both ways. Called in the session's thread only, between two steps; may move its time."""
+        """Transfer bytes in both directions. Called in the session's thread, between steps; may advance its time."""
 
 
 class Loop:
@@ -35,11 +35,11 @@ class Loop:
         self._stopped = False
 
     def stop(self) -> None:
-        """Ends `run` behind the present step; from any thread, or a signal."""
+        """End `run` after the present step; callable from any thread, or a signal handler."""
         self._stopped = True
 
     def run(self, until: int | None = None) -> None:
-        """Until tick `until`, or until it is stopped."""
+        """Run until tick `until`, or until stopped."""
         session = self._session
         while not self._stopped and (until is None or session.now < until):
             due = session.now + self._step
@@ -52,7 +52,7 @@ class Loop:
         self._turn()
 
     def _wait(self, due: int) -> None:
-        """Input of a door is taken as soon as it comes; its place in simulated time is that of the next step."""
+        """Wait until the step is due; input of a door is processed at once, at the simulated time of the next step."""
         left = self._pacer.wait(due)
         while left > 0 and not self._stopped:
             files = [file for door in self._doors for file in door.files()]

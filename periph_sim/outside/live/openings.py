@@ -1,4 +1,4 @@
-"""Clients that open and close a file, by Linux's inotify: whether the last one left or a first one came."""
+"""Detection, by Linux's inotify, that the last client closed a file or a first one opened it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ AT_ONCE = 4096  # bytes of events
 
 
 class Openings:
-    """Count the clients of a file from here on. Without inotify, as on macOS, no client is noticed."""
+    """Counter of a file's clients. Without inotify, as on macOS, no client is noticed."""
 
     def __init__(self, path: str) -> None:
         self._open = 0
@@ -30,7 +30,7 @@ class Openings:
             self._file = -1
 
     def passed(self) -> tuple[bool, bool]:
-        """Return whether, since the last call, the last client left, and whether one came while there was none."""
+        """Return if, since the last call, the last client left, and if one came while there was none."""
         left = came = False
         for mask in self._masks():
             before = self._open

@@ -1,8 +1,8 @@
-"""How simulated time keeps up with a clock: ticks and the clock go in; how long to wait, and how late it was, come out.
+"""Pacing of simulated time by a clock: how long to wait, and the lateness.
 
-    due(tick) = when the tick is to be reached; lateness = how long after that it was
+    due(tick) = when the tick is to be reached; lateness = the delay after that
 
-Lateness is of this computer: nothing in the simulation depends on it.
+Lateness is a property of this computer: nothing in the simulation depends on it.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100
 
 
 class Pacer:
-    """pace: simulated seconds a second; 0: as fast as it can. when_late: what becomes of more than 50 ms of lateness.
+    """pace: simulated seconds a second; 0: at full speed. when_late: reaction to more than 50 ms of lateness.
 
-    "slip": simulated time stays behind by that; "catch-up": it runs without waiting until it is there; "stop":
-    OutsideError. worst: seconds. late: how often it was more than tolerated.
+    "slip": simulated time remains behind by that; "catch-up": it runs without waiting until it is on time; "stop":
+    OutsideError. worst: seconds. late: number of times it was more than tolerated.
     """
 
     def __init__(
@@ -39,13 +39,13 @@ class Pacer:
         self.when_late = when_late
         self.late = self.slips = 0
         self.worst = 0.0
-        self.counts = [0] * (len(STEPS) + 1)  # of lateness up to each step, and beyond the last
+        self.counts = [0] * (len(STEPS) + 1)  # numbers of latenesses up to each step, and beyond the last
         self._per_second = float(ticks_per_second * pace)
         self._clock = clock
         self._origin: float | None = None
 
     def wait(self, tick: int) -> float:
-        """Seconds until this tick is due, 0 if it is. The clock starts with the first call."""
+        """Return the seconds until this tick is due, 0 if it is. The clock starts with the first call."""
         if not self._per_second:
             return 0.0
         now = self._clock()
@@ -54,7 +54,7 @@ class Pacer:
         return max(0.0, self._origin + tick / self._per_second - now)
 
     def reached(self, tick: int) -> None:
-        """The simulation is at this tick now. OutsideError if that is too late and it is to stop then."""
+        """Record that the simulation is at this tick. OutsideError if it is too late and `when_late` is "stop"."""
         if not self._per_second or self._origin is None:
             return
         lateness = self._clock() - (self._origin + tick / self._per_second)
@@ -69,7 +69,7 @@ class Pacer:
                 self.slips += 1
 
     def percentile(self, share: float) -> float:
-        """The step of the histogram below which so much of the steps was, in seconds; `worst` beyond the last."""
+        """Return the histogram's bound that a share of the steps is within, in seconds; `worst` beyond the last."""
         wanted, passed = share * sum(self.counts), 0
         for step, count in zip(STEPS, self.counts, strict=False):
             passed += count
@@ -78,7 +78,7 @@ class Pacer:
         return self.worst
 
     def text(self) -> list[str]:
-        """What it came to, a line each; none at full speed."""
+        """Return the statistics as lines of text; none at full speed."""
         total = sum(self.counts)
         if not total:
             return []
@@ -88,8 +88,8 @@ class Pacer:
         )
         lines += [f"  {count:>8}  {name}" for name, count in shares if count]
         if self.late:
-            told = {"slip": counted(self.slips, "slip"), "catch-up": "caught up", "stop": "stopped"}[self.when_late]
-            lines.append(f"later than {in_ms(TOLERATED)}: {counted(self.late, 'time')}, {told}")
+            effect = {"slip": counted(self.slips, "slip"), "catch-up": "caught up", "stop": "stopped"}[self.when_late]
+            lines.append(f"later than {in_ms(TOLERATED)}: {counted(self.late, 'time')}, {effect}")
         return lines
 
 

@@ -1,9 +1,9 @@
-"""A serial line as a real port of this computer: what comes in there goes to an SCI, what the SCI sends goes out there.
+"""A serial line at a real port of this computer: bytes received there go to an SCI, those it sends go out there.
 
     SCI <--bits--> SerialLine <--bytes--> /dev/ttyUSB0 <--> a board, a host
 
-Needs pyserial. A character that comes with a wrong parity or stop bit is not told apart by the port's driver. A port
-that goes is told, and opened again once it is there; meanwhile the SCI's bytes wait.
+Needs pyserial. A port's driver does not mark characters with a wrong parity or stop bit. A port that vanishes is
+reported, and opened again once it is back; meanwhile the SCI's bytes wait.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from ..serial_line import SerialLine, parts_of_format
 from .backlog import MOST, Backlog
 from .port_errors import in_our_words
 
-AGAIN = 1.0  # seconds from one attempt to open it to the next
+AGAIN = 1.0  # seconds between attempts to open it
 
 
 class PortDoor:
-    """OutsideError for a port that cannot be opened, or is open elsewhere. told: of a port that went, and came back.
+    """OutsideError for a port that cannot be opened, or is already open. notify: called if a port vanishes or returns.
 
-    unheard: bytes that had come and were not taken when this was closed.
+    unread: received bytes that were not read when this was closed.
     """
 
     def __init__(
@@ -33,7 +33,7 @@ class PortDoor:
         port: str,
         baud: int,
         form: str,
-        told: Callable[[str], None] = lambda sentence: None,
+        notify: Callable[[str], None] = lambda sentence: None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         try:
@@ -42,11 +42,11 @@ class PortDoor:
             raise OutsideError("a real port needs pyserial: pip install 'periph-sim[live]'") from None
         self.path = port
         self.back = Backlog()
-        self.unheard = 0
+        self.unread = 0
         self._line = line
-        self._told = told
+        self._notify = notify
         self._clock = clock
-        self._again = 0.0  # when it is to be tried again
+        self._again = 0.0  # time of the next attempt
         self._errors = (serial.SerialException, OSError)
         bits, parity, stop = parts_of_format(form)
         self._given = {"bytesize": bits, "parity": parity.upper(), "stopbits": stop, "baudrate": baud}
@@ -63,7 +63,7 @@ class PortDoor:
     def close(self) -> None:
         if self._port is not None:
             with suppress(*self._errors):
-                self.unheard += self._port.in_waiting
+                self.unread += self._port.in_waiting
             self._port.close()
 
     def files(self) -> Sequence[int]:
@@ -78,9 +78,9 @@ class PortDoor:
             waiting = self._port.in_waiting
             if waiting and self._line.waiting < MOST:
                 self._line.write(self._port.read(waiting))
-            self.back.give(self._port.write)
+            self.back.flush(self._port.write)
         except self._errors as error:
-            self._told(f"{in_our_words(self.path, error)}; it is opened again once it is there")
+            self._notify(f"{in_our_words(self.path, error)}; it will be opened again once it is back")
             self._port.close()
             self._port = None
             self._again = self._clock() + AGAIN
@@ -93,4 +93,4 @@ class PortDoor:
             self._port = self._opened()
         except (*self._errors, ValueError):
             return
-        self._told(f"{self.path} is there again")
+        self._notify(f"{self.path} is back")

@@ -1,14 +1,14 @@
-"""What went wrong with a serial port, in our words: an error of pyserial's, or of the system, goes in."""
+"""Messages for errors of serial ports, from exceptions of pyserial or of the system."""
 
 from __future__ import annotations
 
 import errno
 
 HELD = "another program has it open; close it there first"
-FORBIDDEN = "you may not open it; become a member of the group that may, often dialout"
+FORBIDDEN = "no permission to open it; join the group that has it, often dialout"
 GONE = "it is gone: unplugged, closed at its other end, or read by another program, too"
 NO_PORT = "it is no serial port"
-USED = ("read failed", "write failed", "device reports readiness")  # what pyserial says of a port that was open
+USED = ("read failed", "write failed", "device reports readiness")  # pyserial's messages about a port that was open
 WHY = {
     errno.ENOENT: "there is no such port",
     errno.ENXIO: "there is no such port",
@@ -19,12 +19,12 @@ WHY = {
     errno.EBUSY: HELD,
     errno.ENOTTY: NO_PORT,
     errno.EISDIR: NO_PORT,
-    errno.ECONNREFUSED: "nobody serves it; start that first",
+    errno.ECONNREFUSED: "no server is listening; start it first",
 }
 
 
 def in_our_words(port: str, error: BaseException) -> str:
-    """PORT: what keeps it from being used. The system's words, or pyserial's, where there are no better ones."""
+    """Return "PORT: reason". Other errors keep the text of the system or pyserial."""
     text = str(error)
     if (isinstance(error, OSError) and error.errno == errno.EIO) or text.startswith(USED):
         return f"{port}: {GONE}"

@@ -1,10 +1,10 @@
-"""pyserial's handler of `f28335://CASE?port=scia&pace=1`: calls of a client go in, bytes of the case's SCI come out.
+"""pyserial's handler of `f28335://CASE?port=scia&pace=1`: a port at an SCI of a case.
 
     client's thread --write--> queue --.                        .--> SerialLine --> RX
-                    <--read--  queue <-- loop, in a thread of its own <--        TX
+                    <--read--  queue <-- loop, in its own thread      <--        TX
 
-pace: simulated seconds a second. With 0 there is no such thread: time passes while the client reads or flushes, as fast
-as it can, and its time-outs are simulated.
+pace: simulated seconds a second. With 0 there is no such thread: time passes while the client reads or flushes, at full
+speed, and its time-outs are simulated.
 
 Source: pyserial 3.5, serial.serialutil.SerialBase, and its protocol handlers.
 """
@@ -35,17 +35,17 @@ from .pacing import Pacer
 
 KEYS = ("port", "pace", "log", "set")
 SLOWER = "write more slowly, or give a longer write_timeout"
-WAITED = 0.01  # seconds, of the port's own clock, from one look for room to the next
-FOREVER = 3600  # simulated seconds that a read without time-out waits for at most, at full speed
+WAITED = 0.01  # seconds, of the port's own clock, between checks for room
+FOREVER = 3600  # simulated seconds that a read without time-out waits at most, at full speed
 
 
 class _Queue:
-    """A door whose other side is a thread of the client's."""
+    """A door whose other side is the client's thread."""
 
     def __init__(self, line: SerialLine) -> None:
         self._line: SerialLine | None = line
         self._to_line = bytearray()
-        self._setting: tuple[int, str] | None = None  # asked for, and not the line's yet
+        self._setting: tuple[int, str] | None = None  # requested, and not applied to the line yet
         self._breaks: list[bool] = []
         self._came = Backlog()
         self.changed = threading.Condition()
@@ -70,15 +70,15 @@ class _Queue:
                 self.changed.notify_all()
 
     def put(self, data: bytes | memoryview) -> int:
-        """How many of these bytes there was room for: a client is at most a megabyte ahead of the line."""
+        """Queue bytes and return the number accepted: a client is at most a megabyte ahead of the line."""
         with self.changed:
             taken = data[: max(0, MOST - self.waits())]
             self._to_line += taken
             return len(taken)
 
-    def take(self, count: int) -> bytes:
+    def read(self, count: int) -> bytes:
         with self.changed:
-            return self._came.take(count)
+            return self._came.read(count)
 
     @property
     def lost(self) -> int:
@@ -89,7 +89,7 @@ class _Queue:
             return len(self._to_line) + (0 if self._line is None else self._line.waiting)
 
     def set(self, baud: int, form: str) -> None:
-        """From the next turn on. OutsideError for what is no rate or format."""
+        """Set rate and format from the next turn on. OutsideError if they are invalid."""
         with self.changed:
             if self._line is not None:
                 self._line.checked(baud, form)
@@ -107,24 +107,24 @@ class _Queue:
         with self.changed:
             self._line = None
 
-    def here(self) -> int:
+    def available(self) -> int:
         return len(self._came)
 
 
 class ClosedError(PortNotOpenError):  # type: ignore[misc]
-    """Who uses a port that is closed is told whose; programs know it as pyserial's."""
+    """Error for use of a closed port, with its URL; programs can catch it as pyserial's."""
 
     def __init__(self, url: str) -> None:
-        SerialException.__init__(self, f"{url} is closed; open() begins its case anew")
+        SerialException.__init__(self, f"{url} is closed; open() restarts its case")
 
 
 class Serial(SerialBase):  # type: ignore[misc]
-    """As `serial.Serial`; the port is a case. result: once the port is closed. pacer: says how late it was.
+    """As `serial.Serial`; the port is a case. result: set once the port is closed. pacer: has the lateness.
 
-    Who writes waits, up to its `write_timeout`, while a megabyte waits for the line. Of what the SCI sends, the last
-    megabyte waits for who reads. lost: bytes before that, which were given up.
+    A write waits, up to `write_timeout`, while a megabyte waits for the line. Of the bytes that the SCI sends, the last
+    megabyte is kept for reading. lost: number of earlier bytes, which were discarded.
 
-    A URL's `set` changes a key of the case, and may be there several times.
+    `set` in a URL changes a key of the case, and may be repeated.
     """
 
     is_open: bool
@@ -168,10 +168,10 @@ class Serial(SerialBase):  # type: ignore[misc]
         mistakes: list[Exception] = []
 
         def live() -> None:
-            """Builds, runs and ends the session: firmware stays in the thread that began it."""
+            """Build, run and end the session: firmware stays in the thread that began it."""
             try:
                 self._build(path, port, pace, given.get("log"), changes)
-            except Exception as error:  # the client is told, in its own thread
+            except Exception as error:  # raised in the client's thread
                 mistakes.append(error)
                 return
             finally:
@@ -200,7 +200,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._loop = Loop(self._session, self.pacer, [self._queue])
 
     def _end(self) -> None:
-        """Nothing holds the session any more when this returns, in the thread that ran it."""
+        """End the session and drop every reference to it, in the thread that ran it."""
         self.result = self._session.finish()
         self.lost = self._queue.lost
         self._queue.leave()
@@ -220,23 +220,23 @@ class Serial(SerialBase):  # type: ignore[misc]
             del loop
             self._thread.join()
         if self.lost:
-            said = f"{self._port}: {self.lost} bytes of the SCI were given up: nobody read them, and a megabyte waited"
+            said = f"{self._port}: {self.lost} unread bytes of the SCI were discarded, since only a megabyte is kept"
             warnings.warn(said, RuntimeWarning, stacklevel=2)
 
     def clock(self) -> float:
-        """Seconds as this port counts them: simulated ones."""
+        """Return the port's time in simulated seconds."""
         if self._thread is None:
             return self._session.now / self._session.ticks_per_second
         return time.monotonic() * float(self._pace)
 
-    # What a client calls -----------------------------------------------------------
+    # Called by clients -----------------------------------------------------------
 
     @property
     def in_waiting(self) -> int:
         self._must_be_open()
         if self._thread is None:
             self._queue.turn()
-        return self._queue.here()
+        return self._queue.available()
 
     @property
     def out_waiting(self) -> int:
@@ -246,11 +246,11 @@ class Serial(SerialBase):  # type: ignore[misc]
     def read(self, size: int = 1) -> bytes:
         self._must_be_open()
         if self._thread is None:
-            self._step_until(lambda: self._queue.here() >= size, self._timeout)
+            self._step_until(lambda: self._queue.available() >= size, self._timeout)
         else:
             with self._queue.changed:
-                self._queue.changed.wait_for(lambda: self._queue.here() >= size or self._failed, self._timeout)
-        return self._queue.take(size)
+                self._queue.changed.wait_for(lambda: self._queue.available() >= size or self._failed, self._timeout)
+        return self._queue.read(size)
 
     def write(self, data: Any) -> int:
         self._must_be_open()
@@ -273,7 +273,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         return len(sent)
 
     def flush(self) -> None:
-        """Until what was written is on the line."""
+        """Wait until all written bytes are on the line."""
         self._must_be_open()
         if self._thread is None:
             self._step_until(lambda: not self._queue.waits(), None)
@@ -284,10 +284,10 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     def reset_input_buffer(self) -> None:
         self._must_be_open()
-        self._queue.take(self._queue.here())
+        self._queue.read(self._queue.available())
 
     def reset_output_buffer(self) -> None:
-        """Of a line, nothing that was written can be taken back."""
+        """Do nothing: bytes written to a line cannot be taken back."""
         self._must_be_open()
 
     def _step_until(self, over: Any, timeout: float | None) -> None:
@@ -305,7 +305,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         if self._failed:
             raise SerialException(self._failed)
 
-    # What pyserial asks of a port ------------------------------------------------------
+    # Called by pyserial ------------------------------------------------------
 
     def _form(self) -> str:
         return f"{self._bytesize}{str(self._parity).lower()}{self._stopbits:g}"
@@ -322,7 +322,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._queue.hold_break(self._break_state)
 
     def send_break(self, duration: float = 0.25) -> None:
-        """Behind what was written. With pace=0 its length is simulated."""
+        """Send a break after all written bytes. With pace=0 its length is simulated time."""
         self.flush()
         if self._thread is not None:
             super().send_break(duration)
@@ -331,7 +331,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._queue.send_break(f"{duration * 1e6:.0f} us")
 
     def _update_rts_state(self) -> None:
-        """An SCI has no such lines."""
+        """Do nothing: an SCI has no such lines."""
 
     _update_dtr_state = _update_rts_state
     cts = dsr = ri = cd = property(lambda self: False)

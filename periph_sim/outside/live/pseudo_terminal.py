@@ -1,4 +1,4 @@
-"""A pseudo-terminal, ours to serve: what clients write comes out, what they are told goes in; it outlives each of them.
+"""The serving side of a pseudo-terminal: reads what clients write, and writes to them; it outlives its clients.
 
 client --/dev/pts/N, or LINK--> read      write --> client
 """
@@ -17,11 +17,11 @@ from .openings import Openings
 
 
 class PseudoTerminal:
-    """path: what clients open. link: a name for it, made as a symbolic link. OutsideError if that is taken.
+    """path: the path to open. link: a name for it, made as a symbolic link. OutsideError if that exists.
 
-    A link that a session left behind is replaced: one to a pseudo-terminal that is not there any more.
+    A link left by an earlier session, to a pseudo-terminal that no longer exists, is replaced.
 
-    file: ours, which never blocks. kept: the clients' side, kept open, so that the last client's leaving is no end.
+    file: our side, which never blocks. kept: the clients' side, kept open so that the last client's leaving is no end.
     """
 
     def __init__(self, link: Path | None) -> None:
@@ -57,24 +57,24 @@ class PseudoTerminal:
         os.close(self.kept)
 
     def clients(self) -> tuple[bool, bool]:
-        """Since this was asked last: whether the last client left, and whether another one came."""
+        """Return if, since the last call, the last client left, and if another one came."""
         return self._openings.passed()
 
     def read(self) -> bytes:
-        """What has come, a few kilobytes of it; b"" for nothing."""
+        """Return received bytes, up to a few kilobytes; b"" for none."""
         try:
             return os.read(self.file, AT_ONCE)
         except BlockingIOError:
             return b""
         except OSError as error:
-            if error.errno != errno.EIO:  # nobody has it open
+            if error.errno != errno.EIO:  # no client has it open
                 raise
             return b""
 
     def discard_unread(self) -> None:
-        """Discard what was written and no client has read."""
+        """Discard written bytes that no client has read."""
         termios.tcflush(self.kept, termios.TCIFLUSH)
 
     def write(self, data: bytes) -> int:
-        """How many of these bytes it took. BlockingIOError for none."""
+        """Write bytes and return the number accepted. BlockingIOError for none."""
         return os.write(self.file, data)

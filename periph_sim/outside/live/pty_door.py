@@ -1,10 +1,10 @@
-"""A serial line as a pseudo-terminal: what a client writes there goes to an SCI; what the SCI sends is read there.
+"""A serial line at a pseudo-terminal: bytes that a client writes go to an SCI; it reads those the SCI sends.
 
     client --/dev/pts/N, or LINK--> terminal --bytes--> SerialLine --bits--> RX
                   rate set by the client -------------> bits' length
 
-The client's rate is the line's, so that a mismatch gives framing errors and breaks. A pseudo-terminal carries no parity
-and no breaks: the line's format is given when it is made. It survives clients that close it or die.
+The client's rate becomes the line's, so that a mismatch causes framing errors and breaks. A pseudo-terminal carries no
+parity and no breaks: the line's format is given at creation. It survives clients that close it or die.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0
 
 
 class PtyDoor:
-    """path: what clients open. link: a name for it, made as a symbolic link. OutsideError if that is taken.
+    """path: the path to open. link: a name for it, made as a symbolic link. OutsideError if that exists.
 
-    A client that is a megabyte ahead of the line waits, as of a port with flow control. Bytes of a client that left
-    are discarded when the next one comes, and reported. back: what it has not read.
-    unheard: bytes of it that were not taken when this was closed.
+    A client that is a megabyte ahead of the line waits, as at a port with flow control. Bytes of a client that left
+    are discarded when the next one comes, and reported. back: bytes that it has not read.
+    unread: its bytes that were not read when this was closed.
     """
 
     def __init__(
@@ -34,14 +34,14 @@ class PtyDoor:
         baud: int,
         form: str,
         link: Path | None = None,
-        told: Callable[[str], None] = lambda sentence: None,
+        notify: Callable[[str], None] = lambda sentence: None,
     ) -> None:
         self._line = line
-        self._told = told
+        self._notify = notify
         self._baud, self._form = baud, form
         self._terminal = PseudoTerminal(link)
         self.back = Backlog()
-        self.unheard = 0
+        self.unread = 0
         self._set_rate(baud)
 
     @property
@@ -49,7 +49,7 @@ class PtyDoor:
         return self._terminal.path
 
     def close(self) -> None:
-        self.unheard += left_there(self._terminal.read)
+        self.unread += left_there(self._terminal.read)
         self._terminal.close()
 
     def files(self) -> Sequence[int]:
@@ -58,18 +58,18 @@ class PtyDoor:
     def turn(self) -> None:
         self._follow_rate()
         left, came = self._terminal.clients()
-        if left and not came:  # what the system holds is all of that client
+        if left and not came:  # all bytes in the system are from that client
             while data := self._terminal.read():
                 self._line.write(data)
         if came and (discarded := self._line.next_client()):
-            self._told(f"a client came: {discarded} bytes of the one before were not sent yet, and are discarded")
+            self._notify(f"a client connected: {discarded} unsent bytes of the one before are discarded")
         while self._line.waiting < MOST:
             data = self._terminal.read()
             if not data:
                 break
             self._line.write(data)
         self.back.add(self._line.read())
-        self.back.give(self._terminal.write)
+        self.back.flush(self._terminal.write)
 
     def _set_rate(self, baud: int) -> None:
         code = next((value for value, rate in RATES.items() if rate == baud), None)

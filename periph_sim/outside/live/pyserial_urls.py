@@ -1,4 +1,4 @@
-"""pyserial is told that `f28335://` URLs are ours. Needs pyserial."""
+"""Registration of `f28335://` URLs with pyserial, which is required."""
 
 from __future__ import annotations
 
@@ -8,6 +8,6 @@ PACKAGE = "periph_sim.outside.live"
 
 
 def register() -> None:
-    """From now on `serial_for_url` knows them."""
+    """Make `serial_for_url` accept them."""
     if PACKAGE not in serial.protocol_handler_packages:
         serial.protocol_handler_packages.append(PACKAGE)

@@ -1,11 +1,11 @@
-"""A serial line over TCP, as RFC 2217 has it: a client anywhere on this computer sets rate and format, and is heard.
+"""A serial line over TCP, by RFC 2217: a client on this computer sets rate and format, sends and receives.
 
     client, rfc2217://127.0.0.1:4000 --TCP--> PortManager --bytes--> SerialLine --bits--> RX
                                               baud, format, break --^
 
-pyserial's PortManager speaks Telnet. One client at a time: the next one is told who is there, and turned away. One that
-sends what is no Telnet is let go, and what it sent before stays. A program that speaks no RFC 2217, such as netcat, has
-the line as it was made.
+pyserial's PortManager implements Telnet. One client at a time: a second one is rejected with the name of the first. One
+that sends invalid Telnet is disconnected, and its bytes before that are kept. A program without RFC 2217, such as
+netcat, uses the line as it was created.
 
 Source: RFC 2217; RFC 854; pyserial 3.5, serial.rfc2217.PortManager.
 """
@@ -22,14 +22,14 @@ from ..serial_line import SerialLine, parts_of_format
 from .backlog import AT_ONCE, MOST, Backlog, left_there
 
 LOOPBACK = "127.0.0.1"
-WHILE = 0.05  # seconds, in which the system brings what it took
+WHILE = 0.05  # seconds in which the system delivers received bytes
 LONGEST_OPTION = 256  # bytes of a subnegotiation; those of RFC 2217 have at most seven
-KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}  # a client whose computer went is let go in 25 s
+KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}  # a dead client is disconnected in 25 s
 
 
 class Rfc2217Door:
-    """port: 0 for any that is free. told: of clients that come and go, in a sentence. OutsideError for a port that is
-    taken, and where pyserial is missing.
+    """port: 0 for any free one. notify: receives a sentence when clients come and go. OutsideError for a port in use,
+    and if pyserial is missing.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class Rfc2217Door:
         form: str,
         port: int,
         address: str = LOOPBACK,
-        told: Callable[[str], None] = lambda sentence: None,
+        notify: Callable[[str], None] = lambda sentence: None,
     ) -> None:
         try:
             import serial.rfc2217
@@ -48,9 +48,9 @@ class Rfc2217Door:
         self._manager_of = serial.rfc2217.PortManager
         self._line = line
         self._port = Port(line, baud, form, self)
-        self._told = told
+        self._notify = notify
         self.back = Backlog()
-        self.unheard = 0  # bytes that a client had sent, and that were not taken when this was closed
+        self.unread = 0  # bytes that a client had sent, and that were not read when this was closed
         self._client: Client | None = None
         try:
             self._listener = socket.create_server((address, port))
@@ -62,14 +62,14 @@ class Rfc2217Door:
 
     def close(self) -> None:
         if self._client is not None:
-            self.unheard += left_there(self._client.come)
+            self.unread += left_there(self._client.receive_rest)
             self._client.close()
         self._listener.close()
 
     def files(self) -> Sequence[int]:
         listens = [self._listener.fileno()]
-        hears = self._client is not None and self._line.waiting < MOST
-        return [*listens, self._client.file] if self._client is not None and hears else listens
+        reads = self._client is not None and self._line.waiting < MOST
+        return [*listens, self._client.file] if self._client is not None and reads else listens
 
     def turn(self) -> None:
         self._welcome()
@@ -78,14 +78,14 @@ class Rfc2217Door:
         if client is None:
             return
         try:
-            while self._line.waiting < MOST and client.hear():
+            while self._line.waiting < MOST and client.receive():
                 pass
-            client.tell(self.back)
-        except Gone as gone:
+            client.send(self.back)
+        except ClientDisconnected as gone:
             self._let_go(client, str(gone))
 
     def _let_go(self, client: Client, why: str) -> None:
-        self._told(f"{client.name} {why}")
+        self._notify(f"{client.name} {why}")
         client.close()
         self._client = None
         self._line.hold_break(False)
@@ -96,26 +96,26 @@ class Rfc2217Door:
         except BlockingIOError:
             return
         except OSError as error:
-            self._told(f"a client could not be let in: {error.strerror}")
+            self._notify(f"a client could not be accepted: {error.strerror}")
             return
         name = f"client {address[0]}:{address[1]}"
         connection.setblocking(False)
-        if self._client is not None and self._client.closed():  # it is so far ahead that its end was not read yet
+        if self._client is not None and self._client.closed():  # its unread bytes hide that it has left
             self._let_go(self._client, "left")
         if self._client is not None:
             with connection:
                 said = f"this SCI has a client already, {self._client.name.removeprefix('client ')}; close that first"
                 _try_to_send(connection, f"{said}\r\n".encode())
-            self._told(f"{name} was turned away: {self._client.name} has the line")
+            self._notify(f"{name} was rejected: {self._client.name} has the line")
             return
         discarded = self._line.next_client()
         self._client = Client(connection, name, self._line, self._port, self._manager_of)
-        of_before = f"; {discarded} bytes of the one before were not sent yet, and are discarded" if discarded else ""
-        self._told(f"{name} came{of_before}")
+        of_before = f"; {discarded} unsent bytes of the one before are discarded" if discarded else ""
+        self._notify(f"{name} connected{of_before}")
 
 
-class Gone(Exception):
-    """Why a client is there no more, behind its name."""
+class ClientDisconnected(Exception):
+    """A client has disconnected, or must be; the text follows its name."""
 
 
 class Client:
@@ -126,8 +126,8 @@ class Client:
         self.file = connection.fileno()
         self._connection = connection
         self._line = line
-        self._out = bytearray()  # Telnet, on its way
-        self._data = bytearray()  # that came, without Telnet
+        self._out = bytearray()  # Telnet, to be sent
+        self._data = bytearray()  # received, without Telnet
         port.before = self._put
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -140,53 +140,53 @@ class Client:
         self._connection.close()
 
     def closed(self) -> bool:
-        """Return True if the client has closed its end, or is gone; what it sent before may not be read yet."""
+        """Return True if the client has closed its end, or vanished; its last bytes may be unread."""
         poll = select.poll()
         poll.register(self.file, getattr(select, "POLLRDHUP", 0))
         return bool(poll.poll(0))
 
-    def come(self) -> bytes:
-        """What comes by and by, Telnet and all; b"" for nothing in a while, or no more."""
+    def receive_rest(self) -> bytes:
+        """Return bytes that arrive, Telnet included; b"" if none arrives for a while, or at the end."""
         try:
             return self._connection.recv(MOST) if select.select([self.file], [], [], WHILE)[0] else b""
         except (OSError, ValueError):  # ValueError: it is closed
             return b""
 
     def write(self, data: bytes) -> None:
-        """For the PortManager: what Telnet answers."""
+        """Queue Telnet's answers; called by the PortManager."""
         self._out += data
 
-    def hear(self) -> bool:
-        """True if anything came. What of it is no command goes on the line. Gone where there will be no more."""
+    def receive(self) -> bool:
+        """Process received data and commands. False if nothing arrived. ClientDisconnected at the end."""
         try:
             came = self._connection.recv(AT_ONCE)
         except BlockingIOError:
             return False
         except OSError as error:
-            raise Gone(f"vanished: {error.strerror}") from None
+            raise ClientDisconnected(f"vanished: {error.strerror}") from None
         if not came:
-            raise Gone("left")
+            raise ClientDisconnected("left")
         try:
             for byte in self._manager.filter(came):
                 self._data += byte
-        except Exception as error:  # pyserial raises what its parsing happens to run into
-            raise Gone(f"sent what is no RFC 2217 ({error!r}), and was let go") from None
+        except Exception as error:  # pyserial's parser raises arbitrary exceptions
+            raise ClientDisconnected(f"sent invalid RFC 2217 ({error!r}), and was disconnected") from None
         finally:
             self._put()
         if len(self._manager.suboption or b"") > LONGEST_OPTION:
-            raise Gone(f"sent a Telnet option of more than {LONGEST_OPTION} bytes, and was let go")
+            raise ClientDisconnected(f"sent a Telnet option of more than {LONGEST_OPTION} bytes, and was disconnected")
         if len(self._out) > MOST:
-            raise Gone("asked for more Telnet options than it heard answers of, and was let go")
+            raise ClientDisconnected("requested Telnet options faster than it read the answers, and was disconnected")
         return True
 
     def _put(self) -> None:
-        """What came goes on the line, in front of what a command does to it."""
+        """Put received data on the line, before a command changes the line."""
         self._line.write(bytes(self._data))
         self._data.clear()
 
-    def tell(self, back: Backlog) -> None:
-        """Answers of Telnet first; then what the SCI sent, as far as the client takes it."""
-        back.give(self._escaped)
+    def send(self, back: Backlog) -> None:
+        """Send Telnet's answers first, then the SCI's bytes, as far as the client accepts them."""
+        back.flush(self._escaped)
         self._send()
 
     def _escaped(self, data: bytes) -> int:
@@ -204,20 +204,20 @@ class Client:
         except BlockingIOError:
             return
         except OSError as error:
-            raise Gone(f"vanished: {error.strerror}") from None
+            raise ClientDisconnected(f"vanished: {error.strerror}") from None
 
 
 class Port:
-    """What a PortManager sets and asks of a port. ValueError, by the line, for a rate or format that it cannot have.
+    """The port that a PortManager controls. ValueError, by the line, for an unsupported rate or format.
 
-    An SCI has no modem lines, and TCP holds a client back that is ahead: those are as they are.
+    An SCI has no modem lines, and TCP's flow control holds back a client that is ahead: these settings are constant.
     """
 
     xonxoff = rtscts = cts = dsr = ri = cd = False
     rts = dtr = True
 
     def __init__(self, line: SerialLine, baud: int, form: str, door: Rfc2217Door) -> None:
-        self.before: Callable[[], None] = lambda: None  # it is told of a command
+        self.before: Callable[[], None] = lambda: None  # called before a command
         self._line = line
         self._door = door
         self._baud = baud
@@ -275,11 +275,11 @@ class Port:
         self._door.back.clear()
 
     def reset_output_buffer(self) -> None:
-        """What was written is on its way to the line: none of it is taken back."""
+        """Do nothing: bytes on their way to the line cannot be taken back."""
 
 
 def _try_to_send(connection: socket.socket, data: bytes) -> None:
     try:
         connection.send(data)
     except OSError:
-        return  # it is gone already
+        return  # it has left already

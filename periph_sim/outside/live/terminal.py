@@ -1,4 +1,4 @@
-"""pyserial's miniterm on a case: keys go to an SCI, what the SCI sends is shown; what ended it is kept as a sentence.
+"""pyserial's miniterm on a case: keys go to an SCI, and the SCI's output is shown.
 
 Source: pyserial 3.5, serial.tools.miniterm.
 """
@@ -14,7 +14,7 @@ FILTERS = tuple(TRANSFORMATIONS)
 
 
 class Terminal(Miniterm):  # type: ignore[misc]
-    """failed: why the session ended before the user did; "" if it did not."""
+    """failed: why the session ended before the user ended it; "" if it did not."""
 
     def __init__(self, port: Serial, echo: bool, eol: str, shown: str, encoding: str) -> None:
         super().__init__(port, echo, eol, (shown,))
@@ -23,7 +23,7 @@ class Terminal(Miniterm):  # type: ignore[misc]
         self.set_tx_encoding(encoding)
 
     def talk(self, greeting: str) -> None:
-        """Until Ctrl-], or the end of the session. greeting: shown once keys are heard."""
+        """Run until Ctrl-], or the end of the session. greeting: shown once keys are read."""
         self.start()
         self.console.write(f"{greeting}\r\n")
         try:
@@ -40,7 +40,7 @@ class Terminal(Miniterm):  # type: ignore[misc]
         except (
             SerialException,
             OSError,
-        ) as error:  # OSError: a kernel that lets nobody end another one's wait for a key
+        ) as error:  # OSError: a kernel that cannot interrupt a wait for a key
             self.failed = str(error.__context__ or error)
             self.console.write("\r\nthe session has ended; press a key\r\n")
 

@@ -67,7 +67,7 @@ def test_blocks_have_1_to_32_bytes(number_1: Any, length: int) -> None:
     bus.write_i2c_block_data(0x20, 0x80, data)
     assert bus.read_i2c_block_data(0x20, 0x80, length) == data
     bus.write_byte_data(0x20, 0x40, 33)
-    with pytest.raises(OSError, match="a block of 33 bytes came; expected 1 to 32") as refused:
+    with pytest.raises(OSError, match="a block of 33 bytes was received; expected 1 to 32") as refused:
         bus.read_block_data(0x20, 0x40)
     assert refused.value.errno == errno.EPROTO
 
@@ -193,7 +193,7 @@ def test_packet_error_codes_are_sent_and_checked() -> None:
         assert bus.read_i2c_block_data(0x20, 0x60, 1) == [code_of(0x40, 0x60)]
         bus.write_quick(0x20)
         right = code_of(0x40, 0x20, 0x41, 0)
-        with pytest.raises(OSError, match=f"error code 0x00 came; {right:#04x} is that of what came") as refused:
+        with pytest.raises(OSError, match=f"error code 0x00; expected {right:#04x}") as refused:
             bus.read_byte_data(0x20, 0x20)
         assert refused.value.errno == errno.EBADMSG
         bus.pec = 0

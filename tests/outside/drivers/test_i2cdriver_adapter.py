@@ -41,26 +41,26 @@ def adapter(session: Session | None = None) -> I2cDriver:
     ],
 )
 def test_what_is_answered(sent: bytes, said: bytes) -> None:
-    assert adapter().take(sent) == said
+    assert adapter().receive(sent) == said
     slowly = adapter()
-    assert b"".join(slowly.take(bytes([byte])) for byte in sent) == said
+    assert b"".join(slowly.receive(bytes([byte])) for byte in sent) == said
 
 
 def test_register_reads_of_0_are_of_256() -> None:
-    assert adapter().take(b"r\x50\x00\x00") == b"\x0a\x0b\x0c\x0d" + bytes(252)
+    assert adapter().receive(b"r\x50\x00\x00") == b"\x0a\x0b\x0c\x0d" + bytes(252)
 
 
 def test_time_passes_before_each_start() -> None:
     session = slave(registers="0a")
     driver = I2cDriver(session, session.ticks("3 ms"))
     before = session.now
-    driver.take(b"r\x50\x00\x01")
+    driver.receive(b"r\x50\x00\x01")
     assert session.ticks("6 ms") < session.now - before < session.ticks("6.5 ms")
 
 
 def test_a_scan_reports_each_address() -> None:
     session = slave(registers="0a")
-    reports = adapter(session).take(b"d")
+    reports = adapter(session).receive(b"d")
     assert session.level("SCL") == session.level("SDA") == 1 and not session.i2c.held
     assert len(reports) == 112
     assert [address for address, report in enumerate(reports, 8) if report == ACKED[0]] == [0x50]
@@ -68,14 +68,14 @@ def test_a_scan_reports_each_address() -> None:
 
 def test_the_status_says_rate_lines_pull_ups_and_checksum() -> None:
     driver = adapter()
-    booted = driver.take(b"?")
+    booted = driver.receive(b"?")
     assert booted == b"[i2cdriver1 F28335 000000000 5.000 000 25.0 I 1 1 100 24 ffff".ljust(79) + b"]"
-    driver.take(b"4u\x09" + WRITE + b"\xc0\x31p")
+    driver.receive(b"4u\x09" + WRITE + b"\xc0\x31p")
     checksum = f"{crc_hqx(bytes([0xA0, 0x31]), 0xFFFF):04x}"
-    assert driver.take(b"?").split()[9:12] == [b"400", b"09", checksum.encode()]
-    assert driver.take(b"1?").split()[9] == b"100"
-    assert driver.take(b"4_?") == booted
-    assert len(driver.take(b"J")) == 80
+    assert driver.receive(b"?").split()[9:12] == [b"400", b"09", checksum.encode()]
+    assert driver.receive(b"1?").split()[9] == b"100"
+    assert driver.receive(b"4_?") == booted
+    assert len(driver.receive(b"J")) == 80
 
 
 def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
@@ -83,44 +83,44 @@ def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
     driver = adapter(session)
     stranger = session.scene.wire("SCL").attach("stranger")
     stranger.drive(0)
-    assert driver.take(WRITE + b"\xc0\x00p") == TIMED_OUT + b"2"
-    assert driver.take(b"x") == b"2"  # SDA is high
+    assert driver.receive(WRITE + b"\xc0\x00p") == TIMED_OUT + b"2"
+    assert driver.receive(b"x") == b"2"  # SDA is high
     stranger.drive(1)
     session.advance(session.now + 1)
-    assert driver.take(b"x" + WRITE + b"p") == b"3" + ACKED
+    assert driver.receive(b"x" + WRITE + b"p") == b"3" + ACKED
 
 
 def test_a_byte_that_a_held_line_cuts_off_is_a_timeout_and_no_ack() -> None:
     """S 50W A, then SCL is held."""
     session = slave(registers="0a")
     driver = adapter(session)
-    assert driver.take(WRITE) == ACKED
+    assert driver.receive(WRITE) == ACKED
     session.scene.wire("SCL").attach("stranger").drive(0)
-    assert driver.take(b"\xc0\x00") == TIMED_OUT
+    assert driver.receive(b"\xc0\x00") == TIMED_OUT
 
 
 def test_a_start_that_cannot_be_lets_go_of_the_bus() -> None:
     session = slave(registers="0a")
     driver = adapter(session)
-    assert not driver.capturing and driver.take(WRITE) == ACKED
+    assert not driver.capturing and driver.receive(WRITE) == ACKED
     session.scene.wire("SDA").attach("stranger").drive(0)
-    assert driver.take(READ + b"\xc0\x00") == TIMED_OUT * 2
+    assert driver.receive(READ + b"\xc0\x00") == TIMED_OUT * 2
     assert session.level("SCL") == 1
 
 
 def test_arbitration_that_is_lost_is_reported() -> None:
     driver = I2cDriver(beside_another_controller(), 0)
-    assert driver.take(b"s\xfe\xc0\x00p") == b"44"
+    assert driver.receive(b"s\xfe\xc0\x00p") == b"44"
 
 
 def test_a_bus_that_was_left_in_a_read_is_free_behind_a_reset() -> None:
     session = slave(registers="00")
     driver = adapter(session)
-    assert driver.take(READ) == ACKED  # and the first bit, a 0
+    assert driver.receive(READ) == ACKED  # and the first bit, a 0
     assert session.pulls("SDA")
-    assert driver.take(b"x") == b"3"
+    assert driver.receive(b"x") == b"3"
     assert not session.pulls("SDA")
-    assert driver.take(b"r\x50\x01\x01") == b"\x00"
+    assert driver.receive(b"r\x50\x01\x01") == b"\x00"
 
 
 def test_a_capture_is_what_others_do_on_the_bus() -> None:
@@ -129,19 +129,19 @@ def test_a_capture_is_what_others_do_on_the_bus() -> None:
     case = load(TIMING / "two_dsps.toml", changes)
     session = Session(case, BUS)
     driver = adapter(session)
-    assert driver.take(b"c") == b"" and driver.capturing
+    assert driver.receive(b"c") == b"" and driver.capturing
     session.advance(session.ticks("25 ms"))
     got = driver.captured()
     nibbles = [nibble for byte in got for nibble in (byte >> 4, byte & 15)]
     # START, 0xD0 ACK = 110 100 000, 0x1D ACK = 000 111 010; START, 0xD1 ACK = 110 100 010, 0x11 ACK = 000 100 010
     assert nibbles[:14] == [1, 14, 12, 8, 8, 15, 10, 1, 14, 12, 10, 8, 12, 10]
     assert [nibbles.count(token) for token in (1, 2)] == [6, 3]
-    assert driver.take(b"@") == b"" and not driver.capturing
+    assert driver.receive(b"@") == b"" and not driver.capturing
     session.advance(session.ticks("45 ms"))
-    assert driver.captured() == b"" and driver.take(b"e@") == b"@"
-    driver.take(b"c")
+    assert driver.captured() == b"" and driver.receive(b"e@") == b"@"
+    driver.receive(b"c")
     session.advance(session.ticks("65 ms"))
-    assert driver.take(b"c") == driver.captured() == b"", "what a capture did not hand over is gone with it"
+    assert driver.receive(b"c") == driver.captured() == b"", "what a capture did not hand over is gone with it"
 
 
 @pytest.mark.parametrize("sent", [b"c", b"b", b"b\x02@"])
@@ -149,8 +149,8 @@ def test_a_capture_and_bits_let_go_of_the_bus(sent: bytes) -> None:
     """START and an address: SCL is held low for the next byte, until a capture or bits begin, or the bits end."""
     session = slave(registers="0a")
     driver = adapter(session)
-    assert driver.take(WRITE) == ACKED and session.level("SCL") == 0
-    driver.take(sent)
+    assert driver.receive(WRITE) == ACKED and session.level("SCL") == 0
+    driver.receive(sent)
     assert session.level("SCL") == 1
 
 
@@ -158,7 +158,7 @@ def test_garbage_is_stood_and_forgotten() -> None:
     draw = Random(12)
     driver = adapter()
     for _ in range(12):
-        driver.take(bytes(draw.choice([*range(32), *b"srpaxubcm@", 0x82, 0xC1]) for _ in range(30)))
-        driver.take(b"@" * 256)
-        assert driver.take(b"x") == b"3"
-        assert driver.take(b"e\x42") == b"\x42"
+        driver.receive(bytes(draw.choice([*range(32), *b"srpaxubcm@", 0x82, 0xC1]) for _ in range(30)))
+        driver.receive(b"@" * 256)
+        assert driver.receive(b"x") == b"3"
+        assert driver.receive(b"e\x42") == b"\x42"

@@ -88,7 +88,7 @@ def test_what_cannot_be_is_said_before_a_program_opens_it(tmp_path: Path) -> Non
         pass
     with pytest.raises(OutsideError, match="SCL of case mine does not lead outside"), I2cDriverPort(case(), ["SDA"]):
         pass
-    with pytest.raises(BadCase, match="nobody is outside"), I2cDriverPort(case()):
+    with pytest.raises(BadCase, match="no wire leads outside"), I2cDriverPort(case()):
         pass
     assert taken.read_text() == "mine"
     assert len(os.listdir("/proc/self/fd")) == before

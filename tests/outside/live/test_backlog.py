@@ -13,10 +13,10 @@ def test_what_is_beyond_its_size_is_given_up_and_counted() -> None:
     waiting.add(b"abcde")
     assert (waiting.lost, len(waiting)) == (0, 5)
     waiting.add(b"fg")
-    assert (waiting.lost, waiting.take(2), waiting.take(9), len(waiting)) == (2, b"cd", b"efg", 0)
+    assert (waiting.lost, waiting.read(2), waiting.read(9), len(waiting)) == (2, b"cd", b"efg", 0)
     waiting.add(b"hi")
     waiting.clear()
-    assert (waiting.lost, waiting.take(1)) == (2, b"")
+    assert (waiting.lost, waiting.read(1)) == (2, b"")
 
 
 @pytest.mark.parametrize("room", [BlockingIOError(), 0])
@@ -32,9 +32,9 @@ def test_it_is_handed_over_in_pieces_as_long_as_there_is_room(monkeypatch: pytes
             raise count
         return count
 
-    waiting.give(take)
+    waiting.flush(take)
     assert offered == [b"abcd", b"efg", b"fg"]
-    assert waiting.take(9) == b"fg"
+    assert waiting.read(9) == b"fg"
 
 
 def test_its_sizes() -> None:

@@ -72,7 +72,7 @@ def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(tmp_path: Path) 
     assert (line.sent, line.received) == (2, 0)  # the first is under way, and the second has its place
     cable.unplug()
     passes(session, door, "1.2 ms")
-    assert said == [f"{cable.name}: {GONE}; it is opened again once it is there"] and door.files() == []
+    assert said == [f"{cable.name}: {GONE}; it will be opened again once it is back"] and door.files() == []
     now[0] = 1.5
     passes(session, door, "1.2 ms")
     cable.plug()
@@ -85,7 +85,7 @@ def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(tmp_path: Path) 
     passes(session, door, "1.2 ms")
     send(cable, door, b"d")
     passes(session, door, "1.2 ms")
-    assert said[1:] == [f"{cable.name} is there again"]
+    assert said[1:] == [f"{cable.name} is back"]
     assert (line.sent, line.received, got(cable, 4)) == (4, 4, b"bcde")
     door.close()
     cable.unplug()
@@ -128,7 +128,7 @@ def test_a_port_that_is_ahead_of_the_line_waits(tmp_path: Path, monkeypatch: pyt
     door.turn()
     assert line.waiting == 100
     door.close()
-    assert door.unheard == 1
+    assert door.unread == 1
     cable.unplug()
 
 
@@ -153,10 +153,10 @@ def test_pyserial_s_words_are_ours() -> None:
         (serial.SerialException("write failed: [Errno 5] Input/output error"), GONE),
         (serial.SerialException("device reports readiness to read but returned no data (device ...)"), GONE),
         (OSError(5, "Input/output error"), GONE),
-        (PermissionError(13, "Permission denied"), "you may not open it; become a member of the group"),
+        (PermissionError(13, "Permission denied"), "no permission to open it; join the group"),
         (serial.SerialException("its own words"), "its own words"),
     ]
     assert all(in_our_words("P", error).startswith(f"P: {words}") for error, words in said)
     with pytest.raises(serial.SerialException) as refused:
         serial.serial_for_url("socket://127.0.0.1:1")
-    assert in_our_words("there", refused.value) == "there: nobody serves it; start that first"
+    assert in_our_words("there", refused.value) == "there: no server is listening; start it first"

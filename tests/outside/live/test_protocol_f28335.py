@@ -184,7 +184,7 @@ def test_a_closed_port_is_told_by_its_url(tmp_path: Path) -> None:
         line.open()
     line.close()
     for call in (line.read, line.flush, lambda: line.write(b"a"), lambda: line.in_waiting):
-        with pytest.raises(serial.PortNotOpenError, match=r"pace=0 is closed; open\(\) begins its case anew$"):
+        with pytest.raises(serial.PortNotOpenError, match=r"pace=0 is closed; open\(\) restarts its case$"):
             call()
 
 
@@ -222,6 +222,6 @@ def test_what_nobody_reads_is_counted_and_told(tmp_path: Path, monkeypatch: pyte
     line = port(tmp_path, timeout=1)
     line.write(b"abcdefghijklmnopqrst")
     assert line.read(20) == b"lmnopqrstu"
-    with pytest.warns(RuntimeWarning, match="10 bytes of the SCI were given up: nobody read them"):
+    with pytest.warns(RuntimeWarning, match="10 unread bytes of the SCI were discarded"):
         line.close()
     assert line.lost == 10 and line.result.sci_bytes == 20

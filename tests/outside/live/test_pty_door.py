@@ -143,7 +143,7 @@ def test_who_is_ahead_waits_and_what_was_not_taken_is_counted(tmp_path: Path, mo
         served.passes("1 ms")
     assert 0 < served.line.waiting < 100 + 4096 and served.line.sent + served.line.waiting < sent
     served.door.close()
-    assert 0 < served.door.unheard <= sent - served.line.sent - served.line.waiting
+    assert 0 < served.door.unread <= sent - served.line.sent - served.line.waiting
     os.close(file)
 
 
@@ -215,7 +215,7 @@ def test_all_that_a_client_wrote_before_it_left_goes_on_the_line(
     served.door.turn()
     assert served.line.waiting == 3000
     served.door.close()
-    assert served.door.unheard == 0
+    assert served.door.unread == 0
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
@@ -223,7 +223,7 @@ def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(tmp_
     said: list[str] = []
     served = Served(tmp_path)
     served.door.close()
-    served.door = PtyDoor(served.line, 115_200, "8n1", told=said.append)
+    served.door = PtyDoor(served.line, 115_200, "8n1", notify=said.append)
     file = client(served.door.path)
     for _ in range(20):
         os.write(file, b"x" * 1000)
@@ -236,7 +236,9 @@ def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(tmp_
     os.write(file, b"hello")
     assert heard(served, file, b"ifmmp").strip(b"y") == b"ifmmp" and not served.line.waiting
     (sentence,) = said
-    assert sentence.startswith("a client came: 19") and sentence.endswith("were not sent yet, and are discarded")
+    assert sentence.startswith("a client connected: 19") and sentence.endswith(
+        "unsent bytes of the one before are discarded"
+    )
     os.close(file)
     file = client(served.door.path)
     os.write(file, b"short")

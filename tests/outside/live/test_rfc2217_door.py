@@ -35,7 +35,7 @@ class Served:
         self.said: list[str] = []
         self.session = Session(written(folder), ("RX", "TX"))
         self.line = self.session.serial("scia")
-        self.door = Rfc2217Door(self.line, 115_200, "8n1", 0, told=self.said.append)
+        self.door = Rfc2217Door(self.line, 115_200, "8n1", 0, notify=self.said.append)
         self.address = ("127.0.0.1", int(self.door.path.rpartition(":")[2]))
 
     def passes(self, length: str) -> None:
@@ -92,7 +92,7 @@ def test_the_client_s_rate_and_format_are_the_line_s(tmp_path: Path) -> None:
     finally:
         ended.set()
         thread.join()
-    assert [sentence.split()[-1] for sentence in made[0].said] == ["came", "left"]
+    assert [sentence.split()[-1] for sentence in made[0].said] == ["connected", "left"]
     assert made[0].session.level("RX") == 1
     assert made[0].session.scene.value_of("dsp.SCI-A", "SCIRXST.BRKDT") == 1
 
@@ -103,7 +103,7 @@ def test_a_program_without_telnet_has_the_line_as_it_was_made(served: Served) ->
         served.passes("5 ms")
         assert client.recv(100) == b"bcd\x00"
     served.passes("2 ms")
-    assert [sentence.split()[-1] for sentence in served.said] == ["came", "left"]
+    assert [sentence.split()[-1] for sentence in served.said] == ["connected", "left"]
 
 
 def test_a_second_client_is_told_who_is_there(served: Served) -> None:
@@ -112,7 +112,7 @@ def test_a_second_client_is_told_who_is_there(served: Served) -> None:
         name = "{}:{}".format(*first.getsockname())
         assert second.recv(100).decode() == f"this SCI has a client already, {name}; close that first\r\n"
         assert second.recv(100) == b""
-        turned_away = "client {}:{} was turned away".format(*second.getsockname())
+        turned_away = "client {}:{} was rejected".format(*second.getsockname())
         assert served.said[1:] == [f"{turned_away}: client {name} has the line"]
         first.send(b"a")
         served.passes("2 ms")
@@ -129,7 +129,7 @@ def test_garbage_ends_its_client_and_nothing_else(served: Served, garbage: bytes
     with served.client() as client:
         client.send(b"ab" + garbage)
         served.passes("5 ms")
-        assert "was let go" in served.said[-1]
+        assert "was disconnected" in served.said[-1]
         with pytest.raises(ConnectionError):
             while client.recv(100):
                 pass
@@ -146,7 +146,7 @@ def test_a_telnet_option_has_at_most_256_bytes(served: Served, length: int, stay
     with served.client() as client:
         client.send(b"\xff\xfa" + b"x" * length)
         served.passes("2 ms")
-        assert ("was let go" in served.said[-1]) != stays
+        assert ("was disconnected" in served.said[-1]) != stays
 
 
 def test_a_door_that_closes_ends_its_client(served: Served) -> None:
@@ -194,7 +194,7 @@ def test_who_is_a_megabyte_ahead_waits(served: Served) -> None:
         held = served.line.waiting
         assert sent > held and 1 << 20 <= held <= (1 << 20) + 4096
         served.door.close()
-        assert 0 < served.door.unheard <= sent - served.line.sent - served.line.waiting
+        assert 0 < served.door.unread <= sent - served.line.sent - served.line.waiting
 
 
 def test_what_nobody_reads_is_kept_up_to_a_megabyte() -> None:
@@ -209,7 +209,7 @@ def test_what_nobody_reads_is_kept_up_to_a_megabyte() -> None:
         got.append(data[:3])
         return 3
 
-    back.give(take)
+    back.flush(take)
     assert (got, len(back)) == ([b"234"], 7)
 
 
@@ -284,7 +284,7 @@ def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(serv
     second = served.client()
     came, left = served.said[-1], served.said[-2]
     assert left.partition(" ")[0] == "client" and (left.endswith(" left") or " vanished: " in left)
-    assert came.endswith("bytes of the one before were not sent yet, and are discarded")
+    assert came.endswith("unsent bytes of the one before are discarded")
     second.send(b"hello")
     served.passes("2 ms")
     assert second.recv(4096).strip(b"y") == b"ifmmp" and not served.line.waiting
@@ -305,7 +305,7 @@ def test_the_end_of_a_client_that_is_ahead_is_seen_when_the_next_one_comes(
         served.door.turn()
         assert [sentence.partition(" ")[2].partition(" ")[2] for sentence in served.said[1:]] == [
             "left",
-            f"came; {backlog.AT_ONCE} bytes of the one before were not sent yet, and are discarded",
+            f"connected; {backlog.AT_ONCE} unsent bytes of the one before are discarded",
         ]
         second.send(b"a")
         served.passes("2 ms")
@@ -336,7 +336,7 @@ def test_a_client_that_the_system_cannot_let_in_is_told(served: Served, monkeypa
 
     monkeypatch.setattr(served.door, "_listener", Full())
     served.door.turn()
-    assert served.said == ["a client could not be let in: Too many open files"]
+    assert served.said == ["a client could not be accepted: Too many open files"]
     monkeypatch.undo()
     served.client().close()
-    assert served.said[1].endswith(" came")
+    assert served.said[1].endswith(" connected")

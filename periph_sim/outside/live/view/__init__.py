@@ -1,4 +1,4 @@
-"""What a live session shows of itself: its own thread makes a snapshot now and then; others print it or serve it.
+"""The display of a live session: its own thread takes snapshots periodically; others print or serve them.
 
 session --Status--> snapshot --Board--> terminal, browser
 """

@@ -1,8 +1,8 @@
-"""Attitude of a body from one sample of its accelerometer and magnetometer: degrees come out, as long as it only rests.
+"""Attitude of a resting body, in degrees, from one sample of its accelerometer and magnetometer.
 
     gravity --> roll, pitch --turn the field level--> yaw
 
-An accelerometer at rest, level and z down, reads (0, 0, -1 g). `devices.attitude` has a filter that stands motion, too.
+An accelerometer at rest, level and z down, reads (0, 0, -1 g). `devices.attitude` has a filter that tolerates motion.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from math import atan2, cos, degrees, hypot, sin
 def resting_attitude(
     accel: Sequence[float], mag: Sequence[float], field: Sequence[float]
 ) -> tuple[float, float, float]:
-    """Roll, pitch, yaw. field: north, east of the field where the body is."""
+    """Return roll, pitch, yaw in degrees. field: north and east components of the magnetic field at the body."""
     x, y, z = (-value for value in accel)
     roll, pitch = atan2(y, z), atan2(-x, hypot(y, z))
     mx, my, mz = mag

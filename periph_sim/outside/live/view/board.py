@@ -1,4 +1,4 @@
-"""Where the session's thread leaves its latest snapshot, and others wait for the next one."""
+"""Exchange of the latest snapshot between the session's thread and threads that wait for the next one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .status import Snapshot
 
 
 class Board:
-    """Snapshots are numbered from 1. A reader that is slow misses some; none waits for it."""
+    """Snapshots are numbered from 1. A slow reader misses some; the writer never waits."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
@@ -23,13 +23,13 @@ class Board:
             self._changed.notify_all()
 
     def close(self) -> None:
-        """There will be no more."""
+        """End the sequence of snapshots."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
 
     def after(self, number: int, timeout: float) -> tuple[int, Snapshot | None]:
-        """(its number, the latest one) if it is newer than `number`; None if there was none in time."""
+        """Return (number, snapshot) of the latest one if newer than `number`; None for a snapshot after the timeout."""
         with self._changed:
             self._changed.wait_for(lambda: self._number > number or self._closed, timeout)
             return (self._number, self._latest) if self._number > number else (number, None)

@@ -1,10 +1,10 @@
-"""The view as a page: a board goes in; a browser of this computer finds a page that follows it.
+"""The view as a web page for browsers of this computer, updated from a board.
 
     GET /        the page
-    GET /events  its snapshots as server-sent events, one each time there is a new one
+    GET /events  its snapshots as server-sent events, one for each new one
 
-Threads of its own, which only read the board. It listens on the loopback address unless asked otherwise, and there
-answers only to names of this computer, so that no other page can read it.
+Uses its own threads, which only read the board. It listens on the loopback address by default, and there answers only
+requests to names of this computer, so that no other page can read it.
 
 Source: WHATWG HTML, section 9.2, server-sent events.
 """
@@ -23,13 +23,13 @@ from .board import Board
 PAGE = Path(__file__).with_name("page.html")
 LOOPBACK = "127.0.0.1"
 OURS = ("127.0.0.1", "localhost", "[::1]")
-PATIENCE = 1.0  # seconds without news, after which a client is asked whether it is there
-END_SEEN = 0.05  # seconds in which it sees that it is to end
+PATIENCE = 1.0  # seconds without news, after which a client's presence is checked
+END_SEEN = 0.05  # seconds in which it notices its end
 RULES = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; img-src data:"
 
 
 class Browser:
-    """url: of the page. OutsideError for a port that is taken."""
+    """url: of the page. OutsideError for a port in use."""
 
     def __init__(self, board: Board, port: int, address: str = LOOPBACK) -> None:
         try:
@@ -44,7 +44,7 @@ class Browser:
         self._thread.start()
 
     def close(self) -> None:
-        """Behind the board: clients are given its last snapshot."""
+        """Stop the server. Call after the board is closed: clients receive its last snapshot."""
         self._server.shutdown()
         self._server.server_close()
         self._thread.join()
@@ -53,7 +53,7 @@ class Browser:
 class _Server(ThreadingHTTPServer):
     board: Board
     guarded: bool
-    daemon_threads = False  # all have ended behind `server_close`: the board is closed before
+    daemon_threads = False  # all have ended after `server_close`: the board is closed before
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -64,7 +64,7 @@ class _Handler(BaseHTTPRequestHandler):
         server = cast(_Server, self.server)
         host = self.headers.get("Host", "").rpartition(":")[0] or self.headers.get("Host", "")
         if server.guarded and host not in OURS:
-            self.send_error(403, "this page is of this computer only")
+            self.send_error(403, "this page is for this computer only")
         elif self.path == "/":
             self._page()
         elif self.path == "/events":
@@ -91,11 +91,11 @@ class _Handler(BaseHTTPRequestHandler):
             while not closed:
                 closed = board.closed
                 number, snapshot = board.after(number, PATIENCE)
-                told = ": still here" if snapshot is None else f"data: {json.dumps(snapshot)}"
-                self.wfile.write(f"{told}\n\n".encode())
+                event = ": still here" if snapshot is None else f"data: {json.dumps(snapshot)}"
+                self.wfile.write(f"{event}\n\n".encode())
                 self.wfile.flush()
         except OSError:
             return  # the client has left
 
     def log_message(self, format: str, *arguments: object) -> None:
-        """Nobody reads a list of requests."""
+        """Do nothing: requests are not logged."""

@@ -1,4 +1,4 @@
-"""The view as one of a session's doors: some times a second a snapshot goes to its board."""
+"""The view as one of a session's doors: puts a snapshot on its board several times a second."""
 
 from __future__ import annotations
 
@@ -26,6 +26,6 @@ class ViewDoor:
             self._board.put(self._status.snapshot())
 
     def close(self) -> None:
-        """The last one, of the end."""
+        """Put the last snapshot, at the end."""
         self._board.put(self._status.snapshot(over=True))
         self._board.close()

@@ -1,8 +1,8 @@
-"""The wave of the last round: edges of wires go in as they are recorded; those of one round come out.
+"""The waveform of the last round, from the edges of wires as they are recorded.
 
-    edges --the last 1 << 14--> begin and end of a round --> per wire: its first level, and when it changes
+    edges --the last 1 << 14--> begin and end of a round --> per wire: its first level and its edges
 
-Where nobody asks for rounds it is the last transfer; where there is no bus, what the serial lines did last.
+If no rounds are defined, it is the last transfer; if there is no bus, the last activity of the serial lines.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from ....devices.sensor_rounds import Round
 from ....scene.scene import Scene
 
 KEPT = 1 << 14  # edges of all wires together; a round of 27 bytes has 800
-MARGIN = 20  # microseconds that are shown before and behind
+MARGIN = 20  # microseconds shown before and after
 SERIAL = 2000  # microseconds of serial lines
 
-Span = tuple[int, int, str]  # ticks, and what it is
+Span = tuple[int, int, str]  # begin and end in ticks, and its title
 
 
 class Line(TypedDict):
@@ -33,9 +33,9 @@ class Line(TypedDict):
 
 
 class Wave(TypedDict):
-    """of: what is shown. at_s: where it begins. length: in microseconds."""
+    """title: of the waveform. at_s: its begin. length: in microseconds."""
 
-    of: str
+    title: str
     at_s: float
     length: float
     lines: list[Line]
@@ -59,7 +59,7 @@ class LastRound(Listener):
         recorder.subscribe([Kind.EDGE], self, {Kind.EDGE: self._wires})
 
     def listen(self, scene: Scene) -> None:
-        """To what a round is."""
+        """Subscribe to rounds or transfers."""
         if scene.bus.asked is not None:
             scene.on_round(self._round)
         elif "SCL" in scene.wires:
@@ -78,7 +78,7 @@ class LastRound(Listener):
         self._span = one.phases[0].start_at, one.stop_at, one.name or "the last transfer"
 
     def wave(self, start: int) -> Wave | None:
-        """None before there was anything. start: the tick at which the run began."""
+        """Return the waveform; None before there is one. start: the tick at which the run began."""
         span = self._span or self._serial()
         if span is None:
             return None
@@ -96,7 +96,7 @@ class LastRound(Listener):
                 lines[wire]["edges"].append(round((tick - begin) / self._per_us, 3))
             known.add(wire)
         return {
-            "of": span[2],
+            "title": span[2],
             "at_s": (begin - start) / (self._per_us * 1_000_000),
             "length": (end - begin) / self._per_us,
             "lines": [line for number, line in enumerate(lines) if number in known],

@@ -1,10 +1,10 @@
-"""How a live session stands: its scene, serial line and pacer go in; now and then a snapshot for people comes out.
+"""Status of a live session: snapshots for display from its scene, serial line and pacer.
 
     transfers --> last readings --> attitude
-    counts since the last two seconds --> rates
-    registers --> flags that stand;  budgets --> verdicts so far;  pacer --> lateness
+    counts of the last two seconds --> rates
+    registers --> set flags;  budgets --> verdicts so far;  pacer --> lateness
 
-A snapshot is plain values, made in the session's own thread, and nobody's afterwards.
+A snapshot consists of plain values, created in the session's own thread and independent of it afterwards.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from ..pacing import STEPS, TOLERATED, Pacer
 from .attitude import resting_attitude
 from .last_round import LastRound, Wave
 
-WINDOW = 2.0  # seconds over which rates are told
-SELDOM = 10.0  # seconds from one look at a percentile to the next: it looks through all values
-SAID = 3  # sentences of doors that are shown
+WINDOW = 2.0  # seconds over which rates are averaged
+SELDOM = 10.0  # seconds between computations of a percentile, which needs all values
+SAID = 3  # shown sentences of doors
 UNITS = {"gyroscope": "deg/s", "accelerometer": "g", "magnetometer": "gauss"}
 FLAGS = {
     "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),
@@ -45,7 +45,7 @@ class Reading(TypedDict):
 
 
 class BudgetSoFar(TypedDict):
-    """state: "pass", "fail", or "" where nothing was measured yet."""
+    """state: "pass", "fail", or "" if nothing was measured yet."""
 
     name: str
     seen: str
@@ -55,7 +55,7 @@ class BudgetSoFar(TypedDict):
 
 
 class Lateness(TypedDict):
-    """steps: upper ends in seconds; counts has one more, of what is beyond. late: how often over `tolerated`."""
+    """steps: upper ends in seconds; counts has one more, for those beyond. late: number over `tolerated`."""
 
     steps: list[float]
     counts: list[int]
@@ -68,7 +68,7 @@ class Lateness(TypedDict):
 
 
 class Snapshot(TypedDict):
-    """rates: of a simulated second; "pace": simulated seconds a second. over: the session has ended."""
+    """rates: per simulated second; "pace": simulated seconds a second. over: the session has ended."""
 
     case: str
     where: str
@@ -86,7 +86,7 @@ class Snapshot(TypedDict):
 
 
 class Status:
-    """where: clients find the SCI or the bus. line: None of a bus. wave: None where nobody looks at it."""
+    """where: the address for clients. line: None for a bus. wave: None if it is not displayed."""
 
     def __init__(
         self,
@@ -121,7 +121,7 @@ class Status:
             wave.listen(scene)
 
     def say(self, sentence: str) -> None:
-        """What a door has to say, of clients that come and go."""
+        """Display a sentence of a door about clients that come and go."""
         self._said.append(sentence)
 
     def snapshot(self, over: bool = False) -> Snapshot:
@@ -161,7 +161,7 @@ class Status:
         self._rounds += 1
 
     def _attitude(self) -> list[float] | None:
-        """Where sensor models make the readings, and both sensors were read; less what the models are known to add."""
+        """Return the attitude if both sensors were read, from readings minus the known errors of the sensor models."""
         accel, mag, sensors = self._readings.get("accelerometer"), self._readings.get("magnetometer"), self._sensors
         if sensors is None or accel is None or mag is None:
             return None

@@ -131,7 +131,7 @@ def test_looking_changes_no_record() -> None:
 def test_the_wave_of_the_last_round() -> None:
     imu = watched()
     wave = imu.status.snapshot()["wave"]
-    assert wave is not None and wave["of"] == "round 4"
+    assert wave is not None and wave["title"] == "round 4"
     assert (wave["at_s"], wave["length"]) == (pytest.approx(0.062, abs=1e-4), pytest.approx(2660, abs=1))
     lines = {one["name"]: one for one in wave["lines"]}
     assert list(lines) == ["SCL", "SDA", "RX"]
@@ -158,7 +158,7 @@ def test_the_edges_of_a_round_are_those_from_20_us_before_to_20_us_behind() -> N
         wave.hear(line, began + at * us, level)
     wave._round(Round(7, began, began, began + 100 * us))
     assert wave.wave(began - 1000 * us) == {
-        "of": "round 7",
+        "title": "round 7",
         "at_s": 0.00098,
         "length": 140.0,
         "lines": [
@@ -173,7 +173,7 @@ def test_the_edges_of_a_round_are_those_from_20_us_before_to_20_us_behind() -> N
     for at, level in ((10_000, 0), (12_000, 1)):
         alone.hear(alone.tag_of(Kind.EDGE, "RX", "level"), at * us, level)
     lines = [{"name": "RX", "first": 1, "edges": [20.0, 2020.0]}]
-    assert alone.wave(0) == {"of": "the serial lines", "at_s": 0.00998, "length": 2040.0, "lines": lines}
+    assert alone.wave(0) == {"title": "the serial lines", "at_s": 0.00998, "length": 2040.0, "lines": lines}
     assert alone.tag_of(Kind.EDGE, "TX", "level") == UNHEARD
 
 
@@ -183,7 +183,7 @@ def test_without_rounds_it_is_what_the_serial_lines_did() -> None:
     imu.line.write(b"\x55")
     imu.passes("0.5 ms")
     wave = imu.wave.wave(imu.session.scene.start)
-    assert wave is not None and wave["of"] == "the serial lines"
+    assert wave is not None and wave["title"] == "the serial lines"
     assert [(one["name"], len(one["edges"])) for one in wave["lines"] if one["edges"]][-1] == ("RX", 10)
 
 

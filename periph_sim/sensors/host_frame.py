@@ -1,6 +1,6 @@
-"""A host frame's six values: attitude and acceleration go in, signed 16-bit counts come out.
+"""Encoding of a host frame's six values, attitude and acceleration, as signed 16-bit counts.
 
-    motion --sampled--> rad, g --/ what one count stands for--> counts --beyond 16 bits?--> refuse, saturate or wrap
+    motion --sampled--> rad, g --/ value of one count--> counts --beyond 16 bits?--> refuse, saturate or wrap
 
 The dissertation leaves the encoding open (section 3.4.1), so it is a named setting for every value.
 """
@@ -28,17 +28,17 @@ ByteOrder = Literal["little", "big"]
 
 LEAST, MOST = -0x8000, 0x7FFF
 
-MOST_AHEAD = 64  # frames that are worked out at once
-KEPT = 4 * MOST_AHEAD  # for who looks back
+MOST_AHEAD = 64  # frames computed at once
+KEPT = 4 * MOST_AHEAD  # frames kept for later reading
 LIMITS = (ANGLE_RANGE,) * 3 + (ACCELERATION_RANGE,) * 3
-UNSURE = 1e-10  # rad and g: far more than one sine differs from another
+UNSURE = 1e-10  # rad and g: far more than implementations of sine differ
 
-Frame = tuple[tuple[int, ...], tuple[str, ...]]  # its values, and the names of those that were beyond 16 bits
+Frame = tuple[tuple[int, ...], tuple[str, ...]]  # its values, and the names of those beyond 16 bits
 
 
 @dataclass(frozen=True)
 class Encoding:
-    """phi to az: what one count stands for, in rad and g. beyond: what becomes of a value that 16 bits cannot hold."""
+    """phi to az: the value of one count, in rad and g. beyond: treatment of a value that 16 bits cannot hold."""
 
     phi: Angle = 1e-4
     theta: Angle = 1e-4
@@ -52,17 +52,17 @@ class Encoding:
     def __post_init__(self) -> None:
         for name, scale in zip(VALUES, self.scales, strict=True):
             if not scale > 0:
-                raise BadMotion(f"{name}: one count stands for {scale:g}; expected more than 0")
+                raise BadMotion(f"{name}: one count is {scale:g}; expected more than 0")
 
     @property
     def scales(self) -> tuple[float, ...]:
-        """What one count of each of the six values stands for."""
+        """The value of one count of each of the six values."""
         return self.phi, self.theta, self.psi, self.ax, self.ay, self.az
 
     def counts(self, values: Floats) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """(counts, whether a value was beyond 16 bits) of values in rad and g, both of shape (n, 6).
+        """Return (counts, True where beyond 16 bits) of values in rad and g, both of shape (n, 6).
 
-        Rounded to nearest, halves to even. BadMotion for the first beyond, where such values are refused.
+        Rounded to nearest, halves to even. BadMotion for the first one beyond, if `beyond` is "refuse".
         """
         import numpy as np
 
@@ -81,8 +81,8 @@ class Encoding:
         return np.clip(whole, LEAST, MOST).astype(np.int64), beyond
 
     def plain_counts(self, values: Sequence[float]) -> tuple[int, ...] | None:
-        """The counts of six values that are well within all ranges, and not so near the middle of two counts that an
-        error of UNSURE would make it the other one; None for others, of which `counts` tells.
+        """Return the counts of six values that are well within all ranges, and not so near the middle of two that
+        an error of UNSURE would change the rounding; None for others, which `counts` converts.
         """
         counts = []
         for value, scale, limit in zip(values, self.scales, LIMITS, strict=True):
@@ -100,26 +100,26 @@ class Encoding:
 class MotionFrames:
     """The values of frame n, which is due at first + n * period seconds of the motion's own time.
 
-    motion: what they are of. beyond: how often each value of the frames so far was beyond 16 bits; frames are asked
-    for in rising order. Several are worked out at once, twice as many each time, so that a short run pays for few.
+    motion: their source. beyond: how often each value of the frames so far was beyond 16 bits; call in rising order.
+    Several frames are computed at once, twice as many each time, so that a short run computes few.
     """
 
     def __init__(self, motion: Motion, encoding: Encoding, first: Fraction, period: Fraction) -> None:
         self.beyond: Counter[str] = Counter()
         self.motion = motion
         self._encoding = encoding
-        self._scale = lcm(first.denominator, period.denominator)  # times are whole in parts of a second
+        self._scale = lcm(first.denominator, period.denominator)  # parts of a second in which times are whole numbers
         self._first, self._period = (int(length * self._scale) for length in (first, period))
         self._counted = 0
         self._known: dict[int, Frame] = {}
-        self._ahead = 1  # frames to work out at once next
+        self._ahead = 1  # frames to compute at once next
 
     @property
     def byte_order(self) -> ByteOrder:
         return self._encoding.byte_order
 
     def __call__(self, number: int) -> tuple[int, ...]:
-        """Six counts. BadMotion if the motion is out of its range there, or beyond 16 bits and that is refused."""
+        """Return six counts. BadMotion if the motion is out of its range there, or beyond 16 bits with "refuse"."""
         if number not in self._known:
             self._work_out(number)
         values, beyond = self._known[number]
@@ -130,7 +130,7 @@ class MotionFrames:
         return values
 
     def _work_out(self, number: int) -> None:
-        """This frame, and some behind it if none of them is refused."""
+        """Compute this frame, and some after it if none of them is rejected."""
         try:
             self._add(number, self._ahead)
         except BadMotion:
@@ -144,7 +144,7 @@ class MotionFrames:
             del self._known[old]
 
     def _add(self, first: int, count: int) -> None:
-        # Few frames, or those of a run that has not loaded numpy, are not worth its loading.
+        # A few frames do not justify loading numpy.
         if isinstance(self.motion, SingleTimes) and (count < MOST_AHEAD or "numpy" not in sys.modules):
             plain = [self._encoding.plain_counts(self.motion.at(self._time(first + n))) for n in range(count)]
             if None not in plain:

@@ -1,4 +1,4 @@
-"""The noise of a whole IMU: parameters and a seed go in, what is added before S comes out, by sample number.
+"""The noise of a whole IMU by sample number, as added before the scale S.
 
 Imu, seed --> values(first, count), at(n) --> Noise: deg/s, g and gauss on x, y, z
 """
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class ImuNoise:
-    """Sample n of the three sensors is the same in `values` and in `at`, to the last bit."""
+    """Noise of the three sensors. Sample n is the same in `values` and in `at`, to the last bit."""
 
     def __init__(self, imu: ImuParameters, seed: int) -> None:
         self._gyroscope, self._accelerometer, self._magnetometer = (
@@ -24,7 +24,7 @@ class ImuNoise:
         )
 
     def values(self, first: int, count: int) -> Noise[Floats]:
-        """Samples `first` up to `first + count - 1`: nine float64[count]."""
+        """Return samples `first` up to `first + count - 1`: nine float64[count]."""
         return Noise(
             _columns(self._gyroscope.values(first, count)),
             _columns(self._accelerometer.values(first, count)),
@@ -32,19 +32,19 @@ class ImuNoise:
         )
 
     def at(self, number: int) -> Noise[float]:
-        """One sample."""
+        """Return one sample."""
         return Noise(self._gyroscope.at(number), self._accelerometer.at(number), self._magnetometer.at(number))
 
     def near(self, number: int) -> Noise[tuple[float, float]] | None:
-        """One sample as values with how far off each may be, without numpy; None where it takes numpy."""
-        told = []
+        """Return one sample as values with their maximum errors, without numpy; None if that needs numpy."""
+        chips = []
         for chip in (self._gyroscope, self._accelerometer, self._magnetometer):
             axes = chip.near(number)
             if axes is None:
                 return None
             x, y, z = axes
-            told.append((x, y, z))
-        return Noise(*told)
+            chips.append((x, y, z))
+        return Noise(*chips)
 
 
 def _terms(sensor: GyroscopeParameters | AccelerometerParameters | MagnetometerParameters) -> list[NoiseTerms]:

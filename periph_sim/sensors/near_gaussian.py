@@ -1,11 +1,11 @@
-"""The first values of a block of standard normal ones without numpy, whose import takes longer than many a run.
+"""The first standard normal values of a block without numpy, whose import takes longer than many runs.
 
     key, block --Philox 4x64--> words of 64 bits --ziggurat--> values within NEAR of numpy's, or None
 
 A value is its place in one of 256 layers of equal area under the normal curve (Marsaglia and Tsang, "The ziggurat
-method", J. Stat. Software 5, 2000): a word's lowest byte names the layer, a bit the sign, 52 bits how far it goes. Of
-1000 words 985 end inside their layer, and only those are told. The edges of the layers differ from numpy's in the last
-bits, so these values are for who rounds them: who is given a bound of the error knows whether it matters.
+method", J. Stat. Software 5, 2000): a word's lowest byte selects the layer, a bit the sign, 52 bits the place. Of 1000
+words 985 end inside their layer, and only those are returned. The edges of the layers differ from numpy's in the last
+bits, so these values are for callers that round them: with the bound of the error they can see if it matters.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ LAYERS = 256
 OUTERMOST = 3.6541528853610088  # edge of the last layer, and the area of each
 AREA = 0.00492867323397465
 STEPS = 1 << 52
-UNSURE = 1 << 14  # steps beside an edge that may be inside or outside: some 1000 times what the edges' error makes
+UNSURE = 1 << 14  # steps beside an edge that may be inside or outside: some 1000 times the edges' error
 
 WORD = (1 << 64) - 1
-MULTIPLIERS = 0xD2E7470EE14C6C93, 0xCA5A826395121157  # of Philox 4x64 (Salmon et al., SC11), and what it adds to keys
+MULTIPLIERS = 0xD2E7470EE14C6C93, 0xCA5A826395121157  # of Philox 4x64 (Salmon et al., SC11), with WEYL added to keys
 WEYL = 0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B
 ROUNDS = 10
 
 
 @lru_cache(maxsize=64)  # as many as `noise` keeps of whole blocks
 def first_of(key: int, block: int) -> tuple[float | None, ...]:
-    """The first FEW values of a block; None from the first on that is not told, since it takes further words."""
+    """Return the first FEW values of a block; None from the first one on that needs further words."""
     words = [word for counter in range(1, FEW // 4 + 1) for word in philox(key, (counter, block, 0, 0))]
     found: list[float | None] = []
     for word in words:
@@ -40,7 +40,7 @@ def first_of(key: int, block: int) -> tuple[float | None, ...]:
 
 
 def philox(key: int, counter: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
-    """Four random words of 64 bits for each counter."""
+    """Return four random words of 64 bits for each counter."""
     a, b, c, d = counter
     low, high = key & WORD, key >> 64
     for _ in range(ROUNDS):
@@ -61,13 +61,13 @@ def _value(word: int) -> float | None:
 
 @cache
 def _layers() -> list[tuple[float, float]]:
-    """The edge of each layer, and how many steps of it lie under the next one. Layer 0 has the tail: it is wider."""
+    """Return each layer's edge, and its steps under the next layer. Layer 0 has the tail: it is wider."""
     height = exp(-0.5 * OUTERMOST * OUTERMOST)
     edges = [OUTERMOST]
     for _ in range(LAYERS - 2):
         edges.append(sqrt(-2 * log(AREA / edges[-1] + height)))
         height = exp(-0.5 * edges[-1] * edges[-1])
-    edges += [0.0]  # the innermost layer ends nowhere inside
+    edges += [0.0]  # the innermost layer has no inner edge
     base = AREA / exp(-0.5 * OUTERMOST * OUTERMOST)
     inside = [(outer, inner / outer * STEPS) for outer, inner in pairwise(edges)]
     return [(base, OUTERMOST / base * STEPS), *reversed(inside)]

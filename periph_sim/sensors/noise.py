@@ -1,12 +1,12 @@
-"""Sensor noise by number: a seed, a stream's name and sample numbers go in, float64 noise comes out.
+"""Sensor noise by sample number: float64 noise from a seed, a stream's name and the numbers.
 
-    (seed, "gyroscope/x/white") --> Gaussian --> value n, whatever was asked before
+    (seed, "gyroscope/x/white") --> Gaussian --> value n, independent of earlier calls
     NoiseTerms of three axes    --> SensorNoise --> white + bias instability + random walk
 
 Value n of a stream is a function of (seed, name, n) alone: a run may be split, resumed or read sample by
 sample, and gives the same bits. Blocks of `BLOCK` values each begin at their own counter of numpy's Philox,
 a counter-based generator (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC11), whose key is a
-hash of seed and name. Only the random walk is a sum and has to be run up to n.
+hash of seed and name. Only the random walk is a sum and must be run up to n.
 
 Terms as in IEEE Std 952 annex C: N (white), B (bias instability), K (random walk); dissertation section 4.3.4.
 """
@@ -34,28 +34,28 @@ if TYPE_CHECKING:
 
     Floats: TypeAlias = NDArray[np.float64]
 
-BLOCK = 1024  # values; few enough that one value far away costs some 30 us
-OCTAVES = 24  # of the bias instability: flat up to holds of 2**23 samples, 46 h at 50 Hz
-WALKED_AT_ONCE = 1 << 20  # steps of a random walk that are held in memory while it is run up to a sample
+BLOCK = 1024  # values; few enough that a single value at any place costs some 30 us
+OCTAVES = 24  # of the bias instability: flat up to periods of 2**23 samples, 46 h at 50 Hz
+WALKED_AT_ONCE = 1 << 20  # steps of a random walk held in memory while it is run up to a sample
 AXES = ("x", "y", "z")
 
 
 class BadNoise(ValueError):
-    """Noise that cannot be made; the message names the value and its range."""
+    """Invalid parameters of noise; the message names the value and its range."""
 
 
 class Gaussian:
-    """Independent standard normal values, each found by its number 0, 1, 2 ..."""
+    """Independent standard normal values, each addressed by its number 0, 1, 2 ..."""
 
     key: BigInt
 
     def __init__(self, seed: int, name: str) -> None:
         self.key = int.from_bytes(blake2b(f"{seed}/{name}".encode(), digest_size=16).digest(), "little")
-        self._block: int | None = None  # the one that is kept, for those who go sample by sample
+        self._block: int | None = None  # the cached one, for access sample by sample
         self._kept: Sequence[float] = ()
 
     def values(self, first: int, count: int) -> Floats:
-        """Values `first` up to `first + count - 1`."""
+        """Return values `first` up to `first + count - 1`."""
         import numpy as np
 
         _not_negative(first, count)
@@ -65,7 +65,7 @@ class Gaussian:
         return joined[begin : begin + count]
 
     def at(self, number: int) -> float:
-        """One value; quick where the numbers rise."""
+        """Return one value; quick for rising numbers."""
         place: int
         block, place = number // BLOCK, number % BLOCK
         if block != self._block:
@@ -74,7 +74,7 @@ class Gaussian:
         return self._kept[place]
 
     def near(self, number: int) -> float | None:
-        """A value that is within NEAR of the true one, without numpy; None where it takes numpy."""
+        """Return a value within NEAR of the true one, without numpy; None if that needs numpy."""
         block, place = number // BLOCK, number % BLOCK
         return first_of(self.key, block)[place] if place < FEW and number >= 0 else None
 
@@ -85,12 +85,12 @@ class Gaussian:
 def _drawn(key: BigInt, block: int) -> Floats:
     import numpy as np
 
-    # The block's number is the counter's second word: a block may draw 2**64 times before it meets the next.
+    # The block's number is the counter's second word: a block may draw 2**64 times before it reaches the next.
     generator = np.random.Generator(np.random.Philox(key=key, counter=[0, block, 0, 0]))
     return generator.standard_normal(BLOCK)
 
 
-@lru_cache(maxsize=256)  # 2 MB; many short scenes of one seed begin with the same blocks, 225 of them
+@lru_cache(maxsize=256)  # 2 MB; many short scenes of one seed begin with the same 225 blocks
 def _block_of(key: int, block: int) -> Sequence[float]:
     return array("d", _drawn(key, block).tobytes())
 
@@ -131,7 +131,7 @@ class AxisNoise:
         self._walked = (0, 0.0)  # a number, and the sum of the steps before it
 
     def values(self, first: int, count: int) -> Floats:
-        """Samples `first` up to `first + count - 1`, in the sensor's unit."""
+        """Return samples `first` up to `first + count - 1`, in the sensor's unit."""
         noise = self._white.values(first, count) * self._white_sigma
         if self._octaves:
             noise += self._flicker(first, count)
@@ -140,7 +140,7 @@ class AxisNoise:
         return noise
 
     def at(self, number: int) -> float:
-        """One sample; the same bits as in `values`."""
+        """Return one sample; the same bits as in `values`."""
         noise = self._white.at(number) * self._white_sigma
         if self._octaves:
             total = 0.0
@@ -153,12 +153,12 @@ class AxisNoise:
         return noise
 
     def near(self, number: int) -> tuple[float, float] | None:
-        """One sample and how far off it may be, without numpy; None where it takes numpy."""
+        """Return one sample and its maximum error, without numpy; None if that needs numpy."""
         white = None if self._octaves or self._step else self._white.near(number)
         return None if white is None else (white * self._white_sigma, NEAR * self._white_sigma)
 
     def _flicker(self, first: int, count: int) -> Floats:
-        """1/f noise: of each octave k one value is held for 2**k samples, from a place that the key chooses."""
+        """Return 1/f noise: each octave k holds a value for 2**k samples, at a phase that depends on the key."""
         import numpy as np
 
         total = np.zeros(count)
@@ -180,7 +180,7 @@ class AxisNoise:
         return sums[:-1]
 
     def _sums(self, begin: int, count: int, total: float) -> Floats:
-        """The walk at `begin`, which is `total`, and after each of `count` steps more; added one by one, in order."""
+        """Return the walk at `begin`, which is `total`, and after each of `count` further steps, added one by one."""
         import numpy as np
 
         return np.cumsum(np.concatenate([[total], self._walk.values(begin, count) * self._step]))
@@ -193,24 +193,24 @@ class AxisNoise:
         return total
 
     def _walk_before(self, first: int) -> tuple[int, float]:
-        """Where to go on from: the last number that was asked for, or the start where that lies behind `first`."""
+        """Return where to continue: the last number computed, or the start if that is after `first`."""
         return self._walked if self._walked[0] <= first else (0, 0.0)
 
 
 class SensorNoise:
-    """The noise of a sensor's three axes. sensor: its name, which makes its streams differ from the others'."""
+    """The noise of a sensor's three axes. sensor: its name, which distinguishes its streams."""
 
     def __init__(self, terms: Sequence[NoiseTerms], period: float, seed: int, sensor: str) -> None:
         self._axes = [AxisNoise(axis, period, seed, f"{sensor}/{name}") for name, axis in zip(AXES, terms, strict=True)]
 
     def values(self, first: int, count: int) -> Floats:
-        """Samples `first` up to `first + count - 1`, shape (count, 3), in the sensor's unit."""
+        """Return samples `first` up to `first + count - 1`, shape (count, 3), in the sensor's unit."""
         import numpy as np
 
         return np.stack([axis.values(first, count) for axis in self._axes], axis=1)
 
     def at(self, number: int) -> tuple[float, float, float]:
-        """One sample of the three axes; the same bits as in `values`."""
+        """Return one sample of the three axes; the same bits as in `values`."""
         x: AxisNoise
         y: AxisNoise
         z: AxisNoise
@@ -218,15 +218,15 @@ class SensorNoise:
         return x.at(number), y.at(number), z.at(number)
 
     def near(self, number: int) -> list[tuple[float, float]] | None:
-        """One sample of the three axes, each with how far off it may be, without numpy; None where it takes numpy."""
-        told = []
+        """Return one sample of the three axes with maximum errors, without numpy; None if that needs numpy."""
+        found = []
         axis: AxisNoise
         for axis in self._axes:
             value = axis.near(number)
             if value is None:
                 return None
-            told.append(value)
-        return told
+            found.append(value)
+        return found
 
 
 def _phase(octave: Gaussian, k: int) -> int:
@@ -234,7 +234,7 @@ def _phase(octave: Gaussian, k: int) -> int:
 
 
 def _hold(octave: Gaussian, k: int, number: int) -> int:
-    """Which value of octave `k` holds at a sample."""
+    """Return the number of the value that octave `k` holds at a sample."""
     return (number + _phase(octave, k)) >> k
 
 

@@ -1,8 +1,8 @@
-"""Attitudes as quaternions and as roll, pitch, yaw: arrays of one go in; arrays of the other, and angles, come out.
+"""Attitudes as quaternions and as roll, pitch, yaw: conversions of arrays, and angles between attitudes.
 
 An attitude is the rotation from the body's axes (x ahead, y right, z down) to north, east, down. A quaternion is
 w, x, y, z with length 1; q and -q are the same attitude. Roll, pitch, yaw are the aerospace angles in radians: from
-north, east, down first yaw about down, then pitch, then roll, so that a vector v seen in the body is
+north, east, down first yaw about down, then pitch, then roll, so that a vector v in the body's axes is
 Rx(roll) Ry(pitch) Rz(yaw) v, as in the dissertation's section 4.1.
 """
 
@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 def quaternions(angles: ArrayLike) -> Floats:
-    """float64[n, 4] of float64[n, 3] roll, pitch, yaw."""
+    """Convert float64[n, 3] roll, pitch, yaw to float64[n, 4]."""
     half = np.atleast_2d(np.asarray(angles, np.float64)) / 2
     (cr, cp, cy), (sr, sp, sy) = np.cos(half).T, np.sin(half).T
     return np.stack(
@@ -30,7 +30,7 @@ def quaternions(angles: ArrayLike) -> Floats:
 
 
 def angles(attitudes: ArrayLike) -> Floats:
-    """float64[n, 3] roll, pitch, yaw of float64[n, 4]. Where the nose points straight up or down roll is taken as 0."""
+    """Convert float64[n, 4] to float64[n, 3] roll, pitch, yaw. With the nose straight up or down roll is 0."""
     m = matrices(attitudes)
     horizontal = np.hypot(m[:, 2, 1], m[:, 2, 2])  # cos(pitch)
     locked = horizontal < 1e-9
@@ -40,7 +40,7 @@ def angles(attitudes: ArrayLike) -> Floats:
 
 
 def matrices(attitudes: ArrayLike) -> Floats:
-    """float64[n, 3, 3] of float64[n, 4]: the matrix takes a vector of the body to north, east, down."""
+    """Convert float64[n, 4] to float64[n, 3, 3]: matrices from the body's axes to north, east, down."""
     w, x, y, z = np.atleast_2d(np.asarray(attitudes, np.float64)).T
     rows = [
         [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -51,7 +51,7 @@ def matrices(attitudes: ArrayLike) -> Floats:
 
 
 def quaternion_of(matrix: Floats) -> Floats:
-    """float64[4] of a rotation matrix float64[3, 3]; for one that is not quite a rotation, of the nearest one.
+    """Convert a rotation matrix float64[3, 3], or the nearest one to an inexact matrix, to float64[4].
 
     Source: I. Y. Bar-Itzhack, "New method for extracting the quaternion from a rotation matrix", 2000.
     """
@@ -65,11 +65,11 @@ def quaternion_of(matrix: Floats) -> Floats:
         ]
     )
     _, vectors = np.linalg.eigh(sums, UPLO="U")
-    return np.asarray(vectors[:, 3], np.float64)  # of the largest eigenvalue
+    return np.asarray(vectors[:, 3], np.float64)  # the eigenvector of the largest eigenvalue
 
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
-    """float64[n]: the angle in radians, 0 to pi, of the rotation from each attitude of `a` to that of `b`."""
+    """Return float64[n]: the angle in radians, 0 to pi, of the rotation from each attitude of `a` to that of `b`."""
     one, other = (np.atleast_2d(np.asarray(q, np.float64)) for q in (a, b))
     apart = np.linalg.norm(one - other, axis=1)
     against = np.linalg.norm(one + other, axis=1)
@@ -77,5 +77,5 @@ def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
 
 
 def wrapped(angle: ArrayLike) -> Floats:
-    """The same angle in radians, from -pi up to pi."""
+    """Return the same angle in radians, from -pi up to pi."""
     return np.asarray(np.arctan2(np.sin(angle), np.cos(angle)), np.float64)

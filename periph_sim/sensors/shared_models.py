@@ -1,10 +1,10 @@
-"""Sensor models that several compute alike: each sample is worked out once, by whoever comes first.
+"""Sensor models shared by several users: each sample is computed once.
 
-    arithmetic, parameters -------> model_of ---> Imu: the firmware's, and that of who checks what it shows
+    arithmetic, parameters -------> model_of ---> Imu: shared by the firmware and the check of its output
     arithmetic, parameters, seed -> ModelNoise -> sample n of the noise, in the model's numbers
 
-A model keeps no state, so what it makes of the same numbers is the same. It is remembered where numbers are integers,
-as in Q: of floats, 0.0 equals -0.0 and is another number.
+A model is stateless, so its results are a function of its inputs. They are cached if numbers are integers, as in Q:
+of floats, 0.0 equals -0.0 but is another number.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from .numeric.vectors import Triple
 
 R = TypeVar("R")
 
-REMEMBERED = 16  # samples: more than one run of a scene's models may have been made of
+REMEMBERED = 16  # cached samples, also of several runs of a scene's models
 
 
 class RememberingImu(Imu[int]):
-    """An Imu in Q that knows the last samples. overflows: of all samples asked for, remembered ones included."""
+    """An Imu in Q with a cache of the last samples. overflows: of all requested samples, cached ones included."""
 
     def __init__(self, a: Q, imu: ImuParameters) -> None:
         super().__init__(a, imu)
@@ -55,19 +55,19 @@ class RememberingImu(Imu[int]):
 
 
 def _with_overflows(a: Q, compute: Callable[..., R], *arguments: Any) -> tuple[R, int]:
-    """Return what is computed, and how many of its results did not fit."""
+    """Return the result, and the number of intermediate results that did not fit."""
     before = a.overflows
     return compute(*arguments), a.overflows - before
 
 
 def overflows_of(model: Imu[Any]) -> int:
-    """Return how many results did not fit since the model was made; 0 for floats, which have no such limit."""
+    """Return the number of results that did not fit since the model was built; 0 for floats."""
     return model.overflows if isinstance(model, RememberingImu) else 0
 
 
 @lru_cache(maxsize=16)
 def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
-    """Scenes that compute alike share it. NoSuchArithmetic or DoesNotFit if there is none."""
+    """Return the model, shared by scenes with equal arguments. NoSuchArithmetic or DoesNotFit if there is none."""
     a = named.scalar(arithmetic)
     return RememberingImu(a, parameters) if isinstance(a, Q) else Imu(a, parameters)
 
@@ -77,7 +77,7 @@ Slots = list[tuple[int, Noise[Any]] | None]
 
 @lru_cache(maxsize=16)
 def _slots(arithmetic: str, parameters: ImuParameters, seed: int) -> Slots:
-    """Samples with their numbers, each in the place that its number gives it."""
+    """Return the cache: samples with their numbers, each in the slot of its number."""
     return [None] * REMEMBERED
 
 
@@ -90,11 +90,11 @@ class ModelNoise:
         self._nearest = model.a.nearest if isinstance(model.a, Q) else model.a.constant
         self._silence = model.silence
         self._parameters, self._seed = parameters, seed
-        self._noise: ImuNoise | None = None  # made with the first sample that nobody has worked out before
+        self._noise: ImuNoise | None = None  # built for the first sample that is not cached
         self._slots: Slots = [] if seed is None else _slots(arithmetic, parameters, seed)
 
     def at(self, number: int) -> Noise[Any]:
-        """Of sample `number`, from 0."""
+        """Return the noise of sample `number`, from 0."""
         if self._seed is None:
             return self._silence
         slot = number % REMEMBERED
@@ -115,7 +115,7 @@ class ModelNoise:
         return known[1]
 
     def _rounded(self, number: int, noise: ImuNoise) -> Noise[Any] | None:
-        """The sample without numpy, where no error of its values changes what they are rounded to."""
+        """Return the sample without numpy, if no error of its values changes their rounding; else None."""
         near = noise.near(number)
         if near is None:
             return None

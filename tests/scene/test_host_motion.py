@@ -129,7 +129,7 @@ phi = "1 deg"
         (
             'phi = "1 deg"',
             'phi = "0 deg"',
-            "small.toml, line 13: host.encoding: phi: one count stands for 0; expected more than 0",
+            "small.toml, line 13: host.encoding: phi: one count is 0; expected more than 0",
         ),
         (
             'phi = "1 deg"',

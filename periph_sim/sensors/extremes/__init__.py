@@ -1,10 +1,10 @@
-"""Where the arithmetic of the sensor models breaks: names of arithmetics go in, a report of every extreme comes out.
+"""Limits of the sensor models' arithmetics: a report of their behaviour at every extreme.
 
-working range --search--> how far each is off float64
-motions, fields --sweep--> from which input on it leaves the reference, and how
-events ------------------> lost frames, weeks, divisions by 0, refused parameters
-beside the models -------> length of a run, clocks of some ppm, baud rates, sums of noise, Allan variances, inputs
-costs -------------------> cycles of a sample
+working range --search--> deviation of each from float64
+motions, fields --sweep--> first input at which it deviates from the reference, and how
+events ------------------> lost frames, weeks, divisions by 0, rejected parameters
+outside the models ------> length of a run, clocks of some ppm, baud rates, sums of noise, Allan variances, inputs
+costs -------------------> cycles for a sample
 """
 
 from __future__ import annotations
@@ -54,9 +54,9 @@ USUAL = ("float64", "float32", "q16", "q16 saturating", "q12")
 
 @dataclass(frozen=True)
 class Report:
-    """imu, seed: of the search in the working range. errors: of each arithmetic but the reference.
+    """imu, seed: those of the search in the working range. errors: of each arithmetic but the reference.
 
-    without_fastrts: what float32 costs with the compiler's library.
+    without_fastrts: the cost of float32 with the compiler's library.
     """
 
     imu: ImuParameters
@@ -67,16 +67,16 @@ class Report:
     without_fastrts: Estimate
     findings: tuple[Finding, ...]
 
-    def of(self, extreme: str) -> list[Finding]:
+    def findings_for(self, extreme: str) -> list[Finding]:
         return [one for one in self.findings if one.extreme == extreme]
 
 
 class NoSuchExtreme(ValueError):
-    """A name that no extreme has; one sentence."""
+    """The name of an unknown extreme; the message is one sentence."""
 
 
 def known(further: Mapping[str, Rows] = MappingProxyType({})) -> tuple[str, ...]:
-    """Names of all extremes."""
+    """Return the names of all extremes."""
     return (*(sweep.name for sweep in SWEEPS), *EVENTS, *BESIDE, *further)
 
 
@@ -89,11 +89,11 @@ def report(
     tables: Tables = "RAM",
     further: Mapping[str, Rows] = MappingProxyType({}),
 ) -> Report:
-    """Every extreme, or only those named, in every named arithmetic. samples: of the search in the working range.
+    """Examine every extreme, or those named, in every named arithmetic. samples: of the search in the working range.
 
-    imu: what the search and the costs are of; extremes bring their own parameters. tables: where a library has them.
+    imu: the parameters of the search and the costs; extremes have their own. tables: memory of the libraries' tables.
     further: rows of whole scenes, which this package cannot build.
-    NoSuchArithmetic, DoesNotFit or NoSuchExtreme for a name that is none.
+    NoSuchArithmetic, DoesNotFit or NoSuchExtreme for an invalid name.
     """
     for name in only:
         if name not in known(further):

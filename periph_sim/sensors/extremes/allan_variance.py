@@ -13,14 +13,14 @@ from ..identification.allan import allan
 from .finding import EVERY, Finding
 
 LENGTH = 3001  # samples, so that their mean is no whole number
-NOISE = 9  # LSB: samples are whole numbers, and no number of the variance is rounded in `exact_variance`
+NOISE = 9  # LSB: samples are whole numbers, and `exact_variance` does not round
 OFFSETS = (10**9, 10**15)
 RAMPS = (10**3, 10**9)  # LSB a sample
-ALLOWED = 1e-9  # of the variance
+ALLOWED = 1e-9  # relative error of the variance
 
 
 def allan_variances() -> Iterator[Finding]:
-    """The variance at every averaging time of noise with an offset, and with a ramp, against its exact value."""
+    """Compare the variance of noise with an offset, and with a ramp, with its exact value at every averaging time."""
     random = Random(1)
     noise = [random.randint(-NOISE, NOISE) for _ in range(LENGTH)]
     for offset in OFFSETS:
@@ -39,7 +39,7 @@ def _finding(extreme: str, samples: list[int]) -> Finding:
 
 
 def exact_variance(samples: list[int], m: int) -> Fraction:
-    """The mean square of the change between neighbouring averages over m samples, at every place, halved."""
+    """Return the mean square of the change between neighbouring averages over m samples, at every place, halved."""
     sums = [0, *accumulate(samples)]
     changes = (sums[i + 2 * m] - 2 * sums[i + m] + sums[i] for i in range(len(samples) - 2 * m + 1))
     return Fraction(sum(change**2 for change in changes), 2 * (len(samples) - 2 * m + 1) * m**2)

@@ -1,8 +1,8 @@
-"""Extremes of the baud rate: how far a sender may be off before an SCI receives 12 bytes in a row with errors.
+"""Extremes of the baud rate: the largest error of a sender's rate at which an SCI receives 12 bytes in a row.
 
 The receiver samples at eight times its own rate and counts from the first low sample of each start bit, which is up to
-one sample late. Two of the three votes of the stop bit, samples 4 to 6 of 8, have to see it: of a fast sender the first
-two, before the next start bit, of a slow one the last two, after the last data bit. With a bit of b samples,
+one sample late. Two of the three votes of the stop bit, samples 4 to 6 of 8, must see it: for a fast sender the first
+two, before the next start bit, for a slow one the last two, after the last data bit. With a bit of b samples,
 
     fast   10 b >= 72 + 5        slow   9 b <= 72 + 4
 
@@ -28,15 +28,15 @@ SYSCLK = 150_000_000
 BRR = 40  # 114 329 bit/s
 SAMPLE = 4 * (BRR + 1)  # SYSCLKOUT cycles, with LSPCLK = SYSCLKOUT / 4
 NOMINAL = 8  # samples a bit
-PHASES = 16  # of a sample, in which the first start bit begins
-BYTES = b"\x55\x00\x7f" * 4  # 12, whose last data bit is no stop bit
+PHASES = 16  # of a sample, at which the first start bit begins
+BYTES = b"\x55\x00\x7f" * 4  # 12, whose last data bit differs from a stop bit
 LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}  # samples a bit
 HALVINGS = 8  # of half a sample a bit
 START = 10_000  # cycles
 
 
 def baud_rates() -> Iterator[Finding]:
-    """The largest error of the rate with which every phase is received, found by halving, against its exact limit."""
+    """Compare the largest rate error at which every phase is received, found by bisection, with its exact limit."""
     for name, limit in LIMITS.items():
         good, bad = Fraction(NOMINAL), Fraction(NOMINAL) + (Fraction(1, 2) if limit > NOMINAL else -Fraction(1, 2))
         last = abs(bad - good) / (1 << HALVINGS)
@@ -50,7 +50,7 @@ def baud_rates() -> Iterator[Finding]:
 
 
 def received(bit: Fraction, phase: int) -> bool:
-    """True if an SCI receives all bytes without an error. bit: of the sender, in samples of the receiver."""
+    """True if an SCI receives all bytes without an error. bit: the sender's bit time, in samples of the receiver."""
     kernel, recorder, timebase = Kernel(), Recorder(), Timebase(SYSCLK)
     clock, line, sci = Clock(timebase, SYSCLK), Wire(kernel, "RX", recorder), Sci()
     socket = Socket(kernel, clock, recorder, "SCI-A", sci, lambda cycle, lines: None)

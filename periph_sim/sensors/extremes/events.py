@@ -1,6 +1,6 @@
-"""Extremes that are no sweep of one sample: lost frames, time over weeks, divisions by 0, refused parameters, steps.
+"""Extremes other than a sweep of one sample: lost frames, weeks, divisions by 0, rejected parameters, steps.
 
-Each gives its findings for the arithmetics that it is asked for. worst: how far each is off in the working range.
+Each yields its findings for the given arithmetics. worst: the deviation of each in the working range.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from .working_range import Worst
 
 DAY = 86_400.0
 MONTH = 30 * DAY
-ROLL = 0  # the row of the gyroscope's x
+ROLL = 0  # the row of the gyroscope's x axis
 
 
 def first_where(holds: Callable[[float], bool], low: float, high: float) -> float | None:
-    """The least value, to 48 halvings, at which something holds that holds from there on; None if not at `high`."""
+    """Find by 48 bisections the least value from which on `holds` is true; None if it is not at `high`."""
     if not holds(high):
         return None
     for _ in range(48):
@@ -37,9 +37,9 @@ def first_where(holds: Callable[[float], bool], low: float, high: float) -> floa
 
 
 def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """A frame that does not come, or comes twice: one sample without a step, then one with two.
+    """Examine a frame that is lost, or doubled: one sample without a step, then one with two.
 
-    The two samples together still hold the whole turn, until the double step leaves the converter's range.
+    The two samples together still contain the whole turn, until the double step exceeds the converter's range.
     """
     rates = np.arange(1, 2001)
     steps = np.rint(np.radians(rates) * ImuParameters().period / ANGLE).astype(np.int64)
@@ -62,7 +62,7 @@ def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
 
 
 def _rolled(steps: Ints, times: int) -> Ints:
-    """int64[12, n]: standing still, then so many steps of roll at once."""
+    """Return int64[12, n]: at rest, then `times` steps of roll at once."""
     counts = np.zeros((12, len(steps)), dtype=np.int64)
     counts[0] = counts[3] = -(times * steps) // 2
     counts[6] = counts[0] + times * steps
@@ -70,29 +70,29 @@ def _rolled(steps: Ints, times: int) -> Ints:
 
 
 def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Seconds counted up by Ts, for 30 days: from when on an addition of Ts is off by more than half of it.
+    """Count seconds up by Ts, for 30 days, and find when an addition of Ts is off by more than half of it.
 
-    The sensor models keep no time and no sum: what they keep is one attitude and one rate, whatever the hour.
+    The sensor models keep no time and no sum, only one attitude and one rate, regardless of elapsed time.
     """
     period = ImuParameters().period
     for name in names:
         a, q = named.scalar(name), named.format_of(name)
         end = MONTH if q is None else min(MONTH, 2.0 ** (31 - q.bits) - 2.0**-q.bits)
         begins = _first_time(a, end, lambda grown: abs(grown - period) > period / 2)
-        stands = _first_time(a, end, lambda grown: grown == 0)
+        halts = _first_time(a, end, lambda grown: grown == 0)
         happens: Happens = "agrees"
         if begins is not None:
             happens = "off" if q is None else "saturates" if q.overflow == "saturate" else "wraps"
         note = f"{(float(a.value(a.constant(period))) / period - 1) * DAY:+.3g} s a day"
-        if stands is not None:
-            note += f", stands still from {stands / 3600:.4g} h on"
+        if halts is not None:
+            note += f", halts at {halts / 3600:.4g} h"
         yield Finding(
             "time in seconds, 30 days", name, happens, None if begins is None else begins / 3600, "h", note=note
         )
 
 
 def _first_time(a: Arithmetic[Any], end: float, holds: Callable[[float], bool]) -> float | None:
-    """The first number of seconds at which something holds of what an addition of Ts adds to them."""
+    """Return the first time in seconds at which `holds` is true for the effect of adding Ts."""
     step = a.constant(ImuParameters().period)
 
     def at(seconds: float) -> bool:
@@ -104,7 +104,7 @@ def _first_time(a: Arithmetic[Any], end: float, holds: Callable[[float], bool]) 
 
 
 def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """A derivative that divides by a measured Ts of 0: a step of one count, and none."""
+    """Divide by a measured Ts of 0: a step of one count, and none."""
     for name in names:
         a = named.scalar(name)
         with np.errstate(all="ignore"):
@@ -115,7 +115,7 @@ def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
 
 
 def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Parameters that are no numbers, and a Ts of 0: no arithmetic ever sees them."""
+    """Check that non-finite parameters, and a Ts of 0, are rejected before any arithmetic uses them."""
     tried: tuple[tuple[str, Callable[[], object]], ...] = (
         ("Ts = 0", lambda: ImuParameters(period=0.0)),
         ("Ts infinite", lambda: ImuParameters(period=inf)),
@@ -133,7 +133,7 @@ def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding
 
 
 def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Codes of the accelerometer that a fine ramp through its range never shows, and the gyroscope's step a count."""
+    """Count the accelerometer's codes that a fine ramp never produces, and measure the gyroscope's step a count."""
     g = int(AccelerometerParameters().full_scale / ACCELERATION)
     ramp = np.zeros((12, 2 * g + 1), dtype=np.int64)
     ramp[9] = np.arange(-g, g + 1)

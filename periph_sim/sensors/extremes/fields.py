@@ -1,4 +1,4 @@
-"""Extremes of parameters: fields along an axis, weak and strong, and lever arms whose products leave the format."""
+"""Extremes of parameters: fields along an axis, weak and strong, and lever arms whose products exceed the format."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..models.parameters import AccelerometerParameters, ImuParameters, Magnetom
 from .motions import Attitude, sent
 from .sweep import Sample, Sweep
 
-VERTICAL = 0.2  # gauss: the part of the field that stays when the horizontal one goes
+VERTICAL = 0.2  # gauss: the part of the field that remains when the horizontal one goes to 0
 TURN_RATE = 500.0  # deg/s
 
 
@@ -19,14 +19,14 @@ def still(ago: int) -> Attitude:
 
 
 def along_z(value: float, spherical: Spherical, vertical: float = VERTICAL) -> Sample:
-    """A field whose horizontal part goes to 0; against "four-quadrant"."""
+    """Return a field whose horizontal part goes to 0; the reference uses "four-quadrant"."""
     sensor = MagnetometerParameters(earth_field=(value, 0.0, vertical), hard_iron=(0.0, 0.0, 0.0))
     true = ImuParameters(magnetometer=sensor)
     return Sample(ImuParameters(magnetometer=replace(sensor, spherical=spherical)), sent(still), true)
 
 
 def turned(value: float, spherical: Spherical) -> Sample:
-    """A field north and down, seen at a yaw in deg."""
+    """Return a field to the north and down, measured at a yaw in deg."""
     sensor = MagnetometerParameters(earth_field=(0.3, 0.0, 0.2), hard_iron=(0.0, 0.0, 0.0))
     true = ImuParameters(magnetometer=sensor)
     counts = sent(lambda ago: (0.0, 0.0, radians(value)))
@@ -34,7 +34,7 @@ def turned(value: float, spherical: Spherical) -> Sample:
 
 
 def strong(value: float, norm: Norm) -> Sample:
-    """A field of a strength in gauss, in a direction between the axes."""
+    """Return a field of a strength in gauss, in a direction between the axes."""
     part = value / 3**0.5
     sensor = MagnetometerParameters(earth_field=(part, part, part), hard_iron=(0.0, 0.0, 0.0))
     return Sample(
@@ -43,7 +43,7 @@ def strong(value: float, norm: Norm) -> Sample:
 
 
 def lever(value: float, reversing: bool) -> Sample:
-    """A lever arm in m on x, half on y, back on z; turning steadily, or turned round in one sample."""
+    """Return a lever arm in m on x, half on y, negative on z; in steady rotation, or reversed within one sample."""
     step = radians(TURN_RATE) * ImuParameters().period
     imu = ImuParameters(
         accelerometer=AccelerometerParameters(lever_arm=(value, value / 2, -value), bits=16, scale=1.0, cross_axis=0.0)
@@ -83,7 +83,7 @@ FIELDS = (
     ),
     Sweep(
         "no field, plain",
-        "a horizontal field that goes to 0 with nothing beside it",
+        "a horizontal field that goes to 0 without a vertical one",
         "gauss",
         0.3,
         0.0,
@@ -116,7 +116,7 @@ FIELDS = (
     ),
     Sweep(
         "lever arm, reversing",
-        "the same turned round in one sample: w' x d",
+        "the same reversed in one sample: w' x d",
         "m",
         0.01,
         100,

@@ -1,24 +1,24 @@
-"""What was found at one extreme in one arithmetic: the rows of the report."""
+"""Findings: the results at one extreme in one arithmetic, rows of the report."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
-# agrees: within what the arithmetic is off in the working range. exact: off by nothing.
-# full scale: the converter's last code, as meant.
+# agrees: within the arithmetic's deviation in the working range. exact: no deviation.
+# full scale: the converter's last code, as intended.
 Happens = Literal["agrees", "exact", "off", "full scale", "saturates", "wraps", "NaN", "refused"]
 
 
-EVERY = "every"  # instead of an arithmetic where none is concerned
+EVERY = "every"  # instead of an arithmetic if none is involved
 
 
 @dataclass(frozen=True)
 class Finding:
-    """begins: the first input at which it happens, in `unit`; None where it does not. worst: LSB off the reference.
+    """begins: the first input at which it happens, in `unit`; None for never. worst: deviation from the reference, LSB.
 
-    arithmetic: its name, or EVERY. overflows: the first input at which a number left a Q format on the
-    way, whether it showed or not.
+    arithmetic: its name, or EVERY. overflows: the first input at which an intermediate value exceeded a Q format, with
+    or without a visible effect.
     """
 
     extreme: str

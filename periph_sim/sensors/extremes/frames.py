@@ -1,4 +1,4 @@
-"""Frames of the host go in, nine codes come out, in any arithmetic: what all extremes are made of.
+"""Conversion of host frames to the nine codes in any arithmetic, which all extremes use.
 
 A sample needs three attitudes, the last two for the rates and the first for their change, and one acceleration, as
 the int16 counts of host frames: every arithmetic gets the same whole numbers.
@@ -33,9 +33,9 @@ REFERENCE = "float64"
 
 @dataclass(frozen=True)
 class Codes:
-    """codes: LSB as the chips give them, float64[9, n]. exact: the same before saturation and rounding.
+    """codes: LSB as the chips return them, float64[9, n]. exact: the same before saturation and rounding.
 
-    overflown: whether a number left its Q format on the way, bool[n].
+    overflown: True if an intermediate value exceeded its Q format, bool[n].
     """
 
     codes: NDArray[np.float64]
@@ -44,7 +44,7 @@ class Codes:
 
 
 class Exact(Counting[T], Generic[T]):
-    """An arithmetic without its last two steps: the LSB of a sensor before they are saturated and rounded."""
+    """An arithmetic without its last two steps, for a sensor's LSB before saturation and rounding."""
 
     def clamp(self, x: T, low: T, high: T) -> T:
         return x
@@ -54,9 +54,9 @@ class Exact(Counting[T], Generic[T]):
 
 
 def codes_of(a: Arithmetic[Any], imu: parameters.ImuParameters, counts: Any) -> Codes:
-    """Nine codes of each of n samples. counts: int64[12, n]; or twelve ints, for arithmetics of one number.
+    """Return nine codes for each of n samples. counts: int64[12, n]; or twelve ints, for scalar arithmetics.
 
-    a: a new one, since a Q format remembers what has overflown.
+    a: a new instance, since a Q format stores its overflows.
     """
     with np.errstate(all="ignore"):
         model = Imu(Exact(a), imu)
@@ -89,11 +89,11 @@ def _scaled(a: Arithmetic[Any], rows: Ints, lsb: float) -> Triple[Any]:
 
 
 def counted(radians: Any) -> Ints:
-    """Angles as counts of a frame, as a host that does not look at their size sends them: int16 that wrap."""
+    """Return angles as a frame's counts, from a host without range checks: wrapping int16."""
     counts: Ints = (np.rint(np.asarray(radians) / ANGLE).astype(np.int64) + INT16) % (2 * INT16) - INT16
     return counts
 
 
 def standing(attitude: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Ints:
-    """int64[12]: the same attitude three times, no acceleration."""
+    """Return int64[12]: the same attitude three times, no acceleration."""
     return np.concatenate([counted(attitude)] * 3 + [np.zeros(3, dtype=np.int64)])

@@ -1,6 +1,6 @@
 """Extremes of motion: pitch through 90 degrees, wraps of yaw and of int16, rates and accelerations beyond full scale.
 
-Each is a Sweep: a value from ordinary to extreme goes in, the frames that a host would send come out.
+Each is a Sweep: from a value, ordinary to extreme, to the frames that a host would send.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ CORRECTED = ImuParameters(gyroscope=GyroscopeParameters(rates="corrected"))
 UNWRAPPED = ImuParameters(wrap="unwrapped")
 SLOW = radians(1)  # rad a sample: 50 deg/s
 FAST = 500.0  # deg/s
-ONE_COUNT = 5.0  # LSB of the gyroscope that one count of an angle makes, 4.1, and its cross-axis
+ONE_COUNT = 5.0  # LSB of the gyroscope for one count of an angle, 4.1, and its cross-axis effect
 
 
 def sent(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints:
-    """int64[12] as a host sends it: the attitudes 2, 1 and 0 samples ago, in int16 that wrap; acceleration in g."""
+    """Return int64[12] as a host sends it: attitudes 2, 1 and 0 samples ago, in wrapping int16; acceleration in g."""
     return np.concatenate([*(counted(attitude(k)) for k in (2, 1, 0)), _acceleration(acceleration)])
 
 
 def meant(attitude: Callable[[int], Attitude]) -> Ints:
-    """The same if frames had room for any angle."""
+    """Return the same for frames without a range limit of angles."""
     angles = [np.rint(np.asarray(attitude(k)) / ANGLE).astype(np.int64) for k in (2, 1, 0)]
     return np.concatenate([*angles, _acceleration(0.0)])
 
@@ -42,7 +42,7 @@ def _acceleration(g: float) -> Ints:
 
 
 def pitching(value: float, imu: ImuParameters) -> Sample:
-    """A body that is pitched over the top lies on its back beyond; against the pitch itself, going on beyond 90."""
+    """Return a body pitched past 90 degrees, then on its back; the reference's pitch continues beyond 90."""
 
     def level(ago: int) -> Attitude:
         return (0.0, radians(value) - ago * SLOW, 0.0)
@@ -55,7 +55,7 @@ def pitching(value: float, imu: ImuParameters) -> Sample:
 
 
 def yawing(value: float, imu: ImuParameters, wrapped_by_host: bool) -> Sample:
-    """Through 180 degrees, against a yaw that goes on beyond them."""
+    """Return a yaw through 180 degrees; the reference's yaw continues beyond them."""
 
     def on(ago: int) -> Attitude:
         return (0.0, 0.0, radians(value) - ago * SLOW)
@@ -67,13 +67,13 @@ def yawing(value: float, imu: ImuParameters, wrapped_by_host: bool) -> Sample:
 
 
 def yaw_step(value: float) -> Sample:
-    """After standing still; its middle is 0, so that no angle wraps."""
+    """Return a yaw step from rest, centred at 0, so that no angle wraps."""
     half = radians(value) / 2
     return Sample(AS_BUILT, sent(lambda ago: (0.0, 0.0, -half if ago else half)))
 
 
 def rolling(value: float, late: float = 0.0) -> Sample:
-    """A roll rate in deg/s; late: by which part of Ts the frames are."""
+    """Return a roll rate in deg/s; late: the frames' delay as a part of Ts."""
     step = radians(value) * AS_BUILT.period
 
     def steady(ago: int) -> Attitude:
@@ -83,7 +83,7 @@ def rolling(value: float, late: float = 0.0) -> Sample:
 
 
 def spinning(value: float) -> Sample:
-    """A roll rate that no frame can tell, for who gives the models angles: counts with room for any."""
+    """Return a roll rate that no frame can represent: counts without a range limit."""
     step = radians(value) * AS_BUILT.period
     counts = meant(lambda ago: (-ago * step, 0.0, 0.0))
     return Sample(AS_BUILT, counts)
@@ -96,7 +96,7 @@ def accelerated(value: float) -> Sample:
 MOTIONS = (
     Sweep(
         "pitch through 90, as built",
-        "50 deg/s over the top, where roll and yaw jump by 180",
+        "50 deg/s past 90, where roll and yaw jump by 180",
         "deg",
         87,
         93,
@@ -132,14 +132,14 @@ MOTIONS = (
     ),
     Sweep(
         "yaw beyond int16",
-        "50 deg/s, unwrapped; a host that counts on, so its int16 wraps",
+        "50 deg/s, unwrapped; a host that does not wrap, so its int16 does",
         "deg",
         185,
         191,
         lambda value: yawing(value, UNWRAPPED, wrapped_by_host=False),
         ONE_COUNT,
     ),
-    Sweep("yaw step in one sample", "after standing still, as built", "deg", 0, 359, yaw_step),
+    Sweep("yaw step in one sample", "from rest, as built", "deg", 0, 359, yaw_step),
     Sweep("roll rate", "full scale is 2000, the converter's last code 2279", "deg/s", 0, 8000, rolling),
     Sweep(
         "roll rate beyond frames",
@@ -149,10 +149,10 @@ MOTIONS = (
         1e6,
         spinning,
     ),
-    Sweep("acceleration", "on all axes, up to what a frame can say", "g", 0, 32.767, accelerated),
+    Sweep("acceleration", "on all axes, up to a frame's limit", "g", 0, 32.767, accelerated),
     Sweep(
         "Ts jitter",
-        "500 deg/s, frames late by a part of Ts, which the model does not know",
+        "500 deg/s, frames late by a part of Ts, unknown to the model",
         "% of Ts",
         0,
         50,

@@ -1,6 +1,6 @@
-"""The trade as a picture: a report goes in, SVG text of error in LSB against cycles of a sample comes out.
+"""The trade-off of a report as SVG: error in LSB against cycles for a sample.
 
-Both axes are logarithmic. A bar is the range of a cost where no single figure was published; the error is the largest
+Both axes are logarithmic. A bar is the range of a cost without a single published figure; the error is the largest
 of the nine axes in the working range. Equal reports give equal text.
 """
 
@@ -16,12 +16,12 @@ WIDTH, HEIGHT = 900, 560
 LEFT, RIGHT, TOP, BOTTOM = 90, 40, 60, 80
 FONT = "Helvetica, Arial, sans-serif"
 POINT, LINE, WORD, FOUNDED, GUESSED, GRID, INK = 5, 14, 110, "#0060a8", "#c04a00", "#e2e2e2", "#333333"
-EXACT = 1e-5  # LSB: where an error of 0 is drawn
+EXACT = 1e-5  # LSB: an error of 0 is drawn here
 MEASURED = 37_500  # cycles: 250 us at 150 MHz
 
 
 def picture(report: Report) -> str:
-    """SVG text."""
+    """Return SVG text."""
     points = []
     for name in report.names:
         cost, worst = report.costs[name], report.errors.get(name)
@@ -36,7 +36,7 @@ def picture(report: Report) -> str:
     at = x_axis.place(MEASURED)
     page.append(svg.Line(at, TOP, at, HEIGHT - BOTTOM, stroke=INK, stroke_dasharray="4 3"))
     page.append(_words("measured: 250 us", at - 6, TOP + 14, anchor="end"))
-    taken: list[tuple[float, float]] = []  # where words stand
+    taken: list[tuple[float, float]] = []  # places of labels
     for name, low, high, error, guessed in points:
         x, y = x_axis.place((low * high) ** 0.5), y_axis.place(error)
         colour = GUESSED if guessed else FOUNDED
@@ -53,7 +53,7 @@ def picture(report: Report) -> str:
 
 
 class _Axis:
-    """Whole powers of ten from below `low` to above `high`, between two places on paper."""
+    """A logarithmic axis with whole powers of ten from below `low` to above `high`, between two places on paper."""
 
     def __init__(self, low: float, high: float, begin: float, end: float) -> None:
         self.powers = range(floor(log10(low)), ceil(log10(high)) + 1)

@@ -1,7 +1,7 @@
-"""From which input on an arithmetic leaves the reference: a sweep from ordinary to extreme goes in, findings come out.
+"""Search for the first input, from ordinary to extreme, at which an arithmetic deviates from the reference.
 
-value --> parameters, counts --> codes --+-> differ by more than the arithmetic may? --> first such value
-value --> reference's own ----> codes ---+   looked for on a grid, then between two of its points, and so on
+value --> parameters, counts --> codes --+-> differ by more than allowed? --> first such value
+value --> reference's own ----> codes ---+   searched on a grid, then between two of its points, and so on
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from .finding import Finding, Happens
 from .frames import REFERENCE, SENSORS, Codes, codes_of
 from .working_range import Worst
 
-FIRST_GRID = 121  # points between an ordinary and an extreme value: what wraps may look right again a little further on
-GRID = 13  # points between two of them, and again between two of those
+FIRST_GRID = 121  # points from ordinary to extreme: wrapped values may look right a little further on
+GRID = 13  # points between two of them, repeatedly
 ZOOMS = 4
 
 Bools = NDArray[np.bool_]
@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Sample:
-    """What the model gets at one value of a sweep, and what the reference gets: the same unless said."""
+    """Inputs of the model at one value of a sweep, and those of the reference, by default the same."""
 
     imu: parameters.ImuParameters
     counts: Ints  # int64[12]
@@ -40,9 +40,9 @@ class Sample:
 
 @dataclass(frozen=True)
 class Sweep:
-    """ordinary, extreme: where it begins and ends, in `unit`; the latter may be below the former.
+    """ordinary, extreme: its begin and end, in `unit`; the latter may be below the former.
 
-    slack: LSB by which codes may differ besides, since the counts of a frame are rounded otherwise in the reference.
+    slack: additional LSB by which codes may differ, since a frame's counts are rounded differently in the reference.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Sweep:
     slack: float = 0
 
     def find(self, arithmetic: str, worst: Worst | None) -> Finding:
-        """What happens first. worst: how far this arithmetic may be off; None for the reference itself."""
+        """Find the first deviation. worst: the arithmetic's allowed deviation; None for the reference itself."""
         allowed = (np.ones(9) if worst is None else worst.allowed()) + self.slack
         largest = float(_grid(self, arithmetic, self.ordinary, self.extreme, FIRST_GRID).off.max())
         overflows = self._first(arithmetic, lambda grid: grid.codes.overflown)
@@ -70,7 +70,7 @@ class Sweep:
         return Finding(self.name, arithmetic, happens, begins, self.unit, largest, overflows=overflows)
 
     def _first(self, arithmetic: str, holds: Callable[[Grid], Bools]) -> float | None:
-        """The first value of a grid where something holds, then of a grid up to there, and so on."""
+        """Return the first value of a grid at which `holds` is true, refined by finer grids up to there."""
         low, high, found = self.ordinary, self.extreme, None
         for points in (FIRST_GRID, *[GRID] * ZOOMS):
             grid = _grid(self, arithmetic, low, high, points)
@@ -86,7 +86,7 @@ class Sweep:
 
 @dataclass(frozen=True)
 class Grid:
-    """values: float64[n]. off: codes off the reference's, float64[9, n]. full: any code is its converter's last."""
+    """values: float64[n]. off: deviation from the reference, float64[9, n]. full: a code is its converter's last."""
 
     values: Floats
     codes: Codes
@@ -94,11 +94,11 @@ class Grid:
     full: Bools
 
     def astray(self, allowed: Floats) -> Bools:
-        """Where the codes are further off than that, or what they come from is no number."""
+        """Return where the codes are further off, or a value before rounding is NaN."""
         return np.logical_or((self.off > allowed[:, None]).any(axis=0), np.isnan(self.codes.exact).any(axis=0))
 
     def how(self, arithmetic: str) -> Happens:
-        """Why they are, at the first value."""
+        """Return why they are, at the first value."""
         if np.isnan(self.codes.exact[:, 0]).any():
             return "NaN"
         q = named.format_of(arithmetic)
@@ -109,7 +109,7 @@ class Grid:
 
 @lru_cache(maxsize=256)
 def _grid(sweep: Sweep, arithmetic: str, low: float, high: float, points: int) -> Grid:
-    """A sweep from low to high."""
+    """Evaluate a sweep from low to high."""
     values = np.linspace(low, high, points)
     samples = [sweep.at(float(value)) for value in values]
     codes = _together(arithmetic, samples)
@@ -121,7 +121,7 @@ def _grid(sweep: Sweep, arithmetic: str, low: float, high: float, points: int) -
 
 @lru_cache(maxsize=256)
 def _true(sweep: Sweep, low: float, high: float, points: int) -> Floats:
-    """The reference's codes over the same values."""
+    """Return the reference's codes over the same values."""
     samples = [sweep.at(float(value)) for value in np.linspace(low, high, points)]
     true = [
         Sample(one.true_imu or one.imu, one.counts if one.true_counts is None else one.true_counts) for one in samples
@@ -130,7 +130,7 @@ def _true(sweep: Sweep, low: float, high: float, points: int) -> Floats:
 
 
 def _together(arithmetic: str, samples: list[Sample]) -> Codes:
-    """Codes of all samples: at once where they share their parameters, one by one where not."""
+    """Return the codes of all samples: at once if they share their parameters, else one by one."""
     if all(one.imu is samples[0].imu for one in samples):
         counts = np.stack([one.counts for one in samples], axis=1)
         return codes_of(named.arrays(arithmetic), samples[0].imu, counts)

@@ -1,4 +1,4 @@
-"""A report of the extremes as a person reads it, and as JSON."""
+"""A report of the extremes as text and as JSON."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Rows = list[list[str]]
 
 
 def text(report: Report) -> str:
-    """Tables: error and cost in the working range, cycles by part, and what happens at each extreme."""
+    """Format tables: error and cost in the working range, cycles by part, and findings at each extreme."""
     return "\n".join(
         [
             "working range: largest error found against float64, in LSB before rounding",
@@ -30,15 +30,15 @@ def text(report: Report) -> str:
             *_table(_cost_rows(report)),
             *_without_fastrts(report),
             "",
-            *_titled("extremes: what happens, and from which input on", _extreme_rows(report)),
-            *_titled("time, clocks, lines and inputs, whatever the arithmetic", _common_rows(report)),
+            *_titled("extremes: effect, and the first input with it", _extreme_rows(report)),
+            *_titled("time, clocks, lines and inputs, for any arithmetic", _common_rows(report)),
             *_remarks(report),
         ]
     )
 
 
 def _table(rows: Rows) -> list[str]:
-    """The first row is its titles."""
+    """Format rows; the first one has the titles."""
     return text_table(rows[0], rows[1:])
 
 
@@ -97,7 +97,7 @@ def _common_rows(report: Report) -> Rows:
 
 
 def _titled(title: str, rows: Rows) -> list[str]:
-    """A table under its title, and an empty line; nothing where the table would have a head only."""
+    """Format a table under its title, and an empty line; nothing if it has no rows."""
     return [title, "", *_table(rows), ""] if len(rows) > 1 else []
 
 
@@ -106,18 +106,18 @@ def _cell(finding: Finding) -> str:
 
 
 def _remarks(report: Report) -> list[str]:
-    told = [f"{sweep.name}: {sweep.what}" for sweep in SWEEPS if report.of(sweep.name)]
+    remarks = [f"{sweep.name}: {sweep.what}" for sweep in SWEEPS if report.findings_for(sweep.name)]
     for finding in report.findings:
         if finding.note:
             of = "" if finding.arithmetic == EVERY else f", {finding.arithmetic}"
-            told.append(f"{finding.extreme}{of}: {finding.note}")
+            remarks.append(f"{finding.extreme}{of}: {finding.note}")
     if REFERENCE in report.names:
-        told.append(f"{REFERENCE} is the reference: full scale is where its converter shows its last code")
-    return [line for remark in told for line in paragraph(remark)]
+        remarks.append(f"{REFERENCE} is the reference: at full scale its converter returns its last code")
+    return [line for remark in remarks for line in paragraph(remark)]
 
 
 def _span(low: float, high: float) -> str:
-    """One number, or two with "to" between."""
+    """Format one number, or two with "to" between."""
     first, last = (f"{value:.4g}" if value < 1000 else f"{value:.0f}" for value in (low, high))
     return first if first == last else f"{first} to {last}"
 
@@ -127,7 +127,7 @@ def _rest(least: int, most: int) -> str:
 
 
 def as_json(report: Report) -> dict[str, object]:
-    """Errors and inputs as numbers; null where nothing begins."""
+    """Convert a report to JSON: errors and inputs as numbers; null for a finding that never begins."""
     return {
         "reference": REFERENCE,
         "seed": report.seed,

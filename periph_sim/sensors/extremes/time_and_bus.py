@@ -1,8 +1,8 @@
-"""Extremes beside the models' arithmetic: time, clocks, lines, sums of noise, inputs. Findings come out, one a row.
+"""Extremes outside the models' arithmetic: time, clocks, lines, sums of noise, inputs.
 
     longest run, clocks of some ppm over a day, a transfer at the last tick, 10^9 samples of noise, NaN in arrays
 
-Each row is tried here as it is told: the refusal is provoked, the edges are counted, the two runs are compared.
+Each finding is measured: the error is provoked, the edges are counted, the two runs are compared.
 """
 
 from __future__ import annotations
@@ -45,17 +45,17 @@ Edges = list[tuple[str, int, int]]  # wire, ticks after the start, level
 
 
 def longest_run() -> Iterator[Finding]:
-    """Ticks are numbered up to 2^62; neither a chip nor a recording's int64 overflows before that."""
+    """Find the longest run. Ticks reach up to 2^62; neither a chip nor a recording's int64 overflows before that."""
     for name, hertz in (("150 MHz", SYSCLK), ("28.636363 MHz x 5", ODD_CRYSTAL)):
         begins = first_where(partial(_too_long, Timebase(hertz)), 1, 1e11)
-        told = _why(partial(Timebase(hertz).end_of_run, 0, MORE_THAN_A_CENTURY), TimeError)
+        message = _why(partial(Timebase(hertz).end_of_run, 0, MORE_THAN_A_CENTURY), TimeError)
         yield Finding(
             f"length of a run, {name}",
             EVERY,
-            "refused" if told else "agrees",
+            "refused" if message else "agrees",
             begins,
             "s",
-            note=told or "more than a century was taken",
+            note=message or "more than a century was accepted",
         )
 
 
@@ -64,7 +64,7 @@ def _too_long(base: Timebase, length: float) -> bool:
 
 
 def clocks() -> Iterator[Finding]:
-    """A clock off by ppm for a day: each edge within a tick of where it belongs, so a count is off by nothing."""
+    """Run a clock with an error in ppm for a day: each edge is within a tick of its exact time, without drift."""
     base = Timebase(SYSCLK)
     for ppm in PPM:
         hertz = SYSCLK * (1 + Fraction(ppm, 1_000_000))
@@ -86,17 +86,17 @@ def clocks() -> Iterator[Finding]:
 
 
 def lines_at_the_last_tick() -> Iterator[Finding]:
-    """A transfer and a burst of UART in a run that ends with the last tick, against the same ones from tick 0 on."""
+    """Compare a transfer and a UART burst in a run that ends with the last tick with those from tick 0 on."""
     begins = LAST_TICK - Timebase(SYSCLK).ticks(LINES_RUN)
     for name, traffic in (("I2C transfer", i2c_edges), ("UART burst", uart_edges)):
         first, last = traffic(0), traffic(begins)
         same = first == last
-        note = f"{len(last)} edges, {'the same as' if same else 'others than'} at tick 0"
+        note = f"{len(last)} edges, {'the same as' if same else 'different from those'} at tick 0"
         yield Finding(f"{name} at the last tick", EVERY, "exact" if same else "off", None, "", note=note)
 
 
 def i2c_edges(start: int) -> Edges:
-    """Of a write to an address at which nobody is, at 100 kHz, from a tick on."""
+    """Return the edges of a write to an unused address, at 100 kHz, from tick `start` on."""
     kernel, recorder = Kernel(start), Recorder()
     scl, sda = Wire(kernel, "SCL", recorder), Wire(kernel, "SDA", recorder)
     edges = _watched(start, scl, sda)
@@ -110,7 +110,7 @@ def i2c_edges(start: int) -> Edges:
 
 
 def uart_edges(start: int) -> Edges:
-    """Of sixteen bytes at 115200 bit/s."""
+    """Return the edges of sixteen bytes at 115200 bit/s."""
     base, kernel, recorder = Timebase(SYSCLK), Kernel(start), Recorder()
     line = Wire(kernel, "RX", recorder)
     edges = _watched(start, line)
@@ -133,11 +133,11 @@ def _keep(edges: Edges, wire: str, start: int, tick: int, level: int) -> None:
 
 
 def noise_sums() -> Iterator[Finding]:
-    """White noise and bias instability are found by number, without a sum; the random walk is the only sum."""
+    """Check noise at sample 10^9. White noise and bias instability need no sum; the random walk is the only sum."""
     for name, terms in (("white", NoiseTerms(1.0)), ("bias instability", NoiseTerms(0.0, 1.0))):
         noise = AxisNoise(terms, 0.02, 1, name)
         same = noise.values(FAR - 5, 10)[5] == noise.at(FAR)
-        note = "found by its number: no sum, nothing to drift" if same else "another value than in a block"
+        note = "computed from its number: no sum, no drift" if same else "another value than in a block"
         yield Finding(f"{name} noise, sample 10^9", EVERY, "exact" if same else "off", None, "", note=note)
     walk = AxisNoise(NoiseTerms(0.0, 0.0, 1.0), 1.0, 1, "walk")
     sums = walk.values(0, TRIED)
@@ -150,7 +150,7 @@ def noise_sums() -> Iterator[Finding]:
 
 
 def inputs() -> Iterator[Finding]:
-    """What the models do not take: NaN in arrays, and a period that is not the one at which they run."""
+    """Check that models reject NaN in arrays, and a period other than the one at which they run."""
     still = np.zeros(10)
     wrong = still.copy()
     wrong[7] = nan
@@ -160,12 +160,12 @@ def inputs() -> Iterator[Finding]:
     yield _refusal("models' period of 10 s, rounds of 20 ms", found)
 
 
-def _refusal(what: str, told: str) -> Finding:
-    return Finding(what, EVERY, "refused" if told else "agrees", None, "", note=told or "it passed")
+def _refusal(what: str, message: str) -> Finding:
+    return Finding(what, EVERY, "refused" if message else "agrees", None, "", note=message or "it passed")
 
 
 def _why(tried: Callable[[], object], error: type[Exception]) -> str:
-    """The message with which something is refused; empty if it is not."""
+    """Return the message of the expected error; empty if it is not raised."""
     try:
         tried()
     except error as refusal:

@@ -1,10 +1,10 @@
-"""How far each arithmetic is off float64 where the sensors are meant to work: the worst case, looked for.
+"""Search for the worst deviation of each arithmetic from float64 in the sensors' working range.
 
 Working range: any roll and yaw, pitch between -90 and 90 degrees, no wrap between two frames, angle rates up to the
 gyroscope's 2000 deg/s, linear acceleration up to the accelerometer's 2 g; parameters as given.
 
-Search: samples drawn evenly from the range, then steps around the worst of each axis that get smaller and smaller.
-The largest error found is a lower bound of the largest there is; more samples make it a better one.
+Search: samples drawn uniformly from the range, then ever smaller steps around the worst of each axis. The largest
+error found is a lower bound of the true maximum; more samples improve it.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ class Worst:
         return max(self.error.values())
 
     def allowed(self) -> NDArray[np.float64]:
-        """float64[9]: how many codes an error of that size can make a difference of, by axis."""
+        """Return float64[9]: the largest difference of codes that an error of that size can cause, by axis."""
         return np.repeat([np.floor(self.error[name]) + 1 for name in SENSORS], 3)
 
 
 def drawn(samples: int, seed: int, rate: float = 2000.0) -> Ints:
-    """int64[12, n] of the working range. rate: largest of an angle, in deg/s."""
+    """Draw int64[12, n] from the working range. rate: largest rate of an angle, in deg/s."""
     random = np.random.default_rng(seed)
     before = random.integers(-LIMITS[:, None], LIMITS[:, None], (3, samples), endpoint=True)
     most = int(np.radians(rate) * parameters.ImuParameters().period / ANGLE)
@@ -56,7 +56,7 @@ def drawn(samples: int, seed: int, rate: float = 2000.0) -> Ints:
 def worst(
     arithmetic: str, imu: parameters.ImuParameters, samples: int = 2000, seed: int = 0, rate: float = 2000.0
 ) -> Worst:
-    """The largest errors that were found. rate: largest of an angle, in deg/s."""
+    """Return the largest errors found. rate: largest rate of an angle, in deg/s."""
     counts = drawn(samples, seed, rate)
     random = np.random.default_rng(seed + 1)
     error: dict[str, float] = {}
@@ -79,7 +79,7 @@ def _errors(arithmetic: str, imu: parameters.ImuParameters, counts: Ints) -> NDA
 
 
 def _around(at: Ints, random: np.random.Generator, samples: int, reach: int, rate: float) -> Ints:
-    """Samples near one, still within the working range."""
+    """Draw samples near one, within the working range."""
     near = at[:, None] + random.integers(-reach, reach, (12, samples), endpoint=True)
     most = int(np.radians(rate) * parameters.ImuParameters().period / ANGLE)
     g = int(parameters.AccelerometerParameters().full_scale / ACCELERATION)

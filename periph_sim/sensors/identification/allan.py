@@ -1,4 +1,4 @@
-"""Overlapping Allan variance: samples go in, the variance of change between neighbouring averages comes out.
+"""Overlapping Allan variance: the variance of change between neighbouring averages.
 
     averages over m samples --> differences of neighbours, m samples apart, at every place --> mean square / 2
 
@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from .series import BadSeries, Floats
 
-AT_ONCE = 1 << 16  # differences that are formed at once: they stay in the cache, and need no memory of the series' size
-MOST_DIFFERENCES = 2_000_000_000  # that are formed for all averaging times together: some ten seconds
+AT_ONCE = 1 << 16  # differences formed at once: they fit into the cache
+MOST_DIFFERENCES = 2_000_000_000  # for all averaging times together: some ten seconds
 
 
 @dataclass(frozen=True, eq=False)
 class Allan:
-    """counts: samples m of each average. taus: m times the period, s. variance: in unit**2. length: of the series."""
+    """counts: samples m in each average. taus: m times the period, s. variance: in unit**2. length: of the series."""
 
     counts: NDArray[np.int64]
     taus: Floats
@@ -35,12 +35,12 @@ class Allan:
 
 
 def octaves(length: int) -> list[int]:
-    """1, 2, 4 ... up to half the length."""
+    """Return 1, 2, 4 ... up to half the length."""
     return [1 << k for k in range((length // 2).bit_length())]
 
 
 def everyone(length: int) -> list[int]:
-    """Every count up to half the length. BadSeries where that takes too long."""
+    """Return every count up to half the length. BadSeries if that takes too long."""
     cost = length * length // 4
     if cost > MOST_DIFFERENCES:
         most = int(2 * MOST_DIFFERENCES**0.5)
@@ -52,9 +52,9 @@ def everyone(length: int) -> list[int]:
 
 
 def allan(samples: Floats, period: float, counts: Sequence[int] | None = None) -> Allan:
-    """The overlapping Allan variance at m * period for each m of `counts` (octaves if None).
+    """Compute the overlapping Allan variance at m * period for each m of `counts` (octaves if None).
 
-    samples: finite, one dimension. BadSeries for an m beyond 1 to half the samples. Needs memory for one running sum.
+    samples: finite, one dimension. BadSeries for an m beyond 1 to half the samples. Memory: one running sum.
     """
     length = len(samples)
     wanted = octaves(length) if counts is None else list(counts)
@@ -63,7 +63,7 @@ def allan(samples: Floats, period: float, counts: Sequence[int] | None = None) -
             raise BadSeries(f"an average over {m} of {length} samples; expected 1 to {length // 2}")
     sums = np.empty(length + 1)
     sums[0] = 0.0
-    np.cumsum(samples - samples.mean(), out=sums[1:])  # a constant has no Allan variance, but costs digits
+    np.cumsum(samples - samples.mean(), out=sums[1:])  # a constant has no Allan variance, but costs precision
     variance = np.array([_variance(sums, m) for m in wanted])
     taken = np.array(wanted, dtype=np.int64)
     taus: Floats = taken * np.float64(period)
@@ -76,5 +76,5 @@ def _variance(sums: Floats, m: int) -> float:
     for begin in range(0, places, AT_ONCE):
         end = min(begin + AT_ONCE, places)
         change = sums[begin + 2 * m : end + 2 * m] - 2 * sums[begin + m : end + m] + sums[begin:end]
-        total += float(np.square(change, out=change).sum())  # np.dot's threads would share it out by their number
+        total += float(np.square(change, out=change).sum())  # np.dot's result would depend on its number of threads
     return total / (2 * places * m * m)

@@ -1,4 +1,4 @@
-"""One axis of a sensor at rest: a series goes in; bias, noise density, and by choice the slow terms, come out."""
+"""Identification of one axis of a sensor at rest: bias, noise density, and optionally the slow terms."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from .mean import Mean, mean
 from .series import BadSeries, Series, series
 from .slow_terms import SlowTerms, slow_terms, white_part
 
-LEAST_SIGMA = 0.4  # LSB of noise; below that rounding does not just add LSB**2 / 12
+LEAST_SIGMA = 0.4  # LSB of noise; below that rounding adds more than LSB**2 / 12
 
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """What one axis told. bias: the mean less what was expected, or less the mean without the disturbance.
+    """Results for one axis. bias: the mean minus the expected one, or minus the mean without the disturbance.
 
-    density: as measured, rounding to LSB included; where there are slow terms, fitted together with them.
-    notes: what a reader has to know, a sentence each.
+    density: as measured, rounding to LSB included; fitted together with slow terms, if any.
+    notes: warnings for the reader, a sentence each.
     """
 
     series: Series
@@ -33,12 +33,12 @@ class Identified:
 
     @property
     def quantisation_density(self) -> float:
-        """What rounding to whole LSB adds to the density, unit**2 s: LSB**2 / 12 a sample."""
+        """The part of the density due to rounding to whole LSB, unit**2 s: LSB**2 / 12 a sample."""
         return 0.0 if self.series.lsb is None else self.series.lsb**2 / 12 * self.series.period
 
     @property
     def sensor_density(self) -> float:
-        """The density of the sensor's own noise: what a model has to be given, that rounds by itself."""
+        """The density of the sensor's own noise, for models, which round by themselves."""
         return max(self.density.value - self.quantisation_density, 0.0)
 
 
@@ -51,28 +51,28 @@ def identify(
     undisturbed: ArrayLike | None = None,
     slow: bool = False,
 ) -> Identified:
-    """The parameters of one axis, recorded at rest every `period` seconds.
+    """Identify the parameters of one axis, recorded at rest every `period` seconds.
 
-    expected: what its mean should be. undisturbed: samples without the disturbance, whose mean is taken instead
-    (hard iron). BadSeries, in a sentence, where there is nothing to be found: too few samples, NaN, a constant.
+    expected: the true mean. undisturbed: samples without the disturbance, whose mean is used instead (hard iron).
+    BadSeries if nothing can be identified: too few samples, NaN, a constant.
     """
     given = series(name, samples, period)
-    found, noise, terms = _told(given, slow)
+    found, noise, terms = _fitted(given, slow)
     level = mean(given, found, noise)
     if undisturbed is None:
         bias = level.minus(expected)
     else:
         other = series(f"{name} undisturbed", undisturbed, period)
-        bias = level.less(mean(other, *_told(other, slow)[:2]))
+        bias = level.less(mean(other, *_fitted(other, slow)[:2]))
     return Identified(given, found, noise, bias, terms, tuple(_notes(given, noise, bias)))
 
 
-def _told(given: Series, slow: bool) -> tuple[Allan, Density, SlowTerms | None]:
+def _fitted(given: Series, slow: bool) -> tuple[Allan, Density, SlowTerms | None]:
     first = given.samples[0]
     if (given.samples == first).all():
         raise BadSeries(
             f"{given.name}: all {len(given.samples)} samples are {first:g}; the noise is less than the resolution, "
-            "so neither it nor the error of the mean can be found"
+            "so neither it nor the error of the mean can be determined"
         )
     found = allan(given.samples, given.period)
     if not slow:
@@ -88,11 +88,11 @@ def _notes(given: Series, noise: Density, bias: Mean) -> list[str]:
         if sigma < LEAST_SIGMA:
             notes.append(
                 f"{given.name}: the noise is {sigma:.2g} LSB of {given.lsb:.4g}; below {LEAST_SIGMA} LSB rounding "
-                "hides it, and the density says little"
+                "hides it, and the density is unreliable"
             )
     if bias.drift:
         notes.append(
             f"{given.name}: the averages drift by {bias.drift:.2g}, more than white noise does; averaging longer "
-            "does not make the bias better known"
+            "does not improve the bias"
         )
     return notes

@@ -1,11 +1,11 @@
-"""The mean of a recording at rest and how well it is known: a series and its noise go in; bias or hard iron come out.
+"""The mean of a recording at rest and its uncertainty, for bias or hard iron.
 
-Equations 4.9 (bias: mean less what it should be) and 4.10 (hard iron: mean with less mean without the disturbance).
-Three things make a mean uncertain, and they add up in squares:
+Equations 4.9 (bias: mean minus expected value) and 4.10 (hard iron: mean with minus mean without the disturbance).
+Three parts of a mean's uncertainty add up in squares:
 
     white noise       density / length in seconds
-    what drifts       where the curve lies above the white noise's line at long tau, averaging does not help any more
-    whole LSB         where the noise is small beside an LSB, the mean of rounded values is not the mean rounded
+        drift             where the curve is above the white noise's line at long tau, averaging does not help any more
+        whole LSB         if the noise is small compared with an LSB, the mean of rounded values is not the mean rounded
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from .confidence import edf
 from .density import Density
 from .series import Series
 
-LEAST_EDF = 2.0  # of the longest tau that is asked whether the averages drift
-UNLIKELY = 1e-3  # that white noise alone comes so high
+LEAST_EDF = 2.0  # of the longest tau used to detect drift
+UNLIKELY = 1e-3  # that white noise alone is so high
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Mean:
         return sqrt(self.white**2 + self.drift**2 + self.quantisation**2)
 
     def less(self, other: Mean) -> Mean:
-        """The difference of two independent means: with a disturbance less without."""
+        """Return the difference of two independent means: with minus without a disturbance."""
         return Mean(
             self.value - other.value,
             sqrt(self.white**2 + other.white**2),
@@ -48,12 +48,12 @@ class Mean:
         )
 
     def minus(self, expected: float) -> Mean:
-        """The bias against a value that is known exactly."""
+        """Return the bias against an exactly known value."""
         return Mean(self.value - expected, self.white, self.drift, self.quantisation)
 
 
 def mean(series: Series, found: Allan, noise: Density) -> Mean:
-    """The mean of a series whose Allan variances and white noise are known."""
+    """Return the mean of a series whose Allan variances and white noise are known."""
     length = len(series.samples) * series.period
     return Mean(
         float(series.samples.mean()),
@@ -64,7 +64,7 @@ def mean(series: Series, found: Allan, noise: Density) -> Mean:
 
 
 def _drift(found: Allan, noise: Density) -> float:
-    """The highest deviation behind the white noise's region, from where it lies clearly above its line; else 0."""
+    """Return the highest deviation after the white noise's region where it is clearly above its line; else 0."""
     freedom = edf(found)
     behind = slice(noise.region.stop, int(np.count_nonzero(freedom >= LEAST_EDF)))
     ratio = found.variance[behind] * found.taus[behind] / noise.value
@@ -74,7 +74,7 @@ def _drift(found: Allan, noise: Density) -> float:
 
 
 def _quantisation(series: Series, noise: Density) -> float:
-    """Root mean square, over all true means, of what rounding Gaussian values to whole LSB does to their mean.
+    """Return the RMS error, over all true means, of the mean of Gaussian values that are rounded to whole LSB.
 
     The first term of the Fourier series of the rounding error: LSB / pi * exp(-2 pi**2 (sigma / LSB)**2) at most
     (Widrow and Kollar, "Quantization noise", chapter 4).

@@ -1,7 +1,7 @@
-"""The Allan plot: what was identified goes in, a log-log picture with error bars and fitted lines comes out as a file.
+"""The Allan plot: a log-log picture of identified axes with error bars and fitted lines, as a file.
 
-One panel a unit. Points with the interval in which the true deviation lies with 68 %; the line of slope -1/2 where it
-was fitted, thin where it goes on to 1 s, and the ring where it is read.
+One panel a unit. Points with the interval that contains the true deviation with 68 %; the line of slope -1/2 where
+it was fitted, thin where it is extended to 1 s, and the ring where it is read.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from .density import READ_AT
 from .slow_terms import FLOOR
 from .text_report import Axis
 
-COLOURS = ("#0060a8", "#c04a00", "#3a7d34", "#7a3b9a", "#777777")  # told apart also without all colours
+COLOURS = ("#0060a8", "#c04a00", "#3a7d34", "#7a3b9a", "#777777")  # distinguishable with colour blindness
 MARKS = "osd^v"
 STYLE: dict[Any, Any] = {"svg.hashsalt": "periph-sim", "svg.fonttype": "none", "font.size": 9.0, "axes.axisbelow": True}
 
 
 def plot(title: str, axes: Sequence[Axis], path: Path) -> None:
-    """Writes SVG or PNG, as the suffix says. Equal input gives equal bytes of SVG."""
+    """Write SVG or PNG, by the suffix. Equal input gives equal bytes of SVG."""
     units = list(dict.fromkeys(axis.unit for axis in axes))
     with rc_context(STYLE):
         figure = Figure(figsize=(1.5 + 4.2 * len(units), 4.4))

@@ -1,4 +1,4 @@
-"""A recording that parameters can be found in: samples go in, float64 samples and their LSB come out, or a refusal."""
+"""A recording checked for identification: float64 samples and their LSB."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 
-LEAST_SAMPLES = 32  # below that no Allan variance has enough degrees of freedom for an error bar
+LEAST_SAMPLES = 32  # with fewer, no Allan variance has enough degrees of freedom for an error bar
 LARGEST = 1e100  # beyond that the squares of sums overflow
-REPEATED = 4  # samples a value, on average, of a recording that is taken for one of whole LSB
-OFF_GRID = 0.05  # LSB that a printed value may lie beside its place
+REPEATED = 4  # samples a value, on average, of a recording that counts as quantized
+OFF_GRID = 0.05  # LSB by which a printed value may be off the grid
 
 
 class BadSeries(ValueError):
-    """A recording in which nothing can be found; the message says what was found and expected."""
+    """A recording unsuitable for identification; the message says what was found and expected."""
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """samples, one every `period` seconds. lsb: the step between values; None if they are not steps."""
+    """samples, one every `period` seconds. lsb: the step between values; None if they are not quantized."""
 
     name: str
     samples: Floats
@@ -31,7 +31,7 @@ class Series:
 
 
 def series(name: str, samples: ArrayLike, period: float) -> Series:
-    """BadSeries for samples that are too few, or not all finite numbers, or no series at all."""
+    """Check samples. BadSeries if they are too few, not all finite, or not one-dimensional."""
     if not isfinite(period) or period <= 0:
         raise BadSeries(f"{name}: the sampling period is {period} s; expected a finite number above 0")
     values = np.asarray(samples, dtype=np.float64)
@@ -51,11 +51,11 @@ def series(name: str, samples: ArrayLike, period: float) -> Series:
 
 
 def lsb_of(values: Floats) -> float | None:
-    """The step between the values of a converter; None for a constant, or where values are not on steps."""
-    told = np.unique(values)
-    if len(told) < 2 or len(told) * REPEATED > len(values):
+    """Return the step between the values of a converter; None for a constant, or values without a common step."""
+    levels = np.unique(values)
+    if len(levels) < 2 or len(levels) * REPEATED > len(values):
         return None
-    apart = np.diff(told)
+    apart = np.diff(levels)
     steps = np.rint(apart / apart.min())
-    lsb = float((told[-1] - told[0]) / steps.sum())
+    lsb = float((levels[-1] - levels[0]) / steps.sum())
     return lsb if (np.abs(apart - steps * lsb) < OFF_GRID * lsb).all() else None

@@ -1,9 +1,9 @@
-"""Bias instability and random walk: Allan variances go in, B and K with their errors come out.
+"""Bias instability B and random walk K with their errors, from Allan variances.
 
     variance(tau) = N**2 / tau + (2 ln 2 / pi) B**2 + K**2 tau / 3        slopes -1/2, 0 and +1/2 of the deviation
 
-IEEE Std 952 annex C. Fitted together by weighted least squares, none below 0, since the parts of slope 0 and +1/2 are
-seldom bare. Points share samples: their correlation is taken to be that of white noise.
+IEEE Std 952 annex C. Fitted together by weighted least squares, none below 0, since the parts of slope 0 and +1/2
+seldom occur alone. Points share samples: their correlation is assumed to be that of white noise.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from .confidence import edf, white_covariance
 from .density import READ_AT, Density
 from .series import Floats
 
-ROUNDS = 4  # weights come from the fit itself; after a few rounds they stay
+ROUNDS = 4  # weights come from the fit itself; they converge after a few rounds
 LEAST_EDF = 2.0
 FLOOR = 2 * log(2) / pi  # of the variance, in B squared: a deviation of 0.664 B
 
 
 @dataclass(frozen=True)
 class Term:
-    """value and standard error of a coefficient squared, and its root, in the coefficient's unit."""
+    """A squared coefficient with its standard error, and its root, in the coefficient's unit."""
 
     squared: float
     squared_error: float
@@ -37,11 +37,11 @@ class Term:
 
     @property
     def found(self) -> bool:
-        """Whether it can be told from 0."""
+        """True if it differs significantly from 0."""
         return self.squared > 2 * self.squared_error
 
     def bounds(self, errors: float) -> tuple[float, float]:
-        """The coefficient at so many standard errors below and above."""
+        """Return the coefficient at `errors` standard errors below and above."""
         aside = errors * self.squared_error
         return sqrt(max(self.squared - aside, 0.0)), sqrt(self.squared + aside)
 
@@ -56,7 +56,7 @@ class SlowTerms:
 
 
 def white_part(found: Allan, terms: SlowTerms) -> Density:
-    """The density that was fitted; its region is where white noise is most of the variance."""
+    """Return the fitted density; its region is where white noise is most of the variance."""
     most = int(np.count_nonzero(terms.white.squared / found.taus > found.variance / 2))
     about = int(np.abs(np.log(found.taus / READ_AT)).argmin())
     freedom = 2 * (terms.white.squared / terms.white.squared_error) ** 2
@@ -65,7 +65,7 @@ def white_part(found: Allan, terms: SlowTerms) -> Density:
 
 
 def slow_terms(found: Allan) -> SlowTerms:
-    """N, B and K of a curve of octaves."""
+    """Fit N, B and K to a curve of octaves."""
     used = edf(found) >= LEAST_EDF
     taus, variance, freedom = found.taus[used], found.variance[used], edf(found)[used]
     parts = np.stack([1 / taus, np.full_like(taus, FLOOR), taus / 3], axis=1)

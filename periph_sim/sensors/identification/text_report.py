@@ -1,4 +1,4 @@
-"""What was identified, as a person reads it and as JSON: parameters and errors go in, text or dicts come out."""
+"""Identified parameters and errors as text and as JSON."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ KNOWN = ("column", "95 % of the density", "rounding", "fitted from, to")
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """One column of a recording: what was identified, and its unit."""
+    """One column of a recording: identified parameters, and its unit."""
 
     unit: str
     found: Identified
 
 
 def table(title: str, axes: Sequence[Axis]) -> str:
-    """A head line, what was found of each column and how well, the slow terms where asked for, and notes."""
+    """Format a head line, each column's parameters and errors, requested slow terms, and notes."""
     lines = [title, "", *text_table(FOUND, [_found(axis) for axis in axes])]
     lines += ["", *text_table(KNOWN, [_known(axis) for axis in axes])]
     lines += ["", "Densities in the column's unit, squared, per Hz. Errors are standard errors."]
@@ -36,12 +36,12 @@ def table(title: str, axes: Sequence[Axis]) -> str:
 
 
 def as_json(axes: Sequence[Axis]) -> list[dict[str, object]]:
-    """One object a column; numbers in the column's unit and seconds."""
+    """Return one object for each column; numbers in the column's unit and seconds."""
     return [_object(axis) for axis in axes]
 
 
 def with_error(value: float, error: float) -> str:
-    """A value with its standard error, both to the second digit of the error."""
+    """Format a value with its standard error, both to the second digit of the error."""
     if error <= 0:
         return f"{value:g}"
     decimals = max(1 - floor(log10(error)), 0)
@@ -49,7 +49,7 @@ def with_error(value: float, error: float) -> str:
 
 
 def scaled(value: float, error: float) -> str:
-    """The same with a power of ten."""
+    """Format a value with its standard error and a power of ten."""
     power = floor(log10(value)) if value > 0 else 0
     return f"({with_error(value / 10**power, error / 10**power)})e{power:+03d}"
 
@@ -62,7 +62,7 @@ def _found(axis: Axis) -> tuple[str, ...]:
 
 
 def _known(axis: Axis) -> tuple[str, ...]:
-    """How well the density is known, and from which times."""
+    """Format the density's interval, and the times it was fitted to."""
     found = axis.found
     low, high = found.density.bounds(LEVELS["95 %"])
     taus = found.allan.taus[found.density.region]
@@ -85,12 +85,12 @@ def _slow(axis: Axis) -> list[tuple[str, ...]]:
 def _term(term: Term, unit: str) -> tuple[str, str, str]:
     low, high = term.bounds(1.96)
     said = f"{term.value:.3g} {unit}" if term.found else "-"
-    return said, f"{low:.2g} to {high:.2g} {unit}", "" if term.found else "not told from 0"
+    return said, f"{low:.2g} to {high:.2g} {unit}", "" if term.found else "not distinguishable from 0"
 
 
 def _object(axis: Axis) -> dict[str, object]:
     found, noise, bias = axis.found, axis.found.density, axis.found.bias
-    told: dict[str, object] = {
+    row: dict[str, object] = {
         "column": found.series.name,
         "unit": axis.unit,
         "samples": len(found.series.samples),
@@ -118,5 +118,5 @@ def _object(axis: Axis) -> dict[str, object]:
     }
     if found.slow is not None:
         for key, term in (("bias_instability", found.slow.bias_instability), ("random_walk", found.slow.random_walk)):
-            told[key] = {"value": term.value, "interval_95 %": term.bounds(1.96), "told_from_0": term.found}
-    return told
+            row[key] = {"value": term.value, "interval_95 %": term.bounds(1.96), "told_from_0": term.found}
+    return row

@@ -1,1 +1,1 @@
-"""The three sensor models of the dissertation, written once against an arithmetic: equations and named parameters."""
+"""The three sensor models of the dissertation, written once for any arithmetic: equations and named parameters."""

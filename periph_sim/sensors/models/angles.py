@@ -1,4 +1,4 @@
-"""Sines and cosines of an attitude, computed once for all three sensors: roll, pitch, yaw in rad go in."""
+"""Sines and cosines of an attitude (roll, pitch, yaw in rad), computed once for all three sensors."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The models over whole recordings: arrays of attitude, acceleration and noise go in, arrays of codes come out.
+"""The models over whole recordings: from arrays of attitude, acceleration and noise to arrays of codes.
 
-The same equations as for one sample, over pieces of the arrays that stay in the cache. Pieces do not show: a sample
-depends on itself and the one before only, and any length of pieces gives the same codes.
+The same equations as for one sample, over pieces of the arrays that fit into the cache. A sample depends on itself and
+the one before only, so any length of pieces gives the same codes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from . import parameters
 from .finite import INPUTS, check_arrays, check_before, inputs_of
 from .imu import Codes, Imu, Noise
 
-PIECE = 8192  # samples: what is being worked on fits the second-level cache
+PIECE = 8192  # samples: the working set fits the second-level cache
 
 Int16s = NDArray[np.int16]
 
@@ -32,13 +32,13 @@ def codes_of(
     arithmetic: Arithmetic[Floats] | None = None,
     piece: int = PIECE,
 ) -> Codes[Int16s]:
-    """Nine arrays int16[n] of LSB.
+    """Return nine arrays int16[n] of LSB.
 
     attitude: roll, pitch, yaw, float64[n] in rad; acceleration: x, y, z, linear, float64[n] in g; noise: nine
-    float64[n] in deg/s, g and gauss, or none. before: the attitude one period before the first; as if the first had
-    stood, unless given (a Simulink block begins with 0, 0, 0). arithmetic: Float64Arrays unless given; for Float32
-    all arrays are float32, for QArrays integers in its format. ValueError if the arrays differ in length or are of
-    another type than the arithmetic computes on; NotFinite, naming axis and sample, for a NaN or an infinity.
+    float64[n] in deg/s, g and gauss, or none. before: the attitude one period before the first; by default that of the
+    first sample (a Simulink block begins with 0, 0, 0). arithmetic: by default Float64Arrays; for Float32 all arrays
+    are float32, for QArrays integers in its format. ValueError if the arrays differ in length or their type is not the
+    arithmetic's; NotFinite, naming axis and sample, for a NaN or an infinity.
     """
     length = len(attitude[0])
     model = Imu(arithmetic or Float64Arrays(), imu)
@@ -54,7 +54,7 @@ def codes_of(
         last = tuple(np.atleast_1d(model.a.constant(angle)) for angle in before)
     x, y, z = model.at_rest.body
     body_last = np.atleast_1d(x), np.atleast_1d(y), np.atleast_1d(z)
-    with np.errstate(all="ignore"):  # an arithmetic says itself what x/0 and overflow give
+    with np.errstate(all="ignore"):  # the arithmetic defines the results of x/0 and overflow
         for begin in range(0, length, piece):
             here = slice(begin, begin + piece)
             now = _cut(attitude, here)
@@ -68,7 +68,7 @@ def codes_of(
 
 
 def _check_types(a: Arithmetic[Floats], given: tuple[Floats, ...]) -> None:
-    """Raise ValueError for arrays that the arithmetic would compute on in another one, or not at all."""
+    """Raise ValueError for arrays of a type that the arithmetic does not compute on."""
     if isinstance(a, Q):
         raise ValueError(f"{a.name} of Q computes one number at a time; give QArrays for arrays")
     if a.name == "float64":
@@ -84,7 +84,7 @@ def _cut(arrays: Triple[Floats], here: slice) -> Triple[Floats]:
 
 
 def _behind(last: tuple[Floats, ...], now: Triple[Floats]) -> Triple[Floats]:
-    """Each array one sample later: what came before it in front, its own last left out."""
+    """Delay each array by one sample: prepend the value before it, drop its own last."""
     x, y, z = (np.concatenate((first, array[:-1])) for first, array in zip(last, now, strict=True))
     return x, y, z
 

@@ -1,4 +1,4 @@
-"""How many operations a sample takes, part by part: parameters go in, {"gyroscope": {"mul": 15, ...}, ...} comes out.
+"""Number of operations for a sample, part by part: {"gyroscope": {"mul": 15, ...}, ...}.
 
 The choices among the parameters (corrected rates, unwrapped angles, how the field is turned) change the counts; the
 numbers do not, since the equations have no branches.
@@ -16,11 +16,11 @@ from .angles import angles
 from .imu import Imu
 
 PARTS = ("frame", "derivative", "angles", "gyroscope", "accelerometer", "magnetometer")
-FRAME = 6  # values of a host frame that are scaled
+FRAME = 6  # scaled values of a host frame
 
 
 def counts_of(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
-    """Operations of one sample by part; `frame` is the scaling of a host frame's six values."""
+    """Count the operations of one sample by part; `frame` is the scaling of a host frame's six values."""
     return {part: Counter(counts) for part, counts in _counted(imu).items()}
 
 
@@ -32,16 +32,16 @@ def _counted(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
     noise, (attitude, before) = model.silence, model.at_rest
     found: dict[str, Counter[str]] = {"frame": Counter({"scaled": FRAME})}
     rates = model.derivative.rates(attitude, still)
-    derivative = a.take()
+    derivative = a.pop_counts()
     turned = angles(a, attitude)
-    found["angles"] = a.take()
+    found["angles"] = a.pop_counts()
     body = model.gyroscope.body_rates(rates, turned)
     model.gyroscope.codes(body, still, noise.gyroscope)
-    found["gyroscope"] = a.take()
+    found["gyroscope"] = a.pop_counts()
     change = model.derivative.change(body, before)
-    found["derivative"] = derivative + a.take()
+    found["derivative"] = derivative + a.pop_counts()
     model.accelerometer.codes(turned, still, body, change, noise.accelerometer)
-    found["accelerometer"] = a.take()
+    found["accelerometer"] = a.pop_counts()
     model.magnetometer.codes(turned, noise.magnetometer)
-    found["magnetometer"] = a.take()
+    found["magnetometer"] = a.pop_counts()
     return {part: found[part] for part in PARTS}

@@ -1,13 +1,13 @@
-"""The discrete derivative that gyroscope and accelerometer share: two attitudes go in, three rates come out.
+"""The discrete derivative that gyroscope and accelerometer share: three rates from two attitudes.
 
     u(k), u(k-1) --> (u(k) - u(k-1)) / Ts --> phi', theta', psi' in rad/s
 
 Source: the dissertation's section 4.3.2 (y(k) = (u(k) - u(k-1)) / Ts, Ts constant) and 4.3.5 (computed once for both).
-It takes plain differences, so a yaw that goes on from +180 to -180 degrees counts as a step of nearly -360: "as
-built". "unwrapped" adds or takes one turn where a step of roll or yaw is longer than half a turn.
+It takes plain differences, so a yaw that continues from +180 to -180 degrees counts as a step of nearly -360: "as
+built". "unwrapped" adds or subtracts one turn if a step of roll or yaw is longer than half a turn.
 
-1/Ts is a constant, as a block with a fixed sample time has it. Ts = 0 has no derivative: such a set of parameters is
-refused, so no arithmetic ever divides by it.
+1/Ts is a constant, as in a block with a fixed sample time. Ts = 0 has no derivative: such parameters are
+rejected, so no arithmetic ever divides by it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Derivative(Generic[T]):
         self._minus_half_turn = a.constant(-pi)
 
     def rates(self, now: Triple[T], before: Triple[T]) -> Triple[T]:
-        """phi', theta', psi' in rad/s from two attitudes in rad."""
+        """Return phi', theta', psi' in rad/s from two attitudes in rad."""
         step = self._v.minus(now, before)
         if self._wrap == "unwrapped":
             roll, pitch, yaw = step
@@ -47,7 +47,7 @@ class Derivative(Generic[T]):
         return self._v.times(step, self._per_second)
 
     def change(self, now: Triple[T], before: Triple[T]) -> Triple[T]:
-        """The change of three rates in a second: rad/s^2 from rad/s."""
+        """Return the change of three rates per second: rad/s^2 from rad/s."""
         return self._v.times(self._v.minus(now, before), self._per_second)
 
     def _short_way(self, step: T) -> T:

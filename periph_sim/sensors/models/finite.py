@@ -1,6 +1,6 @@
-"""Refuses what no sensor can be given: attitude, acceleration and noise go in; nothing comes out, or NotFinite.
+"""Check that attitude, acceleration and noise are finite; NotFinite otherwise.
 
-Without this check every arithmetic would answer a NaN in its own way: 0 LSB in float64, full scale in float32.
+Without this check a NaN would have a different effect in each arithmetic: 0 LSB in float64, full scale in float32.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ INPUTS = (*ATTITUDE, *ACCELERATION, *NOISE)
 
 
 class NotFinite(ValueError):
-    """An input of the models that is NaN or infinite. axis: which, as in "attitude, pitch"; index: of the sample."""
+    """An input of the models that is NaN or infinite. axis: such as "attitude, pitch"; index: of the sample."""
 
     def __init__(self, axis: str, value: object, index: int | None = None) -> None:
         where = "" if index is None else f" at sample {index}"
@@ -30,12 +30,12 @@ class NotFinite(ValueError):
 
 
 def inputs_of(attitude: Any, acceleration: Any, noise: Noise[Any] | None) -> tuple[Any, ...]:
-    """The values in the order of INPUTS; without noise six."""
+    """Return the values in the order of INPUTS; six of them without noise."""
     return (*attitude, *acceleration, *(axis for chip in noise or () for axis in chip))
 
 
 def check_sample(attitude: Any, acceleration: Any, noise: Noise[Any]) -> None:
-    """One sample, in numbers of any arithmetic. NotFinite names the axis."""
+    """Check one sample, in numbers of any arithmetic. NotFinite names the axis."""
     gyroscope, accelerometer, magnetometer = noise
     values = (*attitude, *acceleration, *gyroscope, *accelerometer, *magnetometer)
     if not all(map(isfinite, values)):
@@ -44,14 +44,14 @@ def check_sample(attitude: Any, acceleration: Any, noise: Noise[Any]) -> None:
 
 
 def check_before(attitude: tuple[float, float, float]) -> None:
-    """The attitude one period before the first sample. NotFinite names the axis."""
+    """Check the attitude one period before the first sample. NotFinite names the axis."""
     for axis, value in zip(ATTITUDE, attitude, strict=True):
         if not isfinite(value):
             raise NotFinite(f"{axis} before the first sample", value)
 
 
 def check_arrays(arrays: tuple[Any, ...]) -> None:
-    """Arrays in the order of INPUTS. NotFinite names the axis and the index of the first such sample."""
+    """Check arrays in the order of INPUTS. NotFinite names the axis and the index of the first such sample."""
     import numpy as np
 
     for axis, array in enumerate(arrays):

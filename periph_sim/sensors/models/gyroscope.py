@@ -1,4 +1,4 @@
-"""Gyroscope: rates of the attitude angles go in, codes of the ITG-3200 come out.
+"""Gyroscope: codes of the ITG-3200 from rates of the attitude angles.
 
     phi', theta', psi' --> p, q, r --> mounting --> deg/s --> + bias + noise + g_sens * a --> Output
 
@@ -34,11 +34,11 @@ class Gyroscope(Generic[T]):
         self._output = Output(a, sensor)
 
     def body_rates(self, rates: Triple[T], angles: Angles[T]) -> Triple[T]:
-        """p, q, r in rad/s, as built or corrected."""
+        """Return p, q, r in rad/s, as built or corrected."""
         return body_rates(self._a, rates, angles) if self._corrected else rates
 
     def codes(self, body: Triple[T], acceleration: Triple[T], noise: Triple[T]) -> Triple[T]:
-        """LSB. body: p, q, r in rad/s; acceleration: linear, in g; noise in deg/s."""
+        """Return codes in LSB. body: p, q, r in rad/s; acceleration: linear, in g; noise in deg/s."""
         a, v = self._a, self._v
         x, y, z = [a.neg(body[axis]) if negative else body[axis] for axis, negative in self._axes]
         rate, pushed = v.times((x, y, z), self._degrees), v.times(acceleration, self._g_sens)
@@ -46,7 +46,7 @@ class Gyroscope(Generic[T]):
 
 
 def body_rates(a: Arithmetic[T], rates: Triple[T], angles: Angles[T]) -> Triple[T]:
-    """p, q, r of appendix B, in the unit of the rates phi', theta', psi'."""
+    """Return p, q, r of appendix B, in the unit of the rates phi', theta', psi'."""
     add, sub, mul = a.add, a.sub, a.mul
     roll, pitch, yaw = rates
     return (

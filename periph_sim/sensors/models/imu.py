@@ -1,4 +1,4 @@
-"""The whole IMU: attitude, acceleration and noise go in, nine codes come out, in any arithmetic.
+"""The whole IMU: nine codes from attitude, acceleration and noise, in any arithmetic.
 
     attitude --+--> Derivative --> Gyroscope -----> x, y, z
                +--> angles ------> Accelerometer -> x, y, z
@@ -29,7 +29,7 @@ T = TypeVar("T")
 
 
 class Noise(NamedTuple, Generic[T]):
-    """What is added before S: deg/s, g and gauss on x, y, z."""
+    """Noise added before the scale S: deg/s, g and gauss on x, y, z."""
 
     gyroscope: Triple[T]
     accelerometer: Triple[T]
@@ -45,7 +45,7 @@ class Codes(NamedTuple, Generic[T]):
 
 
 class State(NamedTuple, Generic[T]):
-    """What one sample leaves to the next: attitude in rad, body rates in rad/s."""
+    """State from one sample to the next: attitude in rad, body rates in rad/s."""
 
     attitude: Triple[T]
     body: Triple[T]
@@ -53,7 +53,7 @@ class State(NamedTuple, Generic[T]):
 
 @contextmanager
 def _constants_of(part: str) -> Iterator[None]:
-    """Says whose constant it is that a format cannot hold."""
+    """Prefix DoesNotFit with the part whose constant a format cannot hold."""
     try:
         yield
     except DoesNotFit as error:
@@ -61,10 +61,10 @@ def _constants_of(part: str) -> Iterator[None]:
 
 
 class Imu(Generic[T]):
-    """Keeps no state: `step` takes what the sample before left and gives what it leaves."""
+    """The models of the three sensors. Stateless: `step` takes and returns the state."""
 
     def __init__(self, a: Arithmetic[T], imu: parameters.ImuParameters) -> None:
-        """DoesNotFit, with the part whose constant it is, where a Q format cannot hold one."""
+        """Raise DoesNotFit, with the part's name, if a Q format cannot hold a constant."""
         self.a = a
         zero = a.constant(0.0)
         still = (zero, zero, zero)
@@ -80,19 +80,19 @@ class Imu(Generic[T]):
             self.magnetometer = Magnetometer(a, imu.magnetometer)
 
     def check(self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T]) -> None:
-        """NotFinite, naming the axis, for a NaN or an infinity; a Q format has none."""
+        """Raise NotFinite, naming the axis, for a NaN or an infinity; a Q format has none."""
         if not isinstance(self.a, Q):
             check_sample(attitude, acceleration, noise)
 
     def motion(self, attitude: Triple[T], before: Triple[T]) -> tuple[Angles[T], Triple[T]]:
-        """Sines and cosines, and p, q, r in rad/s, from this attitude and the one before, in rad."""
+        """Return sines and cosines, and p, q, r in rad/s, from this attitude and the one before, in rad."""
         turned = angles(self.a, attitude)
         return turned, self.gyroscope.body_rates(self.derivative.rates(attitude, before), turned)
 
     def codes(
         self, turned: Angles[T], acceleration: Triple[T], body: Triple[T], body_before: Triple[T], noise: Noise[T]
     ) -> Codes[T]:
-        """Nine LSB. acceleration: linear, in g; body, body_before: p, q, r of this sample and the last, in rad/s."""
+        """Return nine LSB. acceleration: linear, in g; body, body_before: p, q, r now and one sample before."""
         g, a, m = (self.codes_of(chip, turned, acceleration, body, body_before, noise) for chip in Codes._fields)
         return Codes(g, a, m)
 
@@ -105,7 +105,7 @@ class Imu(Generic[T]):
         body_before: Triple[T],
         noise: Noise[T],
     ) -> Triple[T]:
-        """Those of one chip, by its name in Codes; the rest as for `codes`."""
+        """Return the codes of one chip, by its name in Codes; arguments as for `codes`."""
         if chip == "gyroscope":
             return self.gyroscope.codes(body, acceleration, noise.gyroscope)
         if chip == "magnetometer":
@@ -116,7 +116,7 @@ class Imu(Generic[T]):
     def step(
         self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T], before: State[T]
     ) -> tuple[Codes[T], State[T]]:
-        """One sample, and what it leaves to the next. attitude in rad, acceleration in g.
+        """Compute one sample and the next state. attitude in rad, acceleration in g.
 
         NotFinite, naming the axis, for a NaN or an infinity.
         """

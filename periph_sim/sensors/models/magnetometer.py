@@ -1,18 +1,18 @@
-"""Magnetometer: attitude goes in, codes of the HMC5883L come out.
+"""Magnetometer: codes of the HMC5883L from the attitude.
 
     H_rm = Rx(phi) Ry(theta) Rz(psi) H_rt + V
     H_rp = sph2cart(cart2sph(H_rm) + [0, azimuth, elevation of the board])
     code = S (H_rp + noise)
 
 Source: equations 4.6 to 4.8. Section 4.3.3 writes azimuth = atan(Hy/Hx) and elevation = atan(Hz/sqrt(Hx^2 + Hy^2)):
-"plain". Half of all azimuths come out half a turn off then, and 0/0 has no answer, so "four-quadrant" with atan2 is
-what is meant. "rotation" needs no angle: with r = sqrt(Hx^2 + Hy^2), rho = sqrt(r^2 + Hz^2), board angles a and e,
+"plain". Half of all azimuths are then off by half a turn, and 0/0 is undefined, so "four-quadrant" with atan2 is
+the intended form. "rotation" needs no angle: with r = sqrt(Hx^2 + Hy^2), rho = sqrt(r^2 + Hz^2), board angles a and e,
 
     rho cos(elevation + e) = r cos e - Hz sin e        rho sin(elevation + e) = Hz cos e + r sin e
     r cos(azimuth + a) = Hx cos a - Hy sin a           r sin(azimuth + a) = Hy cos a + Hx sin a
 
-It gives what "four-quadrant" gives but along the z axis itself (r = 0), where atan2(0, 0) = 0 puts the vector on the
-side of x: there "rotation" takes that side too.
+It gives the same as "four-quadrant" except on the z axis itself (r = 0), where atan2(0, 0) = 0 puts the vector on the
+side of x: there "rotation" uses that side too.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ class Magnetometer(Generic[T]):
         self._output = Output(a, sensor)
 
     def codes(self, angles: Angles[T], noise: Triple[T]) -> Triple[T]:
-        """LSB. noise in gauss."""
+        """Return codes in LSB. noise in gauss."""
         v = self._v
         seen = v.plus(rotated(v, angles, self._earth), self._hard_iron)
         return self._output.codes(v.plus(self.on_board(seen), noise))
 
     def on_board(self, field: Triple[T]) -> Triple[T]:
-        """H_rp from H_rm: the field as the inclined board sees it."""
+        """Return H_rp from H_rm: the field in the axes of the inclined board."""
         return self._turned(field) if self._spherical == "rotation" else self._by_angles(field)
 
     def _by_angles(self, field: Triple[T]) -> Triple[T]:
@@ -82,7 +82,7 @@ class Magnetometer(Generic[T]):
         )
 
     def _lengths(self, field: Triple[T]) -> tuple[T, T]:
-        """sqrt(Hx^2 + Hy^2) and rho."""
+        """Return sqrt(Hx^2 + Hy^2) and rho."""
         a, mul, (x, y, z) = self._a, self._a.mul, field
         if self._norm == "mag":
             level = a.mag(x, y)
@@ -92,7 +92,7 @@ class Magnetometer(Generic[T]):
 
 
 def rotated(v: Vectors[T], angles: Angles[T], field: Triple[T]) -> Triple[T]:
-    """Rx(phi) Ry(theta) Rz(psi) times a vector: about one axis after the other, as section 4.3.3 writes them."""
+    """Return Rx(phi) Ry(theta) Rz(psi) times a vector, one axis after the other, as in section 4.3.3."""
     x, y, z = field
     x, y = v.turned(angles.c_psi, angles.s_psi, x, y)
     z, x = v.turned(angles.c_theta, angles.s_theta, z, x)

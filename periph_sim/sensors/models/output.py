@@ -1,4 +1,4 @@
-"""The last blocks of every sensor: what it feels goes in, codes of its converter come out.
+"""The last blocks of every sensor: from the sensed quantity to codes of its converter.
 
     physical + noise --> S (scale, cross-axis) --> saturation to the converter's codes --> whole LSB
 
@@ -23,11 +23,11 @@ class Output(Generic[T]):
         self._low, self._high = (a.constant(limit) for limit in sensor.limits)
         self._rounding = sensor.rounding
 
-    def codes(self, felt: Triple[T]) -> Triple[T]:
-        """LSB on each axis, within the converter's codes."""
-        return self._v.whole(self._v.transformed(self._rows, felt), self._low, self._high, self._rounding)
+    def codes(self, sensed: Triple[T]) -> Triple[T]:
+        """Return LSB on each axis, within the converter's codes."""
+        return self._v.whole(self._v.transformed(self._rows, sensed), self._low, self._high, self._rounding)
 
 
 def triple(a: Arithmetic[T], values: tuple[float, float, float]) -> Triple[T]:
-    """Three constants."""
+    """Return three constants."""
     return a.constant(values[0]), a.constant(values[1]), a.constant(values[2])

@@ -1,6 +1,6 @@
-"""What each sensor model has to be told: named numbers with unit, range and source (see quantity.py).
+"""Parameters of the sensor models: named numbers with unit, range and source (see quantity.py).
 
-Table 4.1 of the dissertation is the default. Where it gives no value the source says so, and why this one was taken.
+Table 4.1 of the dissertation is the default. If it gives no value, the source says so, and why this one was chosen.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ TABLE = "dissertation, Table 4.1"
 SILENT = "the dissertation gives none"
 ARM = f"{SILENT}; 0, at the centre of gravity, which changes nothing at rest"
 G_SENS = f"{SILENT}; 0.1 is usual for such a gyroscope, and changes nothing at rest"
-AXES = f"{SILENT}; the chip's axes are taken to be the body's"
+AXES = f"{SILENT}; the chip's axes are assumed to be the body's"
 FIELD = "Table 5.1, the real mean: undisturbed, level, pointing north (section 5.2; see experiments/earth_field.py)"
 BOARD = f"{SILENT}; 0: its effect at rest is in earth_field already"
 OFF = "section 4.3.4 leaves it out; 0 is off"
@@ -31,7 +31,7 @@ EITHER = "not said; nearest; Table 5.1's emulated means of this sensor lie half 
 
 
 class SensorParameters(Checked, frozen=True):
-    """What the three have in common: S (scale on its diagonal, cross-axis beside it) and the converter's codes."""
+    """Common parameters: S (scale on its diagonal, cross-axis terms beside it) and the converter's codes."""
 
     scale: float
     cross_axis: float
@@ -66,7 +66,7 @@ class AccelerometerParameters(SensorParameters, frozen=True):
 
 
 class GyroscopeParameters(SensorParameters, frozen=True):
-    """ITG-3200 (equation 4.5, appendix B). mounting: which body axis, signed, each chip axis looks along; 1 is x.
+    """ITG-3200 (equation 4.5, appendix B). mounting: the body axis, with sign, along each chip axis; 1 is x.
 
     rates: "as built", the derivatives of the three angles, or "corrected", the body rates of appendix B.
     """
@@ -94,9 +94,9 @@ class GyroscopeParameters(SensorParameters, frozen=True):
 class MagnetometerParameters(SensorParameters, frozen=True):
     """HMC5883L (equations 4.6 to 4.8). hard_iron: V; earth_field: H_rt; board: Incl_PCB.
 
-    spherical: how H_rp is found. "four-quadrant": by azimuth and elevation with atan2, as meant; "plain": with the
+    spherical: method for H_rp. "four-quadrant": by azimuth and elevation with atan2, as intended; "plain": with the
     arctangents as written; "rotation": the same values as "four-quadrant" without any angle (see magnetometer.py).
-    norm: "squares", the roots as written; "mag", two magnitudes of two numbers, which form no large square.
+    norm: "squares", the roots as written; "mag", two magnitudes of two numbers each, without large squares.
     """
 
     hard_iron: Annotated[Vector, Quantity("gauss", -8, 8, TABLE)] = (-0.16, 0.17, -0.02)
@@ -116,9 +116,9 @@ class MagnetometerParameters(SensorParameters, frozen=True):
 
 
 class ImuParameters(Checked, frozen=True):
-    """All three sensors, and what they share: the derivative. period: Ts.
+    """Parameters of all three sensors and of their common derivative. period: Ts.
 
-    wrap: "as built", a step of nearly 360 degrees counts as one; "unwrapped", roll and yaw take the short way round.
+    wrap: "as built", a step of nearly 360 degrees counts as one; "unwrapped", roll and yaw take the shorter way.
     """
 
     accelerometer: AccelerometerParameters = AccelerometerParameters()

@@ -1,6 +1,6 @@
-"""The period of the models' derivative against that at which they run: both go in, BadParameter may come out.
+"""Check of the period of the models' derivative against that at which they run.
 
-Where the models run less or more often than `period` says, every rate is wrong by the ratio, and nothing shows it.
+If the models run less or more often than `period` states, every rate is wrong by the ratio, without any sign of it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ TOLERANCE = Fraction(1, 1000)  # clocks of unit, controller and host may differ 
 
 
 def check_period(imu: ImuParameters, runs: Fraction, what: str) -> None:
-    """BadParameter unless the models' period is `runs` seconds, by a thousandth. what: as in "once a round"."""
+    """Raise BadParameter unless the models' period is `runs` seconds, within 0.1 %. what: such as "once a round"."""
     period = Fraction(imu.period)
     if abs(period - runs) > TOLERANCE * runs:
         raise BadParameter(

@@ -1,8 +1,8 @@
-"""Parameters that say what they are: a frozen struct whose annotations carry unit, range and source.
+"""Self-describing parameters: frozen structs whose annotations contain unit, range and source.
 
     bias: Annotated[Vector, Quantity("g", -16, 16, "Table 4.1")] = (-0.02, 0.02, 0.0)
 
-A set checks itself when it is made: BadParameter names the parameter, the value and the range.
+A set checks itself at construction: BadParameter names the parameter, the value and the range.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Vector = tuple[float, float, float]  # x, y, z
 
 
 class BadParameter(ValueError):
-    """A parameter that no sensor has. name: which, as in "gyroscope.bias"; what: what was found and expected."""
+    """An invalid parameter. name: such as "gyroscope.bias"; what: what was found and expected."""
 
     def __init__(self, name: str, what: str) -> None:
         super().__init__(f"{name}: {what}")
@@ -26,7 +26,7 @@ class BadParameter(ValueError):
 
 
 class Quantity(Struct, frozen=True):
-    """What a number, or each of a vector's three, means. low, high: both are allowed."""
+    """Unit, range and source of a number, or of each of a vector's three. low, high: inclusive."""
 
     unit: str
     low: float
@@ -39,7 +39,7 @@ class Quantity(Struct, frozen=True):
 
 
 class Choice(Struct, frozen=True):
-    """What decides for one of several named ways."""
+    """Source of a choice among named alternatives."""
 
     source: str
 
@@ -52,11 +52,11 @@ class Parameter(Struct, frozen=True):
     says: Quantity | Choice | None
 
 
-_known: dict[type, tuple[Parameter, ...]] = {}  # reading annotations takes longer than all checks
+_known: dict[type, tuple[Parameter, ...]] = {}  # cached: reading annotations takes longer than all checks
 
 
 def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:
-    """Every parameter of a set, in order."""
+    """Return every parameter of a set, in order."""
     if kind not in _known:
         hints = get_type_hints(kind, include_extras=True)
         found = []
@@ -69,7 +69,7 @@ def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:
 
 
 class Checked(Struct, frozen=True):
-    """A set of parameters that looks at itself when it is made. BadParameter if a value is not what it should be."""
+    """A set of parameters that checks itself at construction. BadParameter for an invalid value."""
 
     def __post_init__(self) -> None:
         for one in parameters_of(type(self)):
@@ -106,7 +106,7 @@ def _check_number(name: str, says: Quantity | None, number: object, whole: bool 
 
 
 def described(parameters: Checked) -> Iterator[tuple[str, object, str, str]]:
-    """Name, value, unit and source of every parameter of a set."""
+    """Yield name, value, unit and source of every parameter of a set."""
     for one in parameters_of(type(parameters)):
         value = getattr(parameters, one.name)
         if isinstance(value, Checked):

@@ -1,10 +1,10 @@
-"""What the sensors of a moving body should show: parameters and a motion go in, exact LSB at any instants come out.
+"""Exact readings, in LSB, of the sensors of a moving body at any instants.
 
     motion.truth --attitude, rates, acceleration at t--> models in float64 --> LSB, saturated, not rounded
 
 Rates are those of the motion itself at that instant, not differences of two samples, and always body rates (appendix
-B): a gyroscope that is fastened to the body feels nothing else, however an emulator computes it. Where the motion has
-a corner, what is behind it counts.
+B): a gyroscope fixed to the body measures these, however an emulator computes them. At a corner of the motion, the
+values after it count.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .parameters import ImuParameters
 
 Floats = NDArray[np.float64]
 
-STEP = 1e-4  # seconds over which the change of the body rates is taken; it matters with a lever arm only
+STEP = 1e-4  # seconds for the change of the body rates; it matters with a lever arm only
 
 
 class Unrounded(Float64Arrays):
@@ -37,12 +37,12 @@ class Unrounded(Float64Arrays):
 
 @lru_cache(maxsize=16)
 def _model_of(imu: ImuParameters) -> Imu[Floats]:
-    """It keeps no state, so that scenes with equal parameters share it."""
+    """Return the model. It is stateless, so scenes with equal parameters share it."""
     return Imu(Unrounded(), replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected")))
 
 
 class SensedMotion:
-    """imu: its parameters. motion: what the body does, from time 0 on."""
+    """imu: its parameters. motion: of the body, from time 0 on."""
 
     def __init__(self, imu: ImuParameters, motion: Motion) -> None:
         self._motion = motion.truth
@@ -50,7 +50,7 @@ class SensedMotion:
         self._model = _model_of(imu)
 
     def lsb(self, times: Floats, noise: Noise[Floats] | None = None) -> dict[str, Floats]:
-        """By chip, x, y, z in LSB, float64[n, 3], at times in seconds, float64[n]. noise: as `imu_noise` gives it."""
+        """Return by chip x, y, z in LSB, float64[n, 3], at times in seconds, float64[n]. noise: from `imu_noise`."""
         turned, body = self._turning(times)
         _, later = self._turning(times + STEP)
         # The models take the change of the rates from one sample to the next.
@@ -61,7 +61,7 @@ class SensedMotion:
         return {name: np.stack(getattr(codes, name), axis=1) for name in codes._fields}
 
     def _turning(self, times: Floats) -> tuple[Angles[Floats], Triple[Floats]]:
-        """Sines and cosines; p, q, r in rad/s."""
+        """Return sines and cosines; p, q, r in rad/s."""
         turned = angles(self._model.a, _columns(self._motion.attitude(times)))
         return turned, self._model.gyroscope.body_rates(_columns(self._motion.rates(times)), turned)
 

@@ -1,9 +1,9 @@
-"""Host motion: a kind and its settings go in, attitude and acceleration as functions of time come out.
+"""Host motion: attitude and acceleration as functions of time, of several kinds.
 
-One file of this folder that has a function `motion` is one kind of motion, found by being there. It defines
+One file of this folder that has a function `motion` is one kind of motion, found by its presence. It defines
 
-    Settings             a dataclass of what a case may set in [host.motion], with units (`quantities`)
-    motion(settings)     the `Motion`; BadMotion in one sentence if there can be none
+    Settings             a dataclass of the keys of [host.motion], with units (`quantities`)
+    motion(settings)     the `Motion`; BadMotion for invalid settings
 
 Angles are the usual aerospace ones, z down: roll phi, pitch theta, yaw psi in rad. Accelerations are linear ones
 of the body in g, without gravity (dissertation sections 3.4 and 4.3.1).
@@ -29,46 +29,46 @@ VALUES = ANGLES + ACCELERATIONS
 
 
 class BadMotion(ValueError):
-    """Motion that cannot be: the message names the value and the range, or the file and the line."""
+    """Invalid motion: the message names the value and the range, or the file and the line."""
 
 
 class Motion(Protocol):
     """A motion from time 0 on. Times are float64 seconds of shape (n,); results have shape (n, 3)."""
 
-    ends: float  # seconds after which nothing moves any more; infinite where it goes on
+    ends: float  # seconds after which nothing moves any more; infinite if it continues
 
     @property
     def truth(self) -> Motion:
-        """How the body moves in truth, where what is told of its attitude is less than that; else the same motion."""
+        """The body's true motion, if its reported attitude is coarser; else the same motion."""
         ...
 
     def attitude(self, times: Floats) -> Floats:
-        """phi, theta, psi in rad."""
+        """Return phi, theta, psi in rad."""
         ...
 
     def rates(self, times: Floats) -> Floats:
-        """What phi, theta, psi change by in truth, in rad/s; behind a corner, where there is one."""
+        """Return the true rates of phi, theta, psi in rad/s; at a corner, those after it."""
         ...
 
     def acceleration(self, times: Floats) -> Floats:
-        """ax, ay, az in g."""
+        """Return ax, ay, az in g."""
         ...
 
 
 @runtime_checkable
 class SingleTimes(Protocol):
-    """A motion that also tells one time without numpy, whose import takes longer than many a run.
+    """A motion that can also compute a single time without numpy, whose import takes longer than many runs.
 
-    What it tells is within 1e-12 of what the arrays do.
+    Its values are within 1e-12 of those of the arrays.
     """
 
     def at(self, seconds: float) -> tuple[float, ...]:
-        """The six values at a time, rad and g."""
+        """Return the six values at a time, rad and g."""
         ...
 
 
 class MotionKind(Protocol):
-    """What every kind of motion of this folder has."""
+    """The definitions of every kind of motion."""
 
     Settings: type[object]
 
@@ -77,18 +77,18 @@ class MotionKind(Protocol):
 
 @cache
 def kinds() -> dict[str, MotionKind]:
-    """Every kind of motion, by the name of its file."""
+    """Return every kind of motion, by the name of its file."""
     return {name: cast(MotionKind, module) for name, module in modules_with("motion", __name__, __path__).items()}
 
 
 @cache
 def kind_named(name: str) -> MotionKind | None:
-    """The kind of motion of that name; None where there is none."""
+    """Return the kind of motion of that name; None if there is none."""
     return cast("MotionKind | None", module_with("motion", __name__, __path__, name))
 
 
 def sampled(motion: Motion, times: Floats) -> Floats:
-    """The six values at these times, shape (n, 6): rad and g. BadMotion for the first that is out of range."""
+    """Return the six values at these times, shape (n, 6): rad and g. BadMotion for the first out of range."""
     import numpy as np
 
     values = np.hstack([motion.attitude(times), motion.acceleration(times)])

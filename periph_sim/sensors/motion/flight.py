@@ -1,10 +1,10 @@
-"""A recorded flight: a CSV file goes in; between its rows all values go straight, angles the short way round.
+"""A recorded flight from a CSV file, linearly interpolated between its rows, angles by the shorter way.
 
     time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [m/s^2]
 
-Angles in rad, deg or mrad, accelerations in g, mg or m/s^2; the columns may stand in any order, and others beside
-them are not looked at. Roll and yaw come out from -180 (not included) to 180 degrees, however the file counts them.
-Time 0 of the run is the first row; behind the last one its values stay.
+Angles in rad, deg or mrad, accelerations in g, mg or m/s^2; the columns may be in any order, and others are
+ignored. Roll and yaw are returned from -180 (not included) to 180 degrees, whatever range the file uses.
+Time 0 of the run is the first row; after the last one its values stay.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from .quantities import ACCELERATION_RANGE, ACCELERATION_UNITS, ANGLE_RANGE, ANG
 
 @dataclass(frozen=True)
 class Settings:
-    """file: its path, from where the command is run."""
+    """file: its path, relative to the current directory."""
 
     file: Path
 
 
 class Flight(Straight):
-    """A record whose roll and yaw may run through 180 degrees."""
+    """A record whose roll and yaw may pass 180 degrees."""
 
     def attitude(self, times: Floats) -> Floats:
         angles = super().attitude(times)
@@ -39,14 +39,14 @@ class Flight(Straight):
 
 
 def motion(settings: Settings) -> Flight:
-    """BadCapture or BadMotion with file and line for a file that holds no flight."""
+    """Read a flight. BadCapture or BadMotion with file and line for an invalid file."""
     path = settings.file
     columns = {column.name: column for column in read(path)}
     times = _values(path, columns, "time", TIME_UNITS)
     late = np.flatnonzero(np.diff(times) <= 0)
     if len(late):
         row = int(late[0]) + 1
-        raise _bad(path, row, f"time is {times[row]:.9g} s", f"more than {times[row - 1]:.9g} s, as the row before has")
+        raise _bad(path, row, f"time is {times[row]:.9g} s", f"more than {times[row - 1]:.9g} s, the row before")
     values = np.stack(
         [_values(path, columns, name, ANGLE_UNITS, ANGLE_RANGE) for name in ANGLES]
         + [_values(path, columns, name, ACCELERATION_UNITS, ACCELERATION_RANGE) for name in ACCELERATIONS],

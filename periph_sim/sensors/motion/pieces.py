@@ -1,6 +1,6 @@
-"""Motion made of pieces: six values at rising times go in; they hold, or go straight, in between.
+"""Piecewise motion: six values at rising times, which hold, or are linearly interpolated, in between.
 
-Before the first time and behind the last the values hold. Parts of `flight`, `servo`, `static` and `steps`.
+Before the first time and after the last the values hold. Parts of `flight`, `servo`, `static` and `steps`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Held:
         return self._at(times)[:, 3:]
 
     def rates(self, times: Floats) -> Floats:
-        """None: a step takes no time, and has no rate."""
+        """Return zeros: a step takes no time, and has no rate."""
         return np.zeros((len(times), 3))
 
     def _at(self, times: Floats) -> Floats:
@@ -39,7 +39,7 @@ class Held:
 
 
 class Straight:
-    """times: strictly rising, shape (n,), n > 0. values: shape (n, 6), met at their times."""
+    """times: strictly rising, shape (n,), n > 0. values: shape (n, 6), reached at their times."""
 
     def __init__(self, times: Floats, values: Floats) -> None:
         self.ends = float(times[-1])

@@ -1,4 +1,4 @@
-"""A pose of a body: the six values of a host frame, as a case says them."""
+"""A pose of a body: the six values of a host frame, as in a case."""
 
 from __future__ import annotations
 
@@ -23,5 +23,5 @@ LEVEL = Pose()  # and north, at rest
 
 
 def row(pose: Pose) -> list[float]:
-    """The six values of a pose, in the order of a host frame."""
+    """Return the six values of a pose, in the order of a host frame."""
     return [pose.phi, pose.theta, pose.psi, pose.ax, pose.ay, pose.az]

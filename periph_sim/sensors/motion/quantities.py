@@ -1,7 +1,7 @@
-"""Physical quantities in settings: texts with units go in, floats in SI units (accelerations in g) come out.
+"""Physical quantities in settings: texts with units, converted to SI units (accelerations to g).
 
-`Angle` takes "50 deg" and gives rad, `Rate` takes "52.2 rpm" and gives rad/s, `Acceleration` takes "0.5 g". A bare
-number in a case is refused, since its unit would be a guess. Values beyond the range of a motion are refused.
+`Angle` converts "50 deg" to rad, `Rate` "52.2 rpm" to rad/s, `Acceleration` "0.5 g" to g. A bare number in a case
+is an error, since its unit would be a guess. Values beyond the range of a motion are errors.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ TIME_UNITS = {unit: float(length) for unit, length in TIMES.items()}
 FREQUENCY_UNITS = {"Hz": 1.0, "mHz": 1e-3, "kHz": 1e3}
 
 ANGLE_RANGE = 2 * pi  # recordings go from -180 to 180 degrees, or from 0 to 360
-ACCELERATION_RANGE = 100.0  # g; far beyond what the sensors can tell, and what an airframe survives
+ACCELERATION_RANGE = 100.0  # g; far beyond the sensors' ranges and an airframe's strength
 RATE_RANGE = 1000.0  # rad/s
 
 
 def quantity(units: Mapping[str, float], least: float, most: float, value: object) -> float:
-    """The number that a text such as "52.2 rpm" says, in the unit whose factor is 1. ValueError with the way out."""
+    """Parse a text such as "52.2 rpm" to the unit whose factor is 1. ValueError with a remedy."""
     example = " or ".join(units)
-    if isinstance(value, float):  # of our own: a default, or a Settings made in Python
+    if isinstance(value, float):  # a default, or from Settings built in Python
         number = value
     elif not isinstance(value, str):
         raise ValueError(f"{value!r} has no unit; write a number, a blank and {example}")
@@ -49,12 +49,12 @@ def quantity(units: Mapping[str, float], least: float, most: float, value: objec
 
 
 def base_unit(units: Mapping[str, float]) -> str:
-    """The unit whose factor is 1."""
+    """Return the unit whose factor is 1."""
     return next(unit for unit, factor in units.items() if factor == 1)
 
 
 def shown(most: float, unit: str, least: float | None = None) -> str:
-    """A range as a phrase; from -most where no least is given."""
+    """Format a range; it begins at -most if `least` is None."""
     low = -most if least is None else least
     if most == inf:
         return f"{low:g} {unit} or more"

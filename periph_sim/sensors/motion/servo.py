@@ -1,11 +1,11 @@
-"""The moving experiment: three servos one after the other, read slowly and coarsely, then interpolated.
+"""The moving experiment: three servos move one after the other, are read slowly and coarsely, and interpolated.
 
     0 --fast--> +swing, hold, --slow--> -swing, hold, and so on, --fast--> 0, hold: pitch, then yaw, then roll
 
 Dissertation section 5.3: 52.2 and 2.9 rpm, 50, 50 and 80 degrees, servos AX-18A of 0.29 degrees resolution. Their
-positions came over a slow serial line and were interpolated before they went to the emulator. What it does not
-say is ours: how long a hold is, how often the swing is repeated, how often a position is read, and that a servo is
-at once at its speed.
+positions came over a slow serial line and were interpolated before they went to the emulator. Chosen where it is
+silent: the duration of a hold, the number of swings, the reading interval, and that a servo reaches its speed at
+once.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from .quantities import Angle, Rate, Seconds
 
 DEGREE = pi / 180  # rad
 RPM = 2 * pi / 60  # rad/s
-MOST_READS = 1_000_000  # rows of positions that are held in memory
+MOST_READS = 1_000_000  # rows of positions held in memory
 
 
 @dataclass(frozen=True)
 class Settings:
-    """resolution 0: positions as they are. read_every 0: read without pause, so nothing is interpolated."""
+    """resolution 0: exact positions. read_every 0: read continuously, so nothing is interpolated."""
 
     pitch: Angle = 50 * DEGREE
     yaw: Angle = 50 * DEGREE
@@ -43,7 +43,7 @@ class Settings:
 
 
 def path(settings: Settings) -> Straight:
-    """Where the servos truly are."""
+    """Return the true positions of the servos."""
     times, poses = [0.0], [np.zeros(6)]
 
     def go(angle: str, to: float, rate: float) -> None:
@@ -66,7 +66,7 @@ def path(settings: Settings) -> Straight:
 
 
 class Servo:
-    """attitude: as read. rates: of the servos in truth."""
+    """attitude: as read. rates: the true ones."""
 
     def __init__(self, settings: Settings) -> None:
         self._path = path(settings)
@@ -87,7 +87,7 @@ class Servo:
 
     @property
     def truth(self) -> Straight:
-        """The servos themselves."""
+        """The true positions of the servos."""
         return self._path
 
     def attitude(self, times: Floats) -> Floats:
@@ -97,17 +97,17 @@ class Servo:
         return self._path.rates(times)
 
     def acceleration(self, times: Floats) -> Floats:
-        """None: the servos turn the sensors about their own place."""
+        """Return zeros: the servos rotate the sensors about their own position."""
         return np.zeros((len(times), 3))
 
     def _positions(self, times: Floats) -> Floats:
-        """The nearest positions that the servos can tell."""
+        """Return positions at the servos' resolution."""
         positions = self._path.attitude(times)
         return np.rint(positions / self._resolution) * self._resolution if self._resolution else positions
 
 
 def motion(settings: Settings) -> Servo:
-    """BadMotion where the resolution is negative, or positions would be read too often."""
+    """Build the motion. BadMotion if the resolution is negative, or positions would be read too often."""
     if settings.resolution < 0:
         raise BadMotion(f"resolution: it is {settings.resolution:g} rad; expected 0 rad or more")
     return Servo(settings)

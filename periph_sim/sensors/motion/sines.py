@@ -1,4 +1,4 @@
-"""Motion in sine waves: waves for any of the six values go in; those of one value add up.
+"""Motion in sine waves of any of the six values; waves of one value add up.
 
 mean = { theta = "10 deg" }
 angles = [ { of = "theta", amplitude = "20 deg", frequency = "0.5 Hz", phase = "90 deg" } ]
@@ -30,7 +30,7 @@ class AngleWave(Table, frozen=True):
 
 
 class AccelerationWave(Table, frozen=True):
-    """The same of an acceleration."""
+    """A sine wave added to the acceleration `of`."""
 
     of: Literal["ax", "ay", "az"]
     amplitude: Acceleration
@@ -40,7 +40,7 @@ class AccelerationWave(Table, frozen=True):
 
 @dataclass(frozen=True)
 class Settings:
-    """mean: what the waves swing about."""
+    """mean: the centre of the waves."""
 
     angles: tuple[AngleWave, ...] = ()
     accelerations: tuple[AccelerationWave, ...] = ()
@@ -62,7 +62,7 @@ class Sines:
         return self
 
     def at(self, seconds: float) -> tuple[float, ...]:
-        """The six values at a time, rad and g, without numpy."""
+        """Return the six values at a time, rad and g, without numpy."""
         added = [0.0] * len(VALUES)
         waves: tuple[AngleWave | AccelerationWave, ...] = (*self._angles, *self._accelerations)
         for wave in waves:
@@ -86,9 +86,9 @@ class Sines:
 
 
 def motion(settings: Settings) -> Sines:
-    """BadMotion for a motion without waves."""
+    """Build the motion. BadMotion if there are no waves."""
     if not settings.angles and not settings.accelerations:
-        raise BadMotion("it has no waves; give angles or accelerations, or take the motion static")
+        raise BadMotion("it has no waves; give angles or accelerations, or use the motion static")
     return Sines(settings)
 
 

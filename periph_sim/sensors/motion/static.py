@@ -1,4 +1,4 @@
-"""No motion: an attitude and an acceleration go in, and stay."""
+"""No motion: a constant attitude and acceleration."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .pose import Pose, row
 
 @dataclass(frozen=True)
 class Settings(Pose):
-    """The values that stay; all zero is level, pointing north, at rest."""
+    """The constant values; all zero is level, pointing north, at rest."""
 
 
 def motion(settings: Settings) -> Held:

@@ -1,4 +1,4 @@
-"""Motion in steps: a pose and what it changes to at which times go in; values jump and hold.
+"""Motion in steps: the values of a pose change at given times, and hold in between.
 
 start = { theta = "10 deg" }
 steps = [ { at = "1 s", theta = "20 deg" }, { at = "2 s", ax = "0.5 g" } ]
@@ -18,7 +18,7 @@ from .quantities import Acceleration, Angle, Seconds
 
 @dataclass(frozen=True)
 class Step:
-    """What is given jumps at this time; the rest stays as it was."""
+    """A change of the given values at this time; the others stay."""
 
     at: Seconds
     phi: Angle | None = None
@@ -38,7 +38,7 @@ class Settings:
 
 
 def motion(settings: Settings) -> Held:
-    """BadMotion where the times do not rise."""
+    """Build the motion. BadMotion if the times do not rise."""
     times, rows = [0.0], [row(settings.start)]
     for number, step in enumerate(settings.steps):
         if step.at <= times[-1] and number:

@@ -1,1 +1,1 @@
-"""The arithmetic that firmware computes in: float64, float32, Q formats, and what each costs. Knows no sensor."""
+"""Arithmetics of firmware: float64, float32, Q formats, and their costs. Independent of sensors."""

@@ -1,8 +1,8 @@
-"""Arithmetics by name: "float64", "float32", "q16", "q12 saturating", "q16 rounded" go in, what computes so comes out.
+"""Arithmetics by name: "float64", "float32", "q16", "q12 saturating", "q16 rounded".
 
 name --> scalar(name)   one number at a time, as firmware does
      --> arrays(name)   element by element
-     --> library(name)  what its operations cost
+     --> library(name)  the costs of its operations
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ EXAMPLES = ("float64", "float32", "q16", "q16 rounded", "q16 saturating")
 
 
 class NoSuchArithmetic(ValueError):
-    """A name that no arithmetic has; one sentence."""
+    """The name of an unknown arithmetic; the message is one sentence."""
 
 
 class Format(NamedTuple):
@@ -35,7 +35,7 @@ class Format(NamedTuple):
 
 
 def format_of(name: str) -> Format | None:
-    """The Q format of a name; None for float32 and float64. NoSuchArithmetic for anything else."""
+    """Return the Q format of a name; None for float32 and float64. NoSuchArithmetic for anything else."""
     if name in ("float32", "float64"):
         return None
     found = re.fullmatch(r"q(\d{1,3})( saturating| rounded)?", name)
@@ -47,7 +47,7 @@ def format_of(name: str) -> Format | None:
 
 
 def scalar(name: str) -> Arithmetic[Any]:
-    """NoSuchArithmetic or DoesNotFit if there is none of that name."""
+    """Return the arithmetic of a name. NoSuchArithmetic or DoesNotFit if there is none."""
     q = format_of(name)
     if q is not None:
         return (Q if q.product == "cut" else RoundedQ)(q.bits, q.overflow)
@@ -68,13 +68,13 @@ def arrays(name: str) -> Arithmetic[Any]:
 
 
 def _float32() -> Arithmetic[Any]:
-    from .float32 import Float32  # numpy computes it, for one number, too
+    from .float32 import Float32  # computed by numpy, also for one number
 
     return Float32()
 
 
 def library(name: str) -> Library:
-    """What computes so on the F28335: IQmath, the FPU with fastRTS, or software."""
+    """Return the implementation on the F28335: IQmath, the FPU with fastRTS, or software."""
     q = format_of(name)
     if q is None:
         return DOUBLE if name == "float64" else FASTRTS

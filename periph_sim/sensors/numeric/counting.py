@@ -1,4 +1,4 @@
-"""Counts the operations of a model: another arithmetic goes in, one that computes the same and counts comes out.
+"""An arithmetic that computes like another one and counts the operations.
 
     equations --> Counting(Q(16)) --> the numbers of Q(16), and {"mul": 113, "add": 101, "sincos": 5, ...}
 
@@ -16,15 +16,15 @@ T = TypeVar("T")
 
 
 class Counting(Generic[T]):
-    """counts: how often each kind of operation was done since `take` was last called."""
+    """counts: number of operations of each kind since the last `pop_counts`."""
 
     def __init__(self, a: Arithmetic[T]) -> None:
         self.a = a
         self.name = a.name
         self.counts: Counter[str] = Counter()
 
-    def take(self) -> Counter[str]:
-        """The counts up to now; from now on they begin at nothing."""
+    def pop_counts(self) -> Counter[str]:
+        """Return the counts so far and reset them."""
         counts, self.counts = self.counts, Counter()
         return counts
 

@@ -1,10 +1,10 @@
-"""From operations to time: counts of a model's parts and a library's costs go in, cycles by part and kind come out.
+"""Estimate of cycles, by part and kind of operation, from a model's operation counts and a library's costs.
 
     {"gyroscope": {"mul": 15, ...}, ...} x costs --> Estimate --> total, by part, by kind, rest of a measured time
 
-What it has: the operations of the equations, loads and stores of their operands (assumed: one cycle a number, from
-memory without wait states, nothing kept in registers). What it has not: whatever the program does besides, such as
-noise, conversions between blocks, function prologues, interrupts.
+Included: the operations of the equations, loads and stores of their operands (assumed: one cycle a number, from
+memory without wait states, nothing kept in registers). Not included: all else in the program, such as noise,
+conversions between blocks, function prologues, interrupts.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ MEASURED = Fraction(250, 1_000_000)  # seconds, section 5.4: GPIO high to low, c
 
 
 class NoCost(ValueError):
-    """An operation that a library has no figure for; one sentence."""
+    """An operation without a figure in a library; the message is one sentence."""
 
 
 class Line(Struct, frozen=True):
-    """One kind of operation in one part of the model. low, high: cycles of all of them, operands: on top."""
+    """One kind of operation in one part of the model. low, high: cycles of all of them; operands: in addition."""
 
     part: str
     kind: str
@@ -42,7 +42,7 @@ class Estimate(Struct, frozen=True):
 
     @property
     def low(self) -> int:
-        """Cycles of all operations with their operands, by the lower ends."""
+        """Cycles of all operations with their operands, by the ranges' lower ends."""
         return sum(line.low + line.operands for line in self.lines)
 
     @property
@@ -51,24 +51,24 @@ class Estimate(Struct, frozen=True):
 
     @property
     def middle(self) -> Fraction:
-        """Cycles half way between the ends: one number, where one is needed."""
+        """Cycles half way between the ends, if a single number is needed."""
         return Fraction(self.low + self.high, 2)
 
     @property
     def guessed(self) -> bool:
-        """Some operation's figure is a guess."""
+        """True if a figure is a guess."""
         return any(self.library.costs[line.kind].guessed for line in self.lines)
 
     def seconds(self, sysclk: int = SYSCLK) -> Fraction:
         return self.middle / sysclk
 
     def part(self, name: str) -> tuple[int, int]:
-        """Cycles of one part, low and high, with its operands."""
+        """Return the cycles of one part, low and high, with its operands."""
         own = [line for line in self.lines if line.part == name]
         return sum(line.low + line.operands for line in own), sum(line.high + line.operands for line in own)
 
     def kinds(self) -> dict[str, Line]:
-        """One line a kind, over all parts."""
+        """Return one line for each kind, over all parts."""
         found: dict[str, Line] = {}
         for line in self.lines:
             so_far = found.get(line.kind, Line("", line.kind, 0, 0, 0, 0))
@@ -83,13 +83,13 @@ class Estimate(Struct, frozen=True):
         return found
 
     def left_of(self, measured: Fraction = MEASURED, sysclk: int = SYSCLK) -> tuple[int, int]:
-        """Cycles of a measured time that the estimate does not explain, least and most."""
+        """Return the cycles of a measured time that the estimate does not explain, least and most."""
         cycles = round(measured * sysclk)
         return cycles - self.high, cycles - self.low
 
 
 def estimate(counts: Mapping[str, Mapping[str, int]], library: Library, tables: Tables = "RAM") -> Estimate:
-    """counts: by part, then by kind. NoCost for a kind that the library has no figure for."""
+    """Estimate the cycles. counts: by part, then by kind. NoCost for a kind without a figure in the library."""
     lines = []
     for part, kinds in counts.items():
         for kind, count in sorted(kinds.items()):

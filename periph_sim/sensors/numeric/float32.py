@@ -4,12 +4,12 @@
             --> fastRTS tables (sin, cos, atan2), Newton (divide, sqrt) --> float32
 
 Rounding is to nearest even: TI's start-up code and interrupt entries set RNDF32 (after reset it is toward zero).
-Denormal results become 0; comparisons, and so `clamp`, take a NaN for an infinity of its sign (SPRUEO2A, CMPF32,
-MAXF32, MINF32). Which NaN is what arithmetic makes is not said; IEEE's is taken.
+Denormal results become 0; comparisons, and so `clamp`, treat a NaN as an infinity of its sign (SPRUEO2A, CMPF32,
+MAXF32, MINF32). The sign of an arithmetic NaN is not documented; IEEE's is used.
 
-Accuracy of what software computes, against the exact value, in the tests: sin, cos 4e-7 to 2 pi (the argument is
-reduced in float32, so it falls off as the angle grows: 1e-4 rad at 1000 rad); atan, atan2 4e-7; divide and sqrt
-two units in the last place. The guide prints no errors. atan2(0, 0) divides 0 by 0 in fastRTS and is NaN here.
+Accuracy of software functions, against the exact value, in the tests: sin, cos 4e-7 to 2 pi (the argument is
+reduced in float32, so the error grows with the angle: 1e-4 rad at 1000 rad); atan, atan2 4e-7; divide and sqrt
+two units in the last place. The guide states no errors. atan2(0, 0) divides 0 by 0 in fastRTS and is NaN here.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .tables import ARCTANGENT, COSINES, PARABOLAS, SINES, TURN
 
 Singles = NDArray[np.float32]
 
-TINY = np.finfo(np.float32).tiny  # the smallest that is not denormal
+TINY = np.finfo(np.float32).tiny  # the smallest normal number
 STEPS_PER_RADIAN = np.float32(TURN / (2 * pi))
 RADIANS_PER_STEP = np.float32(2 * pi / TURN)
 SIXTH, HALF, ONE, ROUND = np.float32(-1 / 6), np.float32(-0.5), np.float32(1), np.asarray(0.5, dtype=np.float32)
@@ -37,7 +37,7 @@ A0, A1, A2 = (np.array([a[i] for a in ARCTANGENT], dtype=np.float32) for i in ra
 
 
 class Float32:
-    """T = float32[n], or of no dimension. Warnings of numpy are the caller's to silence (np.errstate)."""
+    """T = float32[n], or 0-dimensional. The caller silences numpy's warnings (np.errstate)."""
 
     name = "float32"
 
@@ -60,22 +60,22 @@ class Float32:
         return _flushed(x * y)
 
     def div(self, x: Singles, y: Singles) -> Singles:
-        """x times the reciprocal of y, each rounded."""
+        """Return x times the reciprocal of y, each rounded."""
         return _flushed(x * _flushed(np.reciprocal(y)))
 
     def neg(self, x: Singles) -> Singles:
         return -x
 
     def sqrt(self, x: Singles) -> Singles:
-        """x times the reciprocal of its root, each rounded."""
+        """Return x times the reciprocal of its root, each rounded."""
         return np.where(x == 0, np.float32(0), _flushed(x * _flushed(np.reciprocal(np.sqrt(x)))))
 
     def mag(self, x: Singles, y: Singles) -> Singles:
-        """No library function: the root of the sum of the squares, which can overflow."""
+        """Return the root of the sum of squares, which can overflow; there is no library function."""
         return self.sqrt(self.add(self.mul(x, x), self.mul(y, y)))
 
     def sincos(self, x: Singles) -> tuple[Singles, Singles]:
-        """Both by their own cubic, as sinf and cosf have them."""
+        """Return both, each by its own cubic, as in sinf and cosf."""
         k, over = _step(x)
         s, c, sixth = SINE[k], COSINE[k], _flushed(SIXTH * over)
         bend_s = _flushed(_flushed(HALF * s) + _flushed(sixth * c))
@@ -119,12 +119,12 @@ def _comparable(x: Singles) -> Singles:
 
 
 def _step(angle: Singles) -> tuple[Any, Singles]:
-    """How many steps of the table an angle is, 0 to 511, and what is over, in radians."""
+    """Return an angle's step of the table, 0 to 511, and the rest in radians."""
     exact = _flushed(angle * STEPS_PER_RADIAN)
     whole = np.trunc(exact)
     return _whole(np.remainder(whole, np.float32(TURN)), TURN - 1), _flushed(_flushed(exact - whole) * RADIANS_PER_STEP)
 
 
 def _whole(x: Singles, most: int) -> Any:
-    """A place in a table, 0 to most; 0 where x is no number, whose result is none either."""
+    """Return an index into a table, 0 to most; 0 for NaN, whose result is NaN anyway."""
     return np.nan_to_num(np.clip(x, 0, most), nan=0.0).astype(np.intp)

@@ -1,7 +1,7 @@
-"""float64: the reference that the others are held against, for one number; `float64_arrays` has it for arrays.
+"""float64: the reference for the other arithmetics, for one number; `float64_arrays` is for arrays.
 
-Both follow IEEE 754: x/0 is infinite, 0/0 and the like are NaN, nothing raises. A NaN has no whole number; it becomes
-0 here, and who looks for NaN looks before the last block.
+Both follow IEEE 754: x/0 is infinite, 0/0 and the like are NaN, without exceptions. A NaN has no whole number; it
+becomes 0 here, so it must be detected before the last block.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""float64 element by element: arrays go in, arrays come out, as `Float64` has them for one number."""
+"""float64 element by element on arrays, like `Float64` for one number."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ QUARTER_TURN = math.pi / 2
 
 
 class Float64Arrays:
-    """Arrays of numbers, element by element: T = float64[n]. Constants are arrays of no dimension.
+    """Arrays of numbers, element by element: T = float64[n]. Constants are 0-dimensional arrays.
 
-    Warnings of numpy about x/0 and the like are the caller's to silence, once for all operations (np.errstate).
+    The caller silences numpy's warnings about x/0 and the like, once for all operations (np.errstate).
     """
 
     name = "float64"
@@ -53,7 +53,7 @@ class Float64Arrays:
         return np.hypot(x, y)
 
     def sincos(self, x: Floats) -> tuple[Floats, Floats]:
-        """Both from the tangent of half the angle: two thirds of the time of np.sin and np.cos, 3e-16 from them."""
+        """Return both from the tangent of half the angle: 2/3 of np.sin's and np.cos's time, within 3e-16 of them."""
         half = np.tan(np.multiply(x, 0.5))
         squared = np.multiply(half, half)
         scale = np.divide(1.0, np.add(squared, 1.0))
@@ -63,7 +63,7 @@ class Float64Arrays:
         return np.arctan(x)
 
     def atan2(self, y: Floats, x: Floats) -> Floats:
-        """From the y axis on: half of np.arctan2's time, 3e-16 rad from it. It answers where x/y is no number."""
+        """Return the angle by arctan(x/y): half of np.arctan2's time, within 3e-16 rad; np.arctan2 where x/y is NaN."""
         angle = np.subtract(np.copysign(QUARTER_TURN, y), np.arctan(np.divide(x, y)))
         unknown = np.isnan(angle)
         return np.where(unknown, np.arctan2(y, x), angle) if unknown.any() else angle

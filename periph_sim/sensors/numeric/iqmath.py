@@ -1,4 +1,4 @@
-"""What IQmath's functions give, for Python ints and for int64 arrays alike: raw Q numbers in, raw Q numbers out.
+"""IQmath's functions on raw Q numbers, for Python ints and int64 arrays alike.
 
     sine, cosine   512-entry table in Q30 and a cubic, then cut to Q        29 bits (IQNcos.asm)
     arctangent     quotient in Q, 64 parabolas in Q30, then cut to Q         the quotient is cut to Q first
@@ -6,9 +6,9 @@
     root           rounded to nearest; of a negative number 0                (IQNsqrt.asm)
 
 Source: comments in the sources of IQmath V1.4 for the C28x. Division and root are two Newton steps from a table there,
-which the comments call 32-bit accurate; here they are exact before rounding. Everything else follows step by step, so
-that what is lost to the format is lost here too. `bits`: fraction bits, 1 to 29. A result may be wider than 32 bits;
-what becomes of it is the caller's business.
+which the comments call 32-bit accurate; here they are exact before rounding. All else follows the sources step by
+step, so the losses of the format are the same. `bits`: fraction bits, 1 to 29. A result may be wider than 32 bits;
+the caller handles that.
 """
 
 # core: compiled
@@ -39,9 +39,9 @@ A0[0] = max(A0[0], 0)  # the angle is cut to Q as an unsigned number
 
 
 def sine_and_cosine(angle: I, bits: int, sines: Any, cosines: Any) -> tuple[I, I]:
-    """sines, cosines: the tables as a list or an array, as `angle` is.
+    """Return sine and cosine. sines, cosines: the tables as a list or an array, like `angle`.
 
-    With x the rest of the angle beyond a step of the table, s and c what the table has there:
+    With x the rest of the angle beyond a step of the table, s and c the table's values there:
     s + x (c + x (-s/2 - x c/6)) and c + x (-s + x (-c/2 + x s/6)), all in Q30.
     """
     exact: I = abs(angle) * STEPS_PER_RADIAN  # Q(bits + 24)
@@ -52,12 +52,12 @@ def sine_and_cosine(angle: I, bits: int, sines: Any, cosines: Any) -> tuple[I, I
     c: I = cosines[k]
     up: I = s + (x * (c + (x * ((-s >> 1) - (x * c >> 48) * SIXTH) >> 32)) >> 32) >> (30 - bits)
     along: I = c + (x * ((x * ((-c >> 1) + (x * s >> 48) * SIXTH) >> 32) - s) >> 32) >> (30 - bits)
-    sign: I = angle >> 63  # -1 or 0: below it turns the sign without a branch, for ints and arrays alike
+    sign: I = angle >> 63  # -1 or 0: changes the sign below without a branch, for ints and arrays alike
     return (up ^ sign) - sign, along
 
 
 def arctangent(ratio: I, index: I, bits: int, a0: Any, a1: Any, a2: Any) -> I:
-    """The angle whose tangent is `ratio`, 0 to 1, by the parabola `index`."""
+    """Return the angle whose tangent is `ratio`, 0 to 1, by the parabola `index`."""
     start: I = a0[index]
     slope: I = a1[index]
     bend: I = a2[index]
@@ -70,7 +70,7 @@ def quarter_turn(bits: int) -> int:
 
 
 def atan2_of(y: int, x: int, bits: int) -> int:
-    """The angle of the point (x, y); 0 for the origin."""
+    """Return the angle of the point (x, y); 0 for the origin."""
     wide, high = abs(x), abs(y)
     steep: bool = wide < high
     over, under = (wide, high) if steep else (high, wide)
@@ -85,7 +85,7 @@ def atan2_of(y: int, x: int, bits: int) -> int:
 
 
 def root_of(square: BigInt) -> int:
-    """The root of a whole number, rounded to nearest; 0 of a negative one."""
+    """Return the root of a whole number, rounded to nearest; 0 for a negative one."""
     if square <= 0:
         return 0
     low = isqrt(square)
@@ -93,5 +93,5 @@ def root_of(square: BigInt) -> int:
 
 
 def length_of(x: BigInt, y: BigInt) -> int:
-    """The root of x*x + y*y, in which no number is too large."""
+    """Return the root of x*x + y*y, without overflow."""
     return root_of(x * x + y * y)

@@ -1,4 +1,4 @@
-"""IQmath's functions element by element: int64 arrays of raw Q numbers go in and come out, as in `iqmath` for ints."""
+"""IQmath's functions element by element on int64 arrays of raw Q numbers, like `iqmath` for ints."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SINES_AT, COSINES_AT, A0_AT, A1_AT, A2_AT = (np.array(table, dtype=np.int64) for
 
 
 def atan2_of_arrays(y: Ints, x: Ints, bits: int) -> Ints:
-    """The angles of the points (x, y); 0 for the origin."""
+    """Return the angles of the points (x, y); 0 for the origin."""
     wide, high = np.abs(x), np.abs(y)
     steep = wide < high
     under = np.maximum(wide, high)
@@ -29,7 +29,7 @@ def atan2_of_arrays(y: Ints, x: Ints, bits: int) -> Ints:
 
 
 def root_of_arrays(square: NDArray[np.uint64]) -> Ints:
-    """Roots of whole numbers up to 2**63, rounded to nearest: float64's may be one off, as squares beside it tell."""
+    """Return roots of whole numbers up to 2**63, rounded to nearest; float64's root is corrected by one if needed."""
     near = np.rint(np.sqrt(square.astype(np.float64))).astype(np.uint64)
     near = near - ((near > 0) & (square <= near * near - near)).astype(np.uint64)
     near = near + (square > near * near + near).astype(np.uint64)

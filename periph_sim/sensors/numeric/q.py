@@ -1,9 +1,9 @@
-"""Fixed point as TI's IQmath has it: 32-bit numbers with a chosen number of fraction bits, one number at a time.
+"""Fixed point as in TI's IQmath: 32-bit numbers with a given number of fraction bits, one number at a time.
 
     value * 2**bits --> int32 --> add, mul, sin ... --> int32
 
 Overflow wraps, as additions and IQmpy do, or saturates, as with the overflow mode on and IQrsmpy. Products are cut
-(IQmpy) or rounded (IQrmpy, IQrsmpy). `overflows` counts results that did not fit, whatever became of them.
+(IQmpy) or rounded (IQrmpy, IQrsmpy). `overflows` counts results that did not fit, wrapped or saturated.
 
 IQdiv, IQsqrt, IQmag always saturate; x/0 is the largest number, also for 0/0 and negative x; see iqmath.py.
 """
@@ -28,11 +28,11 @@ LOW, HIGH = -(1 << 31), (1 << 31) - 1
 
 
 class DoesNotFit(ValueError):
-    """A constant that the format cannot hold; one sentence."""
+    """A constant that the format cannot hold; the message is one sentence."""
 
 
 def nearest_in(value: float, bits: BigInt) -> BigInt:
-    """The raw number nearest to a value. DoesNotFit if there is none."""
+    """Return the raw number nearest to a value. DoesNotFit if there is none."""
     if isnan(value):
         raise DoesNotFit(f"nan is no number; Q{bits} has none for it")
     raw = floor(value * (1 << bits) + 0.5) if abs(value) < 1 << 40 else HIGH + 1
@@ -42,27 +42,27 @@ def nearest_in(value: float, bits: BigInt) -> BigInt:
     return raw
 
 
-constant_in = lru_cache(maxsize=4096)(nearest_in)  # scenes of one case make the same ones again
+constant_in = lru_cache(maxsize=4096)(nearest_in)  # scenes of one case repeat the same ones
 
 
 def factor_of(lsb: float, bits: int) -> tuple[int, int]:
-    """A factor of 30 bits, and by how much to shift the product of it and a count, so that it is in Q.
+    """Return a factor of 30 bits, and the shift that converts its product with a count to Q.
 
-    A constant in the format itself would not do: 1e-4 rad is 6.55 / 2**16, which Q16 takes for 7 / 2**16.
+    A constant in the format itself is too coarse: 1e-4 rad is 6.55 / 2**16, which Q16 rounds to 7 / 2**16.
     """
     shift = 30 - frexp(lsb)[1]
     return round(ldexp(lsb, shift)), shift - bits
 
 
 def name_of(bits: int, overflow: Overflow, product: Product) -> str:
-    """As in "q16", "q16 saturating", "q16 rounded"."""
+    """Return a name such as "q16", "q16 saturating", "q16 rounded"."""
     if overflow == "saturate":
         return f"q{bits} saturating"
     return f"q{bits}" if product == "cut" else f"q{bits} rounded"
 
 
 class Q:
-    """One number at a time, T = int: value * 2**bits. Limits are written out where it is hot: names cost a tenth."""
+    """One number at a time, T = int: value * 2**bits. Limits are literals in hot code: names cost a tenth."""
 
     name: str
     product: Product = "cut"
@@ -81,7 +81,7 @@ class Q:
         return constant_in(value, self.bits)
 
     def nearest(self, value: float) -> BigInt:
-        """As `constant`, of a value that hardly comes again."""
+        """Return the same as `constant`, uncached, for values that hardly recur."""
         return nearest_in(value, self.bits)
 
     def value(self, x: int) -> float:
@@ -200,7 +200,7 @@ class Q:
 
 
 class RoundedQ(Q):
-    """The same with products rounded to nearest instead of cut."""
+    """Q with products rounded to nearest instead of cut."""
 
     product: Product = "rounded"
 

@@ -12,7 +12,7 @@ from .q import HIGH, LOW, DoesNotFit, Overflow, Product, Q, RoundedQ, factor_of
 
 
 class QArrays:
-    """T = int64[n]: value * 2**bits. `overflown`: which elements had a result that did not fit, bool[n]."""
+    """T = int64[n]: value * 2**bits. `overflown`: True for elements with a result that did not fit, bool[n]."""
 
     def __init__(self, bits: int = 16, overflow: Overflow = "wrap", product: Product = "cut") -> None:
         self._one_number = (Q if product == "cut" else RoundedQ)(bits, overflow)  # constants, names and their checks
@@ -26,7 +26,7 @@ class QArrays:
         return np.asarray(self._one_number.constant(value), dtype=np.int64)
 
     def taken(self, values: Floats) -> Ints:
-        """The raw numbers nearest to values; those that do not fit are saturated, as an analogue input would be.
+        """Return the raw numbers nearest to values; those that do not fit are saturated, like an analogue input.
 
         DoesNotFit, with the index, for a NaN.
         """
@@ -88,12 +88,12 @@ class QArrays:
         return x >> self.bits
 
     def _saturated(self, x: Ints) -> Ints:
-        return self._told(x, np.clip(x, LOW, HIGH))
+        return self._with_overflow(x, np.clip(x, LOW, HIGH))
 
     def _fit(self, x: Ints) -> Ints:
-        return self._saturated(x) if self._saturates else self._told(x, ((x - LOW) & 0xFFFFFFFF) + LOW)
+        return self._saturated(x) if self._saturates else self._with_overflow(x, ((x - LOW) & 0xFFFFFFFF) + LOW)
 
-    def _told(self, x: Ints, fitting: Ints) -> Ints:
+    def _with_overflow(self, x: Ints, fitting: Ints) -> Ints:
         over = fitting != x
         if over.any():
             self.overflown = np.logical_or(self.overflown, over)

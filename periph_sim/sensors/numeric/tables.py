@@ -1,8 +1,8 @@
-"""Tables of TI's mathematics libraries, made anew: what goes in is their description, out come lists of numbers.
+"""Tables of TI's mathematics libraries, recomputed from their description.
 
-IQmath and fastRTS both look up 512 sines a turn and continue with a cubic, and both fit the arctangent of 0 to 1 by
-64 parabolas. The sources' comments describe both; TI's parabolas are not printed there, so ours are fitted: each
-goes through the arctangent at the three Chebyshev points of its stretch, which leaves less than 4e-8 rad.
+IQmath and fastRTS both look up 512 sines a turn and continue with a cubic, and both approximate the arctangent of 0 to
+1 by 64 parabolas. The sources' comments describe both, but not TI's parabolas, so ours are fitted: each passes through
+the arctangent at the three Chebyshev points of its interval, with an error below 4e-8 rad.
 
 Source: comments of IQNsin, IQNcos, IQNatan2 (IQmath V1.4, C28x) and of FastRTS_sin, FastRTS_atan2 (FPU fastRTS V2).
 """
@@ -19,7 +19,7 @@ COSINES: tuple[float, ...] = tuple(cos(2 * pi * k / TURN) for k in range(TURN))
 
 
 def _parabola(low: float, high: float) -> tuple[float, float, float]:
-    """a0, a1, a2 so that a0 + r (a1 + a2 r) is near atan(r) from low to high."""
+    """Return a0, a1, a2 so that a0 + r (a1 + a2 r) is near atan(r) from low to high."""
     middle, half = (low + high) / 2, (high - low) / 2
     x = [middle + half * cos(pi * (2 * i + 1) / 6) for i in range(3)]
     y = [atan(at) for at in x]

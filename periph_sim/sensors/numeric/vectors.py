@@ -1,9 +1,9 @@
-"""Vectors of three numbers: an arithmetic of single numbers goes in, its operations on x, y, z together come out.
+"""Vectors of three numbers: operations on x, y, z in an arithmetic of single numbers.
 
     Arithmetic[T] --vectors_of--> plus, minus, times, transformed, cross, turned, whole
 
-Each is made of the arithmetic's own operations, in an order that is part of the result: they round and overflow.
-Q has them itself, where they cost a call instead of one for each number.
+Each consists of the arithmetic's own operations, in an order that is part of the result: they round and overflow.
+Q implements them itself, with one call for a vector instead of one for each number.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ class Vectors(Protocol[T]):
     """Operations on vectors, by their numbers x, y, z."""
 
     def plus(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
-        """u + v."""
+        """Return u + v."""
 
     def minus(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
-        """u - v."""
+        """Return u - v."""
 
     def times(self, u: Triple[T], k: T) -> Triple[T]:
-        """u times a number."""
+        """Return u times a number."""
 
     def transformed(self, rows: tuple[Triple[T], ...], u: Triple[T]) -> Triple[T]:
-        """A matrix of three rows times u."""
+        """Return a matrix of three rows times u."""
 
     def cross(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
-        """u x v."""
+        """Return u x v."""
 
     def turned(self, c: T, s: T, x: T, y: T) -> tuple[T, T]:
-        """x and y in axes turned by the angle of this cosine and sine: c x + s y, c y - s x."""
+        """Return x and y in axes turned by the angle of this cosine and sine: c x + s y, c y - s x."""
 
     def whole(self, u: Triple[T], low: T, high: T, rounding: Rounding) -> Triple[T]:
-        """The nearest vector to u with numbers from low to high, as whole numbers: counts of LSB."""
+        """Return the nearest vector to u with numbers from low to high, as whole numbers: counts of LSB."""
 
 
 class ByNumbers(Generic[T]):
-    """Vectors of an arithmetic, number by number."""
+    """Vector operations of an arithmetic, number by number."""
 
     def __init__(self, a: Arithmetic[T]) -> None:
         self._a = a
@@ -84,7 +84,7 @@ class ByNumbers(Generic[T]):
 
 
 def vectors_of(a: Arithmetic[T]) -> Vectors[T]:
-    """Those of an arithmetic."""
+    """Return the vector operations of an arithmetic."""
     vectors: Any = a if isinstance(a, Q) else ByNumbers(a)
     found: Vectors[T] = vectors
     return found

@@ -95,7 +95,7 @@ def test_the_list_is_complete(whole: Report) -> None:
 
 @pytest.mark.parametrize("extreme", EXPECTED)
 def test_what_happens_and_from_where_on(whole: Report, extreme: str) -> None:
-    found = whole.of(extreme)
+    found = whole.findings_for(extreme)
     assert [one.arithmetic for one in found] == list(USUAL)
     for one, (happens, begins) in zip(found, EXPECTED[extreme], strict=True):
         assert one.happens == happens, one
@@ -112,14 +112,14 @@ def test_parameters_that_are_no_numbers_are_refused_by_name(whole: Report) -> No
 
 def test_rho_squared_overflows_before_it_shows_nowhere_but_in_coarse_formats(whole: Report) -> None:
     """Q16: S leaves the format at 85.65 gauss, the squares at 181; Q12: the squares at 724, and IQmag never."""
-    squares, magnitudes = whole.of("field strength"), whole.of("field strength, IQmag")
+    squares, magnitudes = whole.findings_for("field strength"), whole.findings_for("field strength, IQmag")
     assert squares[2].overflows == squares[2].begins
     assert squares[4].overflows == pytest.approx(2**9.5, rel=0.001)
     assert magnitudes[4].overflows is None
 
 
 def test_a_wrapped_code_is_a_wrong_sign_a_saturated_one_is_not(whole: Report) -> None:
-    wraps, saturates = whole.of("roll rate")[2:4]
+    wraps, saturates = whole.findings_for("roll rate")[2:4]
     assert wraps.worst is not None and wraps.worst > 60_000
     assert (
         saturates.worst is not None and saturates.worst <= 1 and saturates.overflows == pytest.approx(2282.5, rel=1e-3)
@@ -139,7 +139,7 @@ def test_saturating_q16_stops_cross_axis_at_what_its_largest_rate_makes(rate: fl
 
 
 def test_time_drifts_by_what_the_format_makes_of_ts(whole: Report) -> None:
-    notes = {one.arithmetic: one.note for one in whole.of("time in seconds, 30 days")}
+    notes = {one.arithmetic: one.note for one in whole.findings_for("time in seconds, 30 days")}
     assert notes["q16"] == "+18.5 s a day" and notes["float64"] == "+0 s a day"  # 1311 / 65536
     assert notes["float32"].endswith("stands still from 145.6 h on")  # 2**19 s: the next is 1/16 s on, Ts rounds to 0
 
@@ -189,6 +189,6 @@ def test_another_set_changes_costs_and_range() -> None:
 
 def test_one_count_of_roll_is_four_lsb_of_rate(whole: Report) -> None:
     """1e-4 rad in 20 ms are 0.2865 deg/s, times 14.375."""
-    notes = {one.arithmetic: one.note for one in whole.of("smallest LSB")}
+    notes = {one.arithmetic: one.note for one in whole.findings_for("smallest LSB")}
     assert notes["float64"].endswith("one count of roll is 4.12 LSB of rate")
     assert notes["q12"].endswith("one count of roll is 0.00 LSB of rate")

@@ -82,7 +82,7 @@ def test_counts_of_the_parts_are_those_of_a_whole_sample(imu: ImuParameters) -> 
     a = Counting(Float64())
     model = Imu(a, imu)
     model.step((0.1, 0.2, 0.3), (0.0, 0.0, 0.0), model.silence, model.at_rest)
-    whole = a.take()
+    whole = a.pop_counts()
     parts = counts_of(imu)
     assert tuple(parts) == PARTS
     assert parts.pop("frame") == {"scaled": 6}

@@ -26,8 +26,8 @@ def test_counting_changes_no_number_and_counts_each_kind() -> None:
     numbers += [a.atan2(0, 1), *a.sincos(0), a.select_greater(1, 2, 3, 4), a.clamp(9, 0, 5), a.scaled(10, 0.5)]
     numbers += [a.to_integer(2.6, "nearest"), a.to_integer(2.6, "floor"), a.to_integer(-2.6, "toward zero")]
     assert numbers == [3, -1, 12, 0.25, -1, 2, 5, 0, 0, 0, 1, 4, 5, 5, 3, 2, -2]
-    assert a.take() == Counter(OPERANDS.keys())
-    assert a.take() == Counter()
+    assert a.pop_counts() == Counter(OPERANDS.keys())
+    assert a.pop_counts() == Counter()
 
 
 @pytest.mark.parametrize("library", LIBRARIES, ids=lambda library: library.name)

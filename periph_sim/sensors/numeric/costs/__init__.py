@@ -1,8 +1,8 @@
-"""What an operation costs on the F28335: one file a library, cycles with the source of each figure.
+"""Costs of operations on the F28335: one file for each library, cycles with the source of each figure.
 
-A cost is a range: a published figure is both its ends; where nothing was published the ends are a stated guess.
-A figure holds for code and data in memory without wait states. Tables of a library may lie in the boot ROM, which has
-one: what that adds is listed apart. Loading operands and storing results is listed apart too, as an assumption.
+A cost is a range: a published figure is both its ends; without a published figure the ends are a stated guess.
+A figure holds for code and data in memory without wait states. Tables of a library may be in the boot ROM, which has
+one: its cost is listed separately, as is that of loading operands and storing results, an assumption.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from msgspec import Struct, field
 
 Tables = Literal["RAM", "boot ROM"]
 
-# Numbers that an operation takes and gives.
+# Operands and results of an operation.
 OPERANDS = {
     "scaled": 2,
     "add": 3,
@@ -36,7 +36,7 @@ OPERANDS = {
 
 
 class Cost(Struct, frozen=True):
-    """SYSCLKOUT cycles, from low to high. guessed: no published figure is behind it, only experience."""
+    """SYSCLKOUT cycles, from low to high. guessed: based on experience, not on a published figure."""
 
     low: int
     high: int
@@ -49,7 +49,7 @@ def exactly(cycles: int, source: str) -> Cost:
 
 
 def derived(low: int, high: int, source: str) -> Cost:
-    """From published figures of the instructions that the source names."""
+    """Return a cost derived from published figures of the source's instructions."""
     return Cost(low, high, source)
 
 
@@ -58,7 +58,7 @@ def guessed(low: int, high: int, source: str) -> Cost:
 
 
 class Library(Struct, frozen=True):
-    """rom: what tables in the boot ROM add. with_operands: operations whose figure has loads and stores in it."""
+    """rom: cycles added by tables in the boot ROM. with_operands: operations whose figure includes loads and stores."""
 
     name: str
     source: str

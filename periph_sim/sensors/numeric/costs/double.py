@@ -1,7 +1,7 @@
-"""float64 in software ("long double" of the C28x compiler): nothing is published, every figure here is a guess.
+"""float64 in software ("long double" of the C28x compiler): without published figures, so all are guesses.
 
 Each operation is a call that unpacks, computes on 53 bits with 32-bit instructions, normalises and packs. The ranges
-are wide on purpose: they are there to show the order of magnitude beside the others, not to plan with.
+are wide on purpose: they show the order of magnitude compared with the others, and are not for planning.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""The FPU: what its instructions cost, and what software adds to them, from fastRTS or from the compiler's library.
+"""The FPU: costs of its instructions, and of software by fastRTS or the compiler's library.
 
-Two-cycle instructions are counted with their delay slot, as code has it that waits for each result. The figures of
-fastRTS are its guide's V2.10, simulated; that build had the TMU option on, which the F28335 lacks, but the same bodies.
+Two-cycle instructions are counted with their delay slot, as in code that waits for each result. The figures of
+fastRTS are from its guide V2.10, simulated; that build used the TMU option, which the F28335 lacks, but the same code.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""IQmath on the C28x: published cycles of V1.4.1 and V1.70, and instruction counts where it is one instruction.
+"""IQmath on the C28x: published cycles of V1.4.1 and V1.70, and instruction counts for single instructions.
 
-What tables in ROM add is the difference of the two figures in each source's comments (V1.4).
+The additional cost of tables in ROM is the difference of the two figures in each source's comments (V1.4).
 """
 
 from __future__ import annotations

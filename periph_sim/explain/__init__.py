@@ -1,12 +1,12 @@
-"""The worst occurrence of each budget: what happened around it, why it took so long, and its picture.
+"""The worst occurrence of each budget: its surroundings, its causes, and its picture.
 
-timing      verdict: which budget, its worst value, when
+timing      verdict: the budget, its worst value and its instant
   |
 window      one more run, recorded: all records around that instant        (`windows`)
   |
-evidence    the same by subject: phases on the bus, accesses, flags, what the CPU did   (`Evidence`)
+evidence    the same by subject: phases on the bus, accesses, flags, CPU activity   (`Evidence`)
   |
-bus_chain, host_chain, event_chain   the steps that led there, by measure  (`Chain`)
+bus_chain, host_chain, event_chain   the steps to it, by measure  (`Chain`)
   |
 text_report, picture; reports/html   for people; `Chain` as JSON for programs
 """

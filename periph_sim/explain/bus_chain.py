@@ -1,6 +1,6 @@
-"""Why a measure of the bus came out as it did: answers, stretches, rounds, addresses that nobody acknowledged.
+"""Explanations of measures of the bus: answers, stretches, rounds, addresses that were not acknowledged.
 
-Evidence --> Chain: steps, parts, what is to blame
+Evidence --> Chain: steps, parts, the cause
 """
 
 from __future__ import annotations
@@ -13,14 +13,24 @@ from .chain import Chain, Part, Step, parts_of
 from .cpu_activity import Stretch
 from .device_evidence import answering, bytes_of_device, note_of_device, sender
 from .evidence import Evidence, RecordedPhase, in_order
-from .fault_evidence import ONES, bytes_sent, deaf, is_master, own_address, refusing, released, stale, unread
+from .fault_evidence import (
+    ONES,
+    bytes_sent,
+    is_master,
+    missing_condition,
+    own_address,
+    refusing,
+    released,
+    stale,
+    unread,
+)
 
 I2C = "I2C-A"
 ASKS = ("I2CSTR.SDIR", "I2CSTR.XRDY", "I2CSTR.RRDY")  # flags that ask the firmware for something
 
 
 def response(evidence: Evidence) -> Chain:
-    """From the read address's ACK to the first data bit: the controller's low time, then whoever holds SCL longer."""
+    """Explain a response, from the read address's ACK to the first data bit: who held SCL low."""
     begin, end = evidence.window.begin, evidence.window.end
     free = min(begin + evidence.low, end)
     own = [Stretch(begin, free, "bus", "SCL low by the controller", "", begin)]
@@ -28,16 +38,16 @@ def response(evidence: Evidence) -> Chain:
 
 
 def stretch(evidence: Evidence) -> Chain:
-    """From where the controller lets go of SCL to where it rises."""
+    """Explain a stretch, from the controller's release of SCL to its rise."""
     begin, end = evidence.window.begin, evidence.window.end
     if begin == end:
-        prompt = evidence.say(begin, "SCL rises as soon as the controller lets go of it, everywhere in this phase")
+        prompt = evidence.say(begin, "SCL rises as soon as the controller releases it, everywhere in this phase")
         return evidence.chain(in_order(_asked(evidence, begin), [prompt]))
     return evidence.chain(_answer(evidence, begin), parts_of(_held(evidence, begin, end)))
 
 
 def _held(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
-    """What SCL was held for: what the unit did meanwhile, or just who held it where that is a device."""
+    """Return what the unit did while it held SCL, or the device that held it."""
     holder = evidence.holder_at(begin)
     if holder == evidence.unit:
         return evidence.timeline(begin, end)
@@ -45,7 +55,7 @@ def _held(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
 
 
 def _answer(evidence: Evidence, free: int) -> tuple[Step, ...]:
-    """Up to a rise of SCL that a slave's data had to come for; SCL is the controller's up to `free`."""
+    """Return the steps to a rise of SCL that waited for a slave's data; the controller held SCL up to `free`."""
     end = evidence.window.end
     asked = _asked(evidence, end)
     phase = evidence.phase_at(free)
@@ -56,37 +66,37 @@ def _answer(evidence: Evidence, free: int) -> tuple[Step, ...]:
     last = max(answer, key=lambda r: r.tick, default=None)
     if last is not None:
         access = "I2CDXR written" if last.what.startswith("W") else "I2CDRR read"
-        early = f"{evidence.span(free - last.tick)} before SCL is let go"
+        early = f"{evidence.span(free - last.tick)} before SCL is released"
         steps.append(evidence.step(last, f"{access}, {early if last.tick <= free else 'for which SCL was held'}"))
-    told = [one for one in evidence.episodes(first, end) if one.doing != "wait"]
+    episodes = [one for one in evidence.episodes(first, end) if one.doing != "wait"]
     over = end if last is None else last.tick
     waits = [one for one in evidence.episodes(first, end) if one.doing == "wait" and one.meets(over - 1, over)]
-    steps += [evidence.told(one, end) for one in (*told, *waits)]
+    steps += [evidence.episode_step(one, end) for one in (*episodes, *waits)]
     if end > free:
         holder = evidence.holder_at(free)
-        steps.append(evidence.say(free, f"the controller lets go of SCL; {holder} holds it low", end - free))
+        steps.append(evidence.say(free, f"the controller releases SCL; {holder} holds it low", end - free))
         steps.append(evidence.say(end, "SCL rises" if evidence.scl_moves(end) else "SCL is still low: the run ends"))
     else:
-        steps.append(evidence.say(end, "SCL rises as soon as the controller lets go of it"))
+        steps.append(evidence.say(end, "SCL rises as soon as the controller releases it"))
     return in_order(steps)
 
 
 def _holder(evidence: Evidence, tick: int) -> str:
-    """Who holds SCL low, and what it does where that is the unit."""
+    """Return the party that holds SCL low, and for a unit its activity."""
     holder = evidence.holder_at(tick)
     return f"{holder}: {evidence.doing_at(tick)}" if holder == evidence.unit else holder
 
 
 def _asked(evidence: Evidence, tick: int) -> list[Step]:
-    """What the controller asks for at a tick, and the bytes up to then."""
+    """Return steps of the controller's request at a tick, and the bytes up to then."""
     phase = evidence.phase_at(tick)
     if phase is None:
         return []
     start = "repeated START" if phase.repeated else "START"
-    told = [evidence.say(phase.begin, f"{start}, {phase}")]
+    steps = [evidence.say(phase.begin, f"{start}, {phase}")]
     if phase.answered is not None:
-        told.append(evidence.say(phase.answered, f"address {'' if phase.acked else 'not '}acknowledged"))
-    return told + [
+        steps.append(evidence.say(phase.answered, f"address {'' if phase.acked else 'not '}acknowledged"))
+    return steps + [
         evidence.step(byte, f"byte {n}: {on_the_bus(byte)}")
         for n, byte in enumerate(phase.data, 1)
         if byte.tick <= tick
@@ -94,13 +104,13 @@ def _asked(evidence: Evidence, tick: int) -> list[Step]:
 
 
 def _first_needed(evidence: Evidence, since: int, end: int) -> int:
-    """From when on the firmware's doings tell on the answer: the last flag that asked for it, or the phase."""
+    """Return the tick from which firmware determines the answer: the last flag that requested it, or `since`."""
     flags = [r.tick for r in evidence.flags(since, end, I2C, *ASKS) if r.value]
     return max(flags, default=since)
 
 
 def _flags(evidence: Evidence, since: int, end: int) -> list[Step]:
-    """Flags that ask for data, and when the firmware saw them."""
+    """Return steps of flags that request data, and of the firmware's reads of them."""
     steps = []
     for flag in evidence.flags(since, end, I2C, *ASKS):
         if not flag.value:
@@ -115,7 +125,7 @@ def _flags(evidence: Evidence, since: int, end: int) -> list[Step]:
 
 
 def a_round(evidence: Evidence, due: int, end: int) -> Chain:
-    """From when a round was due to its last STOP: its transfers, what lies between, and where SCL was stretched."""
+    """Explain a round, from its due time to its last STOP: its transfers, gaps and stretches of SCL."""
     inside = [phase for phase in evidence.phases if due <= phase.begin < end]
     steps: list[Step] = [evidence.say(due, "the round is due")]
     parts: list[Stretch] = []
@@ -136,16 +146,18 @@ def a_round(evidence: Evidence, due: int, end: int) -> Chain:
             steps += [evidence.say(phase.begin, str(phase), min(phase.end, end) - phase.begin) for phase in phases]
         else:
             times = f", {len(phases)} times" if len(phases) > 1 else ""
-            told = f"{name}, not acknowledged{times}"
-            steps.append(evidence.say(phases[0].begin, told, min(phases[-1].end, end) - phases[0].begin))
+            text = f"{name}, not acknowledged{times}"
+            steps.append(evidence.say(phases[0].begin, text, min(phases[-1].end, end) - phases[0].begin))
     if at < end:
         parts.append(Stretch(at, end, "bus", "no transfer of this round", "", at))
-    steps += [evidence.told(one, end) for one in evidence.episodes(due, end) if one.doing in ("interrupt", "span")]
+    steps += [
+        evidence.episode_step(one, end) for one in evidence.episodes(due, end) if one.doing in ("interrupt", "span")
+    ]
     return evidence.chain(in_order(steps, [evidence.say(end, "last STOP")]), parts_of(parts))
 
 
 def _phase_parts(evidence: Evidence, phase: RecordedPhase, end: int) -> list[Stretch]:
-    """The time of a phase: the bus's own, and what the firmware did while it held SCL."""
+    """Divide a phase into the bus's own time and the firmware's activities while it held SCL."""
     parts: list[Stretch] = []
     at = phase.begin
     for let_go, rise in evidence.stretches(phase.begin, end):
@@ -161,7 +173,7 @@ def round_time(evidence: Evidence) -> Chain:
 
 
 def slack(evidence: Evidence) -> Chain:
-    """What is left of a period behind a round: the round itself is what took the rest."""
+    """Explain the slack of a period after a round by the round itself."""
     over = evidence.window.begin if _positive(evidence) else evidence.window.end
     due = over + _length(evidence) - evidence.period
     story = a_round(evidence, due, over)
@@ -180,7 +192,7 @@ def _length(evidence: Evidence) -> int:
 
 
 def missed(evidence: Evidence) -> Chain:
-    """A round was due, and the one before still ran; or a round lacks a request, as the START at this instant shows."""
+    """Explain a missed round: the one before still ran, or it lacks a request, as the START at this instant shows."""
     due = evidence.window.begin
     before = max(due - evidence.period, evidence.window.kept[0].begin)
     shows = next((phase for phase in evidence.phases if phase.begin == due), None)
@@ -192,15 +204,15 @@ def missed(evidence: Evidence) -> Chain:
     steps = [
         evidence.say(due, f"a round is due, but the one before still runs: {evidence.unit} in {evidence.doing_at(due)}")
     ]
-    told = [step for step in running.steps if step.what not in ("last STOP", "the round is due")]
+    round_steps = [step for step in running.steps if step.what not in ("last STOP", "the round is due")]
     old = [step for phase in evidence.phases if before <= phase.begin < due for step in stale(evidence, phase)][-1:]
     return evidence.chain(
-        in_order(told, old, evidence.waited_for(due), unread(evidence, due), steps), (), evidence.blame_at(due)
+        in_order(round_steps, old, evidence.waited_for(due), unread(evidence, due), steps), (), evidence.blame_at(due)
     )
 
 
 def nacked(evidence: Evidence) -> Chain:
-    """An address that nobody acknowledged: which address the module had then, since when, and what the firmware did."""
+    """Explain an unacknowledged address: the module's address then, since when, and the firmware's activity."""
     begin = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin >= begin and not p.acked and p.answered is not None), None)
     if phase is None:
@@ -209,7 +221,7 @@ def nacked(evidence: Evidence) -> Chain:
 
 
 def nack(evidence: Evidence) -> Chain:
-    """A NACK of an address or of a byte: the write, or the missing one, that made the module refuse it."""
+    """Explain a NACK of an address or of a byte by the write, or the missing write, that caused it."""
     at = evidence.window.begin
     phase = evidence.phase_at(at)
     if phase is not None and phase.answered == at:
@@ -229,22 +241,22 @@ def _unanswered(evidence: Evidence, phase: RecordedPhase) -> Chain:
     steps.append(evidence.say(at, f"{evidence.unit}: {evidence.doing_at(at)}", None, evidence.place_at(at)))
     if is_master(evidence, at):
         return evidence.chain(in_order(steps), (), evidence.blame_at(at))
-    lacks = deaf(evidence, at)
+    lacks = missing_condition(evidence, at)
     own, wrong = own_address(evidence, at, phase.address)
     steps += [*lacks, *own, *unread(evidence, at), *stale(evidence, phase)]
     return evidence.chain(in_order(steps), (), evidence.blame_at(at) or _blamed(lacks or ([wrong] if wrong else [])))
 
 
 def _blamed(steps: list[Step]) -> Part | None:
-    """The first of the steps that has a place, as what is to blame."""
+    """Return the first step with a place as the cause."""
     step = next((step for step in steps if step.place is not None), None)
     return None if step is None else Part("code", step.what.partition(",")[0], 0, 1, step.place)
 
 
 def wrong_bytes(evidence: Evidence) -> Chain:
-    """The first wrong read: of each byte which write of I2CDXR it came of, when and where, maybe for another read.
+    """Explain the first wrong read: for each byte the write of I2CDXR it came from, possibly for another read.
 
-    Of a read of a device: what it sent, and the duty that it noted as broken.
+    For a read of a device: the bytes it sent, and the duty that it noted as broken.
     """
     begin = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin >= begin), None)
@@ -276,7 +288,7 @@ def wrong_bytes(evidence: Evidence) -> Chain:
 
 
 def stuck(evidence: Evidence) -> Chain:
-    """A line held low for too long: since when, by whom, and what the firmware waits for."""
+    """Explain a line held low for too long: since when, by whom, and what the firmware waits for."""
     at = evidence.window.begin
     steps = []
     for name in ("SCL", "SDA"):

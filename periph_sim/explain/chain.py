@@ -1,4 +1,4 @@
-"""Why the worst occurrence was as it was, as data: Steps in order of time, and Parts that add up to its length.
+"""The explanation of a worst occurrence as data: Steps in order of time, and Parts that add up to its length.
 
 Window --explain--> Chain(steps, parts, more) --show--> text, --object--> JSON
 """
@@ -19,7 +19,7 @@ from .cpu_activity import Doing, Stretch, phrase
 
 @dataclass(frozen=True)
 class FirmwarePlace:
-    """A place in the firmware. file: None where only a recording says it. line: from 1; 0 of an image without lines.
+    """A place in the firmware. file: None if known from a recording only. line: from 1; 0 for an image without lines.
 
     pc: of an instruction of an image.
     """
@@ -37,13 +37,13 @@ class FirmwarePlace:
 
     @property
     def spot(self) -> str:
-        """ "imu_hil.py:106"; with the function where the file is not known."""
+        """ "imu_hil.py:106"; with the function if the file is not known."""
         name = self.file.name if self.file else self.function
         return f"{name}:{self.line}" if self.line else name
 
 
 def place_of(where: str) -> FirmwarePlace | None:
-    """The place that a record's text names; None if it names none."""
+    """Return the place that a record's text names; None if it names none."""
     of_image = parsed(where)
     if of_image is not None:
         path = where.path if isinstance(where, SourceLocation) else of_image.file
@@ -66,7 +66,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Part:
-    """What a part of the occurrence's time went into. count: in how many stretches. place: of the longest."""
+    """A part of the occurrence's time, by activity. count: number of stretches. place: of the longest."""
 
     doing: Doing
     what: str
@@ -80,11 +80,11 @@ class Part:
 
 @dataclass(frozen=True)
 class Chain:
-    """steps: in order of time. parts: the longest first; their lengths add up to `length` wherever there are any.
+    """steps: in order of time. parts: the longest first; if there are any, their lengths add up to `length`.
 
-    length: of the occurrence, ticks. typical: the length of the least critical occurrence, None where it is not
-    known. typical_holds: that occurrence keeps the limit, so the difference to it explains why this one does not.
-    more: by how much each part is longer here than there (ticks, signed), the largest difference first.
+    length: of the occurrence, ticks. typical: the length of the least critical occurrence, None if unknown.
+    typical_holds: that occurrence keeps the limit, so the difference to it explains why this one does not.
+    more: difference of each part's length from that occurrence (ticks, signed), the largest first.
     """
 
     verdict: Verdict
@@ -95,14 +95,14 @@ class Chain:
     typical: int | None = None
     typical_holds: bool = True
     more: tuple[Part, ...] = ()
-    blame: Part | None = None  # of an occurrence without length: what the firmware did instead
+    blame: Part | None = None  # for an occurrence without length: the firmware's activity
 
     @property
     def blamed(self) -> Part | None:
-        """The part that explains the length best, of those that have a place in the firmware.
+        """The part with a place in the firmware that explains the length best.
 
-        Where the typical occurrence keeps the limit, it is the part that differs most from there, in the direction in
-        which this one is beyond the limit; else the longest part.
+        If the typical occurrence keeps the limit, it is the part that differs most from it, in the direction in which
+        this one exceeds the limit; else the longest part.
         """
         if self.blame is not None:
             return self.blame
@@ -117,7 +117,7 @@ class Chain:
 
 
 def parts_of(stretches: Iterable[Stretch]) -> tuple[Part, ...]:
-    """Stretches summed up by what was done, the longest sum first."""
+    """Sum stretches by activity, the longest sum first."""
     sums: dict[tuple[Doing, str], list[Stretch]] = {}
     for one in stretches:
         sums.setdefault((one.doing, one.what), []).append(one)
@@ -130,7 +130,7 @@ def parts_of(stretches: Iterable[Stretch]) -> tuple[Part, ...]:
 
 
 def difference(here: Iterable[Part], there: Iterable[Part]) -> tuple[Part, ...]:
-    """By how much each part is longer here, the largest first; parts of equal length left out."""
+    """Return by how much each part is longer here, the largest first, without parts of equal length."""
     before = {(part.doing, part.what): part for part in there}
     found = []
     for part in here:

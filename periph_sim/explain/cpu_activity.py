@@ -1,9 +1,9 @@
-"""What a CPU did when: records go in, stretches of time without gap or overlap come out, innermost activity first.
+"""Activities of a CPU from its records: stretches of time without gap or overlap, by the innermost activity.
 
     SPAN, IRQ, WAIT begin and end --> a stack --> Stretch, Stretch, ...     model |SCIRXINTA| model | wait for AAS
 
-At each instant counts what is on top of the stack: a service routine in a span, a wait in the routine. Where the
-stack is empty the firmware runs on, somewhere between two accesses.
+At each instant the top of the stack counts: a service routine in a span, a wait in the routine. If the stack is empty
+the firmware runs other code, between two accesses.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from .window import Window
 Doing = Literal["interrupt", "span", "wait", "code", "bus", "unknown"]
 CODE: Doing = "code"
 UNKNOWN: Doing = "unknown"
-NOT_KEPT = "the middle, of which no records were kept"
+NOT_KEPT = "the middle, for which no records were kept"
 DOING: dict[Kind, Doing] = {Kind.IRQ: "interrupt", Kind.SPAN: "span", Kind.WAIT: "wait"}
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """From `begin` to `end` (ticks) one thing was done. where: the place in the firmware, "" where nobody knows.
+    """An activity from `begin` to `end` (ticks). where: the place in the firmware, "" if unknown.
 
-    within: what it was done on top of, outermost first. since: when it began, at `begin` or before.
+    within: the enclosing activities, outermost first. since: its begin, at `begin` or before.
     """
 
     begin: int
@@ -42,12 +42,12 @@ class Stretch:
         return self.end - self.begin
 
     def __str__(self) -> str:
-        """As a phrase: "SCIRXINTA", "wait for I2C-A.I2CSTR.SDIR"."""
+        """Format as a phrase: "SCIRXINTA", "wait for I2C-A.I2CSTR.SDIR"."""
         return phrase(self.doing, self.what)
 
 
 def phrase(doing: Doing, what: str) -> str:
-    """An activity in words."""
+    """Format an activity as a phrase."""
     if doing == "wait" and what in ("IDLE", "endless loop"):
         return what
     if doing == "wait":
@@ -56,14 +56,14 @@ def phrase(doing: Doing, what: str) -> str:
 
 
 def polled(what: str) -> str:
-    """ "I2C-A.I2CSTR.XRDY and I2C-A.I2CSTR.SCD" as "I2C-A.I2CSTR.XRDY or SCD": a wait for several may end by any."""
+    """ "I2C-A.I2CSTR.XRDY and I2C-A.I2CSTR.SCD" as "I2C-A.I2CSTR.XRDY or SCD": any of them ends the wait."""
     first, *others = what.split(" and ")
     register = first.rpartition(".")[0]
     return " or ".join([first, *(other.removeprefix(f"{register}.") for other in others)])
 
 
 def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
-    """What a unit's CPU did from one tick to another, both in the window; together as long as that."""
+    """Return the activities of a unit's CPU between two ticks of the window, without gaps."""
     moves = [r for r in _relevant(window, unit) if r.tick < end]
     stack: list[Record] = []
     found: list[Stretch] = []
@@ -75,7 +75,7 @@ def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
             stack, at, hole, bottom = [], hole.begin, None, UNKNOWN
         found.append(_top(stack, at, record.tick, bottom))
         if record.value and record.kind is not Kind.IRQ and not stack:
-            bottom = CODE  # taken for the outermost: what the firmware does is known again
+            bottom = CODE  # assumed outermost: the firmware's activity is known again
         at = max(at, record.tick)
         _move(stack, record)
     found.append(_top(stack, at, end, bottom))
@@ -83,13 +83,13 @@ def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
 
 
 def units(window: Window) -> list[str]:
-    """The units whose firmware did something in or before the window, by name."""
+    """Return the units with firmware activity in or before the window, by name."""
     kinds = (Kind.ACCESS, *DOING)
     return sorted({r.where for r in (*window.before, *window.records) if r.kind in kinds})
 
 
 def open_at(window: Window, unit: str, tick: int) -> list[Record]:
-    """What had begun and was not over at a tick (service routines, spans, waits), outermost first."""
+    """Return the service routines, spans and waits in progress at a tick, outermost first."""
     stack: list[Record] = []
     for record in _relevant(window, unit):
         if record.tick > tick:
@@ -109,7 +109,7 @@ def _move(stack: list[Record], record: Record) -> None:
         return
     for place in range(len(stack) - 1, -1, -1):
         if stack[place].kind is record.kind and stack[place].what == record.what:
-            del stack[place:]  # what was on top of it is over, too
+            del stack[place:]  # all above it is over, too
             return
 
 
@@ -127,9 +127,9 @@ def _clipped(one: Stretch, begin: int) -> Stretch:
 
 @dataclass(frozen=True)
 class Episode:
-    """One service routine, span or wait. end: None if it was not over when the window ends.
+    """A service routine, span or wait. end: None if it was not over when the window ends.
 
-    within: what it was done on top of, outermost first.
+    within: the enclosing activities, outermost first.
     """
 
     begin: int
@@ -143,15 +143,15 @@ class Episode:
         return phrase(self.doing, self.what)
 
     def meets(self, begin: int, end: int) -> bool:
-        """Whether a part of it lies between two ticks."""
+        """True if it overlaps the time between two ticks."""
         return self.begin < end and (self.end is None or self.end > begin)
 
 
 def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
-    """Service routines, spans and waits of a unit that meet the time between two ticks, in order of their begin.
+    """Return service routines, spans and waits of a unit that overlap the time between two ticks, in order of begin.
 
-    Of spans under way at the first tick only the innermost: each function of an image is one, `main` and all. A span
-    that is a service routine from its begin to its end is told as the service routine.
+    Of spans in progress at the first tick only the innermost: each function of an image is one, including `main`. A
+    span that is a service routine from its begin to its end is returned as the service routine.
     """
     stack: list[tuple[Record, tuple[Record, ...]]] = []
     over: list[Episode] = []
@@ -165,19 +165,17 @@ def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
                 del stack[place:]
                 break
     over += [_episode(*one, None) for one in stack]
-    told = sorted((one for one in over if one.meets(begin, end)), key=lambda one: (one.begin, len(one.within)))
-    under_way = [one for one in told if one.doing == "span" and one.begin < begin]
+    met = sorted((one for one in over if one.meets(begin, end)), key=lambda one: (one.begin, len(one.within)))
+    under_way = [one for one in met if one.doing == "span" and one.begin < begin]
     around = {id(one) for one in under_way[:-1]}
-    routines = {(one.begin, one.where) for one in told if one.doing == "interrupt"}
+    routines = {(one.begin, one.where) for one in met if one.doing == "interrupt"}
     return [
-        one
-        for one in told
-        if id(one) not in around and not (one.doing == "span" and (one.begin, one.where) in routines)
+        one for one in met if id(one) not in around and not (one.doing == "span" and (one.begin, one.where) in routines)
     ]
 
 
 def innermost(nested: Iterable[Episode], begin: int, end: int) -> list[Episode]:
-    """The stretches between two ticks in which each was the innermost. nested: one in the other, ordered by begin."""
+    """Return the stretches between two ticks in which each was the innermost. nested: ordered by begin."""
     found: list[Episode] = []
     stack: list[Episode] = []
     at = begin

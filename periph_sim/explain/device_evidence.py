@@ -1,8 +1,8 @@
-"""Where a byte came from that a device sent to a unit that is master: evidence and a read go in, Steps come out.
+"""Steps on the origin of bytes that a device sent to a unit that is master.
 
 read of a memory --> each byte's word address, and the last write to it among the transfers kept
-notes of the device, duties that were broken --> the last one before the read is over; it is to blame if it
-                                                 names a word that is read, or nobody knows which are
+notes of the device, broken duties --> the last one before the end of the read; it is the cause if it
+                                       names a word of the read, or if the words are unknown
 """
 
 from __future__ import annotations
@@ -21,30 +21,30 @@ WORD = re.compile(r"0x[0-9a-f]{4}\b")  # a word address in a note
 
 
 def sender(evidence: Evidence, phase: RecordedPhase) -> str:
-    """The device that sends the bytes of a read to the unit; "" if a unit sends them."""
+    """Return the device that sends the bytes of a read to the unit; "" if a unit sends them."""
     if not phase.read or not is_master(evidence, phase.begin) or any(_answers(evidence, phase)):
         return ""
     return evidence.device_at(phase.address) or phase.name or f"the device at 0x{phase.address:02X}"
 
 
 def answering(evidence: Evidence, phase: RecordedPhase) -> Evidence:
-    """The same about the unit that a read is of, where it is not the one that is told about."""
+    """Return the evidence about the unit that answers a read."""
     return next(_answers(evidence, phase), evidence)
 
 
 def _answers(evidence: Evidence, phase: RecordedPhase) -> Iterator[Evidence]:
-    """Other units that have the address of a phase as their own, if no device has it."""
+    """Yield the other units whose own address is that of a phase, if no device has it."""
     if evidence.device_at(phase.address):
         return
     for unit in evidence.case.unit:
-        other = evidence.of(unit)
+        other = evidence.for_unit(unit)
         own = other.accesses(0, phase.begin, "W", I2C, "I2COAR")
         if unit != evidence.unit and own and own[-1].value == phase.address:
             yield other
 
 
 def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
-    """Each byte of a read of a device: from which word of a memory, and when that was written, as far as known."""
+    """Return a step for each byte of a read of a device: the memory's word, and when it was written, if known."""
     who = sender(evidence, phase)
     first = first_word(evidence, phase)
     memory = _part(evidence, phase)
@@ -63,22 +63,22 @@ def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
 
 
 def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step], Part | None]:
-    """The last duty that the device of a read noted as broken up to its end, and that as the cause, if it is one."""
+    """Return the last duty noted as broken by a read's device up to its end, and the cause, if it is one."""
     who = sender(evidence, phase)
     there = (*evidence.window.before, *evidence.window.records)
     notes = [r for r in there if r.kind is Kind.NOTE and (r.where, r.what) == (who, "duty") and r.tick <= phase.end]
     if not notes:
         return [], None
     note = max(notes, key=lambda r: r.tick)
-    told = f"{who}: {note.text.rpartition(' [')[0]}"
+    text = f"{who}: {note.text.rpartition(' [')[0]}"
     first = first_word(evidence, phase)
     named = [int(word, 16) for word in WORD.findall(note.text)]
     concerns = first is None or not named or any(first <= word < first + len(phase.data) for word in named)
-    return [evidence.say(note.tick, told)], Part("code", told, 0) if concerns else None
+    return [evidence.say(note.tick, text)], Part("code", text, 0) if concerns else None
 
 
 def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
-    """The memory that a read is of; None if it is of another device."""
+    """Return the memory that is read; None for another device."""
     table = evidence.case.device.get(evidence.device_at(phase.address))
     if table is None or table.model not in eeprom.MODELS:
         return None
@@ -87,7 +87,7 @@ def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
 
 
 def first_word(evidence: Evidence, phase: RecordedPhase) -> int | None:
-    """The word address of a read's first byte, where the write before it, to the same address, tells."""
+    """Return the word address of a read's first byte, if the write before it set it; else None."""
     memory = _part(evidence, phase)
     before = max((p for p in evidence.phases if p.end <= phase.begin), key=lambda p: p.begin, default=None)
     if memory is None or before is None or before.read or before.address != phase.address:
@@ -102,7 +102,7 @@ def _pointer(memory: eeprom.Part, phase: RecordedPhase) -> int:
 
 
 def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Record]]:
-    """(word, byte on the bus) of every write to a memory before a read, going round at the end of a page as it does."""
+    """Yield (word, byte on the bus) of every write to a memory before a read, wrapping at the end of a page."""
     memory = _part(evidence, read)
     if memory is None:
         return

@@ -1,4 +1,4 @@
-"""Why two events lay so far apart: both with their causes, and what the firmware did in between.
+"""Explanations of events and of the time between two events: their causes, and the firmware's activity.
 
 Evidence, events --> Chain
 """
@@ -19,25 +19,25 @@ from .bus_chain import nack
 from .chain import Chain, Part, Step, parts_of
 from .evidence import Evidence, in_order
 
-WRITES = 6  # told of those in between
-BACK = 2  # causes told of each end
-PROMPT = Fraction(1, 10**6)  # seconds: an interrupt that is taken as soon as this had nothing in its way
+WRITES = 6  # writes in between that are listed
+BACK = 2  # causes listed for each end
+PROMPT = Fraction(1, 10**6)  # seconds: an interrupt served within this was not blocked
 
 
 def between(evidence: Evidence, begin: Matcher | None, end: Matcher | None) -> Chain:
-    """From one event to another. A matcher of None, or an event that is not among the records kept, is not told."""
+    """Explain the time between two events. A matcher of None, or an event without a kept record, is omitted."""
     window = evidence.window
     first = find(evidence, begin, window.begin)
     second = find(evidence, end, window.end)
-    evidence = evidence.of(unit_of(evidence, second) or unit_of(evidence, first) or evidence.unit)
+    evidence = evidence.for_unit(unit_of(evidence, second) or unit_of(evidence, first) or evidence.unit)
     steps: list[Step] = []
     story = evidence.story(window.begin, window.end)
     for record in (first, second):
         if record is not None:
             own = evidence.step(record)
-            told = record.value == 1 and any((one.at, one.place) == (own.at, own.place) for one in story)
+            listed = record.value == 1 and any((one.at, one.place) == (own.at, own.place) for one in story)
             came = [step for step in causes(evidence, record) if step.at not in {earlier.at for earlier in steps}]
-            steps += came if told else [*came, own]
+            steps += came if listed else [*came, own]
     return evidence.chain(
         in_order(steps, story, writes(evidence, window.begin, window.end)),
         parts_of(evidence.timeline(window.begin, window.end)),
@@ -45,7 +45,7 @@ def between(evidence: Evidence, begin: Matcher | None, end: Matcher | None) -> C
 
 
 def latency(evidence: Evidence, asked: Matcher, entered: Matcher | None) -> Chain:
-    """From an interrupt's request in the PIE to its service routine, and whether another routine was in its way."""
+    """Explain an interrupt's latency, from its request in the PIE to its service routine, and what blocked it."""
     story = between(evidence, asked, entered)
     window = evidence.window
     if window.end - window.begin < window.timebase.ticks(PROMPT, "nearest") or any(
@@ -57,30 +57,30 @@ def latency(evidence: Evidence, asked: Matcher, entered: Matcher | None) -> Chai
 
 
 def once(evidence: Evidence, event: Matcher | None = None) -> Chain:
-    """One event with its causes, and what the firmware did then."""
+    """Explain a single event by its causes and the firmware's activity."""
     at = evidence.window.begin
     record = find(evidence, event, at)
     if record is not None and (record.kind, record.what) == (Kind.BUS, "NACK"):
         return nack(evidence)
-    evidence = evidence.of(unit_of(evidence, record) or evidence.unit)
+    evidence = evidence.for_unit(unit_of(evidence, record) or evidence.unit)
     now = evidence.say(at, f"{evidence.unit}: {evidence.doing_at(at)}", None, evidence.place_at(at))
     if record is None:
         return evidence.chain((now,), (), evidence.blame_at(at))
-    told = evidence.step(record)
+    event_step = evidence.step(record)
     if record.kind is Kind.SPAN and record.value:
-        now = told  # it has begun just now
-    blame = evidence.blame_at(at) if told.place is None else Part("code", told.what, 0, 1, told.place)
-    return evidence.chain(in_order(causes(evidence, record), [told, now]), (), blame)
+        now = event_step  # it begins at this instant
+    blame = evidence.blame_at(at) if event_step.place is None else Part("code", event_step.what, 0, 1, event_step.place)
+    return evidence.chain(in_order(causes(evidence, record), [event_step, now]), (), blame)
 
 
 def two_periods(evidence: Evidence, event: Matcher) -> Chain:
-    """The period before an event and the one behind it, which differ so much."""
+    """Explain jitter by the periods before and after an event."""
     at = evidence.window.begin
     ticks = [r.tick for r in evidence.window.records if event.fits(r)]
     before = max((tick for tick in ticks if tick < at), default=at)
     behind = min((tick for tick in ticks if tick > at), default=at)
     record = find(evidence, event, at)
-    evidence = evidence.of(unit_of(evidence, record) or evidence.unit)
+    evidence = evidence.for_unit(unit_of(evidence, record) or evidence.unit)
     steps = [
         evidence.say(before, f"{event.text}: a period of", at - before),
         evidence.say(at, "then one of", behind - at),
@@ -89,31 +89,31 @@ def two_periods(evidence: Evidence, event: Matcher) -> Chain:
 
 
 def whole(evidence: Evidence) -> Chain:
-    """What the firmware did in the last part of the run: of a load, which is of all of it."""
+    """Explain a load, which is a property of the whole run, by the firmware's activity in its last part."""
     span = evidence.window.kept[-1]
     parts = parts_of(evidence.timeline(span.begin, span.end - 1))
-    told = f"the last {evidence.span(span.end - 1 - span.begin)} of the run: " + ", ".join(
+    shares = f"the last {evidence.span(span.end - 1 - span.begin)} of the run: " + ", ".join(
         f"{part} {evidence.span(part.length)}" for part in parts
     )
     blame = next((part for part in parts if part.doing in ("interrupt", "span")), None)
-    return evidence.chain((evidence.say(span.begin, told, span.end - 1 - span.begin),), (), blame)
+    return evidence.chain((evidence.say(span.begin, shares, span.end - 1 - span.begin),), (), blame)
 
 
 def around(evidence: Evidence, watched: Watched) -> Chain:
-    """Reads, writes and changes of a register around an instant: who came close to whom."""
+    """Explain a race by the reads, writes and changes of a register around an instant."""
     at, near = evidence.window.begin, evidence.window.timebase.ticks(PROMPT, "nearest")
     found = [r for r in evidence.window.records if abs(r.tick - at) <= near and watched.shows(r)]
-    evidence = evidence.of(unit_of(evidence, next(iter(found), None)) or evidence.unit)
+    evidence = evidence.for_unit(unit_of(evidence, next(iter(found), None)) or evidence.unit)
     return evidence.chain(tuple(evidence.step(r) for r in found), (), evidence.blame_at(at))
 
 
 def one_of(evidence: Evidence, events: list[Matcher], at: int) -> Matcher | None:
-    """The event that happened at a tick; None if none of them did."""
+    """Return the event that happened at a tick; None if none of them did."""
     return next((event for event in events if find(evidence, event, at) is not None), None)
 
 
 def find(evidence: Evidence, event: Matcher | None, at: int) -> Record | None:
-    """The record of an event that is nearest to a tick, within what rounding to 0.1 ns may have cost."""
+    """Return the record of an event that is nearest to a tick, within the error of rounding to 0.1 ns."""
     if event is None:
         return None
     slip = evidence.window.timebase.per_second // 10**10 + 1
@@ -122,7 +122,7 @@ def find(evidence: Evidence, event: Matcher | None, at: int) -> Record | None:
 
 
 def unit_of(evidence: Evidence, record: Record | None) -> str:
-    """The unit that an event happened in; "" if it is one of a wire, the bus or the host."""
+    """Return the unit of an event; "" if it is one of a wire, the bus or the host."""
     if record is None:
         return ""
     unit = record.where.partition(".")[0]
@@ -130,7 +130,7 @@ def unit_of(evidence: Evidence, record: Record | None) -> str:
 
 
 def writes(evidence: Evidence, begin: int, end: int) -> list[Step]:
-    """The first accesses in between that write."""
+    """Return steps of the first writes between two ticks."""
     found = [
         r for r in evidence.window.between(begin, end - 1, Kind.ACCESS) if r.where == evidence.unit and r.what[0] == "W"
     ]
@@ -138,7 +138,7 @@ def writes(evidence: Evidence, begin: int, end: int) -> list[Step]:
 
 
 def causes(evidence: Evidence, record: Record) -> list[Step]:
-    """What made it happen, as far as the records tell (see `records.why.causes`)."""
+    """Return steps of a record's causes, as far as known (see `records.why.causes`)."""
     window = evidence.window
     columns = Columns()
     rows: dict[int, int] = {}
@@ -149,8 +149,8 @@ def causes(evidence: Evidence, record: Record) -> list[Step]:
     per_second = Fraction(window.timebase.per_second)
     run = Run(columns.table(per_second, window.kept[-1].end, modules), evidence.case.name)
     kept = {one.number: one for one in (*window.before, *window.records)}
-    told = []
+    steps = []
     for step in list(walk_back(run, rows[record.number], BACK))[1:]:
-        cause = kept[step.record.number]  # with its place in the firmware, which a table does not keep
-        told.append(evidence.step(cause, f"{happened(cause)} ({step.because.partition(';')[0]})"))
-    return told
+        cause = kept[step.record.number]  # with its place in the firmware, which a table does not contain
+        steps.append(evidence.step(cause, f"{happened(cause)} ({step.because.partition(';')[0]})"))
+    return steps

@@ -1,6 +1,6 @@
-"""Looks into a Window that every explanation needs: what the bus, a unit's firmware and its flags did, and when.
+"""Queries of a Window that all explanations use: events of the bus, a unit's firmware and its flags.
 
-Window, case --> Evidence: phases on the bus, lows of SCL, accesses, flags with who saw them, Steps of these
+Window, case --> Evidence: phases on the bus, lows of SCL, accesses, flags with their readers, Steps of these
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from .chain import Chain, FirmwarePlace, Part, Step, place_of
 from .cpu_activity import CODE, DOING, Episode, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
 
-SMALL = Fraction(1, 100)  # of an occurrence: waits shorter than that are not told
-LONG = Fraction(1, 10**6)  # seconds: code without a name and without an access that takes longer is told by itself
-MOST = 12  # service routines, spans and waits told of an occurrence: the longest
+SMALL = Fraction(1, 100)  # part of an occurrence: shorter waits are omitted
+LONG = Fraction(1, 10**6)  # seconds: longer code without a name and an access is listed separately
+MOST = 12  # service routines, spans and waits listed for an occurrence: the longest
 
 
 @dataclass(frozen=True)
 class RecordedPhase:
-    """What the controller did from a START or repeated START to the next one or the STOP.
+    """Activity of the controller from a START or repeated START to the next one or the STOP.
 
-    answered: the tick of the SCL fall behind the address's ACK slot; None if the record ends before.
+    answered: the tick of the SCL fall after the address's ACK slot; None if the record ends before.
     """
 
     name: str
@@ -42,13 +42,13 @@ class RecordedPhase:
     data: tuple[Record, ...]
 
     def __str__(self) -> str:
-        """ "gyroscope (0x68 R)", or "0x68 R" where no name is known."""
+        """ "gyroscope (0x68 R)", or "0x68 R" if no name is known."""
         asked = f"0x{self.address:02X} {'R' if self.read else 'W'}"
         return f"{self.name} ({asked})" if self.name else asked
 
 
 class Evidence:
-    """window: of the occurrence. unit: whose firmware it is about."""
+    """window: of the occurrence. unit: the unit whose firmware is examined."""
 
     def __init__(self, window: Window, case: Case, unit: str | None = None) -> None:
         self.window = window
@@ -56,8 +56,8 @@ class Evidence:
         there = [name for name in case.unit if name in units(window)] or [*case.unit]
         self.unit = unit or (there[0] if there else "")
 
-    def of(self, unit: str) -> Evidence:
-        """The same about another unit."""
+    def for_unit(self, unit: str) -> Evidence:
+        """Return the evidence about another unit."""
         return Evidence(self.window, self.case, unit)
 
     # Firmware ---------------------------------------------------------------------
@@ -66,7 +66,7 @@ class Evidence:
         return [part for one in timeline(self.window, self.unit, begin, end) for part in self._between_accesses(one)]
 
     def _between_accesses(self, one: Stretch) -> list[Stretch]:
-        """Code without a name: where nothing was recorded for long, it is told by what the firmware did next."""
+        """Divide code without a name: long parts without a record are named by the firmware's next activity."""
         if one.doing != CODE or one.where:
             return [one]
         least = self.window.timebase.ticks(LONG, "nearest")
@@ -79,8 +79,8 @@ class Evidence:
             if near is None or end - begin <= least:
                 continue
             access = near.kind is Kind.ACCESS
-            told = happened(near).partition(",")[0] if access else phrase(DOING[near.kind], near.what)
-            what = f"code {'after' if then is None else 'before'} {told}"
+            activity = happened(near).partition(",")[0] if access else phrase(DOING[near.kind], near.what)
+            what = f"code {'after' if then is None else 'before'} {activity}"
             found += [replace(one, end=begin, begin=at)] if begin > at else []
             found.append(Stretch(begin, end, CODE, what, near.text, begin))
             at = end
@@ -88,7 +88,7 @@ class Evidence:
 
     @cached_property
     def _done(self) -> list[Record]:
-        """Accesses, spans and waits of the firmware with their places, but for those of service routines."""
+        """Accesses, spans and waits of the firmware with their places, except those of service routines."""
         records = [r for r in (*self.window.before, *self.window.records) if self._ours(r) and r.kind in IN_FIRMWARE]
         found, routines = [], 0
         for record in sorted(records, key=lambda r: (r.tick, r.number)):
@@ -99,7 +99,7 @@ class Evidence:
         return found
 
     def doing_at(self, tick: int) -> str:
-        """What the firmware did then, as a phrase, with since when."""
+        """Return the firmware's activity at a tick as a phrase with its begin."""
         stack = open_at(self.window, self.unit, tick)
         if not stack:
             return "other code"
@@ -111,7 +111,7 @@ class Evidence:
         return None if part is None else part.place
 
     def blame_at(self, tick: int) -> Part | None:
-        """What the firmware did then, if it has a place."""
+        """Return the firmware's activity at a tick, if any, as the cause."""
         stack = open_at(self.window, self.unit, tick)
         if not stack:
             return None
@@ -119,7 +119,7 @@ class Evidence:
         return Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
 
     def accesses(self, begin: int, end: int, way: str, module: str, *registers: str) -> list[Record]:
-        """Reads ("R") or writes ("W") of registers between two ticks, both included; what came before among them."""
+        """Return reads ("R") or writes ("W") of registers between two ticks, inclusive, also before the window."""
         names = {f"{way} {module}.{register}" for register in registers}
         found = (*self.window.before, *self.window.records)
         return [
@@ -130,12 +130,12 @@ class Evidence:
         return record.where == self.unit
 
     def flags(self, begin: int, end: int, module: str, *fields: str) -> list[Record]:
-        """Changes of fields between two ticks, both included."""
+        """Return changes of fields between two ticks, inclusive."""
         where = f"{self.unit}.{module}"
         return [r for r in self.window.between(begin, end, Kind.FLAG) if r.where == where and r.what in fields]
 
     def saw(self, flag: Record) -> Record | None:
-        """The first read of a flag's register from its change on."""
+        """Return the first read of a flag's register from its change on."""
         module, register = flag.where.partition(".")[2], flag.what.partition(".")[0]
         reads = self.accesses(flag.tick, self.window.kept[-1].end, "R", module, register)
         return reads[0] if reads else None
@@ -144,7 +144,7 @@ class Evidence:
         return episodes(self.window, self.unit, begin, end)
 
     def waited_for(self, tick: int) -> list[Step]:
-        """Of a wait that goes on at a tick: where it stands, and when and by what the fields it polls changed last."""
+        """Return steps of a wait in progress at a tick: its place, and the last changes of the polled fields."""
         stack = open_at(self.window, self.unit, tick)
         if not stack or stack[-1].kind is not Kind.WAIT:
             return []
@@ -160,15 +160,15 @@ class Evidence:
             if changes:
                 last = max(changes, key=lambda r: r.tick)
                 by = next((r for r in there if r.number == last.cause and r.tick == last.tick), None)
-                told = happened(last) if by is None else f"{happened(last)} by {happened(by)}"
-                steps.append(self.step(last, told) if by is None else self.step(by, told))
+                change = happened(last) if by is None else f"{happened(last)} by {happened(by)}"
+                steps.append(self.step(last, change) if by is None else self.step(by, change))
         return steps
 
     # Bus --------------------------------------------------------------------------
 
     @cached_property
     def phases(self) -> list[RecordedPhase]:
-        """All that begin in the window."""
+        """All phases that begin in the window."""
         found: list[RecordedPhase] = []
         records = [r for r in self.window.records if r.kind is Kind.BUS]
         starts = [i for i, r in enumerate(records) if r.what in ("START", "repeated START")]
@@ -194,12 +194,12 @@ class Evidence:
         return found
 
     def phase_at(self, tick: int) -> RecordedPhase | None:
-        """The phase on the bus at a tick."""
+        """Return the phase on the bus at a tick."""
         return next((p for p in reversed(self.phases) if p.begin <= tick <= p.end), None)
 
     @cached_property
     def _devices(self) -> dict[int, str]:
-        """The names of the case's devices, by address; a memory may answer to more than the one it is given."""
+        """The names of the case's devices, by address; a memory may have more than the configured one."""
         tables = self.case.device.items()
         names = {table.address: name for name, table in tables if table.address is not None}
         for name, table in tables:
@@ -208,17 +208,17 @@ class Evidence:
         return names
 
     def device_at(self, address: int) -> str:
-        """The name of the case's device that has an address; "" if none has."""
+        """Return the name of the case's device with an address; "" if there is none."""
         return self._devices.get(address, "")
 
     def holder_at(self, tick: int) -> str:
-        """Who holds SCL low behind the master's release: the device that is asked, else the unit."""
+        """Return the party that holds SCL low after the master's release: the addressed device, else the unit."""
         phase = self.phase_at(tick)
         return self.unit if phase is None else self._devices.get(phase.address, self.unit)
 
     @cached_property
     def low(self) -> int:
-        """How long the controller holds SCL low for a bit, in ticks; the shortest low in the window if that is a unit.
+        """The controller's low time of SCL for a bit, in ticks; for a unit, the shortest low in the window.
 
         0 if there is no SCL.
         """
@@ -229,12 +229,12 @@ class Evidence:
 
     @property
     def period(self) -> int:
-        """From one round's due time to the next one's; 0 if there are no rounds."""
+        """The period of rounds in ticks; 0 if there are no rounds."""
         table = self.case.controller or self.case.rounds
         return 0 if table is None else self.window.timebase.ticks(table.period, "nearest")
 
     def stretches(self, begin: int, end: int) -> list[tuple[int, int]]:
-        """When SCL was held low beyond the controller's own low time: from its letting go to the rise."""
+        """Return where SCL was held low beyond the controller's own low time: from its release to the rise."""
         return [
             (fall + self.low, rise)
             for fall, rise in self._lows()
@@ -242,7 +242,7 @@ class Evidence:
         ]
 
     def _lows(self) -> list[tuple[int, int]]:
-        """The falls of SCL in the window, each with the rise that follows."""
+        """Return the falls of SCL in the window, each with the rise that follows."""
         if not any(channel.name == "SCL" for channel in self.window.edges.channels):
             return []
         scl = self.window.edges.channel("SCL")
@@ -256,20 +256,20 @@ class Evidence:
     # Steps ------------------------------------------------------------------------
 
     def chain(self, steps: tuple[Step, ...], parts: tuple[Part, ...] = (), blame: Part | None = None) -> Chain:
-        """The explanation of this occurrence. parts: none where nothing has a length."""
+        """Build the explanation of this occurrence. parts: none if nothing has a length."""
         window = self.window
         return Chain(window.verdict, window.timebase, window.end - window.begin, steps, parts, blame=blame)
 
     def step(self, record: Record, what: str = "", length: int | None = None) -> Step:
-        """A record as a Step."""
+        """Convert a record to a Step."""
         place = place_of(record.text) if record.kind in (*IN_FIRMWARE, Kind.FLAG) else None
         return self.say(record.tick, what or happened(record), length, place)
 
     def say(self, tick: int, what: str, length: int | None = None, place: FirmwarePlace | None = None) -> Step:
         return Step(tick - self.window.begin, what, length, place)
 
-    def told(self, one: Episode, end: int) -> Step:
-        """A service routine, span or wait as a Step; one that is not over at `end` says so."""
+    def episode_step(self, one: Episode, end: int) -> Step:
+        """Convert a service routine, span or wait to a Step, marked if it is not over at `end`."""
         what = str(one)
         if one.doing == "interrupt":
             below = f", preempting {_of(one.within[-1])}" if one.within else ""
@@ -279,27 +279,27 @@ class Evidence:
         return self.say(one.begin, what, one.end - one.begin, place_of(one.where))
 
     def story(self, begin: int, end: int) -> list[Step]:
-        """What the firmware did from one tick to another: service routines, spans, waits that take some time."""
+        """Return steps of the firmware's activity between two ticks: service routines, spans and long waits."""
         least = (end - begin) * SMALL
-        told = [one for one in self.episodes(begin, end) if one.doing != "wait" or _inside(one, begin, end) > least]
-        if len(told) > MOST:
-            told = sorted(sorted(told, key=lambda one: -_inside(one, begin, end))[:MOST], key=lambda one: one.begin)
-        return [self.told(one, end) for one in told]
+        shown = [one for one in self.episodes(begin, end) if one.doing != "wait" or _inside(one, begin, end) > least]
+        if len(shown) > MOST:
+            shown = sorted(sorted(shown, key=lambda one: -_inside(one, begin, end))[:MOST], key=lambda one: one.begin)
+        return [self.episode_step(one, end) for one in shown]
 
     def span(self, ticks: int) -> str:
-        """A length for people."""
+        """Format a length."""
         return self.window.timebase.show(ticks)
 
 
 IN_FIRMWARE = (Kind.ACCESS, *DOING)
-NO_ADDRESS = BusByte(0, acked=False, read=False)  # of a phase that ended before its address
+NO_ADDRESS = BusByte(0, acked=False, read=False)  # for a phase that ended before its address
 ENDS = ("START", "repeated START", "STOP", "arbitration lost")
 
 
 def _of(record: Record) -> str:
     place = place_of(record.text)
-    told = phrase(DOING[record.kind], record.what)
-    return f"{'the ' if told.startswith('wait') else ''}{told}{f' at {place.spot}' if place else ''}"
+    activity = phrase(DOING[record.kind], record.what)
+    return f"{'the ' if activity.startswith('wait') else ''}{activity}{f' at {place.spot}' if place else ''}"
 
 
 def _inside(one: Episode, begin: int, end: int) -> int:
@@ -307,10 +307,9 @@ def _inside(one: Episode, begin: int, end: int) -> int:
 
 
 def in_order(*steps: Iterable[Step]) -> tuple[Step, ...]:
-    """Steps of several sources in order of time, each once.
+    """Return steps of several sources in order of time, each once.
 
-    What is told of the same place at the same tick more than once, each text beginning with the shortest of them, is
-    told by the longest.
+    Of several steps at the same place and tick whose texts begin with the shortest of them, the longest is kept.
     """
     together: list[Step] = []
     for step in (step for some in steps for step in some):

@@ -1,4 +1,4 @@
-"""The explanation of each budget's worst occurrence: windows go in, a Chain each comes out.
+"""The explanation of each budget's worst occurrence: from its Window to a Chain.
 
 case, verdicts, typical ones --> windows --> Evidence --> Chain by its measure, beside the typical one
 """
@@ -21,36 +21,33 @@ from ..timing.measures.race import RegisterMeasure
 from ..timing.verdict import Verdict
 from ..traces.capture.capture import Span
 from ..traces.drawing.capture_lanes import bit_of
-from . import bus_chain as of_bus
-from . import event_chain as of_events
-from . import host_chain as of_host
-from . import reply_chain as of_replies
+from . import bus_chain, event_chain, host_chain, reply_chain
 from .chain import Chain, difference
 from .evidence import Evidence
 from .window import BIT, LATE, Window, windows
 
-REACH = 70  # bits: a picture is not made longer than that for the evidence, so that bytes can be told apart
+REACH = 70  # bits: maximum extension of a picture towards the evidence, so that bytes remain distinguishable
 
 STORIES: dict[str, Callable[[Evidence], Chain]] = {
-    "response": of_bus.response,
-    "stretch": of_bus.stretch,
-    "round": of_bus.round_time,
-    "missed rounds": of_bus.missed,
-    "nacked rounds": of_bus.nacked,
-    "nacked": of_bus.nacked,
-    "wrong bytes": of_bus.wrong_bytes,
-    "age": of_host.age,
-    "model age": of_host.age,
-    "fifo high-water": of_host.fifo,
-    "overruns": of_host.fifo,
-    "stuck": of_bus.stuck,
-    "slack": of_bus.slack,
+    "response": bus_chain.response,
+    "stretch": bus_chain.stretch,
+    "round": bus_chain.round_time,
+    "missed rounds": bus_chain.missed,
+    "nacked rounds": bus_chain.nacked,
+    "nacked": bus_chain.nacked,
+    "wrong bytes": bus_chain.wrong_bytes,
+    "age": host_chain.age,
+    "model age": host_chain.age,
+    "fifo high-water": host_chain.fifo,
+    "overruns": host_chain.fifo,
+    "stuck": bus_chain.stuck,
+    "slack": bus_chain.slack,
 }
 
 
 @dataclass(frozen=True, eq=False)
 class Explained:
-    """A Chain with the window that it is told from."""
+    """A Chain with its window."""
 
     window: Window
     chain: Chain
@@ -63,10 +60,10 @@ def explain(
     length: Fraction | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> dict[str, Explained]:
-    """By the name of its budget, why each worst occurrence was as it was; without those that have no instant.
+    """Return, by the name of its budget, the explanation of each worst occurrence that has an instant.
 
-    typical: for budgets of these names, the occurrence that is least critical, to be compared with. Everything
-    comes from one more run of the case; the other arguments are those of `windows`.
+    typical: for budgets of these names, the least critical occurrence, for comparison. All data comes from one more run
+    of the case; the other arguments are those of `windows`.
     """
     return {one.window.verdict.name: one for one in explain_each(case, verdicts, typical, length, programs)}
 
@@ -78,7 +75,7 @@ def explain_each(
     length: Fraction | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> list[Explained]:
-    """The same in the order of the verdicts, of which several may be about one budget."""
+    """Return explanations in the order of the verdicts, several of which may be of one budget."""
     worst = [verdict for verdict in verdicts if verdict.at_s is not None]
     names = {verdict.name for verdict in worst}
     usual = [verdict for verdict in typical if verdict.at_s is not None and verdict.name in names]
@@ -98,63 +95,67 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
 
 
 def _reaching(window: Window, chain: Chain) -> Window:
-    """The window with a picture that reaches the chain's evidence, where that is an instant's and not far away."""
-    told = tuple(step.what for step in chain.steps)
+    """Return the window with a picture extended to the evidence of an instant's chain, if that is near."""
+    texts = tuple(step.what for step in chain.steps)
     if window.verdict.measure.startswith(REPLY) and chain.steps:
         begin = max(min(window.drawn.begin, window.begin + chain.steps[0].at), window.kept[0].begin)
-        return replace(window, told=told, drawn=Span(begin, window.drawn.end))
+        return replace(window, chain_texts=texts, drawn=Span(begin, window.drawn.end))
     if window.begin != window.end or window.verdict.measure in LATE or not chain.steps:
-        return replace(window, told=told)
+        return replace(window, chain_texts=texts)
     bit = bit_of(window.edges, window.timebase.ticks(BIT, "nearest"))
     begin, end = window.drawn
     for step in sorted(chain.steps, key=lambda step: abs(step.at)):
         first, last = (window.begin + step.at + room for room in (-bit, bit))
         if max(end, last) - min(begin, first) <= REACH * bit:
             begin, end = min(begin, first), max(end, last)
-    return replace(window, told=told, drawn=Span(max(begin, window.kept[0].begin), min(end, window.kept[-1].end)))
+    return replace(
+        window, chain_texts=texts, drawn=Span(max(begin, window.kept[0].begin), min(end, window.kept[-1].end))
+    )
 
 
 def chain_of(case: Case, window: Window) -> Chain:
-    """The Chain of one window."""
+    """Return the Chain of a window."""
     measure = window.verdict.measure
     evidence = Evidence(window, case)
     if measure in STORIES:
         return STORIES[measure](evidence)
     if measure.startswith(REPLY):
-        return of_replies.reply(evidence)
+        return reply_chain.reply(evidence)
     scope = scope_of_case(case)
     if measure.startswith(SPAN):
         name = measure.removeprefix(SPAN)
         begin, end = (Matcher(f"span {name}", Kind.SPAN, None, name, EVERYTHING, value) for value in (1, 0))
-        return of_events.between(evidence, begin, end)
+        return event_chain.between(evidence, begin, end)
     if measure.startswith(WATCH):
         wire = case.watch[measure.removeprefix(WATCH)].wire
         edges = [matcher(f"edge {wire} {way}", scope) for way in ("rise", "fall")]
-        return of_events.once(evidence, of_events.one_of(evidence, edges, evidence.window.begin))
+        return event_chain.once(evidence, event_chain.one_of(evidence, edges, evidence.window.begin))
     if not is_form(measure):
         raise ValueError(f"there is no explanation of {measure!r}; expected a measure of timing.measures")
     said = measure_of(measure)
     made = make_of_events(measure, scope)
     events: list[Matcher] = list(getattr(made, "matchers", ()))
     if said.form == "interrupt":
-        return of_events.latency(evidence, events[0], None if said.access else events[1])
+        return event_chain.latency(evidence, events[0], None if said.access else events[1])
     if said.form in ("from", "reaction", "gap"):
-        return of_events.between(evidence, events[0], events[1])
+        return event_chain.between(evidence, events[0], events[1])
     if said.form == "period":
-        return of_events.between(evidence, events[0], events[0])
+        return event_chain.between(evidence, events[0], events[0])
     if said.form == "jitter":
         return (
-            of_events.two_periods(evidence, matcher(said.events[0], scope)) if said.events else of_events.once(evidence)
+            event_chain.two_periods(evidence, matcher(said.events[0], scope))
+            if said.events
+            else event_chain.once(evidence)
         )
     if said.form == "each":
-        first, last = (of_events.one_of(evidence, events, at) for at in (evidence.window.begin, evidence.window.end))
-        return of_events.between(evidence, first, last)
+        first, last = (event_chain.one_of(evidence, events, at) for at in (evidence.window.begin, evidence.window.end))
+        return event_chain.between(evidence, first, last)
     if said.form in ("level", "time", "count", "stack", "calls"):
-        return of_events.once(evidence, events[0])
+        return event_chain.once(evidence, events[0])
     if isinstance(made, RegisterMeasure):
-        return of_events.around(evidence, made.watched)
+        return event_chain.around(evidence, made.watched)
     if said.form in ("age", "model"):
-        return of_host.age(evidence)
+        return host_chain.age(evidence)
     if said.form == "value":
-        return of_host.value(evidence)
-    return of_events.whole(evidence)
+        return host_chain.value(evidence)
+    return event_chain.whole(evidence)

@@ -1,9 +1,9 @@
-"""What stands behind a wrong byte, a NACK or a hang: evidence and a time go in, Steps with the write or read to blame.
+"""Causes of a wrong byte, a NACK or a hang: Steps with the write or read that caused it.
 
-byte on the bus --> the write of I2CDXR that it came of, maybe for another read; FF --> the IRS = 0 that let SDA go
-NACK of an address --> the write of I2COAR, the IRS = 0, or what was never written; of a byte --> the NACKMOD = 1
-wait that ended in a transfer by a flag from before it --> the flag's rise
-RSFULL --> I2CDRR that nobody read
+byte on the bus --> the write of I2CDXR it came from, possibly for another read; FF --> the IRS = 0 that released SDA
+NACK of an address --> the write of I2COAR, the IRS = 0, or the missing write; of a byte --> the NACKMOD = 1
+wait ended in a transfer by a flag from before it --> the flag's rise
+RSFULL --> I2CDRR that was not read
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from .chain import Step
 from .evidence import Evidence, RecordedPhase
 
 I2C = "I2C-A"
-ONES = 0xFF  # what is read where nobody drives SDA
-LETS_GO = "the module lets SDA go"
-NEEDED = (  # fields that must be 1 for the module to answer, and what follows where they are not
+ONES = 0xFF  # read when no party drives SDA
+LETS_GO = "the module releases SDA"
+NEEDED = (  # fields that must be 1 for the module to answer, and the effect of 0
     ("SYS", "PCLKCR0.I2CAENCLK", "the module has no clock"),
     (I2C, "I2CMDR.IRS", LETS_GO),
     ("GPIO", "GPBMUX1.GPIO32", "the module is not connected to SDA"),
     ("GPIO", "GPBMUX1.GPIO33", "the module is not connected to SCL"),
 )
-WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that stay until they are cleared
+WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that remain set until cleared
 
 
 def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Record, Record | None, str]]:
-    """Each byte of a read with the write that it came of, as far as anybody knows, and that in words."""
+    """Yield each byte of a read with the write that it came from, if known, and a description."""
     writes = evidence.accesses(0, phase.end, "W", I2C, "I2CDXR")
     before = phase.begin if phase.answered is None else phase.answered
     for number, byte in enumerate(phase.data, 1):
@@ -47,7 +47,7 @@ def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Recor
 
 
 def _first_rise(evidence: Evidence, after: int, before: int) -> int:
-    """When SCL rises for the first bit of a byte: by then it has to be driven."""
+    """Return when SCL rises for the first bit of a byte, which must be driven by then."""
     scl = next((channel for channel in evidence.window.edges.channels if channel.name == "SCL"), None)
     if scl is None:
         return before
@@ -56,14 +56,14 @@ def _first_rise(evidence: Evidence, after: int, before: int) -> int:
 
 
 def released(evidence: Evidence, tick: int) -> list[Step]:
-    """Of a module that is held in reset at a tick: when IRS was cleared, and by which write."""
+    """Return a step of the write that cleared IRS, if the module is held in reset at a tick."""
     last = last_change(evidence, "I2CMDR.IRS", tick)
     return [] if last is None or last.value else [_taken(evidence, last, LETS_GO, tick)]
 
 
-def deaf(evidence: Evidence, tick: int) -> list[Step]:
-    """The first thing without which the module hears nothing, if it lacks at a tick: taken away by a write, or never
-    given."""
+def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
+    """Return a step of the first condition for receiving that the module lacks at a tick: cleared by a write, or
+    never set."""
     unit = evidence.case.unit.get(evidence.unit)
     there = ("SYS", *(unit.modules if unit is not None else ()))
     for module, field, so in NEEDED:
@@ -79,12 +79,12 @@ def deaf(evidence: Evidence, tick: int) -> list[Step]:
 
 def _taken(evidence: Evidence, cleared: Record, so: str, tick: int) -> Step:
     by = maker(evidence, cleared)
-    told = f"{cleared.what} cleared, so {so}, {evidence.span(tick - cleared.tick)} before"
-    return evidence.step(cleared if by is None else by, told)
+    text = f"{cleared.what} cleared, so {so}, {evidence.span(tick - cleared.tick)} before"
+    return evidence.step(cleared if by is None else by, text)
 
 
 def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step], Step | None]:
-    """Writes of the own address about a tick at which another one was asked for; and the one to blame, if any."""
+    """Return writes of the own address around a tick at which another one was requested; and the cause, if any."""
     writes = evidence.accesses(0, evidence.window.kept[-1].end, "W", I2C, "I2COAR")
     last = max((r for r in writes if r.tick <= tick), key=lambda r: r.tick, default=None)
     right = min((r for r in writes if r.tick > tick and r.value == address), key=lambda r: r.tick, default=None)
@@ -104,23 +104,23 @@ def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step]
 
 
 def refusing(evidence: Evidence, tick: int) -> list[Step]:
-    """Of a receiver that does not acknowledge a byte at a tick: the write that told it so."""
+    """Return a step of the write because of which a receiver does not acknowledge a byte at a tick."""
     last = last_change(evidence, "I2CMDR.NACKMOD", tick)
     if last is None or not last.value:
-        return deaf(evidence, tick)
+        return missing_condition(evidence, tick)
     by = maker(evidence, last)
-    told = f"I2CMDR.NACKMOD set, so the module refuses the next byte, {evidence.span(tick - last.tick)} before"
-    return [evidence.step(last if by is None else by, told)]
+    text = f"I2CMDR.NACKMOD set, so the module refuses the next byte, {evidence.span(tick - last.tick)} before"
+    return [evidence.step(last if by is None else by, text)]
 
 
 def is_master(evidence: Evidence, tick: int) -> bool:
-    """Whether the unit's module is the master at a tick, so that a NACK is another's."""
+    """True if the unit's module is the master at a tick, so that a NACK is another party's."""
     last = last_change(evidence, "I2CMDR.MST", tick)
     return last is not None and last.value == 1
 
 
 def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
-    """Looks in a transfer at a flag that rose before it: they ended a wait at once."""
+    """Return steps of reads, in a transfer, of a flag that rose before it and ended a wait at once."""
     steps = []
     for look_at in evidence.accesses(phase.begin, phase.end, "R", I2C, "I2CSTR"):
         if look_at.field not in WAITED:
@@ -131,13 +131,13 @@ def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
         )
         if rose is not None and rose.value and rose.tick < first:
             early = evidence.span(first - rose.tick)
-            told = f"the firmware sees I2CSTR.{look_at.field}, which rose {early} before this transfer began"
-            steps.append(evidence.step(look_at, told))
+            text = f"the firmware sees I2CSTR.{look_at.field}, which rose {early} before this transfer began"
+            steps.append(evidence.step(look_at, text))
     return steps[:1]
 
 
 def unread(evidence: Evidence, tick: int) -> list[Step]:
-    """Of a receiver that holds a byte which nobody took (RSFULL): since when, and when I2CDRR was read last."""
+    """Return steps of a receiver with an unread byte (RSFULL): since when, and when I2CDRR was read last."""
     full = last_change(evidence, "I2CSTR.RSFULL", tick)
     if full is None or not full.value:
         return []
@@ -152,7 +152,7 @@ def unread(evidence: Evidence, tick: int) -> list[Step]:
 
 
 def last_change(evidence: Evidence, field: str, tick: int, module: str = I2C) -> Record | None:
-    """The last change of a field of one of the unit's modules up to a tick."""
+    """Return the last change of a field of one of the unit's modules up to a tick."""
     where = f"{evidence.unit}.{module}"
     there = (*evidence.window.before, *evidence.window.records)
     found = [r for r in there if r.kind is Kind.FLAG and (r.where, r.what) == (where, field) and r.tick <= tick]
@@ -160,7 +160,7 @@ def last_change(evidence: Evidence, field: str, tick: int, module: str = I2C) ->
 
 
 def maker(evidence: Evidence, change: Record) -> Record | None:
-    """The access that made a change in its cycle."""
+    """Return the access that made a change in its cycle."""
     there = (*evidence.window.before, *evidence.window.records)
     return next(
         (r for r in there if r.number == change.cause and r.kind is Kind.ACCESS and r.tick == change.tick), None

@@ -1,4 +1,4 @@
-"""Why a measure of the host's frames came out as it did: age and values of data, words in the FIFO, characters lost.
+"""Explanations of measures of the host's frames: age and values of data, words in the FIFO, characters lost.
 
 Evidence --> Chain
 """
@@ -11,28 +11,28 @@ from .chain import Chain, Step, parts_of
 from .evidence import SMALL, Evidence, in_order
 
 SCI = "SCI-A"
-FIFO = ("SCIFFRX.RXFFINT", "SCIFFRX.RXFFOVF", "SCIRXST.OE")  # flags that tell the firmware to read, or that it is late
+FIFO = ("SCIFFRX.RXFFINT", "SCIFFRX.RXFFOVF", "SCIRXST.OE")  # flags that request a read, or show that it is late
 WORDS = "SCIFFRX.RXFFST"
 
 
 def age(evidence: Evidence) -> Chain:
-    """From the end of a host frame to the read that carries it: into the FIFO, a model, onto the bus."""
+    """Explain the age of data, from the end of a host frame to its read: into the FIFO, a model, onto the bus."""
     begin, end = evidence.window.begin, evidence.window.end
     steps = [evidence.say(begin, "the host's frame is over"), *_flags(evidence, begin, end)[:1]]
     busy = [one for one in evidence.episodes(begin, end) if one.doing in ("interrupt", "span")]
     routines = [one for one in busy if one.doing == "interrupt"]
     busy = [one for one in busy if one not in routines[1:] or (one.end or end) - one.begin > (end - begin) * SMALL]
-    steps += [evidence.told(one, end) for one in busy]
+    steps += [evidence.episode_step(one, end) for one in busy]
     read = next((p for p in evidence.phases if p.begin == end), None)
     steps.append(evidence.say(end, f"START, {read}" if read is not None else "the read that carries it begins"))
     return evidence.chain(in_order(steps, _rounds(evidence, begin, end)), parts_of(evidence.timeline(begin, end)))
 
 
 def value(evidence: Evidence) -> Chain:
-    """What a read carried: what the firmware took in and worked on in the round before, and the bytes of the read."""
+    """Explain a read's value by the firmware's activity in the round before, and the bytes of the read."""
     at = evidence.window.begin
     busy = [one for one in evidence.episodes(evidence.window.kept[0].begin, at) if one.doing in ("interrupt", "span")]
-    steps = [evidence.told(one, at) for one in busy]
+    steps = [evidence.episode_step(one, at) for one in busy]
     read = next((p for p in evidence.phases if p.begin == at), None)
     if read is not None:
         carried = " ".join(f"0x{data.value:02X}" for byte in read.data if (data := bus_byte(byte)))
@@ -41,7 +41,7 @@ def value(evidence: Evidence) -> Chain:
 
 
 def _rounds(evidence: Evidence, begin: int, end: int) -> list[Step]:
-    """Reads of the same chip in between, which carried older data."""
+    """Return steps of reads of the same chip in between, with older data."""
     carrier = next((p for p in evidence.phases if p.begin == end), None)
     if carrier is None:
         return []
@@ -50,7 +50,7 @@ def _rounds(evidence: Evidence, begin: int, end: int) -> list[Step]:
 
 
 def fifo(evidence: Evidence) -> Chain:
-    """How so many words came together: since when the firmware did not read, and what it did instead."""
+    """Explain the words in the FIFO: since when the firmware did not read, and its activity meanwhile."""
     at = evidence.window.begin
     reads = evidence.accesses(0, at, "R", SCI, "SCIRXBUF")
     empty = [r.tick for r in evidence.flags(evidence.window.kept[0].begin, at, SCI, WORDS) if not r.value]
@@ -61,8 +61,8 @@ def fifo(evidence: Evidence) -> Chain:
         last = max(reads, key=lambda r: r.tick)
         steps.append(evidence.step(last, f"SCIRXBUF read for the last time, {evidence.span(at - last.tick)} before"))
     if frames:
-        told = f"the host begins its first character of {len(frames)}"
-        steps.append(evidence.say(frames[0].tick, told, at - frames[0].tick))
+        text = f"the host begins its first character of {len(frames)}"
+        steps.append(evidence.say(frames[0].tick, text, at - frames[0].tick))
         since = frames[0].tick
     steps += _flags(evidence, since, at)
     words = evidence.flags(at, at, SCI, WORDS)
@@ -72,7 +72,7 @@ def fifo(evidence: Evidence) -> Chain:
     if later:
         steps.append(evidence.step(later[0], f"SCIRXBUF read, {evidence.span(later[0].tick - at)} later"))
     busy = [one for one in evidence.episodes(since, at) if one.doing in ("interrupt", "span")]
-    return evidence.chain(in_order(steps, [evidence.told(one, at) for one in busy]), (), evidence.blame_at(at))
+    return evidence.chain(in_order(steps, [evidence.episode_step(one, at) for one in busy]), (), evidence.blame_at(at))
 
 
 def _flags(evidence: Evidence, begin: int, end: int) -> list[Step]:

@@ -1,7 +1,7 @@
-"""A window as a small timing diagram, in characters or SVG: an Explained goes in, text comes out.
+"""A window as a small timing diagram, in characters or SVG.
 
     wires: SCL, SDA, bytes, pins that move
-    flags: those that the measure is about, or names
+    flags: those related to the measure, or named by it
     firmware of each unit: service routines, spans, waits
 
 Time 0 of the axis is the begin of the worst occurrence.
@@ -23,7 +23,7 @@ from .window import Window
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
 RECEIVED = ("SCIFFRX.RXFFINT",)
-FLAGS: dict[str, tuple[str, ...]] = {  # of a measure that is about them without naming them
+FLAGS: dict[str, tuple[str, ...]] = {  # related to a measure that does not name them
     "response": ANSWER,
     "stretch": ANSWER,
     "wrong bytes": (*ANSWER, "I2CDXR.DATA"),
@@ -34,12 +34,12 @@ FLAGS: dict[str, tuple[str, ...]] = {  # of a measure that is about them without
     "fifo high-water": RECEIVED,
     "overruns": RECEIVED,
 }
-COLUMNS_SVG = 160  # bytes that can be told apart side by side in an SVG
-LEAST_BOX = 400  # of the picture: an episode shorter than this part of it is drawn as one
+COLUMNS_SVG = 160  # distinguishable bytes side by side in an SVG
+LEAST_BOX = 400  # a shorter episode is drawn as this part of the picture
 
 
 def text_picture(window: Window, width: int) -> list[str]:
-    """The lines of the diagram, none longer than `width`; none where nothing happens that could be drawn."""
+    """Return the lines of the diagram, none longer than `width`; none if there is nothing to draw."""
     lanes = _lanes(window, width)
     if not lanes:
         return []
@@ -47,7 +47,7 @@ def text_picture(window: Window, width: int) -> list[str]:
 
 
 def svg_picture(window: Window) -> str:
-    """SVG text; with one lane that is empty where nothing happens that could be drawn."""
+    """Return SVG text; with one empty lane if there is nothing to draw."""
     lanes = _lanes(window, COLUMNS_SVG) or [Lane("nothing", "", GREY)]
     verdict = window.verdict
     title = f"{verdict.name}: worst{'' if verdict.worst is None else ' ' + _figure(window)} at {_at(window)}"
@@ -64,7 +64,7 @@ def _lanes(window: Window, columns: int) -> list[Lane]:
 
 
 def _firmware(window: Window, unit: str, group: str) -> list[Lane]:
-    """A lane each for service routines, spans and waits, where there are any."""
+    """Return a lane each for service routines, spans and waits, if any."""
     of = episodes(window, unit, window.drawn.begin, window.drawn.end)
     lanes = []
     for doing, name, colour in (("interrupt", "irq", ORANGE), ("span", "span", BLUE), ("wait", "wait", GREY)):
@@ -87,16 +87,16 @@ def _box(window: Window, one: Episode) -> Box:
 
 
 def _flag_lanes(window: Window) -> list[Lane]:
-    """The flags as waves, those of several bits as boxes with their values."""
-    return [lane for where, what in flags_told(window) for lane in _flag_lane(window, where, what)]
+    """Return the flags as waves, those of several bits as boxes with their values."""
+    return [lane for where, what in flags_shown(window) for lane in _flag_lane(window, where, what)]
 
 
-def flags_told(window: Window) -> list[tuple[str, str]]:
-    """Place and field of those that changed within the picture and that the measure is about; and of all that the
-    chain names, changed or not."""
+def flags_shown(window: Window) -> list[tuple[str, str]]:
+    """Return place and field of the flags that changed within the picture and are related to the measure; and of all
+    that the chain names, changed or not."""
     changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
     known = {(r.where, r.what) for r in (*window.before, *window.records) if r.kind is Kind.FLAG}
-    changed |= {(where, what) for where, what in known if _told(window, where, what)}
+    changed |= {(where, what) for where, what in known if _is_named(window, where, what)}
     measure = window.verdict.measure
     about = FLAGS.get(measure.partition(" of ")[0], ())
     order = {what: i for i, what in enumerate(about)}
@@ -106,19 +106,19 @@ def flags_told(window: Window) -> list[tuple[str, str]]:
         if what in about
         or f"{where.partition('.')[2]}.{what}" in measure
         or _latency(measure, what)
-        or _told(window, where, what)
+        or _is_named(window, where, what)
     ]
     return sorted(chosen, key=lambda one: (one[0], order.get(one[1], 0), one[1]))
 
 
-def _told(window: Window, where: str, what: str) -> bool:
-    """Whether the chain names a field, or the register that it is all of."""
+def _is_named(window: Window, where: str, what: str) -> bool:
+    """True if the chain names a field, or the register that consists of it."""
     name = _shown(where, what)
-    return any(re.search(rf"\b{name}\b(?!\.)", told) for told in window.told)
+    return any(re.search(rf"\b{name}\b(?!\.)", text) for text in window.chain_texts)
 
 
 def _shown(where: str, what: str) -> str:
-    """ "I2CSTR.SDIR"; the register alone of a field that is all of it: "I2COAR"."""
+    """ "I2CSTR.SDIR"; the register alone if it consists of the field: "I2COAR"."""
     name, _, _ = what.partition(".")
     register = register_of(where.partition(".")[2], name)
     return name if register is not None and len(register.fields) == 1 else what
@@ -134,7 +134,7 @@ def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
     inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
     register, name = what.partition(".")[0], _shown(where, what).rpartition(".")[2]
     if name != register and all(r.value in (0, 1) for r in changes):
-        initial = earlier[-1].value if earlier else 1 - changes[0].value  # the first change may lie behind the picture
+        initial = earlier[-1].value if earlier else 1 - changes[0].value  # the first change may be after the picture
         edges = tuple((_seconds(window, r.tick), r.value) for r in inside)
         return [Lane(name, "flags", BLACK, initial=initial, edges=edges)]
     return [Lane(name, "flags", BLACK, boxes=_values(window, earlier[-1:], inside))]

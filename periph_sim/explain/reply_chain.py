@@ -1,4 +1,4 @@
-"""Why a reply was late or another one: Evidence goes in; what asked for it, and which writes were wrong, come out.
+"""Explanation of a late or wrong reply: its request, and the wrong writes.
 
 RX  |--ask--|
 CPU         w(E) w(R)            the writes of the characters that are not the expected ones
@@ -17,11 +17,11 @@ from .chain import Chain, Part, Step
 from .event_chain import between
 from .evidence import Evidence, in_order
 
-MOST = 8  # wrong characters told
+MOST = 8  # wrong characters listed
 
 
 def reply(evidence: Evidence) -> Chain:
-    """What a reply's time went into; of a wrong one the writes of what is wrong in it, the first of them to blame."""
+    """Explain a reply's time; for a wrong reply, the writes of its wrong characters, the first of them as the cause."""
     window = evidence.window
     chain = between(evidence, None, None)
     asked = _asked(evidence)
@@ -29,13 +29,13 @@ def reply(evidence: Evidence) -> Chain:
     wrong = _wrong(evidence, asked) if window.verdict.until_s is not None else []
     if wrong:
         chain = replace(chain, blame=Part("code", wrong[0].what, 0, 1, wrong[0].place))
-    told = {(step.at, step.place) for step in wrong}
-    others = [step for step in chain.steps if (step.at, step.place) not in told]
+    wrong_places = {(step.at, step.place) for step in wrong}
+    others = [step for step in chain.steps if (step.at, step.place) not in wrong_places]
     return replace(chain, steps=in_order(others, [*steps, *wrong]))
 
 
 def _asked(evidence: Evidence) -> list[Record]:
-    """The begins of frames on the line of that which ended when the reply's time began, up to it."""
+    """Return the begins of frames on the request's line, up to the one that ended when the reply's time began."""
     window = evidence.window
     slip = window.timebase.per_second // 10**7
     frames = [r for r in window.records if r.kind is Kind.FRAME]
@@ -46,7 +46,7 @@ def _asked(evidence: Evidence) -> list[Record]:
 
 
 def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
-    """The writes of the characters that are not those expected at their places; none where that cannot be told."""
+    """Return the writes of characters other than expected at their places; none if their places are unknown."""
     serial = evidence.case.serial
     assert serial is not None
     name = evidence.window.verdict.measure.removeprefix(REPLY)
@@ -56,18 +56,18 @@ def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
         return []
     bits = serial.form(table).bits
     expected = content_of(evidence.case, table, bits, "serial", "expect", number)
-    told = []
+    steps = []
     for at, write in enumerate(_written(evidence, table.from_, since)):
         wanted = expected[at] if at < len(expected) else None
         if write.value & (1 << bits) - 1 != wanted:
             right = "" if wanted is None else f", not {wanted:#04x}"
             what = f"SCITXBUF written, {write.value & 0xFF:#04x}: character {at} of the reply{right}"
-            told.append(evidence.step(write, f"{write.where}: {what}"))
-    return told[:MOST]
+            steps.append(evidence.step(write, f"{write.where}: {what}"))
+    return steps[:MOST]
 
 
 def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: list[Record]) -> int | None:
-    """From when on characters belong to the reply; None where the window does not tell."""
+    """Return the tick from which characters belong to the reply; None if the window does not contain it."""
     if table.after_send is None:
         return evidence.window.begin
     number, send = next((n, s) for n, s in enumerate(serial.send) if table.after_send in (s.name, f"send {n}"))
@@ -81,7 +81,7 @@ def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: l
 
 
 def _written(evidence: Evidence, source: str, since: int) -> list[Record]:
-    """The writes of SCITXBUF that the frames up to the end of the occurrence come from, in their order."""
+    """Return the writes of SCITXBUF for the frames up to the end of the occurrence, in order."""
     window = evidence.window
     by_number = {r.number: r for r in (*window.before, *window.records)}
     unit, _, module = source.rpartition(".")

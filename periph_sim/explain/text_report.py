@@ -1,4 +1,4 @@
-"""A Chain as people read it: lines of text; and as JSON: plain numbers in microseconds and cycles.
+"""A Chain as lines of text, and as JSON: plain numbers in microseconds and cycles.
 
 stretch 97.953 us, at most 50.000 us allowed, at 0.105195 s
     -190.000 us              repeated START, gyroscope (0x68 R)
@@ -22,7 +22,7 @@ MOST_PARTS = 6
 
 
 def text(chain: Chain) -> list[str]:
-    """The lines, the first of which tells the budget, its figure and when."""
+    """Return the lines; the first one has the budget, its figure and the instant."""
     lines = [_head(chain.verdict)]
     rows = []
     for step in chain.steps:
@@ -71,7 +71,7 @@ def _counted(part: Part) -> str:
 
 
 def _bracketed(place: FirmwarePlace | None) -> str:
-    """Behind a blank, and never broken."""
+    """Format a place in brackets after a blank, not to be broken into lines."""
     return "" if place is None else f" {together(f'[{place}]')}"
 
 
@@ -80,7 +80,7 @@ def _table(rows: list[tuple[str, str, str]]) -> list[str]:
 
 
 def as_json(chain: Chain) -> dict[str, object]:
-    """Times in microseconds. steps: at, what, length, file, line, function; parts: what, length, count, place; more."""
+    """Convert to JSON, in us. steps: at, what, length, file, line, function; parts: what, length, count, place."""
     return {
         "steps": [
             {"at_us": _number(chain, step.at), "what": step.what}
@@ -96,8 +96,8 @@ def as_json(chain: Chain) -> dict[str, object]:
 
 
 def _json_part(chain: Chain, part: Part) -> dict[str, object]:
-    told = {"what": str(part), "length_us": _number(chain, part.length), "count": part.count}
-    return told | _place(part.place)
+    row = {"what": str(part), "length_us": _number(chain, part.length), "count": part.count}
+    return row | _place(part.place)
 
 
 def _place(place: FirmwarePlace | None) -> dict[str, object]:
@@ -109,7 +109,7 @@ def _place(place: FirmwarePlace | None) -> dict[str, object]:
 
 
 def relative(file: Path) -> Path:
-    """The path from the present folder on, where it is below it."""
+    """Return the path relative to the current directory, if it is below that."""
     try:
         return file.relative_to(Path.cwd())
     except ValueError:

@@ -1,11 +1,11 @@
-"""What there was around the worst occurrence of a budget: a case and verdicts go in, a Window a verdict comes out.
+"""Windows: all records around the worst occurrence of each budget.
 
     case, verdicts --> ranges of ticks --> one more run, everything recorded --> kept records --> Window each
     recorded run, verdicts ------------------------------------------------------^
 
-A run is deterministic, so a second one shows the same occurrence. It ends behind the last range. Only records in
-the ranges are kept, and beside them the last record of each thing before, which says how everything stood: memory
-does not grow with the run.
+A run is deterministic, so a second one has the same occurrence. It ends after the last range. Only records in the
+ranges are kept, plus the last record of each kind, place and thing before, which defines the state: memory does not
+grow with the run.
 """
 
 from __future__ import annotations
@@ -27,30 +27,30 @@ from ..traces.capture.capture import Capture, Channel, Span, channel_of
 from ..traces.drawing.capture_lanes import bit_of
 from ..traces.formats.record_table import RecordTable
 
-AROUND = Fraction(5, 1000)  # seconds kept before and behind an occurrence: a transfer, a frame of the host
-WIDE = Fraction(25, 1000)  # the same where the instant alone says little: a period before and one behind
+AROUND = Fraction(5, 1000)  # seconds kept before and after an occurrence: a transfer, a frame of the host
+WIDE = Fraction(25, 1000)  # the same if the instant alone is not sufficient: a period before and one after
 WIDE_FOR = ("jitter of", "cpu load", "bus load", "missed rounds", "stuck", "value error")
-LATE = ("missed rounds", "stuck")  # measures whose instant is when a wait has been too long
+LATE = ("missed rounds", "stuck")  # measures whose instant is the end of too long a wait
 LONGEST = Fraction(1, 10)  # seconds kept of each end of a long occurrence
 LEAD = 4096  # edges of a wire kept before a range, so that a transfer in progress can be decoded
-ENDS = ("age", "model age", "cpu load", "bus load")  # whose instant is the end of the worst occurrence, not its begin
+ENDS = ("age", "model age", "cpu load", "bus load")  # their instant is the end of the occurrence
 BITS = 18  # drawn at least: two bytes with their ACKs
-BIT = Fraction(1, 100_000)  # seconds, where no SCL tells
+BIT = Fraction(1, 100_000)  # seconds, without SCL
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
     """The worst occurrence of a verdict, with all that was recorded around it. Times are ticks.
 
-    begin, end: of the occurrence; equal where it has an instant and no length.
-    drawn: what a picture should show, the occurrence with some room on both sides.
-    kept: the ranges that `records` are of, one, or two where the middle of a long occurrence was not kept.
+    begin, end: of the occurrence; equal if it is an instant.
+    drawn: the extent of a picture: the occurrence with some room on both sides.
+    kept: the ranges of `records`: one, or two if the middle of a long occurrence was not kept.
     records: every record of these ranges, of all kinds, in order of time.
     before: the last record of each kind, place and thing before the first range, in order of time: wire levels,
     field values, spans and service routines (value 1: not over yet), last accesses.
     edges: every wire of the scene; positions are ticks. Known (`Capture.known`) in `kept` and some way before it.
     start: the tick at which the run began; `verdict.at_s` counts from there.
-    told: what its chain says, step by step, if there is one: a picture shows the fields that it names.
+    chain_texts: the steps of its chain, if there is one: a picture shows the fields that they name.
     """
 
     verdict: Verdict
@@ -63,15 +63,15 @@ class Window:
     edges: Capture
     timebase: Timebase
     start: int
-    told: tuple[str, ...] = ()
+    chain_texts: tuple[str, ...] = ()
 
     @property
     def hole(self) -> Span | None:
-        """The middle of a long occurrence, of which no record was kept."""
+        """The middle of a long occurrence, for which no record was kept."""
         return Span(self.kept[0].end, self.kept[1].begin) if len(self.kept) > 1 else None
 
     def between(self, begin: int, end: int, *kinds: Kind) -> list[Record]:
-        """The records from one tick to another, both included; of these kinds, of all if none is named."""
+        """Return the records between two ticks, inclusive; of these kinds, or of all."""
         return [r for r in self.records if begin <= r.tick <= end and (not kinds or r.kind in kinds)]
 
 
@@ -82,10 +82,10 @@ def windows(
     length: Fraction | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> list[Window]:
-    """A Window for each verdict that has an instant, in their order, from one more run of the case.
+    """Return a Window for each verdict that has an instant, in their order, from one more run of the case.
 
-    length: of the run that gave the verdicts, in seconds; None: the case's duration. programs: as given to that run's
-    Scene. Raises what a Scene and its run may raise.
+    length: of the original run, in seconds; None: the case's duration. programs: as for the Scene of that run. Raises
+    the errors of a Scene and its run.
     """
     wanted = [verdict for verdict in verdicts if verdict.at_s is not None]
     if not wanted:
@@ -105,7 +105,7 @@ def windows(
 
 
 def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict], start: int) -> list[Window]:
-    """The same from a run that was recorded with every kind of record. start: the tick at which it began.
+    """Return windows from a run that was recorded with every kind of record. start: the tick at which it began.
 
     ValueError if the table's ticks are not a run's.
     """
@@ -120,7 +120,7 @@ def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict],
 
 
 def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verdict], start: int) -> list[Window]:
-    """The same from nothing but the wires of a run, whose positions are ticks: no record but edges is in them."""
+    """Return windows from the wires of a run only, whose positions are ticks: their only records are edges."""
     wanted = [verdict for verdict in verdicts if verdict.at_s is not None]
     keeper = _Keeper(wanted, timebase, start, edges.length - 1)
     moves = [
@@ -133,7 +133,7 @@ def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verd
 
 @dataclass(frozen=True)
 class _Wanted:
-    """Where a verdict's occurrence is, and what is to be kept of it."""
+    """The place of a verdict's occurrence, and the ranges to keep."""
 
     verdict: Verdict
     begin: int
@@ -143,14 +143,14 @@ class _Wanted:
 
 @dataclass(frozen=True)
 class _State:
-    """How everything stood when a range began."""
+    """The state at the begin of a range."""
 
     last: dict[object, Record]
     edges: dict[str, tuple[Record, ...]]
 
 
 class _Keeper:
-    """Takes all records of a run in the order in which they are made, and keeps those around some verdicts."""
+    """Receiver of all records of a run in order of creation, which keeps those around some verdicts."""
 
     def __init__(self, verdicts: Sequence[Verdict], timebase: Timebase, start: int, end: int) -> None:
         self._timebase = timebase
@@ -159,13 +159,13 @@ class _Keeper:
         self._ranges = _merged([span for one in self._wanted for span in one.kept])
         self._records: list[list[Record]] = [[] for _ in self._ranges]
         self._states: list[_State] = []
-        self._place = 0  # of the range that is being filled, or comes next
+        self._place = 0  # index of the current or next range
         self._seen: dict[object, Record] = {}
         self._lead: dict[str, deque[Record]] = {}
 
     @property
     def ends(self) -> int:
-        """The tick behind which nothing is kept."""
+        """The tick after which nothing is kept."""
         return self._ranges[-1].end - 1 if self._ranges else self._start
 
     def _want(self, verdict: Verdict) -> _Wanted:
@@ -185,7 +185,7 @@ class _Keeper:
         return _Wanted(verdict, begin, end, kept)
 
     def add(self, record: Record) -> None:
-        """One record. They come in order of time, but for a few cycles by which a CPU may be ahead."""
+        """Add a record. They are in order of time, except that a CPU may be ahead by a few cycles."""
         tick = record.tick
         while self._place < len(self._ranges) and tick >= self._ranges[self._place].end:
             self._enter()
@@ -204,13 +204,13 @@ class _Keeper:
             lead.append(record)
 
     def _enter(self) -> None:
-        """Remember how everything stands, once, when a range begins."""
+        """Store the state once, at the begin of a range."""
         if len(self._states) == self._place:
             edges = {wire: tuple(lead) for wire, lead in self._lead.items()}
             self._states.append(_State(dict(self._seen), edges))
 
     def windows(self, name: str, wires: Iterable[str]) -> list[Window]:
-        while self._place < len(self._ranges):  # nothing was recorded any more
+        while self._place < len(self._ranges):  # no further records
             self._enter()
             self._place += 1
         names = list(wires)
@@ -241,7 +241,7 @@ class _Keeper:
         )
 
     def _drawn(self, one: _Wanted, bit: int) -> Span:
-        """The occurrence in the middle; an instant at the first sixth, or late where it went wrong long before."""
+        """Return the extent of a picture: the occurrence in the middle; an instant at the first sixth, or late."""
         begin = one.kept[0].begin if one.verdict.measure in LATE else one.begin
         end = one.end
         least, long = BITS * bit, end - begin
@@ -258,7 +258,7 @@ class _Keeper:
         return Capture(Path(name), Fraction(self._timebase.per_second), length, channels, sampled=False)
 
     def _lead_of(self, place: int) -> int:
-        """From where on all edges before a range are there."""
+        """Return the tick from which all edges before a range are available."""
         full = [lead[0].tick for lead in self._states[place].edges.values() if len(lead) == LEAD]
         return max(full, default=self._start)
 
@@ -279,7 +279,7 @@ class _Keeper:
 
 
 def _is_length(verdict: Verdict) -> bool:
-    """Whether the value is how long the occurrence took, from one instant to another."""
+    """True if the value is the length of the occurrence, between two instants."""
     return verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
 
 
@@ -288,7 +288,7 @@ def _edges_of(records: Iterable[Record], wire: str) -> list[Record]:
 
 
 def _merged(spans: list[Span]) -> list[Span]:
-    """The same ticks in spans that do not touch, in order."""
+    """Merge spans that touch, in order."""
     merged: list[Span] = []
     for span in sorted(spans):
         if merged and span.begin <= merged[-1].end:
@@ -303,7 +303,7 @@ def _place(ranges: list[Span], inside: Span) -> int:
 
 
 def _with_stretch(window: Window) -> Window:
-    """Of a stretch the verdict tells the phase: its begin and end are those of the longest low of SCL there."""
+    """Narrow a stretch's window, given for its phase, to the longest low of SCL there."""
     if window.verdict.measure != "stretch" or window.begin == window.end:
         return window
     starts = [r.tick for r in window.records if r.kind is Kind.BUS and r.what in ("repeated START", "STOP")]

@@ -71,7 +71,7 @@ def test_a_stretch_is_told_from_the_flag_to_the_write_that_ends_it():
         "address acknowledged",
         "I2C-A.I2CSTR.XRDY set",
         "byte 1: 0x00 ACK",
-        "the controller lets go of SCL; dsp holds it low",
+        "the controller releases SCL; dsp holds it low",
         "the firmware sees I2CSTR.XRDY, 192.513 us later",
         "wait for I2C-A.I2CSTR.XRDY or SCD, which goes on",
         "I2CDXR written, for which SCL was held",
@@ -93,7 +93,7 @@ def test_a_stretch_that_the_run_cuts_off_does_not_end_with_a_rise():
 def test_a_response_that_nobody_delayed_is_the_controllers_own_low_time():
     chain = of("imu_hil_published")["response"]
     assert [(str(part), part.length) for part in chain.parts] == [("SCL low by the controller", 15000)]
-    assert chain.steps[-1].what == "SCL rises as soon as the controller lets go of it"
+    assert chain.steps[-1].what == "SCL rises as soon as the controller releases it"
 
 
 def test_a_round_is_its_transfers_its_gaps_and_what_held_scl():

@@ -92,7 +92,7 @@ def reset_before(i2c: Any, dsp: Dsp) -> None:
     [
         (other_address, "I2COAR = 0x51 written,", 2, -800),
         (address_too_late, "I2COAR = 0x50 written, 5.", 4, 100),
-        (reset_before, "I2CMDR.IRS cleared, so the module lets SDA go", 2, -333),
+        (reset_before, "I2CMDR.IRS cleared, so the module releases SDA", 2, -333),
     ],
 )
 def test_a_refused_address_goes_back_to_the_write_behind_it(
@@ -138,7 +138,7 @@ def never_addressed(i2c: Any, dsp: Dsp) -> None:
     ("serve", "told"),
     [
         (no_address, "I2COAR = 0x00 written, "),
-        (no_release, "I2CMDR.IRS = 0, so the module lets SDA go: the firmware has never set it"),
+        (no_release, "I2CMDR.IRS = 0, so the module releases SDA: the firmware has never set it"),
         (no_clock, "PCLKCR0.I2CAENCLK = 0, so the module has no clock: the firmware has never set it"),
         (never_addressed, "I2COAR = 0x00: the firmware has never written it"),
     ],
@@ -164,7 +164,7 @@ def reset_in_byte(i2c: Any, dsp: Dsp) -> None:
     ("serve", "words", "below"),
     [
         (refuse_byte, "I2CMDR.NACKMOD set, so the module refuses the next byte, 99.", 2),
-        (reset_in_byte, "I2CMDR.IRS cleared, so the module lets SDA go, 59.", 3),
+        (reset_in_byte, "I2CMDR.IRS cleared, so the module releases SDA, 59.", 3),
     ],
 )
 def test_a_refused_byte_goes_back_to_the_write_behind_it(serve: Callable[[Any, Dsp], None], words: str, below: int):
@@ -237,7 +237,7 @@ def reset_in_read(i2c: Any, dsp: Dsp) -> None:
 
 def test_ones_on_the_bus_go_back_to_the_reset_of_the_module():
     one = explained(reset_in_read, "wrong bytes", READ)
-    assert place_of(one, "I2CMDR.IRS cleared, so the module lets SDA go") == line_of(reset_in_read, 4)
+    assert place_of(one, "I2CMDR.IRS cleared, so the module releases SDA") == line_of(reset_in_read, 4)
     assert str(one.chain.blamed) == "I2CMDR.IRS cleared"
 
 
@@ -302,7 +302,7 @@ def test_the_picture_has_the_lane_that_the_chain_names(
 ):
     window = explained(serve, measure, request_).window
     lanes = [line.split(" ")[0] for line in text_picture(window, 120)]
-    assert lane in lanes and any(lane in told for told in window.told)
+    assert lane in lanes and any(lane in told for told in window.chain_texts)
 
 
 def test_a_byte_came_of_what_was_written_before_its_first_bit():

@@ -21,7 +21,10 @@ def flagged(what: str, value: int, tick: int) -> Window:
     window = drawn("span model 0 100")
     change = Record(9, tick, Kind.FLAG, "dsp.I2C-A", what, value, "", 0)
     return replace(
-        window, drawn=Span(0, 100), records=(*window.records, change), told=(f"the firmware waits for {what}", "I2COAR")
+        window,
+        drawn=Span(0, 100),
+        records=(*window.records, change),
+        chain_texts=(f"the firmware waits for {what}", "I2COAR"),
     )
 
 

@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 from functools import cached_property
 
-from ...explain.picture import flags_told
+from ...explain.picture import flags_shown
 from ...explain.window import Window
 
 BUS = re.compile(r"\b(SCL|SDA|START|STOP|N?ACK|acknowledged|transfer|byte \d+)\b")
@@ -25,16 +25,16 @@ class LaneChoice:
 
     @cached_property
     def _text(self) -> str:
-        return "\n".join((self.window.verdict.measure, *self.window.told))
+        return "\n".join((self.window.verdict.measure, *self.window.chain_texts))
 
     @cached_property
     def _flags(self) -> set[tuple[str, str]]:
-        return set(flags_told(self.window))
+        return set(flags_shown(self.window))
 
     @cached_property
     def bus(self) -> bool:
         """Of I2C, also where nothing says what the occurrence is about."""
-        return bool(BUS.search(self._text)) or not (self.serial or self.window.told)
+        return bool(BUS.search(self._text)) or not (self.serial or self.window.chain_texts)
 
     @cached_property
     def serial(self) -> bool:

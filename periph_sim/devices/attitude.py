@@ -1,11 +1,11 @@
-"""Attitude from what the chips read: samples go in; an extended Kalman filter's attitudes, and their errors, come out.
+"""Attitude from samples of the chips: estimates of an extended Kalman filter, and their errors.
 
     first accel, mag --> start --+
     gyro, accel, mag ----------> EKF, sample by sample --> quaternions --> errors against the truth
 
-The filter is that of the library `ahrs` (the extra `attitude`). It wants the direction of gravity, but an accelerometer
-at rest reads the opposite, (0, 0, -1 g) when level with z down: the sign is turned here. It knows no biases; take those
-that are known off before.
+The filter is that of the library `ahrs` (the extra `attitude`). It expects the direction of gravity, but an
+accelerometer at rest reads the opposite, (0, 0, -1 g) when level with z down: the sign is inverted here. It has no
+model of biases; subtract known ones before.
 
 Source: the conventions of the dissertation's chapter 4; documentation of ahrs.filters.EKF.
 """
@@ -20,11 +20,11 @@ from numpy.typing import ArrayLike
 
 from ..sensors.rotations import Floats, angle_between, angles, quaternion_of, wrapped
 
-LEAST_ANGLE = 1e-6  # radians between gravity and field: below that no yaw can be told
+LEAST_ANGLE = 1e-6  # radians between gravity and field: with less, yaw is undefined
 
 
 class NoAttitude(ValueError):
-    """An attitude that cannot be estimated: samples of the wrong shape, or the library is missing."""
+    """An attitude that cannot be estimated: samples of the wrong shape, or a missing library."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,10 @@ class Noise:
 
 @dataclass(frozen=True)
 class Errors:
-    """In degrees, float64[n]. total: the angle of the rotation from truth to estimate, never ambiguous.
+    """Errors in degrees, float64[n]. total: the angle of the rotation from truth to estimate, never ambiguous.
 
-    roll, pitch, yaw: estimate less truth, -180 to 180. Near a pitch of 90 degrees either way roll and yaw turn about
-    the same axis: there only their sum or difference, and `total`, mean anything.
+    roll, pitch, yaw: estimate minus truth, -180 to 180. Near a pitch of +-90 degrees roll and yaw turn about the same
+    axis: there only their sum or difference, and `total`, are meaningful.
     """
 
     total: Floats
@@ -59,12 +59,12 @@ def estimate(
     noise: Noise | None = None,
     start: ArrayLike | None = None,
 ) -> Floats:
-    """float64[n, 4]: the attitude at each sample, as quaternions of `rotations`.
+    """Return float64[n, 4]: the attitude at each sample, as quaternions of `rotations`.
 
     seconds: float64[n], rising. gyro: float64[n, 3], deg/s. accel: float64[n, 3], g. mag: float64[n, 3], gauss.
-    field: north, east, down of the field where the body is; only its direction counts. start: the attitude at the
-    first sample; without it the one that fits its accel and mag.
-    A sample of accel or mag that is zero or not a number (an overflow) is left out. NoAttitude says what does not fit.
+    field: north, east, down of the magnetic field at the body; only its direction counts. start: the attitude at the
+    first sample; by default the one that fits its accel and mag.
+    A sample of accel or mag that is zero or NaN (an overflow) is skipped. NoAttitude for invalid input.
     """
     times, rates, gravity, magnetic = _checked(seconds, gyro, accel, mag)
     reference = np.asarray(field, np.float64)
@@ -87,13 +87,13 @@ def estimate(
 
 
 def fitting(gravity: Floats, mag: Floats, field: Floats) -> Floats:
-    """float64[4]: the attitude in which gravity, exactly, and the field, as well as it can, are seen so in the body."""
+    """Return float64[4]: the attitude that fits gravity exactly, and the field as well as possible."""
     seen, there = _axes(gravity, mag), _axes(np.array([0.0, 0.0, 1.0]), field)
     return quaternion_of(there @ seen.T)
 
 
 def errors(estimated: ArrayLike, truth: ArrayLike) -> Errors:
-    """How far estimated attitudes are from the true ones; both float64[n, 4]."""
+    """Compare estimated attitudes with the true ones; both float64[n, 4]."""
     one, other = np.atleast_2d(estimated), np.atleast_2d(truth)
     if one.shape != other.shape or one.shape[1] != 4:
         raise NoAttitude(f"estimate {one.shape} and truth {other.shape} must both be n quaternions")
@@ -102,13 +102,13 @@ def errors(estimated: ArrayLike, truth: ArrayLike) -> Errors:
 
 
 def _axes(down: Floats, field: Floats) -> Floats:
-    """Columns: north as the field shows it, east, down; in the axes in which both vectors are given."""
+    """Return the columns magnetic north, east, down, in the axes of both vectors."""
     if not _usable(down) or not _usable(field):
-        raise NoAttitude("the first sample has no usable accel and mag; leave it out, or give start")
+        raise NoAttitude("the first sample has no usable accel and mag; omit it, or give start")
     down, field = down / np.linalg.norm(down), field / np.linalg.norm(field)
     east = np.cross(down, field)
     if np.linalg.norm(east) < LEAST_ANGLE:
-        raise NoAttitude("gravity and field are parallel, so no yaw can be told; give start")
+        raise NoAttitude("gravity and field are parallel, so yaw is undefined; give start")
     east /= np.linalg.norm(east)
     return np.stack([np.cross(east, down), east, down], axis=1)
 
@@ -118,7 +118,7 @@ def _usable(vector: Floats) -> bool:
 
 
 def _checked(seconds: ArrayLike, gyro: ArrayLike, accel: ArrayLike, mag: ArrayLike) -> tuple[Floats, ...]:
-    """(seconds, gyro in rad/s, gravity in g, mag): all float64, of one length."""
+    """Return (seconds, gyro in rad/s, gravity in g, mag): all float64, of one length."""
     times = np.asarray(seconds, np.float64)
     if times.ndim != 1 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise NoAttitude("seconds must be one rising row of numbers")
@@ -133,7 +133,7 @@ def _checked(seconds: ArrayLike, gyro: ArrayLike, accel: ArrayLike, mag: ArrayLi
 
 
 def _filter(field: Floats, noise: Noise) -> Any:
-    """The library's filter, not fed yet."""
+    """Return the library's filter before its first sample."""
     try:
         from ahrs.filters import EKF
     except ImportError:

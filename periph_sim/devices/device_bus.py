@@ -1,13 +1,13 @@
-"""The environment of a user's own device: time, the clock line, pins, notes and chance.
+"""The environment of a user's own device: time, the clock line, pins, notes and random numbers.
 
     class Device:                        a file beside the case, named by `model = "my_device.py"`
         def __init__(self, bus): ...     bus: a `DeviceBus`; (self, bus, settings) with a dataclass Settings in the file
         def on_address(self, read): ...  addressed: return False to leave it unacknowledged
-        def on_write(self, byte): ...    a byte came: return False to leave it unacknowledged
+        def on_write(self, byte): ...    a byte was received: return False to leave it unacknowledged
         def on_read(self): ...           return the byte to send
         def on_stop(self): ...           STOP, or the START that ends the transfer
 
-Only on_write or on_read must be there.
+Only on_write or on_read is mandatory.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from .targets import TargetContext
 
 
 class DevicePin:
-    """A wire of the case that the device reads, and drives as an open drain.
+    """A wire of the case that the device reads, and drives with an open drain.
 
-    The device is a party on the wire, so no byte or frame passes there at once, and the level is the present one.
+    The device is a party on the wire, so no byte or frame is skipped there, and the level is the present one.
     """
 
     def __init__(self, wire: Wire, who: str) -> None:
@@ -39,14 +39,14 @@ class DevicePin:
         return self._wire.level
 
     def drive(self, level: int) -> None:
-        """0 pulls the wire low, 1 lets go of it."""
+        """Pull the wire low (0) or release it (1)."""
         if level not in (0, 1):
             raise Misuse(f"drive was given {level!r}; expected 0 or 1")
         self._pin.drive(level)
 
 
 class DeviceBus:
-    """random: its own, equal in every run of one case."""
+    """random: its own generator, equal in every run of one case."""
 
     def __init__(self, place: TargetContext, per_second: int, guard: UserCode) -> None:
         self.random: Random = place.random

@@ -2,7 +2,7 @@
 
     schedule --> values of frame n --> bytes --> UartSender
 
-Values are those of a ramp that tells frames apart, or of a motion (`host_frame`). The dissertation leaves the
+Values are those of a ramp that distinguishes frames, or of a motion (`host_frame`). The dissertation leaves the
 encoding open: low byte first is a choice of ours. Nothing in a frame marks its start.
 """
 
@@ -30,12 +30,12 @@ VALUES = 6
 FRAME_BYTES = 2 * VALUES
 PACKED = {"little": Struct(f"<{VALUES}h"), "big": Struct(f">{VALUES}h")}
 
-# What an event is for.
+# Purposes of events.
 FRAME, FRAME_AGAIN = range(2)
 
 
 def ramp(number: int) -> tuple[int, ...]:
-    """Values that no other frame of the next minutes has: so a byte on the bus tells its frame."""
+    """Return values unique for minutes, so that a byte on the bus identifies its frame."""
     return tuple((number * step + start + 0x8000) % 0x10000 - 0x8000 for step, start in RAMP)
 
 
@@ -43,7 +43,7 @@ RAMP = ((1, 1), (3, 1000), (5, -2000), (7, 12), (11, -34), (13, 1000))
 
 
 def encode(values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
-    """The bytes of a frame. OverflowError for a value that does not fit 16 bits."""
+    """Return the bytes of a frame. OverflowError for a value that does not fit 16 bits."""
     try:
         return PACKED[byte_order].pack(*values)
     except error:
@@ -56,9 +56,9 @@ PacedBy = Literal["schedule", "pause"]
 class HostSchedule(msgspec.Struct, frozen=True):
     """first, period, jitter in ticks, the period exact; gap in bits between bytes. lose: (frame, byte) pairs not sent.
 
-    paced_by: frame n is due n periods after the first; or, as in a loop with a pause in it, a period after the frame
-    before began, so that its lateness adds up. silent: spans of ticks, ends excluded, in which no frame begins. twice:
-    frames that are sent once more as soon as they are over.
+    paced_by: frame n is due n periods after the first; or, as in a loop with a pause, a period after the begin of the
+    frame before, so that its lateness adds up. silent: spans of ticks, ends excluded, in which no frame begins. twice:
+    frames that are sent again as soon as they are over.
     """
 
     first: int
@@ -83,9 +83,9 @@ class Host(Agent):
     _due: array[int]
     _first: int
     _due_next: int
-    _sending: tuple[int, tuple[int, ...], bytes]  # number, values and bytes of the frame under way
-    _again: bool  # the frame under way has to be sent once more
-    _once_more: tuple[int, tuple[int, ...], bytes]  # the frame to be sent once more
+    _sending: tuple[int, tuple[int, ...], bytes]  # number, values and bytes of the frame in progress
+    _again: bool  # the frame in progress will be sent again
+    _once_more: tuple[int, tuple[int, ...], bytes]  # the frame to send again
 
     def __init__(
         self,
@@ -112,7 +112,7 @@ class Host(Agent):
         self._pause = int(self._period // 1)
         self._by_schedule = schedule.paced_by == "schedule"
         self._number = 0
-        self._due = array("q", [self._first])  # by frame, where a pause paces them
+        self._due = array("q", [self._first])  # by frame, if paced by a pause
         self._plan(self._first)
 
     def act(self, tag: int) -> None:
@@ -123,7 +123,7 @@ class Host(Agent):
             self._send(number, values, data, False)
 
     def due(self, number: int) -> int:
-        """The tick at which a frame was due, before jitter; where a pause paces them, of one that has begun."""
+        """Return the tick at which a frame was due, before jitter; if paced by a pause, the frame must have begun."""
         if self._by_schedule:
             return self._first + number * self._period.numerator // self._period.denominator
         return self._due[number]
@@ -131,7 +131,7 @@ class Host(Agent):
     def frame_at(self, tick: int) -> Fraction:
         """Return the number of the frame that is due at a past tick, as a fraction between two frames.
 
-        It is negative before the first frame. The next frame is taken to be due a whole period after the last one.
+        It is negative before the first frame. The next frame is assumed due a whole period after the last one.
         """
         period = self._period
         if self._by_schedule or tick < self._first:
@@ -171,10 +171,10 @@ class Host(Agent):
         self._peer.send(data, self._schedule.gap, self._over)
 
     def _over(self, tick: int) -> None:
-        """All edges of the frame are made; its last stop bit ends at `tick`."""
+        """Handle the end of a frame, whose last stop bit ends at `tick`."""
         if self._again:
             self._once_more = self._sending
             self._kernel.ask(tick, self, FRAME_AGAIN)
         number, values, _ = self._sending
-        for told in self.sent:
-            told(number, values, tick)
+        for callback in self.sent:
+            callback(number, values, tick)

@@ -1,8 +1,8 @@
-"""The bytes a controller should read where firmware computes the sensors: values of a frame in, register bytes out.
+"""Register bytes that a controller should read if firmware computes the sensors, from the values of a frame.
 
     six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu in the firmware's arithmetic --> bytes, by address
 
-The way of the bytes is the controller's (`sensor_head.CHIPS`), so that firmware which packs them otherwise is wrong.
+The byte order is the controller's (`sensor_head.CHIPS`), so that firmware with another one is wrong.
 """
 
 # core: compiled
@@ -28,7 +28,7 @@ BY_ADDRESS = {chip.address: (name, chip) for name, chip in CHIPS.items()}
 
 
 class Computed(Struct, frozen=True):
-    """The sensors that firmware computes. noise_seed: of their noise, whose sample n goes into run n; None for none."""
+    """The sensors that firmware computes. noise_seed: seed of noise, sample n for run n; None for no noise."""
 
     parameters: ImuParameters
     arithmetic: str
@@ -37,9 +37,9 @@ class Computed(Struct, frozen=True):
 
 @final
 class Shown:
-    """The register bytes of the chips after one run of the models; those of a chip are computed when first asked for.
+    """The register bytes of the chips after one run of the models; those of a chip are computed on first use.
 
-    state: what the run leaves to the next.
+    state: of the models, for the next run.
     """
 
     def __init__(self, codes: ModelCodes | None, state: ModelState, inputs: tuple[Any, ...]) -> None:
@@ -49,7 +49,7 @@ class Shown:
         self._data: dict[int, bytes] = {}
 
     def data(self, address: int) -> bytes:
-        """The register bytes of the chip with this address."""
+        """Return the register bytes of the chip with this address."""
         known = self._data.get(address)
         if known is None:
             known = self._data[address] = self._made(address)
@@ -62,7 +62,7 @@ class Shown:
 
 @final
 class ModelCodes:
-    """at_rest: before the first run, while the chips show zeros."""
+    """at_rest: the output before the first run, with zeros in all chips."""
 
     _model: Imu[Any]
     _a: Arithmetic[Any]
@@ -71,14 +71,14 @@ class ModelCodes:
     def __init__(self, computed: Computed) -> None:
         self._model = model_of(computed.arithmetic, computed.parameters)
         self._a = self._model.a
-        self._warns = self._a.name == "float32"  # numpy warns of a division by zero, whose result float32 defines
+        self._warns = self._a.name == "float32"  # numpy warns of divisions by zero, whose results float32 defines
         self._noise = ModelNoise(computed.arithmetic, computed.parameters, computed.noise_seed)
         self.at_rest = Shown(None, self._model.at_rest, ())
 
     def run(self, number: int, values: tuple[int, ...], before: Shown) -> Shown:
-        """Return what run `number` of the models, from 0, makes of the values of a frame.
+        """Return the result of run `number` of the models, from 0, for the values of a frame.
 
-        The first frame behind `at_rest` has no attitude before it, so its rates are zero.
+        The first frame after `at_rest` has no attitude before it, so its rates are zero.
         """
         scaled, model, last = self._a.scaled, self._model, before.state
         roll, pitch, yaw, x, y, z = values
@@ -91,7 +91,7 @@ class ModelCodes:
         return Shown(self, State(attitude, body), (turned, pushed, body, last.body, noise))
 
     def of_chip(self, name: str, inputs: tuple[Any, ...]) -> Any:
-        """The codes of one chip."""
+        """Return the codes of one chip."""
         return self._quietly(self._model.codes_of, (name, *inputs))
 
     def _quietly(self, computed: Callable[..., Any], inputs: tuple[Any, ...]) -> Any:
@@ -105,7 +105,7 @@ class ModelCodes:
 
 
 def register_bytes(chip: ChipData, xyz: tuple[Any, Any, Any]) -> bytes:  # core: python
-    """The six bytes of three values, as the chip keeps them. OverflowError for one that does not fit 16 bits."""
+    """Return the six bytes of three values in the chip's order. OverflowError for one that does not fit 16 bits."""
     first, second, third = chip.order
     try:
         return (BIG if chip.big else LITTLE).pack(int(xyz[first]), int(xyz[second]), int(xyz[third]))

@@ -1,6 +1,6 @@
-"""A user's own device on the bus: an object with hooks goes in, a `Target` comes out.
+"""A user's own device on the bus: a `Target` around an object with hooks.
 
-See `device_bus` for the hooks. What a hook returns is checked: a wrong value is told with the hook's place.
+See `device_bus` for the hooks. Return values of hooks are checked: a wrong value is reported with the hook's place.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ NEEDED = ("on_write", "on_read")  # at least one of them
 
 
 class PythonTarget:
-    """guard: calls the hooks. make: builds the user's object, anew when power comes back. It is its own reply."""
+    """guard: calls the hooks. make: builds the user's object, again when power returns. It is its own reply."""
 
     ack = True
     stretches: Stretches = ()
@@ -55,7 +55,7 @@ class PythonTarget:
             self._call("on_stop")
 
     def _acked(self, name: str, argument: object) -> bool:
-        """False is no ACK; True, or no return at all, is one."""
+        """Call a hook. False means NACK; True, or None, ACK."""
         value = self._call(name, argument)
         if value is not None and not isinstance(value, bool):
             raise self._wrong(name, value, "True or False")

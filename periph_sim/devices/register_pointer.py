@@ -1,10 +1,10 @@
-"""A chip with registers behind a pointer, as an I2C target: bytes of transfers go in, register accesses come out.
+"""An I2C target for a chip with registers behind a pointer: converts bytes of transfers to register accesses.
 
-    START, address+W --> pointer, data, data ... --> write(pointer), pointer moves on
-    START, address+R --> read(pointer), pointer moves on
+    START, address+W --> pointer, data, data ... --> write(pointer), pointer advances
+    START, address+R --> read(pointer), pointer advances
 
-The first byte of a write sets the pointer, which outlives STOP and repeated START. Whether it acknowledges its
-address, and where the pointer goes next, the chip says. Every written byte is acknowledged.
+The first byte of a write sets the pointer, which survives STOP and repeated START. The chip decides if it acknowledges
+its address, and where the pointer goes next. Every written byte is acknowledged.
 
 Source: data sheets of ADXL345, ITG-3200, HMC5883L, sections on the I2C interface.
 """
@@ -18,23 +18,23 @@ from ..bus.i2c.target_side import Stretches
 
 
 class Registers(Protocol):
-    """What a chip answers; `now` in ticks, never falling from call to call."""
+    """The interface of a chip; `now` in ticks, never falling from call to call."""
 
     address: int
 
     def begin(self, now: int) -> bool:
-        """It is addressed: a burst begins. False: it does not acknowledge."""
+        """Begin a burst when addressed. False if it does not acknowledge."""
 
     def read(self, now: int, number: int) -> int: ...
 
     def write(self, now: int, number: int, value: int) -> None: ...
 
     def following(self, number: int) -> int:
-        """Where the pointer goes after an access to this register; asked when it matters."""
+        """Return the pointer after an access to this register; called only when needed."""
 
 
 class RegisterPointer:
-    """It is both who is asked for a reply and the reply. now: the time in ticks. touched: called after each access."""
+    """The target, and its own reply. now: returns the time in ticks. touched: called after each access."""
 
     ack = True
     stretches: Stretches = ()
@@ -43,16 +43,16 @@ class RegisterPointer:
         self.chip = chip
         self._now = now
         self._touched = touched
-        self._number = 0  # where the pointer was set, or what it named at the last access
-        self._used = False  # the access has been, so the pointer has moved on
+        self._number = 0  # the pointer as set, or at the last access
+        self._used = False  # after an access, so the pointer has advanced
 
     @property
     def pointer(self) -> int:
-        """The register that an access would be to; 0 after power-on."""
+        """The register of the next access; 0 after power-on."""
         return self.chip.following(self._number) if self._used else self._number
 
     def answer(self, address_byte: int) -> RegisterPointer | None:
-        """This, if the chip is meant and acknowledges; else None."""
+        """Return self if the chip is addressed and acknowledges; else None."""
         if address_byte >> 1 != self.chip.address or not self.chip.begin(self._now()):
             return None
         return self

@@ -1,8 +1,8 @@
-"""What a sensor head has read, as arrays: transfers go in, samples in deg/s, g and gauss, round by round, come out.
+"""Arrays of a sensor head's readings: samples in deg/s, g and gauss, round by round.
 
     SensorHead --transfers--> SampleLog --> Samples: seconds, gyro, accel, mag
 
-Source: scales as the drivers set the chips up, `sensor_head.CHIPS`.
+Source: scales as set up by the drivers, `sensor_head.CHIPS`.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from .sensor_rounds import CHIPS, ChipData, Round
 
 @dataclass(frozen=True)
 class Samples:
-    """One row a round in which all three chips answered.
+    """One row for each round in which all three chips answered.
 
-    seconds: float64[n], when the round was due, from the start of the run. gyro, accel, mag: float64[n, 3] in
-    deg/s, g, gauss; NaN where a chip showed its overflow code.
+    seconds: float64[n], the round's due time, from the start of the run. gyro, accel, mag: float64[n, 3] in
+    deg/s, g, gauss; NaN for a chip's overflow code.
     """
 
     seconds: Floats
@@ -34,16 +34,16 @@ class Samples:
 
 
 def in_units(chip: ChipData, counts: ArrayLike) -> Floats:
-    """float64[n, 3] in deg/s, g or gauss of int[n, 3] counts."""
+    """Convert int[n, 3] counts to float64[n, 3] in deg/s, g or gauss."""
     raw = np.asarray(counts, np.float64)
     values = raw / float(chip.lsb_per_unit)
     return values if chip.overflow is None else np.where(raw == chip.overflow, np.nan, values)
 
 
 class SampleLog:
-    """Listens to a head from now on. start: the tick at which time 0 is; ticks: a second.
+    """Log of a head's readings from its creation on. start: the tick of time 0; ticks: ticks a second.
 
-    chips: by name as in CHIPS, where their scale is another one than their driver's.
+    chips: by name as in CHIPS, if their scale differs from their driver's.
     """
 
     def __init__(self, head: SensorHead, start: int, ticks: int, chips: dict[str, ChipData] | None = None) -> None:
@@ -57,7 +57,7 @@ class SampleLog:
         head.on_round.append(self._round_over)
 
     def samples(self) -> Samples:
-        """Everything so far."""
+        """Return all samples so far."""
         seconds = (np.array(self._due, np.int64) - self._start) / self._ticks
         counts = self.counts()
         gyro, accel, mag = (
@@ -66,7 +66,7 @@ class SampleLog:
         return Samples(seconds, gyro, accel, mag)
 
     def counts(self) -> dict[str, NDArray[np.int64]]:
-        """The same as the chips showed it: by chip, int64[n, 3]."""
+        """Return all samples so far as raw counts: by chip, int64[n, 3]."""
         return {name: np.array(counts, np.int64).reshape(-1, 3) for name, counts in self._counts.items()}
 
     def _transfer(self, transfer: Transfer) -> None:

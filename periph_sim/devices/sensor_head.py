@@ -1,4 +1,4 @@
-"""The sensor head: asks its chips over I2C, round by round, and checks what it gets.
+"""The sensor head: reads its chips over I2C, round by round, and checks the data.
 
     start-up requests, schedule --> rounds of requests --> I2cController --> transfers --> values, checks, reports
 
@@ -6,7 +6,7 @@ A round is due every period. A request is a register pointer, written with a STO
 or with a repeated START, and the read of `count` bytes. A round that cannot begin when it
 is due, since the one before still runs, is missed.
 
-Before the first round it may set its chips up as their drivers do: read who they are, write rates, ranges and modes.
+Before the first round it may set up its chips like their drivers: read identifications, write rates, ranges and modes.
 
 Source: the dissertation's section 3.4.2 and Figure A.2 (order, period).
 """
@@ -24,14 +24,14 @@ from ..bus.i2c.transfer import Transfer
 from ..core.kernel import Agent, Kernel
 from .sensor_rounds import Request, Round, Schedule
 
-# What an event is for: the chips are set up, a round is due, the next transfer begins.
+# Purposes of events: the chips are set up, a round is due, the next transfer begins.
 SET_UP, ROUND, NEXT = range(3)
 
 
 class SensorHead(Agent):
     """The controller's program: a start-up, then rounds of requests.
 
-    on_transfer, on_round: called with each one when it is over. on_due, on_missed: called with the time at which a
+    on_transfer, on_round: called at the end of each. on_due, on_missed: called with the time at which a
     round is due, before it begins or because it cannot begin.
     """
 
@@ -95,7 +95,7 @@ class SensorHead(Agent):
             self._kernel.ask(self._due + late, self, ROUND)
 
     def _set_up(self) -> None:
-        """It goes as a round that is not counted; a round due meanwhile is missed."""
+        """Set up the chips in an uncounted round; a round due meanwhile is missed."""
         self._round = Round(0, self._kernel.now, self._kernel.now)
         self._left = [t for request in self._startup for t in request.transfers(self._by_stop)]
         self._next()
@@ -103,8 +103,8 @@ class SensorHead(Agent):
     def _begin(self, due: int) -> None:
         self._number += 1
         self._plan()
-        for told in self.on_due:
-            told(due)
+        for callback in self.on_due:
+            callback(due)
         if self._round is not None:
             self.missed += 1
             for missed in self.on_missed:
@@ -123,8 +123,8 @@ class SensorHead(Agent):
         current.transfers += 1
         if not transfer.acked:
             current.nacked += 1
-        for told in self.on_transfer:
-            told(transfer)
+        for callback in self.on_transfer:
+            callback(transfer)
         if self._left:
             self._kernel.ask(self._kernel.now + self.schedule.gap, self, NEXT)
             return

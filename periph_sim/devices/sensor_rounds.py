@@ -1,4 +1,4 @@
-"""The requests of a sensor head, the three chips that it knows, its schedule, and the result of a round.
+"""The requests of a sensor head, its three known chips, its schedule, and the result of a round.
 
 Source: the dissertation's Figure A.2 (order), Table 3.1 (scales); data sheets of ITG-3200 (registers 0x1D to 0x22),
 ADXL345 (0x32 to 0x37), HMC5883L (0x03 to 0x08).
@@ -16,7 +16,7 @@ from ..bus.i2c.transfer import Phase, Transfer
 class Request(Struct, frozen=True):
     """One read or write of a round. pointer None: no pointer is written. write: bytes after the pointer.
 
-    Without pointer, write and count it is an address alone: whether anybody acknowledges.
+    Without pointer, write and count it is an address alone, to see if it is acknowledged.
     """
 
     name: str
@@ -27,7 +27,7 @@ class Request(Struct, frozen=True):
     expect: bytes | None = None
 
     def transfers(self, by_stop: bool) -> list[Transfer]:
-        """The transfers that make it: one with a repeated START, or two."""
+        """Return its transfers: one with a repeated START, or two."""
         head = b"" if self.pointer is None else bytes([self.pointer])
         phases: list[Phase] = []
         if head or self.write or not self.count:
@@ -43,7 +43,7 @@ class ChipData(Struct, frozen=True):
     """The registers of a sensor's three values, and its driver.
 
     big: the high byte comes first. lsb_per_unit: the number of LSB in one deg/s, g or gauss after `startup`. order: the
-    axes in the order of their registers. overflow: the counts that stand for no value. startup: requests that set the
+    axes in the order of their registers. overflow: the code for an invalid value. startup: requests that set the
     chip up before the first round.
     """
 
@@ -56,13 +56,13 @@ class ChipData(Struct, frozen=True):
     startup: tuple[Request, ...] = ()
 
     def values(self, data: bytes) -> tuple[int, ...]:
-        """The values x, y, z of six bytes read, signed 16-bit."""
+        """Return the values x, y, z of six bytes read, signed 16-bit."""
         words = [int.from_bytes(data[i : i + 2], "big" if self.big else "little", signed=True) for i in (0, 2, 4)]
         return tuple(words[self.order.index(axis)] for axis in range(3))
 
 
 def driver(name: str, address: int, who: tuple[int, str], writes: tuple[tuple[int, int], ...]) -> tuple[Request, ...]:
-    """A driver's start: read the identification (register, bytes that are right), then write register by register."""
+    """Return a driver's start-up: read the identification (register, expected bytes), then write the registers."""
     pointer, right = who[0], bytes.fromhex(who[1])
     identify = Request(f"{name} identification", address, pointer, len(right), expect=right)
     return (identify, *(Request(f"{name} set-up", address, to, 0, bytes([value])) for to, value in writes))
@@ -102,16 +102,16 @@ ADDRESSES = frozenset(chip.address for chip in CHIPS.values())
 
 
 class Schedule(Struct, frozen=True):
-    """All in ticks, the period exact. jitter: each round begins up to this much late, evenly spread.
+    """Times in ticks, the period exact. jitter: maximum delay of each round, uniformly distributed.
 
-    ahead: how long before `first` the chips are set up, if they are.
+    ahead: time before `first` at which the chips are set up, if they are.
     """
 
     first: int
     period: Fraction | int
     gap: int  # between two transfers of a round, on top of the bus-free time
     jitter: int = 0
-    rounds: int | None = None  # None: as long as the run lasts
+    rounds: int | None = None  # None: until the end of the run
     ahead: int = 0
 
 

@@ -1,12 +1,12 @@
-"""What is true while a run goes on: an instant goes in; what each chip should show then, x, y, z in its LSB, comes out.
+"""The true values during a run: x, y, z that each chip should show at an instant, in its LSB.
 
     frames of the host --LineBetweenFrames--> Truth --> budgets on "value error"
     motion, sensors ---------MotionTruth-------> Truth
 
-A truth is asked with seconds from the instant at which the host's first frame is due. Where the chips show the values
-of frames it is the line between them; where sensor models stand between, it is what ideal sensors with the same
-parameters would show of the true motion at that instant. It has no noise: a sensor's noise is not true of the body, and
-which sample of it a read carries depends on the firmware's timing, of which truth is independent.
+Times are seconds from the instant at which the host's first frame is due. If the chips show the values of frames, the
+truth is the line between them; with sensor models, it is what ideal sensors with the same parameters would show of the
+true motion at that instant. It has no noise: a sensor's noise is not a property of the body, and the sample in a read
+depends on the firmware's timing, of which truth is independent.
 """
 
 from __future__ import annotations
@@ -23,26 +23,26 @@ from ..sensors.motion import Motion
 Axes = Sequence[Fraction | float]
 T = TypeVar("T")
 
-WORD = 1 << 16  # values are 16-bit words: past 32767 comes -32768
+WORD = 1 << 16  # values are 16-bit words: 32767 is followed by -32768
 
 
 class Truth(Protocol):
-    """What is true, whatever the firmware makes of it."""
+    """The true values, independent of the firmware."""
 
     def at(self, seconds: Fraction) -> Mapping[str, Axes]:
-        """By chip, its values x, y, z in LSB at this time after the first frame was due; negative before."""
+        """Return by chip x, y, z in LSB at this time after the first frame was due; negative before."""
 
 
 def shown(values: Sequence[T]) -> dict[str, Sequence[T]]:
-    """What the chips show of a frame's six values, as long as no sensor model stands between."""
+    """Return what the chips show of a frame's six values without sensor models."""
     return {"gyroscope": values[0:3], "accelerometer": values[3:6], "magnetometer": values[0:3]}
 
 
 class LineBetweenFrames:
     """The straight line from each frame's values to the next one's; before the first frame, that one's values.
 
-    frame: number -> six values. period: seconds from one frame to the next. A value that passes the end of 16 bits
-    goes on at the other one.
+    frame: number -> six values. period: seconds from one frame to the next. A value beyond one end of 16 bits continues
+    at the other one.
     """
 
     def __init__(self, frame: Callable[[int], tuple[int, ...]], period: Fraction) -> None:
@@ -60,20 +60,20 @@ class LineBetweenFrames:
 class MotionTruth:
     """Float64 models of a motion, without noise. first: seconds of the motion's time at which frame 0 is due."""
 
-    KEPT = 64  # instants: each is asked for several chips, and by several budgets
+    KEPT = 64  # cached instants: each is used for several chips and budgets
 
     def __init__(self, imu: ImuParameters, motion: Motion, first: Fraction) -> None:
         self._imu = imu
         self._motion = motion
         self._first = first
-        self._at: Callable[[Fraction], Mapping[str, Axes]] | None = None  # made when somebody asks, which few runs do
+        self._at: Callable[[Fraction], Mapping[str, Axes]] | None = None  # built on first use, which few runs need
 
     def at(self, seconds: Fraction) -> Mapping[str, Axes]:
         if self._at is None:
-            self._at = lru_cache(self.KEPT)(self._felt())
+            self._at = lru_cache(self.KEPT)(self._sensed())
         return self._at(seconds)
 
-    def _felt(self) -> Callable[[Fraction], Mapping[str, Axes]]:
+    def _sensed(self) -> Callable[[Fraction], Mapping[str, Axes]]:
         import numpy as np
 
         from ..sensors.models.sensed_motion import SensedMotion  # computes arrays
@@ -88,5 +88,5 @@ class MotionTruth:
 
 
 def distance(a: Fraction | float, b: Fraction | float) -> Fraction:
-    """a - b, the shorter way round a 16-bit word."""
+    """Return a - b, by the shorter way around a 16-bit word."""
     return (Fraction(a) - Fraction(b) + WORD // 2) % WORD - WORD // 2

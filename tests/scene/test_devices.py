@@ -155,7 +155,7 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             VALUE,
             "at = 2\nevery = '1 ms'",
-            "device.adc.register.0: VALUE: every goes with values or step, which say what it takes then",
+            "device.adc.register.0: VALUE: every needs values or step, which define the new value",
         ),
         (VALUE, "at = 2\nread_only = 3\nwrite_1_clears = 1", "bits of VALUE are both read_only and write_1_clears"),
         (
@@ -230,7 +230,7 @@ def test_a_hex_file_that_is_not_one_is_told_with_its_line(tmp_path: Path):
     for text, sentence in {
         ":00000001FF": "",
         ":0100000055AA\n": "it has no end record",
-        ":0100000055AB\n:00000001FF": "image.hex, line 1: its checksum is 0xab, but 0xaa belongs there",
+        ":0100000055AB\n:00000001FF": "image.hex, line 1: its checksum is 0xab, but 0xaa was expected",
         "55 66\n": "image.hex, line 1: '55 66' is no record of Intel HEX",
     }.items():
         (tmp_path / "image.hex").write_text(text)

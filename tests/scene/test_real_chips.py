@@ -48,7 +48,7 @@ def test_chips_that_nobody_asks_cost_no_events():
 def test_a_register_that_the_case_sets_leaves_its_note_though_nobody_asks_the_chip():
     asleep = ACCEL | {"registers": {"POWER_CTL": 0x18}}
     (note,) = Scene(case(chip={"accelerometer": asleep})).run(Fraction(1, 1000)).notes
-    assert "AUTO_SLEEP is set; this model never falls asleep by itself" in note
+    assert "AUTO_SLEEP is set; this model never enters sleep by itself" in note
 
 
 def test_what_a_round_of_three_chips_costs():

@@ -1,10 +1,10 @@
-"""ADXL345 accelerometer: register accesses and acceleration in g go in; samples, flags and the FIFO come out.
+"""ADXL345 accelerometer: registers, samples of an acceleration in g, flags and the FIFO.
 
     Source (g) --output rate--> offset, range, format --> Fifo --> DATAX0 to DATAZ1, INT_SOURCE, FIFO_STATUS
 
-Not modelled: what tap, activity, inactivity and free-fall detection find, AUTO_SLEEP, the self-test force, the
-filter (a sample is the source's value at that instant), the INT pins, the 5 us between two reads of the FIFO, which
-I2C up to 400 kHz cannot break. Enabling what is not detected leaves a note.
+Not modelled: detection of tap, activity, inactivity and free fall, AUTO_SLEEP, the self-test force, the filter (a
+sample is the source's value at that instant), the INT pins, the 5 us between two reads of the FIFO, which I2C up to
+400 kHz always keeps. Enabling an event that is not detected leaves a note.
 
 Source: ADXL345 data sheet Rev 0, sections named at the methods.
 """
@@ -24,7 +24,7 @@ from .register_chip import RegisterChip, Source, clipped, nearest
 ADDRESSES = (0x53, 0x1D)  # SDO/ALT ADDRESS low, high
 LSB_PER_G = 256
 OFFSETS_PER_G = 64  # 15.6 mg/LSB
-TURN_ON = Fraction(11, 10_000)  # on top of one period
+TURN_ON = Fraction(11, 10_000)  # in addition to one period
 LAST = 0x39
 UNMODELLED = 0x7C  # events of INT_ENABLE: taps, activity, inactivity, free fall
 
@@ -43,7 +43,7 @@ class Adxl345Options(Answers):
 
 
 class Adxl345(RegisterChip):
-    """The registers and what they do; `RegisterPointer` puts it on a bus. It acknowledges from power-up on."""
+    """The chip's registers; `RegisterPointer` connects it to a bus. It acknowledges from power-up on."""
 
     MAP = MAP
     SECTION = f"{SHEET}, register map: reserved, do not access"
@@ -61,18 +61,18 @@ class Adxl345(RegisterChip):
         super().__init__(timebase, source, address, powered, ready=Fraction(0))
         self.options = options or Adxl345Options()
         self.fifo = Fifo(self.options.overrun_in_fifo.unrecorded() == "when_filled")
-        self._clock: Clock | None = None  # of samples; None in standby and sleep
+        self._clock: Clock | None = None  # clock of samples; None in standby and sleep
         self._taken = 0  # samples of that clock
-        self._latched: bytes | None = None  # what this burst reads
+        self._latched: bytes | None = None  # the sample that this burst reads
 
     @property
     def rate(self) -> Fraction:
-        """Samples a second (BW_RATE table; codes below 6 as in later revisions)."""
+        """Sample rate in Hz (BW_RATE table; codes below 6 as in later revisions)."""
         return Fraction(3200, 2 ** (15 - self.get("BW_RATE", "Rate")))
 
     @property
     def lsb_per_unit(self) -> Fraction:
-        """LSB of a g, right-justified, as DATA_FORMAT stands."""
+        """Number of LSB in one g, right-justified, with the present DATA_FORMAT."""
         return Fraction(LSB_PER_G, 1 if self.get("DATA_FORMAT", "FULL_RES") else 2 ** self.get("DATA_FORMAT", "Range"))
 
     def begin(self, now: int) -> bool:
@@ -88,7 +88,7 @@ class Adxl345(RegisterChip):
         return 0 if goes == "wraps_to_0" else number
 
     def trigger(self, now: int) -> None:
-        """The pin that FIFO_CTL's trigger bit names has become active."""
+        """Notify that the pin selected by FIFO_CTL's trigger bit became active."""
         self.catch_up(now)
         self.fifo.trigger()
 
@@ -100,14 +100,14 @@ class Adxl345(RegisterChip):
         due = self._clock.cycle_after(now)
         new = range(self._taken, due)
         self._taken = max(due, self._taken)
-        most = 2 * 33  # more than that change nothing but what was overrun
+        most = 2 * 33  # more samples have no effect except on the overrun
         if len(new) > most:
             new = new[:most] if self.fifo.keeps_first else new[-most:]
         for number in new:
-            self.fifo.take(self.formatted(self.source(self._clock.tick(number))))
+            self.fifo.push(self.formatted(self.source(self._clock.tick(number))))
 
     def formatted(self, g: Sequence[float | Fraction]) -> bytes:
-        """Six data bytes of three accelerations in g: offset, full resolution or 10 bits, saturation, justification."""
+        """Return the data bytes of accelerations in g: offset, full resolution or 10 bits, saturation, justify."""
         span = self.get("DATA_FORMAT", "Range")
         bits = 10 + span if self.get("DATA_FORMAT", "FULL_RES") else 10
         scale = self.lsb_per_unit
@@ -146,7 +146,7 @@ class Adxl345(RegisterChip):
         value = self.stored[register.offset]
         if register.name == "POWER_CTL":
             if value & 0x10:
-                self.note("unknown", "AUTO_SLEEP is set; this model never falls asleep by itself", f"{SHEET} POWER_CTL")
+                self.note("unknown", "AUTO_SLEEP is set; this model never enters sleep by itself", f"{SHEET} POWER_CTL")
             if (value ^ old) & 0x0C:
                 self._start(now)
         elif register.name == "BW_RATE":
@@ -160,7 +160,7 @@ class Adxl345(RegisterChip):
             self.note("unknown", "SELF_TEST is set; this model adds no force", f"{SHEET} DATA_FORMAT")
 
     def _start(self, now: int) -> None:
-        """Measure or Sleep has changed: the first sample comes a period and 1.1 ms later, or none does."""
+        """Restart after a change of Measure or Sleep: the first sample, if any, comes a period and 1.1 ms later."""
         self._clock, self._taken = None, 0
         if self.get("POWER_CTL", "Measure") and not self.get("POWER_CTL", "Sleep"):
             self._clock = self.beats(self.after(now, 1 / self.rate + TURN_ON), self.rate)

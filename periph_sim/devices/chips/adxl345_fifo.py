@@ -1,4 +1,4 @@
-"""The ADXL345's output register and FIFO: samples go in; what a burst reads, DATA_READY, Overrun and entries come out.
+"""The ADXL345's output register and FIFO, with DATA_READY, Overrun and the number of entries.
 
     sample --> bypass: output register
            --> FIFO, stream, trigger: 32 samples and one more at the output of the filter --> output register
@@ -12,7 +12,7 @@ from collections import deque
 from enum import IntEnum
 
 DEPTH = 32
-HELD = DEPTH + 1  # with the one at the output of the filter
+HELD = DEPTH + 1  # including the one at the output of the filter
 
 
 class Mode(IntEnum):
@@ -23,15 +23,15 @@ class Mode(IntEnum):
 
 
 class Fifo:
-    """output: the six bytes that the data registers show. triggered: FIFO_TRIG."""
+    """output: the six bytes of the data registers. triggered: FIFO_TRIG."""
 
     def __init__(self, overrun_when_filled: bool) -> None:
         self.output = bytes(6)
         self.mode = Mode.BYPASS
-        self.samples = 0  # of FIFO_CTL: the watermark, or how many a trigger keeps
+        self.samples = 0  # of FIFO_CTL: the watermark, or the number that a trigger keeps
         self.overrun = False
         self.triggered = False
-        self._unread = False  # the output register, in bypass
+        self._unread = False  # True if the output register is unread, in bypass
         self._waiting: deque[bytes] = deque()
         self._overrun_when_filled = overrun_when_filled
 
@@ -45,24 +45,24 @@ class Fifo:
 
     @property
     def watermark(self) -> bool:
-        """As many entries as FIFO_CTL asks for; at power-on none of none, which is why INT_SOURCE reads 0x02."""
+        """True if FIFO_CTL's number of entries is reached; at power-on 0 of 0, hence INT_SOURCE reads 0x02."""
         return self.entries >= self.samples
 
     @property
     def keeps_first(self) -> bool:
-        """When it is full later samples are lost; else the oldest make room."""
+        """True if later samples are lost when it is full; else the oldest are dropped."""
         return self.mode is Mode.FIFO or (self.mode is Mode.TRIGGER and self.triggered)
 
     def set_up(self, mode: Mode, samples: int) -> None:
-        """FIFO_CTL was written. Bypass empties the FIFO; the other modes take over what it holds."""
+        """Apply a write of FIFO_CTL. Bypass empties the FIFO; the other modes keep its contents."""
         if mode is Mode.BYPASS:
             self._waiting.clear()
         if mode is not self.mode:
             self.overrun = self.triggered = self._unread = False
         self.mode, self.samples = mode, samples
 
-    def take(self, sample: bytes) -> None:
-        """A new sample comes from the filter."""
+    def push(self, sample: bytes) -> None:
+        """Add a new sample from the filter."""
         if self.mode is Mode.BYPASS:
             self.overrun |= self._unread
             self.output, self._unread = sample, True
@@ -75,14 +75,14 @@ class Fifo:
         self.overrun |= len(self._waiting) >= DEPTH if self._overrun_when_filled else lost
 
     def trigger(self) -> None:
-        """The event that trigger mode waits for: the last `samples` stay, and what comes fills the rest."""
+        """Handle trigger mode's event: the last `samples` are kept, and new ones fill the rest."""
         if self.mode is Mode.TRIGGER and not self.triggered:
             self.triggered = True
             while len(self._waiting) > self.samples:
                 self._waiting.popleft()
 
     def latch(self) -> bytes:
-        """The sample that a burst of reads gets; it is read then, whole or not."""
+        """Return the sample for a burst of reads; it counts as read, whole or not."""
         if self._waiting:
             self.output = self._waiting.popleft()
         self._unread = self.overrun = False

@@ -1,10 +1,10 @@
-"""HMC5883L magnetometer: register accesses and a field in gauss go in; measurements, RDY and LOCK come out.
+"""HMC5883L magnetometer: registers, measurements of a field in gauss, RDY and LOCK.
 
     Source (gauss) --single or at the output rate--> average, bias, gain, overflow --> DXRA to DYRB (x, z, y), Status
 
-Of several samples that are averaged the instants are not stated: here they are spread evenly over the output
+The instants of samples that are averaged are not documented: here they are evenly spaced over the output
 period, or over the 6 ms of a single measurement, the last one at its end. Not modelled: the 3.4 MHz mode, the
-DRDY pin (it is RDY with a pulse of 250 us).
+DRDY pin (RDY with a pulse of 250 us).
 
 Source: Honeywell HMC5883L data sheet, sections named at the methods.
 """
@@ -27,8 +27,8 @@ BIAS = (Fraction("1.16"), Fraction("1.16"), Fraction("1.08"))  # gauss on x, y, 
 BUS_READY = Fraction(200, 10**6)
 ANALOG_READY = Fraction(50, 1000)
 SINGLE = Fraction(6, 1000)
-WRITING = Fraction(250, 10**6)  # RDY is low for so long when data are placed
-CONTINUOUS, ONE = 0, 1  # of Mode.MD
+WRITING = Fraction(250, 10**6)  # the time for which RDY is low when data are placed
+CONTINUOUS, ONE = 0, 1  # values of Mode.MD
 
 
 class Hmc5883lOptions(Answers):
@@ -40,7 +40,7 @@ class Hmc5883lOptions(Answers):
 
 
 class Hmc5883l(RegisterChip):
-    """The registers and what they do; `RegisterPointer` puts it on a bus. Invalid registers read 0."""
+    """The chip's registers; `RegisterPointer` connects it to a bus. Invalid registers read 0."""
 
     MAP = MAP
     SECTION = f"{SHEET}, register access"
@@ -58,12 +58,12 @@ class Hmc5883l(RegisterChip):
         super().__init__(timebase, source, address, powered, BUS_READY)
         self.options = options or Hmc5883lOptions()
         self._analog = self.after(powered, ANALOG_READY)
-        self._clock: Clock | None = None  # ends of measurements
+        self._clock: Clock | None = None  # clock of the ends of measurements
         self._taken = 0
-        self._placed = powered  # when data were placed last
+        self._placed = powered  # tick at which data were last placed
         self._unread = False
-        self._to_read: set[str] = set(DATA)  # those of the present data that were not read
-        self._gains = [self.get("CRB", "GN")]  # of the next measurement and the ones after it
+        self._to_read: set[str] = set(DATA)  # unread registers of the present data
+        self._gains = [self.get("CRB", "GN")]  # for the next measurement and the ones after it
         self._mode_is_power_ons = True
         self._idle_by_itself = False
         if self.options.power_on_measures.unrecorded():
@@ -79,13 +79,13 @@ class Hmc5883l(RegisterChip):
         return Fraction(LSB_PER_GAUSS[self.get("CRB", "GN")])
 
     def following(self, number: int) -> int:
-        """After 0x08 the pointer goes back to 0x03, after 0x0C to 0x00."""
+        """Return the next register: after 0x08 it is 0x03, after 0x0C 0x00."""
         return {0x08: 0x03, 0x0C: 0x00}.get(number, super().following(number))
 
     # Measurements -------------------------------------------------------------------
 
     def _start(self, now: int) -> None:
-        """Mode was written, or CRA in continuous mode: a measurement under way is given up (section on modes)."""
+        """Restart after a write of Mode, or of CRA in continuous mode: a measurement is aborted (section on modes)."""
         self._clock, self._taken = None, 0
         begin = max(now, self._analog)
         mode = self.get("Mode", "MD")
@@ -125,7 +125,7 @@ class Hmc5883l(RegisterChip):
         self._placed, self._unread, self._to_read = end, True, set(DATA)
 
     def _average(self, end: int, over: Fraction) -> list[float | Fraction]:
-        """The mean of 1, 2, 4 or 8 samples (CRA.MA) with the self-test bias (CRA.MS)."""
+        """Return the mean of 1, 2, 4 or 8 samples (CRA.MA) with the self-test bias (CRA.MS)."""
         number = 1 << self.get("CRA", "MA")
         step = self.timebase.ticks(over, "down") // number
         samples = [self.source(end - step * back) for back in range(number)]
@@ -180,9 +180,9 @@ class Hmc5883l(RegisterChip):
 
     def _cra_written(self, now: int, old: int) -> None:
         if self.get("CRA", "DO") == 7:
-            self.note("duty", "DO = 7 is reserved; 75 Hz is taken here", f"{SHEET} CRA")
+            self.note("duty", "DO = 7 is reserved; 75 Hz is used here", f"{SHEET} CRA")
         if self.get("CRA", "MS") == 3:
-            self.note("duty", "MS = 3 is reserved; no bias is taken here", f"{SHEET} CRA")
+            self.note("duty", "MS = 3 is reserved; no bias is used here", f"{SHEET} CRA")
         if self.get("CRA", "DO") != self.MAP["CRA"]["DO"].of(old) and self.get("Mode", "MD") == CONTINUOUS:
             self._start(now)
 

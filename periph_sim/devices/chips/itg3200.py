@@ -1,9 +1,9 @@
-"""ITG-3200 gyroscope: register accesses and rates in degrees a second go in; samples, temperature and flags come out.
+"""ITG-3200 gyroscope: registers, samples of rates in degrees a second, temperature and flags.
 
     Source (deg/s) --F_int / (SMPLRT_DIV + 1)--> 14.375 LSB, saturation --> GYRO_XOUT_H ..., INT_STATUS, INT pin
 
 Not modelled: the low-pass filter (a sample is the source's value at that instant), its delay, the tolerance of
-scale and zero-rate output (put them into the source), external clocks.
+scale and zero-rate output (include them in the source), external clocks.
 
 Source: InvenSense ITG-3200 Product Specification rev 1.4, sections named at the methods.
 """
@@ -24,8 +24,8 @@ LSB_PER_DEG_S = Fraction(115, 8)  # 14.375
 REGISTER_ACCESS = Fraction(20, 1000)  # after power
 START_UP = Fraction(50, 1000)  # after power, and after sleep
 PLL_SETTLING = Fraction(1, 1000)
-PULSE = Fraction(50, 10**6)  # of the INT pin, unless latched
-FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # where the pointer stops: decimal 35 to 60
+PULSE = Fraction(50, 10**6)  # length of the INT pulse, unless latched
+FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # the pointer stops there: decimal 35 to 60
 SHOWN = ("TEMP_OUT_H", "TEMP_OUT_L", *DATA)
 ROOM = 25.0  # degrees Celsius
 
@@ -49,7 +49,7 @@ class Itg3200Options(Answers):
 
 
 class Itg3200(RegisterChip):
-    """The registers and what they do; `RegisterPointer` puts it on a bus.
+    """The chip's registers; `RegisterPointer` connects it to a bus.
 
     temperature: degrees Celsius at a tick.
     """
@@ -71,21 +71,21 @@ class Itg3200(RegisterChip):
         super().__init__(timebase, source, address, powered, REGISTER_ACCESS)
         self.options = options or Itg3200Options()
         self.temperature = temperature
-        self._clock: Clock | None  # of samples; None while asleep
+        self._clock: Clock | None  # clock of samples; None while asleep
         self._taken: int  # samples of that clock
         self._awake: int  # tick at which the gyroscopes have started up
         self._settled: int  # tick at which the clock source is ready,
-        self._told_ready: bool  # and whether INT_STATUS has shown it
+        self._ready_shown: bool  # and True if INT_STATUS has shown it
         self._shown = dict.fromkeys(SHOWN, 0)  # the data registers
-        self._burst: dict[str, int]  # as they were when the burst began
-        self._scale_known = True  # FS_SEL was 3 when they were
+        self._burst: dict[str, int]  # the data registers at the begin of the burst
+        self._scale_known = True  # True if FS_SEL was 3 at that time
         self._ad0 = ADDRESSES.index(address)
         self._identify()
         self._start(powered)
 
     @property
     def rate(self) -> Fraction:
-        """Samples a second (section on SMPLRT_DIV): F_int is 8 kHz with DLPF_CFG 0, else 1 kHz."""
+        """Sample rate in Hz (section on SMPLRT_DIV): F_int is 8 kHz with DLPF_CFG 0, else 1 kHz."""
         internal = 1000 if self.get("DLPF_FS", "DLPF_CFG") else 8000
         return Fraction(internal, self.get("SMPLRT_DIV") + 1)
 
@@ -102,7 +102,7 @@ class Itg3200(RegisterChip):
         return super().begin(now)
 
     def following(self, number: int) -> int:
-        """The pointer stops at the reserved registers. The sheet says decimal 33 to 60, but 33, 34 are GYRO_ZOUT."""
+        """Return the next register. Reserved ones, 33 to 60 by the sheet (33, 34 are GYRO_ZOUT), stop the pointer."""
         if FIRST_RESERVED <= number <= LAST_RESERVED:
             return number
         stops = number + 1 == FIRST_RESERVED and self.options.pointer_stops.assume(self.touched) == "last_before"
@@ -111,7 +111,7 @@ class Itg3200(RegisterChip):
         return super().following(number)
 
     def int_pin(self, now: int) -> int:
-        """Level of INT: active while latched, or for 50 us after a sample; ACTL = 1 makes active low."""
+        """Return the level of INT: active while latched, or for 50 us after a sample; ACTL = 1 makes active low."""
         self.catch_up(now)
         active = False
         if self.get("INT_CFG", "LATCH_INT_EN"):
@@ -123,8 +123,8 @@ class Itg3200(RegisterChip):
     # Samples ------------------------------------------------------------------------
 
     def catch_up(self, now: int) -> None:
-        if not self._told_ready and now >= self._settled and self.get("INT_CFG", "ITG_RDY_EN"):
-            self._told_ready = True
+        if not self._ready_shown and now >= self._settled and self.get("INT_CFG", "ITG_RDY_EN"):
+            self._ready_shown = True
             self.put("INT_STATUS", "ITG_RDY", 1)
         if self._clock is None:
             return
@@ -136,7 +136,7 @@ class Itg3200(RegisterChip):
                 self.put("INT_STATUS", "RAW_DATA_RDY", 1)
 
     def _sample(self, tick: int) -> None:
-        """The data registers take the values of this instant."""
+        """Store the values of this instant in the data registers."""
         self._show("TEMP_OUT", nearest((self.temperature(tick) - 35) * 280) - 13200)
         scale = self.lsb_per_unit
         self._scale_known = self.get("DLPF_FS", "FS_SEL") == 3
@@ -178,7 +178,7 @@ class Itg3200(RegisterChip):
                 found = self.get(name, "FS_SEL")
                 self.note("duty", f"FS_SEL = {found} is reserved; 3 is the full scale", f"{SHEET} DLPF_FS")
             if self.get(name, "DLPF_CFG") == 7:
-                self.note("duty", "DLPF_CFG = 7 is reserved; 1 kHz is taken here", f"{SHEET} DLPF_FS")
+                self.note("duty", "DLPF_CFG = 7 is reserved; 1 kHz is used here", f"{SHEET} DLPF_FS")
         if name in ("DLPF_FS", "SMPLRT_DIV") and value != old and self._clock is not None:
             self._sample_from(max(now, self._awake))
         elif name == "PWR_MGM":
@@ -194,12 +194,12 @@ class Itg3200(RegisterChip):
         if self.get("PWR_MGM", "CLK_SEL") > 5:
             self.note("duty", f"CLK_SEL = {self.get('PWR_MGM', 'CLK_SEL')} is reserved", f"{SHEET} PWR_MGM")
         if changed & 0x07:
-            self._settled, self._told_ready = self.after(now, PLL_SETTLING), False
+            self._settled, self._ready_shown = self.after(now, PLL_SETTLING), False
         if changed & 0x40:
             self._start(now)
 
     def _reset(self, now: int) -> None:
-        """H_RESET: every register as after power-on, the gyroscopes start anew; the bit clears itself."""
+        """Perform H_RESET: all registers as after power-on, the gyroscopes restart; the bit clears itself."""
         self.stored = {register.offset: register.reset for register in self.MAP}
         self._shown = dict.fromkeys(SHOWN, 0)
         self._identify()
@@ -211,7 +211,7 @@ class Itg3200(RegisterChip):
         """Start the gyroscopes unless SLEEP is set: they need 50 ms, and the first sample follows one period later."""
         self._clock = None
         if not self.get("PWR_MGM", "SLEEP"):
-            self._settled, self._told_ready = self.after(now, PLL_SETTLING), False
+            self._settled, self._ready_shown = self.after(now, PLL_SETTLING), False
             self._awake = self.after(now, START_UP)
             self._sample_from(self._awake)
 
@@ -219,7 +219,7 @@ class Itg3200(RegisterChip):
         self._clock, self._taken = self.beats(self.after(begin, 1 / self.rate), self.rate), 0
 
     def _identify(self) -> None:
-        """WHO_AM_I and the address are those of pin AD0 again."""
+        """Set WHO_AM_I and the address by pin AD0."""
         self.address = ADDRESSES[self._ad0]
         self.put("WHO_AM_I", "BIT0", self._ad0 if self.options.who_am_i_bit_0.unrecorded() == "ad0" else 0)
 

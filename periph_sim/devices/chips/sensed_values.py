@@ -1,6 +1,6 @@
-"""What a chip on the bench feels: rows of a table or a rule go in, a Source (tick -> x, y, z) comes out.
+"""Sources (tick -> x, y, z) of the quantities that a chip measures, from rows of a table or a rule.
 
-A Source is a plain function of time, so a chip may ask for any instant, twice or never.
+A Source is a plain function of time, so a chip may sample any instant, repeatedly or never.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ ZERO: Sequence[Fraction] = (Fraction(0), Fraction(0), Fraction(0))
 
 
 def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> Source:
-    """Row n's x, y, z from ticks[n] on, the first row's also before: lists, or arrays int64[n] and float64[n, 3].
+    """Return row n's x, y, z from ticks[n] on, the first row's also before: lists, or int64[n] and float64[n, 3].
 
     ValueError if the ticks do not rise.
     """
@@ -29,8 +29,8 @@ def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> So
 
 
 def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) -> Source:
-    """`values(n)` from first + n * period on, zeros before: values that change as a host's frames do."""
-    kept, axes = -1, ZERO  # the frame asked for last: a chip samples several times a frame
+    """Return `values(n)` from first + n * period on, zeros before: values that change with a host's frames."""
+    kept, axes = -1, ZERO  # the last frame used: a chip samples several times a frame
 
     def at(tick: int) -> Sequence[Fraction]:
         nonlocal kept, axes
@@ -45,8 +45,8 @@ def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) ->
 
 
 def scaled(source: Source, lsb_per_unit: Fraction) -> Source:
-    """A source in LSB as one in the chip's physical unit, exactly."""
-    kept: Sequence[float | Fraction] | None = None  # what the source gave last, and what came of it
+    """Convert a source in LSB to the chip's physical unit, exactly."""
+    kept: Sequence[float | Fraction] | None = None  # the source's last value, and the result
     axes: Sequence[Fraction] = ZERO
 
     def at(tick: int) -> Sequence[Fraction]:

@@ -1,12 +1,12 @@
-"""Devices on an I2C bus by name: a model and its settings go in, a target that answers comes out.
+"""Devices on an I2C bus by the name of their model.
 
-One file of this folder that has MODELS is one family of devices, found by being there. It defines
+One file of this folder that has MODELS is one family of devices, found by its presence. It defines
 
     MODELS                           the names that `model` may have in [device.NAME]
-    Settings                         a `Table` of the keys that are its own there
+    Settings                         a `Table` of its own keys there
     build(model, settings, place)    the target; BadDevice for settings that contradict each other
 
-A target is a party like any other: it knows the time and its wires, and nothing else knows of it.
+A target is an ordinary party: it knows the time and its wires, and no other object depends on it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from ...core.wire import Wire
 
 
 class BadDevice(ValueError):
-    """Settings that contradict each other, or a file that they name. place: the key, and where inside it."""
+    """Contradictory settings, or an invalid file named there. place: the key, and the place inside it."""
 
     def __init__(self, what: str, *place: str | int) -> None:
         super().__init__(what)
@@ -37,10 +37,10 @@ class BadDevice(ValueError):
 
 @dataclass(frozen=True)
 class TargetContext:
-    """What a target is built with. who: its name on wires. address: 7 bits; None if the case gives none.
+    """The environment of a new target. who: its name on wires. address: 7 bits; None if the case gives none.
 
-    ticks: of seconds. start: the tick at which the run begins. folder: paths count from it. random: its own.
-    wire: by name; ValueError if the scene has none. hold_clock: see `TargetSide`. note: takes what is to be noted.
+    ticks: converts seconds. start: the tick at which the run begins. folder: base of relative paths. random: its own.
+    wire: by name; ValueError if the scene has none. hold_clock: see `TargetSide`. note: called with each note.
     """
 
     kernel: Kernel
@@ -56,23 +56,23 @@ class TargetContext:
 
 
 class Target(Protocol):
-    """addresses: 7 bits each, all that it answers to."""
+    """addresses: all that it answers to, 7 bits each."""
 
     @property
     def addresses(self) -> tuple[int, ...]: ...
 
     def answer(self, address_byte: int) -> Reply | None:
-        """The reply to a START with its address; None where it does not acknowledge."""
+        """Return the reply to a START with its address; None if it does not acknowledge."""
 
     def on_end(self, stop: bool, whole: bool) -> None:
-        """A phase that it acknowledged ends, see `TargetSide`."""
+        """Handle the end of a phase that it acknowledged, see `TargetSide`."""
 
     def power_on(self) -> None:
-        """The supply was gone and comes back: what is not stored for good is lost."""
+        """Handle the return of the supply: volatile data are lost."""
 
 
 class Family(Protocol):
-    """What every file of devices has."""
+    """The definitions of every file of devices."""
 
     MODELS: tuple[str, ...]
     Settings: type[Table]
@@ -82,13 +82,13 @@ class Family(Protocol):
 
 @cache
 def families() -> Mapping[str, Family]:
-    """The family of every model, by the model's name."""
+    """Return the family of every model, by the model's name."""
     modules = modules_with("MODELS", __name__, __path__).values()
     return {model: cast(Family, module) for module in modules for model in module.MODELS}
 
 
 def address_among(place: TargetContext, model: str, possible: tuple[int, ...]) -> int:
-    """The device's address, its first one if the case gives none. BadDevice for one that it cannot have."""
+    """Return the device's address, its first one if the case gives none. BadDevice for an impossible one."""
     address = possible[0] if place.address is None else place.address
     if address not in possible:
         can = ", ".join(f"{one:#04x}" for one in possible)

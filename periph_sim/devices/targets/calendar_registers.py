@@ -1,8 +1,8 @@
-"""The eight BCD registers of a calendar clock: a time goes in, SC MN HR DT MO YR DW Y2K come out, and the other way.
+"""Conversion between a time and the eight BCD registers of a calendar clock: SC MN HR DT MO YR DW Y2K.
 
     50 39 95 01 03 12 04 20  =  15:39:50 of 24 hours, 2012-03-01, the fourth day of the week
 
-HR has bit 7, MIL, for 24 hours; else bit 5 says pm, and 12 comes before 1.
+HR has bit 7, MIL, for 24 hours; else bit 5 is pm, and 12 comes before 1.
 
 Source: Renesas FN8231, clock/calendar registers.
 """
@@ -16,25 +16,25 @@ MIL, PM = 0x80, 0x20
 
 
 class BadTime(ValueError):
-    """Registers that are no time, in one sentence."""
+    """Registers that contain no valid time; the message is one sentence."""
 
 
 class CalendarTime(NamedTuple):
-    """weekday: 0 to 6, whatever day 0 stands for. whole_day: hours count to 24."""
+    """weekday: 0 to 6, with an arbitrary day 0. whole_day: 24-hour format."""
 
     at: datetime
     weekday: int
     whole_day: bool
 
     def later(self, seconds: int) -> CalendarTime:
-        """The time so many seconds on."""
+        """Return the time `seconds` later."""
         at = self.at + timedelta(seconds=seconds)
         days = at.date().toordinal() - self.at.date().toordinal()
         return CalendarTime(at, (self.weekday + days) % 7, self.whole_day)
 
 
 def registers_of(time: CalendarTime) -> bytes:
-    """From SC to Y2K."""
+    """Return the registers from SC to Y2K."""
     at = time.at
     hour = _bcd(at.hour) | MIL if time.whole_day else _bcd((at.hour - 1) % 12 + 1) | PM * (at.hour >= 12)
     date = (_bcd(at.day), _bcd(at.month), _bcd(at.year % 100))
@@ -42,7 +42,7 @@ def registers_of(time: CalendarTime) -> bytes:
 
 
 def time_in(registers: bytes) -> CalendarTime:
-    """The time that eight registers show. BadTime where they show none."""
+    """Return the time in eight registers. BadTime if they contain none."""
     second, minute, hour, day, month, year, weekday, century = registers
     whole_day = bool(hour & MIL)
     hours = _number("HR", hour & ~(MIL if whole_day else PM))

@@ -1,12 +1,12 @@
-"""Serial EEPROMs 24C02 to 24LC512: bytes of transfers go in; stored bytes, and NACKs while it writes, come out.
+"""Serial EEPROMs 24C02 to 24LC512, with page writes and NACKs while they write.
 
     START, address+W, word address (1 or 2 bytes), data ... STOP --> the page's buffer is stored: busy for write_time
                                                                       |  page 0x20 to 0x3f  |
                                                   data at 0x3e, 0x3f, 0x20, 0x21: never beyond the page
-    START, address+R, data ...                 --> from the last address on, over the end of the memory to 0
+    START, address+R, data ...                 --> from the last address on, wrapping from the end of the memory to 0
 
-While it is busy it does not acknowledge its address (acknowledge polling). 24C04, 24C08 and 24C16 take the upper bits
-of the word address from the device address. A write that no STOP ends, or one in the middle of a byte, is not stored.
+While busy it does not acknowledge its address (acknowledge polling). 24C04, 24C08 and 24C16 use the device address for
+the upper bits of the word address. A write without a STOP, or cut in the middle of a byte, is not stored.
 
 Source: Microchip DS20001709 (24LC02B), DS21708 (24LC04B), DS21710 (24LC08B), DS20002213 (24LC16B), DS21072 (24LC32A),
 DS20001189 (24LC64), DS20001191 (24LC128), DS20001203 (24LC256), DS20001754 (24LC512); Atmel doc0180 (AT24C02 to 16).
@@ -32,7 +32,7 @@ ERASED = 0xFF
 
 
 class Part(NamedTuple):
-    """size, page: in bytes. word: bytes of the word address. blocks: device addresses that it takes."""
+    """size, page: in bytes. word: bytes of the word address. blocks: number of its device addresses."""
 
     size: int
     page: int
@@ -52,7 +52,7 @@ PARTS = {
     "512": Part(65536, 128, 2, 1),
 }
 MAKES = ("24c", "24lc", "24aa")
-WITHOUT_PINS = ("24lc", "24aa")  # up to 16 Kbit: A0 to A2 lead nowhere, so it answers to all eight addresses
+WITHOUT_PINS = ("24lc", "24aa")  # up to 16 Kbit: A0 to A2 are not connected, so it answers to all eight addresses
 MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 
 
@@ -62,7 +62,7 @@ def part_of(model: str) -> Part:
 
 
 def _split(model: str) -> tuple[str, str]:
-    """The make and the size that a model's name is made of."""
+    """Split a model's name into make and size."""
     make = next(make for make in MAKES if model.startswith(make) and model.removeprefix(make) in PARTS)
     return make, model.removeprefix(make)
 
@@ -83,7 +83,7 @@ def _contents(value: object) -> object:
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """contents: from address 0 on, the rest is 0xFF. write_protect: or the wire that is high while it is so."""
+    """contents: from address 0 on, the rest is 0xFF. write_protect: or the wire that is high while protected."""
 
     contents: Annotated[bytes | Path, Before(_contents, str | list[int])] = b""
     page: Annotated[int, Meta(ge=1, le=256), After(_power_of_two)] | None = None
@@ -92,7 +92,7 @@ class Settings(Table, frozen=True, kw_only=True):
 
 
 class Eeprom:
-    """memory: what is stored. It is its own reply."""
+    """memory: stored bytes. It is its own reply."""
 
     ack = True
     stretches: Stretches = ()
@@ -110,11 +110,11 @@ class Eeprom:
         self.power_on()
 
     def power_on(self) -> None:
-        """Keep the contents; a write that was under way counts as done."""
+        """Keep the contents; a write in progress counts as done."""
         self._pointer = 0
-        self._begin: int  # address at which the write under way begins
+        self._begin: int  # begin address of the present write
         self._buffer: dict[int, int] = {}
-        self._written: int  # data bytes of this write; more than the buffer has if they went round
+        self._written: int  # data bytes of this write; more than the buffer has if they wrapped
         self._busy_until = 0
 
     def answer(self, address_byte: int) -> Eeprom | None:

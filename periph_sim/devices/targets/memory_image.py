@@ -1,4 +1,4 @@
-"""The contents of a memory from a file: .bin as it is, .hex in Intel's format; bytes from address 0 on come out."""
+"""The contents of a memory from a file, as bytes from address 0 on: .bin as it is, .hex in Intel's format."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from ...core.input_files import read_input
 
 IMAGES = (".bin", ".hex")
 ERASED = 0xFF
-MOST = 1 << 24  # addresses beyond belong to no serial memory
-DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of records; those of start addresses say nothing of the memory
+MOST = 1 << 24  # beyond all serial memories
+DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of records; those of start addresses are irrelevant
 
 
 def image(path: Path) -> bytes:
-    """Gaps are 0xFF. ValueError, one sentence with the file and its line."""
+    """Read the file; gaps are 0xFF. ValueError, one sentence with the file and its line."""
     try:
         data = read_input(path)
     except OSError as error:
         raise ValueError(
-            f"{path} cannot be read ({error.strerror}); its path counts from the folder of the case"
+            f"{path} cannot be read ({error.strerror}); its path is relative to the folder of the case"
         ) from None
     return data if path.suffix == ".bin" else _intel_hex(path, data.decode("ascii", "replace"))
 
@@ -40,17 +40,17 @@ def _intel_hex(path: Path, text: str) -> bytes:
             memory[begin : begin + len(data)] = data
         elif kind in (SEGMENT, LINEAR) and len(data) == 2:
             base = int.from_bytes(data, "big") << (4 if kind == SEGMENT else 16)
-    raise ValueError(f"{path}: it has no end record, :00000001FF; it is cut off, or not Intel HEX")
+    raise ValueError(f"{path}: it has no end record, :00000001FF; it is truncated, or not Intel HEX")
 
 
 def _record(where: str, line: str) -> tuple[int, int, bytes]:
-    """(kind, address, data) of a line ":LLAAAATT data CC"."""
+    """Parse a line ":LLAAAATT data CC" to (kind, address, data)."""
     try:
         raw = bytes.fromhex(line.removeprefix(":"))
     except ValueError:
         raw = b""
     if not line.startswith(":") or len(raw) < 5 or len(raw) != raw[0] + 5:
-        raise ValueError(f"{where}: {line[:40]!r} is no record of Intel HEX, as :02000000ABCD86 is one")
+        raise ValueError(f"{where}: {line[:40]!r} is no record of Intel HEX such as :02000000ABCD86")
     if sum(raw) & 0xFF:
-        raise ValueError(f"{where}: its checksum is {raw[-1]:#04x}, but {-sum(raw[:-1]) & 0xFF:#04x} belongs there")
+        raise ValueError(f"{where}: its checksum is {raw[-1]:#04x}, but {-sum(raw[:-1]) & 0xFF:#04x} was expected")
     return raw[3], int.from_bytes(raw[1:3], "big"), raw[4:-1]

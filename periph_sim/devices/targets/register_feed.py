@@ -1,7 +1,7 @@
-"""What changes a register from inside: a [[device.NAME.register]] table goes in; how often it was due, and the value.
+"""Updates of a register by its device, by a [[device.NAME.register]] table: their number and the value.
 
 updates = [["5 ms", 0x12], ["7 ms", 0x34]]    or a .csv file of such rows
-every = "1 ms", values = [1, 2, 3]            the last one then stays;   step = 1 counts
+every = "1 ms", values = [1, 2, 3]            the last one remains;   step = 1 counts
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from .register_settings import RegisterTable
 
 
 class Feed:
-    """ticks: when each value comes, or the first one; then `period` tells the others. period: 0 if there is none."""
+    """ticks: of each value, or of the first one, with `period` for the others. period: 0 if there is none."""
 
     def __init__(self, ticks: Sequence[int], values: Sequence[int], period: int) -> None:
         self._ticks, self._values, self._period = ticks, values, period
         self._taken = 0  # updates so far
 
-    def take(self, now: int) -> tuple[int, int]:
-        """(updates that fell due since the last call, the value of the last one)."""
+    def advance(self, now: int) -> tuple[int, int]:
+        """Return (number of updates due since the last call, the value of the last one)."""
         due = bisect_right(self._ticks, now)
         if self._period and due:
             due = (now - self._ticks[0]) // self._period + 1
@@ -36,14 +36,14 @@ class Feed:
         return new, self._values[due - 1] if self._values and due else 0
 
     def next_due(self) -> int | None:
-        """The tick of the next update; None after the last one."""
+        """Return the tick of the next update; None after the last one."""
         if self._values and self._taken >= len(self._values):
             return None
         return self._ticks[0] + self._taken * self._period if self._period else self._ticks[self._taken]
 
 
 def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | None:
-    """None for a register that only the bus changes. BadDevice for a file that is not as it should be."""
+    """Return a register's feed; None if only the bus changes it. BadDevice for an invalid file."""
     if table.every is not None:
         first = table.every if table.first is None else table.first
         period = max(1, place.ticks(table.every))
@@ -63,12 +63,12 @@ def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | No
 
 
 def _rows(path: Path, table: RegisterTable) -> tuple[tuple[Fraction, int], ...]:
-    """Times and values of a file: "5 ms,0x12" in each line; a heading is passed over."""
+    """Read times and values from a file: "5 ms,0x12" in each line; a heading is skipped."""
     try:
         lines = list(csv.reader(read_input(path).decode("utf-8").splitlines()))
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-        raise ValueError(f"{path} cannot be read ({why}); its path counts from the folder of the case") from None
+        raise ValueError(f"{path} cannot be read ({why}); its path is relative to the folder of the case") from None
     rows = []
     for number, cells in enumerate(lines, 1):
         if not any(cell.strip() for cell in cells) or (number == 1 and cells[0].strip() in ("time", "at")):
@@ -78,7 +78,7 @@ def _rows(path: Path, table: RegisterTable) -> tuple[tuple[Fraction, int], ...]:
             rows.append((duration(time.strip()), int(value.strip(), 0)))
         except ValueError:
             raise ValueError(
-                f"{path}, line {number}: {','.join(cells)!r} is no time and value; write for instance 5 ms,0x12"
+                f"{path}, line {number}: {','.join(cells)!r} is no time and value; write them as 5 ms,0x12"
             ) from None
         if not 0 <= rows[-1][1] <= table.full:
             raise ValueError(

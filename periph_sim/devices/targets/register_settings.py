@@ -1,4 +1,4 @@
-"""What a case may say of a device of registers: the keys of [device.NAME] with model = "registers", checked."""
+"""The checked keys of [device.NAME] with model = "registers"."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Sets(Table, frozen=True, kw_only=True):
 
 
 class Interrupt(Table, frozen=True, kw_only=True):
-    """A pin that is active while any of these bits of a register is set. wire: as a unit's `pins` call it."""
+    """A pin that is active while any of these bits of a register is set. wire: its name in a unit's `pins`."""
 
     wire: str
     register_name: str = field(name="register")
@@ -34,8 +34,8 @@ class Interrupt(Table, frozen=True, kw_only=True):
 class RegisterTable(Table, frozen=True, kw_only=True):
     """at: the pointer of its first byte. read_only, write_1_clears, read_clears: bits, or true for all.
 
-    What changes it from inside: updates (times and values, or the path of a .csv file), or every `every` from `first`
-    on (`every` later, if not given) the next of `values`, the last one then for good, or `step` more.
+    Updates by the device: updates (times and values, or the path of a .csv file), or every `every` from `first` on (by
+    default `every` later) the next of `values`, whose last one remains, or `step` more.
     """
 
     name: str
@@ -54,11 +54,11 @@ class RegisterTable(Table, frozen=True, kw_only=True):
 
     @property
     def full(self) -> int:
-        """All of its bits."""
+        """Mask of all its bits."""
         return (1 << self.width) - 1
 
     def mask(self, bits: Mask) -> int:
-        """Bits as a number, true as all of the register's."""
+        """Return bits as a number; True means all of the register's."""
         return self.full if bits is True else int(bits)
 
     def check_together(self, given: Set[str]) -> None:
@@ -71,23 +71,23 @@ class RegisterTable(Table, frozen=True, kw_only=True):
         fed = [*self.values, *(() if isinstance(self.updates, str) else (value for _, value in self.updates))]
         for value in fed:
             if value > self.full:
-                raise ValueError(f"{self.name} is to take {value:#x}, but {self.width} bits end at {self.full:#x}")
+                raise ValueError(f"{self.name} has the value {value:#x}, but {self.width} bits end at {self.full:#x}")
         if self.mask(self.read_only) & self.mask(self.write_1_clears):
             raise ValueError(
                 f"bits of {self.name} are both read_only and write_1_clears; a written 1 clears or does not"
             )
         if (self.every is not None) != (bool(self.values) or bool(self.step)):
-            raise ValueError(f"{self.name}: every goes with values or step, which say what it takes then")
+            raise ValueError(f"{self.name}: every needs values or step, which define the new value")
         if bool(self.values) + bool(self.step) + bool(self.updates) > 1:
             raise ValueError(f"{self.name} has more than one of updates, values and step; keep one")
         if self.first is not None and self.every is None:
-            raise ValueError(f"{self.name}: first belongs to every; give every, or leave it out")
+            raise ValueError(f"{self.name}: first needs every; give every, or remove first")
         if self.every == 0:
             raise ValueError(f"{self.name}: every must be longer than 0")
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """registers: the map. pointer_counts: what one step of the pointer is. wrap: where the pointer goes back."""
+    """registers: the map. pointer_counts: unit of the pointer. wrap: the end at which the pointer wraps."""
 
     registers: Annotated[tuple[RegisterTable, ...], Meta(min_length=1)] = field(name="register")
     pointer_bytes: Literal[1, 2] = 1

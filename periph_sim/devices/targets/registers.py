@@ -1,11 +1,11 @@
-"""A device of registers behind a pointer, by its map: bytes of transfers go in; register values and a pin come out.
+"""A device of registers behind a pointer, by its map, with an optional interrupt pin.
 
-    START, address+W, pointer, data ... --> write, pointer moves on      at = 0x02, width = 16, big
-    START, address+R, data ...          --> read, pointer moves on        pointer 2: bits 15:8, 3: bits 7:0
+    START, address+W, pointer, data ... --> write, pointer advances      at = 0x02, width = 16, big
+    START, address+R, data ...          --> read, pointer advances        pointer 2: bits 15:8, 3: bits 7:0
 
-The value of a register is taken when its first byte is read, and given when its last byte is written, so no other
-value gets between the two. The pointer outlives STOP and repeated START. `updates` and `every` change registers from
-inside; they are counted when somebody looks, and by events only where a pin shows them.
+The value of a register is latched when its first byte is read, and stored when its last byte is written, so no other
+value gets between the two. The pointer survives STOP and repeated START. `updates` and `every` change registers by the
+device; they are applied on access, and by events only if a pin shows them.
 """
 
 from __future__ import annotations
@@ -47,16 +47,16 @@ class RegisterDevice:
             self._plan()
 
     def power_on(self) -> None:
-        """Every register takes its reset value; what updates brought before is gone."""
+        """Reset every register; earlier updates are lost."""
         for feed in self._feeds.values():
-            feed.take(self._place.kernel.now)
+            feed.advance(self._place.kernel.now)
         self._reset()
 
     def _reset(self) -> None:
         self.values = {table.name: table.reset for table in self._settings.registers}
         self._pointer = 0
-        self._byte = 0  # of the register, where the pointer counts registers
-        self._taken: tuple[str, int, int] | None = None  # a value under way: register, value, the byte that comes
+        self._byte = 0  # index in the register, if the pointer counts registers
+        self._taken: tuple[str, int, int] | None = None  # a value in transfer: register, value, next byte
         self._show()
 
     # Transfers ---------------------------------------------------------------------
@@ -71,7 +71,7 @@ class RegisterDevice:
         self._catch_up()
         table, index = self._cell()
         if table is None:
-            self._note(f"register {self._pointer:#04x} was read, which the map does not have")
+            self._note(f"register {self._pointer:#04x} was read, but is not in the map")
             self._move_on(None)
             return self._settings.unmapped
         if self._taken is None or self._taken[0] != table.name or self._taken[2] != index:
@@ -91,7 +91,7 @@ class RegisterDevice:
         self._catch_up()
         table, index = self._cell()
         if table is None:
-            self._note(f"{value:#04x} was written to register {self._pointer:#04x}, which the map does not have")
+            self._note(f"{value:#04x} was written to register {self._pointer:#04x}, which is not in the map")
             self._move_on(None)
             return True
         if self._taken is None or self._taken[0] != table.name or self._taken[2] != index:
@@ -105,7 +105,7 @@ class RegisterDevice:
         return True
 
     def on_end(self, stop: bool, whole: bool) -> None:
-        """Half of a register that was written is dropped when it is addressed again."""
+        """Do nothing: a half-written register is dropped when the device is addressed again."""
 
     def _write(self, table: RegisterTable, value: int) -> None:
         fixed, clears = table.mask(table.read_only), table.mask(table.write_1_clears)
@@ -119,7 +119,7 @@ class RegisterDevice:
     # The pointer -------------------------------------------------------------------
 
     def _cell(self) -> tuple[RegisterTable | None, int]:
-        """The register that the pointer names, and which of its bytes is next."""
+        """Return the register at the pointer, and the index of its next byte."""
         table, index = self._cells.get(self._pointer, (None, 0))
         return table, index + self._byte
 
@@ -128,7 +128,7 @@ class RegisterDevice:
         return 8 * (last - index if self._settings.byte_order == "big" else index)
 
     def _move_on(self, table: RegisterTable | None) -> None:
-        """After a byte of this register, or of none."""
+        """Advance the pointer after a byte of this register, or of none."""
         settings = self._settings
         if settings.pointer_counts == "registers" and table is not None:
             self._byte += 1
@@ -146,7 +146,7 @@ class RegisterDevice:
     def _catch_up(self) -> None:
         now = self._place.kernel.now
         for name, feed in self._feeds.items():
-            times, value = feed.take(now)
+            times, value = feed.advance(now)
             if times:
                 table = self._named[name]
                 self.values[name] = (self.values[name] + times * table.step if table.step else value) & table.full
@@ -154,7 +154,7 @@ class RegisterDevice:
                     self.values[table.sets.register_name] |= table.sets.bits
 
     def _plan(self) -> None:
-        """Look again when the next update is due."""
+        """Schedule an event for the next update."""
         due = [tick for tick in (feed.next_due() for feed in self._feeds.values()) if tick is not None]
         if due:
             self._place.kernel.at(max(min(due), self._place.kernel.now), self._updated)
@@ -189,9 +189,7 @@ def _pin(wire: str, place: TargetContext) -> Pin:
 
 def build(model: str, settings: Settings, place: TargetContext) -> Target:
     if place.address is None:
-        raise BadDevice(
-            "a device of registers has no address of its own; give it address = 0x48, for instance", "address"
-        )
+        raise BadDevice("a device of registers has no default address; give one such as address = 0x48", "address")
     _check_places(settings)
     feeds = {}
     for entry, table in enumerate(settings.registers):
@@ -212,7 +210,7 @@ def _known(settings: Settings, name: str, *place: str | int) -> None:
 
 
 def _check_places(settings: Settings) -> None:
-    """No two registers in one place, none beyond what the pointer reaches, no name twice."""
+    """Reject overlapping registers, registers beyond the pointer's range, and duplicate names."""
     taken: dict[int, str] = {}
     names: set[str] = set()
     reach = 1 << 8 * settings.pointer_bytes

@@ -1,13 +1,13 @@
-"""A clock with two-byte register addresses, ISL12026 or X1226: bytes of transfers go in; its time comes out.
+"""A clock with two-byte register addresses, ISL12026 or X1226: with its time and control registers.
 
-    START, 0x6F+W, 00 3f 02, STOP       WEL      a write of another register than this one is not acknowledged before
-    START, 0x6F+W, 00 3f 06, STOP       RWEL     it is ignored before
+    START, 0x6F+W, 00 3f 02, STOP       WEL      writes of other registers are not acknowledged before
+    START, 0x6F+W, 00 3f 06, STOP       RWEL     and ignored before
     START, 0x6F+W, 00 30, SC MN HR DT MO YR DW Y2K, STOP     the time, from the STOP on
     START, 0x6F+W, 00 30, START, 0x6F+R, SC MN ...           the time as it was when the read began
 
-Alarms and control registers, 0x00 to 0x17, are stored for good: it acknowledges nothing for `write_time`, and RWEL is 0
-then. A write stays in its eight registers; a read goes on from 0x3F to 0. Alarms ring nothing, and control registers
-control nothing. Its memory of 512 bytes, at 0x57, is another device.
+Alarms and control registers, 0x00 to 0x17, are non-volatile: it acknowledges nothing for `write_time`, and RWEL is then
+0. A write stays in its eight registers; a read continues from 0x3F to 0. Alarms and control registers have no effect.
+Its memory of 512 bytes, at 0x57, is another device.
 
 Source: Renesas FN8231 (ISL12026), FN8098 (X1226): clock/control registers, status register, page write.
 """
@@ -33,7 +33,7 @@ MODELS = ("isl12026", "x1226")
 ADDRESS = 0x6F
 SIZE, PAGE = 0x40, 8
 CLOCK, STORED, STATUS = range(0x30, 0x38), range(0x18), 0x3F
-RTCF, WEL, RWEL = 1, 2, 4  # of the status register
+RTCF, WEL, RWEL = 1, 2, 4  # bits of the status register
 DIRECTIVE = "FN8231, writing to the clock/control registers"
 SECONDS_PER_PPM = 1_000_000
 
@@ -47,7 +47,7 @@ def _plain(value: datetime | None) -> datetime | None:
 class Settings(Table, frozen=True, kw_only=True):
     """The settings of a clock.
 
-    time: shown when the run begins. Without one the clock stands still until it is set, as after losing all supplies.
+    time: at the begin of the run. Without it the clock is stopped until it is set, as after losing all supplies.
     ppm: error of the crystal. battery: keeps the clock running while its supply is off.
     """
 
@@ -58,14 +58,14 @@ class Settings(Table, frozen=True, kw_only=True):
 
 
 class _Running(NamedTuple):
-    """The clock shows `time` at the tick `since` and counts from there."""
+    """A running clock, with `time` at the tick `since`."""
 
     time: CalendarTime
     since: int
 
 
 class Rtc:
-    """It is its own reply."""
+    """The clock. It is its own reply."""
 
     ack = True
     stretches: Stretches = ()
@@ -76,7 +76,7 @@ class Rtc:
         self._place = place
         self._second = place.ticks(duration("1 s")) * SECONDS_PER_PPM // (SECONDS_PER_PPM + settings.ppm)
         self._stored = bytearray(SIZE)
-        self._raw = bytes(len(CLOCK))  # of a time that is none
+        self._raw = bytes(len(CLOCK))  # registers of an invalid time
         self._why_none = ""
         self._running: _Running | None = None
         self._failed = settings.time is None
@@ -86,10 +86,10 @@ class Rtc:
         self._forget()
 
     def _forget(self) -> None:
-        """What no battery keeps."""
+        """Clear the state without battery backup."""
         self._latches = 0
         self._pointer = 0
-        self._begin: int  # register at which the write under way begins
+        self._begin: int  # begin register of the present write
         self._buffer: dict[int, int] = {}
         self._shown: bytes  # the time when its address was received
         self._busy_until = 0
@@ -106,7 +106,7 @@ class Rtc:
             return None
         self._shown = self._clock()
         if address_byte & 1 and self._why_none:
-            self._note(f"{self._why_none}; it does not count on from that here")
+            self._note(f"{self._why_none}; it does not count from there in this model")
         return self
 
     def sends(self, byte: int) -> int:
@@ -125,7 +125,7 @@ class Rtc:
                 self._begin = self._pointer
             return True
         if self._pointer != STATUS and not self._latches & WEL:
-            self._note("a register was written before WEL was set; it does not acknowledge that")
+            self._note("a register was written before WEL was set; it is not acknowledged")
             return False
         self._buffer[self._pointer] = value
         page = self._pointer & -PAGE
@@ -138,7 +138,7 @@ class Rtc:
             return
         if not stop or not whole:
             how = "a STOP in the middle of a byte" if stop else "a START instead of a STOP"
-            self._note(f"the write at {self._begin:#04x} counts for nothing: {how} ended it")
+            self._note(f"the write at {self._begin:#04x} has no effect: {how} ended it")
         elif STATUS in buffer:
             self._unlock(buffer[STATUS])
         elif not self._latches & RWEL:
@@ -147,14 +147,14 @@ class Rtc:
             self._write(buffer)
 
     def _unlock(self, value: int) -> None:
-        """WEL before both; zeros reset both."""
+        """Apply a write of WEL and RWEL: WEL must be set before both; zeros reset both."""
         if value == WEL | RWEL and self._latches & WEL:
             self._latches = WEL | RWEL
         elif value in (0, WEL):
             self._latches = value and self._latches | WEL
         else:
-            told = "sets RWEL before WEL" if value == WEL | RWEL else "is none of 0x00, 0x02 and 0x06"
-            self._note(f"{value:#04x} was written to the status register, which {told}")
+            problem = "sets RWEL before WEL" if value == WEL | RWEL else "is none of 0x00, 0x02 and 0x06"
+            self._note(f"{value:#04x} was written to the status register, which {problem}")
 
     def _write(self, buffer: dict[int, int]) -> None:
         place = self._place
@@ -176,7 +176,7 @@ class Rtc:
     # The time ------------------------------------------------------------------------
 
     def _clock(self) -> bytes:
-        """The eight registers of the time as they are now."""
+        """Return the eight registers of the present time."""
         if self._running is None:
             return self._raw
         return registers_of(self._time(self._running))
@@ -185,7 +185,7 @@ class Rtc:
         return running.time.later((self._place.kernel.now - running.since) // self._second)
 
     def _set(self, written: dict[int, int]) -> None:
-        """Some of the eight registers, from now on; the others go on from what they are."""
+        """Set some of the eight registers; the others keep their present values."""
         registers = bytearray(self._clock())
         for at, value in written.items():
             registers[at - CLOCK.start] = value

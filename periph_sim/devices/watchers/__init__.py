@@ -1,12 +1,12 @@
-"""Who watches a wire and knows which edges must come: settings go in; deviations and what is missing come out.
+"""Watchers of wires: compare edges with the expected ones, and report deviations and missing edges.
 
-One file of this folder that has KIND is one kind of watcher, found by being there. It defines
+One file of this folder that has KIND is one kind of watcher, found by its presence. It defines
 
-    KIND                      what `kind` is in [watch.NAME]
-    Settings                  a `Table` of the keys that are its own there
+    KIND                      the value of `kind` in [watch.NAME]
+    Settings                  a `Table` of its own keys there
     build(settings, place)    the watcher
 
-It is told of every edge and of the run's end. What it takes is compared with the table's `tolerance`.
+It receives every edge and the run's end. Its deviations are compared with the table's `tolerance`.
 """
 
 from __future__ import annotations
@@ -20,43 +20,43 @@ from typing import Any, Protocol, cast
 from ...core.discover import modules_with
 from ...core.table import Table
 
-EDGE_NAMES = ("fall", "rise")  # by the level that comes
+EDGE_NAMES = ("fall", "rise")  # by the new level
 
 
 @dataclass(frozen=True)
 class WatchContext:
-    """What a watcher is built with. ticks: of seconds. start: the tick at which the run begins. tolerance: ticks.
+    """The environment of a new watcher. ticks: converts seconds. start: the first tick of the run. tolerance: ticks.
 
-    take: a deviation, and the tick at which it was. refute: why nothing can make the run good, and since when.
+    on_deviation: called with a deviation and its tick. refute: called with the reason why the run fails, and the tick.
     """
 
     wire: str
     ticks: Callable[[Fraction], int]
     start: int
     tolerance: int
-    take: Callable[[int, int], None]
+    on_deviation: Callable[[int, int], None]
     refute: Callable[[str, int], None]
 
     def at(self, tick: int) -> str:
-        """When that is, in words: seconds from the run's begin."""
+        """Format a tick as seconds from the run's begin."""
         return f"{(tick - self.start) / self.ticks(Fraction(1)):.6f} s"
 
 
 class WireWatcher(Protocol):
-    """What judges the edges of a wire."""
+    """The interface of a judge of a wire's edges."""
 
     def edge(self, now: int, level: int) -> None:
-        """The wire has this level from now on."""
+        """Handle an edge: the wire has this level from now on."""
 
     def finish(self, now: int) -> None:
-        """The run is over."""
+        """Handle the end of the run."""
 
     def missing(self) -> str:
-        """Why nothing was taken, where that is so."""
+        """Return why there is no deviation, or ""."""
 
 
 class Family(Protocol):
-    """What every file of watchers has."""
+    """The definitions of every file of watchers."""
 
     KIND: str
     Settings: type[Table]
@@ -66,5 +66,5 @@ class Family(Protocol):
 
 @cache
 def watchers() -> Mapping[str, Family]:
-    """The files of this folder by their kind."""
+    """Return the files of this folder by their kind."""
     return {module.KIND: cast(Family, module) for module in modules_with("KIND", __name__, __path__).values()}

@@ -1,10 +1,10 @@
-"""A LED that blinks: its rate goes in; by how much periods, and times that it is on, deviate comes out.
+"""A blinking LED: deviations of its periods and on-times from a rate.
 
     LED  ___|~~~~|____|~~~~|____|~~~~~      rate = "1 Hz", duty = "50 %"
             |-- period --|
             |-on-|
 
-That it does not begin, or stops, refutes the run.
+If it does not begin, or stops, the run fails.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ KIND = "blink"
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """rate: periods a second. duty: the part of a period for which the wire is high; none: not looked at.
+    """rate: periods a second. duty: the part of a period for which the wire is high; None: not checked.
 
-    after: what comes up to then is not looked at. first: by when it has risen; none: two periods behind after.
+    after: edges up to then are ignored. first: deadline of the first rise; None: two periods after `after`.
     """
 
     rate: Frequency
@@ -32,7 +32,7 @@ class Settings(Table, frozen=True, kw_only=True):
 
     def check_together(self, given: Set[str]) -> None:
         if self.first is not None and self.first < self.after:
-            raise ValueError("first comes before after, when nothing is looked at; lower after")
+            raise ValueError("first is before after, up to which edges are ignored; lower after")
 
 
 class Blink:
@@ -53,10 +53,10 @@ class Blink:
             return
         if level:
             if rose is not None:
-                self._place.take(abs(now - rose - self._period), rose)
+                self._place.on_deviation(abs(now - rose - self._period), rose)
             self._rose = now
         elif rose is not None and self._on is not None:
-            self._place.take(abs(now - rose - self._on), rose)
+            self._place.on_deviation(abs(now - rose - self._on), rose)
 
     def finish(self, now: int) -> None:
         place = self._place
@@ -68,7 +68,7 @@ class Blink:
 
     def missing(self) -> str:
         rises = "no rise" if self._rose is None else "one rise"
-        return f"{rises} of {self._place.wire} came, and a period is from one to the next; let the run last longer"
+        return f"{rises} of {self._place.wire} occurred, and a period needs two; let the run last longer"
 
 
 def build(settings: Settings, place: WatchContext) -> Blink:

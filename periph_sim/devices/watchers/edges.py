@@ -1,10 +1,10 @@
-"""Expected edges of a wire, one by one: their times go in; by how much each came too soon or too late comes out.
+"""Expected edges of a wire, one by one: the deviation of each from its expected time.
 
     wire      ____|~~~~~~|________
     edges      10 ms    20 ms          ["10 ms", "rise"], ["20 ms", "fall"]
-    deviation     |-|   ||             the n-th edge beside the n-th that is expected
+    deviation     |-|   ||             the n-th edge against the n-th expected one
 
-An edge that is not expected, of the other kind, or one that does not come, refutes the run.
+An unexpected edge, one of the other kind, or a missing one fails the run.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ KIND = "edges"
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """edges: when, from `since` on, and which. more: others may follow.
+    """edges: expected times, counted from `since`, and kinds. more: further edges are allowed.
 
-    after: what comes up to then is not looked at.
+    after: edges up to then are ignored.
     """
 
     edges: Annotated[tuple[tuple[Duration, Literal["rise", "fall"]], ...], Meta(min_length=1)]
@@ -36,22 +36,22 @@ class Settings(Table, frozen=True, kw_only=True):
     def check_together(self, given: Set[str]) -> None:
         times = [at for at, _ in self.edges]
         if times != sorted(times):
-            raise ValueError("edges are not in the order in which they come; sort them by their times")
+            raise ValueError("edges are not in order of time; sort them")
         if self.since == "first edge" and times[0]:
             raise ValueError("since is the first edge, so the first time is 0; give times from it on")
         if self.since == "start" and times[0] <= self.after:
-            raise ValueError("the first edge is expected up to after, when nothing is looked at; change one of them")
+            raise ValueError("the first edge is before after, up to which edges are ignored; change one of them")
 
 
 class Edges:
     def __init__(self, settings: Settings, place: WatchContext) -> None:
         self._place = place
         self._expected = [(place.ticks(at), EDGE_NAMES.index(edge)) for at, edge in settings.edges]
-        self._zero = place.start if settings.since == "start" else -1  # from when on times count
+        self._zero = place.start if settings.since == "start" else -1  # origin of the times
         self._after = place.start + place.ticks(settings.after)
         self._more = settings.more
         self._next = 0
-        self._lost = False  # an edge of the wrong kind came: the others belong to none of those that are expected
+        self._lost = False  # after an edge of the wrong kind the others cannot be assigned
         self._cut = False
 
     def edge(self, now: int, level: int) -> None:
@@ -60,7 +60,7 @@ class Edges:
             return
         if self._next == len(self._expected):
             if not self._more:
-                place.refute(f"{self._named(level)} came at {place.at(now)}, behind the last expected one", now)
+                place.refute(f"{self._named(level)} came at {place.at(now)}, after the last expected one", now)
             return
         at, wanted = self._expected[self._next]
         if self._zero < 0:
@@ -71,7 +71,7 @@ class Edges:
             place.refute(f"{self._named(wanted)} was expected at {due}; {self._named(level)} came at {came}", now)
             return
         self._next += 1
-        place.take(abs(now - self._zero - at), now)
+        place.on_deviation(abs(now - self._zero - at), now)
 
     def finish(self, now: int) -> None:
         place = self._place

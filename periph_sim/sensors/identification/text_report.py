@@ -85,7 +85,7 @@ def _slow(axis: Axis) -> list[tuple[str, ...]]:
 def _term(term: Term, unit: str) -> tuple[str, str, str]:
     low, high = term.bounds(1.96)
     said = f"{term.value:.3g} {unit}" if term.found else "-"
-    return said, f"{low:.2g} to {high:.2g} {unit}", "" if term.found else "not distinguishable from 0"
+    return said, f"{low:.2g} to {high:.2g} {unit}", "" if term.found else "not significant"
 
 
 def _object(axis: Axis) -> dict[str, object]:

@@ -251,9 +251,7 @@ def test_with_fs_sel_3_no_read_depends_on_the_others():
 def test_a_reserved_register_reads_0_and_leaves_a_note():
     bench = bench_of(0, 0, 0)
     assert bench.read(0x01) == b"\0"
-    assert [note.text for note in bench.chips[0].notes] == [
-        "register 0x01 was read, which is reserved; it reads 0 here"
-    ]
+    assert [note.text for note in bench.chips[0].notes] == ["register 0x01 is reserved, but was read; it reads 0 here"]
 
 
 @pytest.mark.parametrize("answer", ["coherent", "live"])

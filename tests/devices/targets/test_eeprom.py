@@ -185,11 +185,11 @@ def test_records_of_intel_hex(records: list[str], memory: bytes, tmp_path: Path)
     ("records", "sentence"),
     [
         ([record(4, 0, 0, 0xFF), record(0, 0xFFFF, 0x11, 0x22), END], "line 2: address 0xffffff is beyond any serial"),
-        ([END[1:]], "line 1: '00000001FF' is no record of Intel HEX, as :02000000ABCD86 is one"),
+        ([END[1:]], "line 1: '00000001FF' is no record of Intel HEX such as :02000000ABCD86"),
         ([":0000"], "line 1: ':0000' is no record"),
         ([":00000001"], "line 1: ':00000001' is no record"),
         ([":01000001FE"], "line 1: ':01000001FE' is no record"),
-        (["", END[:-1] + "E"], "line 2: its checksum is 0xfe, but 0xff belongs there"),
+        (["", END[:-1] + "E"], "line 2: its checksum is 0xfe, but 0xff was expected"),
     ],
 )
 def test_records_that_are_none(records: list[str], sentence: str, tmp_path: Path):

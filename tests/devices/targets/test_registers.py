@@ -87,7 +87,7 @@ def test_a_write_to_what_is_read_only_is_noted():
     assert bus.do("48 W 00 Sr 48 R 1").endswith("42")
     assert bus.notes("it") == [
         "0x55 was written to ID, which is read-only",
-        "0x66 was written to register 0x01, which the map does not have",
+        "0x66 was written to register 0x01, which is not in the map",
     ]
 
 
@@ -143,7 +143,7 @@ def test_a_number_of_a_register_has_no_more_bits_than_it(width: int, key: str):
         ({"step": 1}, "R: every goes with values or step"),
         ({"every": "1 ms", "values": [1], "step": 1}, "R has more than one of updates, values and step; keep one"),
         ({"every": "1 ms", "step": 1, "updates": [["1 ms", 1]]}, "R has more than one of updates, values and step"),
-        ({"first": "1 ms"}, "R: first belongs to every; give every, or leave it out"),
+        ({"first": "1 ms"}, "R: first needs every; give every, or remove first"),
         ({"every": "0 s", "step": 1}, "R: every must be longer than 0"),
         ({"read_only": 3, "write_1_clears": 2}, "bits of R are both read_only and write_1_clears"),
         ({"read_only": 2, "write_1_clears": 1}, ""),
@@ -165,7 +165,7 @@ def test_keys_that_contradict_each_other(given: dict[str, Any], said: str):
         ("0", ""),
         ("0x100", "steps.csv, line 2: 0x100 does not fit the 8 bits of R"),
         ("-1", "steps.csv, line 2: -0x1 does not fit the 8 bits of R"),
-        ("x", "steps.csv, line 2: '1 ms,x' is no time and value; write for instance 5 ms,0x12"),
+        ("x", "steps.csv, line 2: '1 ms,x' is no time and value; write them as 5 ms,0x12"),
     ],
 )
 def test_the_values_of_a_file_have_to_fit_their_register(value: str, said: str, tmp_path: Path):

@@ -74,7 +74,7 @@ def test_it_is_set_by_eight_bytes_once_both_latches_are():
     assert shown(bus) == "50 39 95 01 03 12 04 20"
     assert bus.do("6f W 00 3f Sr 6f R 1").split()[-1] == "06"
     assert bus.notes("clock") == [
-        "a register was written before WEL was set; it does not acknowledge that",
+        "a register was written before WEL was set; it is not acknowledged",
         "the write at 0x30 is ignored: RWEL is not set",
     ]
 
@@ -113,7 +113,7 @@ def test_a_write_that_no_stop_ends_counts_for_nothing():
     bus = unlocked(time="2012-03-01 15:39:50")
     bus.do("6f W 00 30 11 Sr 6f R 1")
     assert shown(bus)[:2] == "50"
-    assert bus.notes("clock") == ["the write at 0x30 counts for nothing: a START instead of a STOP ended it"]
+    assert bus.notes("clock") == ["the write at 0x30 has no effect: a START instead of a STOP ended it"]
 
 
 def test_an_hour_without_mil_is_one_of_twelve():
@@ -121,7 +121,7 @@ def test_an_hour_without_mil_is_one_of_twelve():
     bus.do("6f W 00 32 15")
     assert shown(bus)[:8] == "50 39 15"
     assert bus.notes("clock") == [
-        "HR 0x15 is no hour of 12; bit 7, MIL, makes it one of 24; it does not count on from that here"
+        "HR 0x15 is no hour of 12; bit 7, MIL, makes it one of 24; it does not count from there in this model"
     ]
 
 

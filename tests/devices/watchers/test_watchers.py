@@ -47,7 +47,7 @@ def told(verdict: Verdict) -> tuple[str, float | None, str]:
     return verdict.verdict, verdict.worst, verdict.found
 
 
-TOO_FEW = " of LED came, and a period is from one to the next; let the run last longer"
+TOO_FEW = " of LED occurred, and a period needs two; let the run last longer"
 STOPPED = "LED stopped: its last rise was at 0.000500 s"
 EDGES = [["200 us", "rise"], ["510 us", "fall"], ["700 us", "rise"]]
 # expected edges, the diagram, what is told: verdict, worst deviation in us, in words
@@ -61,7 +61,7 @@ DIAGRAMS: list[tuple[dict[str, Any], str, tuple[str, float | None, str]]] = [
         "~~_~~__~~",
         ("fail", None, "a rise of LED was expected at 0.000200 s; a fall of LED came at 0.000200 s"),
     ),
-    ({"edges": EDGES}, "__~~~__~_", ("fail", 10.0, "a fall of LED came at 0.000800 s, behind the last expected one")),
+    ({"edges": EDGES}, "__~~~__~_", ("fail", 10.0, "a fall of LED came at 0.000800 s, after the last expected one")),
     ({"edges": EDGES, "more": True}, "__~~~__~_", ("pass", 10.0, "")),
     ({"edges": EDGES}, "__~~~_", ("pass", 10.0, "")),  # the last one is not due yet
     ({"edges": EDGES}, "__~~~__", ("pass", 10.0, "")),  # the last one is due, and may come 20 us late
@@ -127,10 +127,10 @@ def test_the_end_of_the_run_is_no_reason_where_edges_came(level: int, missing: s
         ({"kind": "edges", "edges": []}, "watch.led.edges: "),
         ({"kind": "edges", "edges": EDGES, "wire": "LAD"}, "watch.led.wire: there is no wire 'LAD'; did you mean LED"),
         ({"kind": "edges", "edges": EDGES, "rate": "1 Hz"}, "a watcher of kind 'edges' has no such key"),
-        ({"kind": "edges", "edges": EDGES[::-1]}, "edges are not in the order in which they come"),
+        ({"kind": "edges", "edges": EDGES[::-1]}, "edges are not in order of time"),
         ({"kind": "edges", "edges": [["1 ms", "up"]]}, "watch.led.edges"),
         ({"kind": "edges", "edges": EDGES, "since": "first edge"}, "so the first time is 0"),
-        ({"kind": "edges", "edges": EDGES, "after": "1 ms"}, "the first edge is expected up to after"),
+        ({"kind": "edges", "edges": EDGES, "after": "1 ms"}, "the first edge is before after"),
         ({"kind": "edges", "edges": EDGES, "tolerance": "0"}, "tolerance"),
         ({"kind": "blink", "rate": "0 Hz"}, "a frequency is above 0"),
         ({"kind": "blink"}, "watch.led.rate: "),

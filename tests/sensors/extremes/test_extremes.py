@@ -141,7 +141,7 @@ def test_saturating_q16_stops_cross_axis_at_what_its_largest_rate_makes(rate: fl
 def test_time_drifts_by_what_the_format_makes_of_ts(whole: Report) -> None:
     notes = {one.arithmetic: one.note for one in whole.findings_for("time in seconds, 30 days")}
     assert notes["q16"] == "+18.5 s a day" and notes["float64"] == "+0 s a day"  # 1311 / 65536
-    assert notes["float32"].endswith("stands still from 145.6 h on")  # 2**19 s: the next is 1/16 s on, Ts rounds to 0
+    assert notes["float32"].endswith("halts at 145.6 h")  # 2**19 s: the next is 1/16 s on, Ts rounds to 0
 
 
 def test_first_where_halves_its_way() -> None:

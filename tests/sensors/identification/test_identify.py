@@ -132,7 +132,7 @@ def test_the_error_of_a_mean_of_few_lsb_covers_what_rounding_does(noise: float):
 def test_little_noise_beside_an_lsb_is_said_to_tell_little():
     one = identify("y", np.rint(0.3 + 0.2 * np.random.default_rng(1).normal(size=3000)), PERIOD)
     assert one.series.lsb == 1
-    assert len(one.notes) == 1 and one.notes[0].endswith("rounding hides it, and the density says little")
+    assert len(one.notes) == 1 and one.notes[0].endswith("rounding hides it, and the density is unreliable")
 
 
 @pytest.mark.parametrize("decimals", [4, 6])
@@ -160,7 +160,7 @@ def test_what_tells_nothing_is_refused_in_a_sentence():
     assert refusal([]) == "gyroscope_y: 0 samples; expected 32 or more"
     assert refusal(np.full(10_000, 2.5)) == (
         "gyroscope_y: all 10000 samples are 2.5; the noise is less than the resolution, so neither it nor the error of "
-        "the mean can be found"
+        "the mean can be determined"
     )
     assert refusal([0.0] * 40 + [nan, 1.0, nan]) == ("gyroscope_y: sample 40 is nan, and 2 of 43 are no finite numbers")
     assert refusal([0.0, 1.0] * 50) == "gyroscope_y: an Allan variance is 0, so there is no noise to be found"

@@ -72,11 +72,11 @@ def test_at_its_rows_a_flight_has_their_angles_but_for_whole_turns(tmp_path_fact
         ),
         (
             GOOD.replace("11,10", "10,10"),
-            "flight.csv, line 3: time is 10 s; expected more than 10 s, as the row before",
+            "flight.csv, line 3: time is 10 s; expected more than 10 s, the row before",
         ),
         (
             GOOD.replace("12.5,10", "1,10"),
-            "flight.csv, line 5: time is 1 s; expected more than 11 s, as the row before",
+            "flight.csv, line 5: time is 1 s; expected more than 11 s, the row before",
         ),
         (GOOD.replace("-5,-170,1", "nan,-170,1"), "flight.csv, line 3: found 'nan', expected a finite number; correct"),
         (GOOD.replace("-5,-170,1", "up,-170,1"), "flight.csv, line 3: found 'up', expected a finite number; correct"),

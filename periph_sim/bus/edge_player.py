@@ -1,4 +1,4 @@
-"""A line that does again what it did before: levels with their ticks go in, edges come out, one event an edge."""
+"""Replay of a line's edges from levels with their ticks, one event for each edge."""
 
 from __future__ import annotations
 

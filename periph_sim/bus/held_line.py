@@ -1,4 +1,4 @@
-"""A line that a party holds low: for so many ticks, or until SCL has fallen so often."""
+"""A line that a party holds low for a number of ticks, or of falls of SCL."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from ..core.wire import Wire
 
 
 class HeldLine:
-    """ticks: how long; clocks: falls of SCL instead, where there are any. who: the party's name on the wire."""
+    """ticks: duration; clocks: falls of SCL instead, if not 0. who: the party's name on the wire."""
 
     def __init__(self, kernel: Kernel, wire: Wire, scl: Wire | None, who: str, ticks: int, clocks: int) -> None:
-        """scl: needed where clocks count."""
+        """scl: needed with clocks."""
         self._kernel = kernel
         self._pin = wire.attach(who)
         self._ticks, self._clocks = ticks, clocks
-        self._left = 0  # clocks until the line is let go
+        self._left = 0  # clocks until the line is released
         if clocks:
             assert scl is not None
             scl.watch(self._scl_changed)

@@ -1,9 +1,9 @@
-"""A line on which only one party is heard: its levels are what all others see, and what those drive goes elsewhere.
+"""A line driven by one party only: the others see its levels, and drive another wire.
 
     player --> OneWayWire --> the chip's input
                    back <---- the chip's output
 
-For looking at what a chip would have done on a line that no longer listens.
+It shows what a chip would have done on a line that no longer reacts to it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ..core.wire import Pin, Wire
 
 
 class OneWayWire(Wire):
-    """player: who is heard. back: the wire that everybody else drives; it is not recorded."""
+    """player: the driving party. back: the wire that all others drive; it is not recorded."""
 
     def __init__(self, kernel: Kernel, name: str, recorder: Recorder, player: str = "capture") -> None:
         super().__init__(kernel, name, recorder)
@@ -22,5 +22,5 @@ class OneWayWire(Wire):
         self.back = Wire(kernel, name, Recorder())
 
     def attach(self, who: str) -> Pin:
-        """A hold on the line for the player, on `back` for everybody else."""
+        """Attach a party: to the line for the player, to `back` for all others."""
         return super().attach(who) if who == self.player else self.back.attach(who)

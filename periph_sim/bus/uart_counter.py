@@ -1,9 +1,9 @@
-"""Counts characters on a UART line: its edges go in, each whole character is told, whoever sent it.
+"""Counter of characters on a UART line, from any sender: reports each whole character.
 
     wire  ──┐___┌───┐___...───┌──────┐___     a start bit that ends no character before it begins one
-            begin        free again  the one before is told now, or as the run ends
+            begin        free again  the one before is reported now, or at the run's end
 
-It needs no event of its own: when the line is free again is known from the begin.
+It needs no events: the begin of a character determines when the line is free again.
 """
 
 # core: compiled
@@ -24,20 +24,20 @@ from .uart.reader import Line
 
 @final
 class UartCounter(Agent):
-    """line: as of a `UartReader`. told: called with the tick of each character's start bit, when the next one begins or
-    the run ends. topics: those of the records that are made of it, with the value 1."""
+    """line: as for a `UartReader`. on_character: called with the tick of each character's start bit, when the next one
+    begins or the run ends. topics: of the records made from it, with value 1."""
 
     topics: list[Topic]
 
     def __init__(self, wire: Wire, line: Line) -> None:
-        self.told: list[Callable[[int], None]] = []
+        self.on_character: list[Callable[[int], None]] = []
         self.topics = []
         self._line = line
-        self._as: tuple[Fraction, UartFormat] | None = None  # how the last one was sent,
-        self._lasted = self._taken = 0  # how long it was, and until the middle of its last stop bit
+        self._as: tuple[Fraction, UartFormat] | None = None  # rate and format of the last one,
+        self._lasted = self._taken = 0  # its length, and the time to the middle of its last stop bit
         self._begun_at = NO_TIME
         self._over_at = 0  # the end of the last stop bit,
-        self._free_at = 0  # and the middle of it, from which on a fall is a start bit
+        self._free_at = 0  # and its middle, from which a fall is a start bit
         watch([wire], self)
 
     def sampled(self, now: int, levels: int) -> None:
@@ -49,14 +49,14 @@ class UartCounter(Agent):
         self._over_at, self._free_at = now + self._lasted, now + self._taken
 
     def _set_line(self) -> None:
-        """How the next character is sent."""
+        """Set rate and format of the next character."""
         line = self._line()
         if line is not self._as and line != self._as:
             self._as, (bit, form) = line, line
             self._lasted, self._taken = int(form.length * bit), int((form.length - Fraction(1, 2)) * bit)
 
     def finish(self, now: int) -> None:
-        """The run is over; a character that it cuts off is none."""
+        """Finish the run; an incomplete character does not count."""
         if self._over_at <= now:
             self._tell()
 
@@ -65,6 +65,6 @@ class UartCounter(Agent):
             topic: Topic
             for topic in self.topics:
                 topic.emit(self._begun_at, 1)
-            for told in self.told:
-                told(self._begun_at)
+            for callback in self.on_character:
+                callback(self._begun_at)
         self._begun_at = NO_TIME

@@ -41,10 +41,10 @@ class PythonTarget:
         acked = self._acked("on_address", read) and hook in self._hooks
         return self if acked else None
 
-    def hears(self, byte: int, value: int) -> bool:
+    def receive_byte(self, byte: int, value: int) -> bool:
         return self._acked("on_write", value)
 
-    def sends(self, byte: int) -> int:
+    def send_byte(self, byte: int) -> int:
         value = self._call("on_read")
         if not isinstance(value, int) or not 0 <= value <= 0xFF:
             raise self._wrong("on_read", value, "a byte, 0 to 0xFF")

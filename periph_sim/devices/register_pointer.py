@@ -57,12 +57,12 @@ class RegisterPointer:
             return None
         return self
 
-    def sends(self, byte: int) -> int:
+    def send_byte(self, byte: int) -> int:
         value = self.chip.read(self._now(), self._use())
         self._touched()
         return value
 
-    def hears(self, byte: int, value: int) -> bool:
+    def receive_byte(self, byte: int, value: int) -> bool:
         if byte == 0:
             self._number, self._used = value, False
         else:

@@ -60,7 +60,7 @@ class UartLines:
         """Call `told(wire, tick)` for each character on those of these wires that lead to an SCI."""
         for name in dict.fromkeys(self._heard):
             if name in wires:
-                self._counter(name).told.append(partial(told, name))
+                self._counter(name).on_character.append(partial(told, name))
 
     def _counter(self, name: str) -> UartCounter:
         if name not in self._counters:

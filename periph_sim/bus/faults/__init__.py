@@ -1,11 +1,11 @@
-"""Faults on the wires: a kind and its settings go in, an agent that disturbs a wire comes out.
+"""Faults on the wires: agents that disturb a wire, of several kinds.
 
-One file of this folder that has a function `attach` is one kind of fault, found by being there. It defines
+One file of this folder that has a function `attach` is one kind of fault, found by its presence. It defines
 
-    Settings                  a dataclass of what a case may set in [[fault]]: `When`, and its own
-    attach(settings, place)   puts the agent on its wires; ValueError, one sentence, if it cannot be
+    Settings                  a dataclass of the keys of [[fault]]: those of `When`, and its own
+    attach(settings, place)   attaches the agent to its wires; ValueError for invalid settings
 
-An agent is a party like any other: wires name it where it pulls, and nothing else knows of it.
+An agent is an ordinary party: wires list it when it pulls, and no other object depends on it.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from .when import When
 
 @dataclass(frozen=True)
 class FaultContext:
-    """What a fault is built with. who: its name on wires. wire: by name; ValueError if the scene has none.
+    """The environment of a new fault. who: its name on wires. wire: by name; ValueError if the scene has none.
 
-    ticks: of seconds. start: the tick at which the run begins. random: its own.
+    ticks: converts seconds. start: the tick at which the run begins. random: its own.
     """
 
     kernel: Kernel
@@ -39,7 +39,7 @@ class FaultContext:
 
 
 class FaultKind(Protocol):
-    """What every kind of fault of this folder has."""
+    """The definitions of every kind of fault."""
 
     Settings: type[When]
 
@@ -48,7 +48,7 @@ class FaultKind(Protocol):
 
 @cache
 def kinds() -> dict[str, FaultKind]:
-    """Every kind of fault, by the name of its file."""
+    """Return every kind of fault, by the name of its file."""
     return {name: cast(FaultKind, module) for name, module in modules_with("attach", __name__, __path__).items()}
 
 

@@ -1,10 +1,10 @@
-"""A START or STOP that no controller gave: SDA moves while SCL is high, in the middle of a byte.
+"""A false START or STOP: SDA moves while SCL is high, in the middle of a byte.
 
     SCL  __|‾‾‾‾‾|__|‾‾‾‾‾|__        condition = "START": the next bit that is 1 is cut by a fall of SDA
-    SDA  ‾‾‾‾‾|________________      condition = "STOP": SDA is pulled low before a 1, and let go within it
+    SDA  ‾‾‾‾‾|________________      condition = "STOP": SDA is pulled low before a 1, and released within it
 
-On a line with a pull-up a bit that is 0 cannot be disturbed so; the next one that is 1 is. Both lines high and idle
-between two transfers is no bit.
+On a line with a pull-up a bit that is 0 cannot be disturbed this way, so the next 1 is. Both lines high and idle
+between two transfers are no bit.
 
 Source: UM10204 section 3.1.4 (START and STOP conditions).
 """
@@ -21,7 +21,7 @@ from .when import Length, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """condition: which. late: how long after the rise of SCL."""
+    """condition: START or STOP. late: time after the rise of SCL."""
 
     condition: Literal["START", "STOP"] = "START"
     late: Length = Fraction(1, 1_000_000)
@@ -55,11 +55,11 @@ class Condition:
             self._kernel.at(now + self._late, lambda: self._strike(rise))
 
     def _strike(self, rise: int) -> None:
-        """`late` has passed since that rise."""
+        """Disturb the line, `late` after that rise."""
         if not self._armed or rise != self._rise or not self._scl.level:
             return
         others = len(self._sda.held_by()) > self._pulls
-        if others:  # a 0, or a START under way
+        if others:  # a 0, or a START in progress
             return
         self._armed = False
         if self._stop:

@@ -1,9 +1,9 @@
-"""A bit on the wire that is 0 instead of 1: SDA is pulled low for one clock, and no condition is made by it.
+"""A bit on the wire that is 0 instead of 1: SDA is pulled low for one clock, without causing a condition.
 
-    SCL  ‾‾|__|‾‾|__|‾‾|__|‾‾|__     the bus has pull-ups, so a 0 cannot be made a 1: the next bit that is 1 is struck,
+    SCL  ‾‾|__|‾‾|__|‾‾|__|‾‾|__     the bus has pull-ups, so a 0 cannot become a 1: the next bit that is 1 is hit,
     SDA  ‾‾‾‾______‾‾‾‾‾‾            an ACK or a data bit of either side
 
-A device that sends wrong bits of either kind has a fault of its own (`fault` of [device.NAME]).
+For wrong bits of either kind, use a device's own fault (`fault` of [device.NAME]).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .when import When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """Nothing but when: the first 1 after that time is struck."""
+    """Settings of `When` only: the first 1 after that time is hit."""
 
 
 class Flip(Agent):
@@ -26,7 +26,7 @@ class Flip(Agent):
         self._pin = self._sda.attach(place.who)
         self._armed = False
         self._pulls = False
-        self._is_one = False  # nobody else pulls SDA in this clock
+        self._is_one = False  # no other party pulls SDA in this clock
         self._scl.watch(self._scl_changed)
         self._sda.watch_pulls(self)
         repeat(settings, place, self._arm)
@@ -37,7 +37,7 @@ class Flip(Agent):
     def _scl_changed(self, now: int, level: int) -> None:
         if level:
             self._is_one = self._pulls and self._alone()
-        elif self._is_one:  # that clock is over, with its 1 struck
+        elif self._is_one:  # that clock is over, and its 1 was hit
             self._armed = self._is_one = False
             self._let_go()
         elif self._armed and not self._pulls:
@@ -45,7 +45,7 @@ class Flip(Agent):
             self._pin.drive(0)
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
-        """Within a clock that was no 1 the last of the others lets go: a STOP, which must pass."""
+        """Release SDA when the last other party does so in a clock other than a 1: a STOP, which must pass."""
         if self._pulls and self._scl.level and not self._is_one and self._alone():
             self._let_go()
 

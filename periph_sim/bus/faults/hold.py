@@ -1,7 +1,7 @@
-"""A line that somebody holds low: for a time, or until SCL has fallen so often.
+"""A line held low for a time, or until SCL has fallen a number of times.
 
     SDA  ‾‾|___________________________|‾‾‾    clocks = 9: a device that lost count in mid-byte,
-    SCL  ‾‾‾‾‾|_|‾|_|‾ ... ‾|_|‾|_|‾|___|‾     and lets go at the latest with the ninth clock
+    SCL  ‾‾‾‾‾|_|‾|_|‾ ... ‾|_|‾|_|‾|___|‾     and releases it at the latest with the ninth clock
 
 Source: UM10204 section 3.1.16 (bus clear).
 """
@@ -17,7 +17,7 @@ from .when import Count, Length, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """wire: its name, as in "SDA". length: how long; or clocks: falls of SCL until it is let go."""
+    """wire: its name, as in "SDA". length: duration; or clocks: falls of SCL until its release."""
 
     wire: str
     length: Length | None = None
@@ -26,7 +26,7 @@ class Settings(When):
     def __post_init__(self) -> None:
         super().__post_init__()
         if (self.length is None) == (self.clocks is None):
-            raise ValueError("a line is held either for a length or for so many clocks; give one of them")
+            raise ValueError("a line is held either for a length or for a number of clocks; give one of them")
 
 
 def attach(settings: Settings, place: FaultContext) -> None:

@@ -1,7 +1,7 @@
-"""A unit's I2C module is reset in mid-byte, by code that its firmware does not know of: a watchdog routine, a debugger.
+"""A unit's I2C module is reset in mid-byte, by code outside its firmware: a watchdog routine, a debugger.
 
-    I2CMDR.IRS  ‾‾‾‾‾‾|______|‾‾‾‾‾‾     for `length`: the module lets go of both lines and forgets all flags; with
-                                         IRS = 1 it waits for a START, and its firmware for flags that do not come
+    I2CMDR.IRS  ‾‾‾‾‾‾|______|‾‾‾‾‾‾     for `length`: the module releases both lines and clears all flags; with
+                                         IRS = 1 it waits for a START, and its firmware for flags that are never set
 
 Source: SPRUG03B section 5.9 (IRS).
 """

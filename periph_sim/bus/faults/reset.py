@@ -1,6 +1,6 @@
-"""A unit that is reset: its XRS pin is pulled low for `length`. Its firmware then begins anew, with all it holds lost.
+"""A unit that is reset: its XRS pin is pulled low for `length`. Its firmware then restarts, with all its data lost.
 
-What others see of it: it lets go of every line at once, in the middle of a byte too, and answers nobody until its
+Other parties see that it releases every line at once, even in the middle of a byte, and does not answer until its
 start-up is over.
 """
 

@@ -1,9 +1,9 @@
-"""Noise on a line: it is pulled low for `width`, wherever it stands.
+"""Noise on a line: a short pull to low for `width`, at any time.
 
-    __________   _________     width below what filters let pass: nobody sees it
+    __________   _________     width below the filters' limit: not seen
               |_|
 
-A line with a pull-up is weak only while it is high, so what is pulled low already stays as it is.
+A line with a pull-up is weak only while it is high, so a line that is low already does not change.
 """
 
 from __future__ import annotations

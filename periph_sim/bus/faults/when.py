@@ -1,7 +1,7 @@
-"""When a fault happens: once, or again and again, each time a little late by chance.
+"""Times of a fault: once, or repeatedly, each time with a random delay.
 
-at ---- every ---- every ---- ...     times: how often at most
-|~spread~|   each up to this much late, drawn from the case's seed
+at ---- every ---- every ---- ...     times: maximum number
+|~spread~|   maximum delay of each, drawn from the case's seed
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ Count = Annotated[int, Meta(ge=1)]
 
 @dataclass(frozen=True, kw_only=True)
 class When:
-    """at: from the run's begin. every: from one to the next; without it there is one."""
+    """at: from the run's begin. every: from one to the next; without it there is only one."""
 
     at: Time
     every: Length | None = None
@@ -56,6 +56,6 @@ class When:
 
     def __post_init__(self) -> None:
         if self.every is None and self.times is not None:
-            raise ValueError("times belongs to every; give every, or leave it out")
+            raise ValueError("times needs every; give every, or remove times")
         if self.every is not None and self.spread > self.every:
-            raise ValueError("spread is longer than every, so one would come before the last; shorten it")
+            raise ValueError("spread is longer than every, so faults would be out of order; shorten it")

@@ -1,4 +1,4 @@
-"""Skips the line-only part of an I2C byte: seven bits pass in one step, and everything else is as if they had not.
+"""Skipping of the line-only part of an I2C byte: seven bits pass in one step, without any other effect.
 
     SCL  _|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_       each edge is an event
     SCL  ____________________________|~|_|~|_        the same byte, the same ticks, the same states before and after
@@ -32,7 +32,7 @@ class BitParty(Agent):
     __slots__ = ()
 
     def pulls(self, line: int) -> int:
-        """Return the mask of its holds on a line, SCL or SDA; 0 if it has none."""
+        """Return the mask of its pulls on a line, SCL or SDA; 0 if it has none."""
         return 0
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
@@ -51,7 +51,7 @@ class BitParty(Agent):
         return True
 
     def byte(self) -> int:
-        """Return the byte that it shifts out; 0xFF where it leaves SDA released."""
+        """Return the byte that it shifts out; 0xFF if it leaves SDA released."""
         return ONES
 
     def keeps_bus(self, shown: int) -> bool:
@@ -109,13 +109,13 @@ class BitSkip(Shortcut):
         self._stand_in = stand_in
         self._parties: list[BitParty] = []
         self._known = False  # every agent on the lines is one of these parties
-        self._versions = -1  # of the wires, when the parties were collected
+        self._versions = -1  # versions of the wires when the parties were collected
         self._since = NO_TIME  # the tick at which the skipped bits began
         self._fell = NO_TIME
         self._shown = ONES
         self._steady = BitTimes()
-        self._times = self._steady  # of this byte
-        self._ends = 0  # the tick from which on the state is that of edges
+        self._times = self._steady  # times of this byte
+        self._ends = 0  # the tick from which the state is that of edges
         self._eighth: Event | None = None
         self._tag = 0
 
@@ -137,7 +137,7 @@ class BitSkip(Shortcut):
         return True
 
     def skips_for(self, party: BitParty, times: BitTimes, fell: int, ends: int) -> bool:  # core: C only
-        """Do the same for a party that clocks in cycles of its own and wakes itself at `ends`.
+        """Skip seven bits for a party that clocks in its own cycles and wakes itself at `ends`.
 
         fell: the tick of SCL's last fall.
         """
@@ -161,7 +161,7 @@ class BitSkip(Shortcut):
         return NO_TIME
 
     def over(self) -> None:
-        """SCL is about to rise for the eighth bit of a byte, of which bits may have been skipped."""
+        """End the skip, if any: SCL is about to rise for the eighth bit of a byte."""
         if self._kernel.shortcut is self:
             self._set_active(None)
             self.passed += 1
@@ -195,7 +195,7 @@ class BitSkip(Shortcut):
         self._kernel.shortcut = self._scl.shortcut = self._sda.shortcut = shortcut
 
     def _byte_on_lines(self, controller: BitParty, low: int, high: int, hold: int, each: bool) -> int:
-        """Return the byte that the lines will show; -1 where it must pass edge by edge."""
+        """Return the byte that the lines will show; -1 if it must pass edge by edge."""
         scl, sda = self._scl, self._sda
         if self._kernel.shortcut is not None or not scl.quiet() or not sda.quiet():
             return -1
@@ -237,7 +237,7 @@ class BitSkip(Shortcut):
         self._sda.jump(pulling)
 
     def _collect_parties(self) -> None:
-        """All agents that listen to the lines, and all that can pull them, must be parties."""
+        """Collect the parties: all agents that listen to the lines, or can pull them, must be parties."""
         scl, sda = self._scl, self._sda
         self._versions = scl.version + sda.version
         agents = {listener.agent for listener in (*scl.listeners(), *sda.listeners())}

@@ -36,7 +36,7 @@ class BitTimes:
 
 @final
 class CycleTimes(BitTimes):
-    """Edges of a party that clocks in cycles of its own: since, low and high are cycles."""
+    """Edges of a party that clocks in its own cycles: since, low and high are cycles."""
 
     __slots__ = ("_clock",)
 

@@ -1,11 +1,11 @@
-"""Bus clear: a controller that finds SDA held low gives clocks until it is let go, nine at most, and then a STOP.
+"""Bus clear: a controller that finds SDA held low gives clocks until it is released, nine at most, and then a STOP.
 
-    SCL  ‾‾|___|‾‾‾|___|‾‾‾|___|‾‾‾‾‾‾    a device that lost count in mid-byte lets go of SDA
-    SDA  ______________|‾‾‾|_____|‾‾‾‾    at the latest where it takes a 1 for a NACK
+    SCL  ‾‾|___|‾‾‾|___|‾‾‾|___|‾‾‾‾‾‾    a device that lost count in mid-byte releases SDA
+    SDA  ______________|‾‾‾|_____|‾‾‾‾    at the latest where it reads a 1 as a NACK
                                 STOP
 
-The STOP is tried after nine clocks too: an F28335 that took the fall of SDA for a START reads the zeros that follow as
-a general call, and its ACK lies in the ninth clock.
+The STOP is also tried after nine clocks: an F28335 that took the fall of SDA for a START reads the following zeros as
+a general call, and its ACK is in the ninth clock.
 
 Source: UM10204 section 3.1.16.
 """
@@ -21,9 +21,9 @@ MOST_CLOCKS = 9
 
 
 class BusClear:
-    """scl, sda: the wires; pull_scl, pull_sda: the controller's own holds, 0 pulls. low, high, hold: ticks.
+    """scl, sda: the wires; masks: the controller's own pulls on both. times: low, high, hold in ticks.
 
-    `done(clocks, free)` comes when the STOP is over; free: SDA is high.
+    `done(clocks, free)` is called after the STOP; free: SDA is high.
     """
 
     def __init__(
@@ -43,13 +43,13 @@ class BusClear:
         self._clocks = 0
 
     def begin(self) -> None:
-        """SCL is high, and so is our own hold on SDA."""
+        """Begin while SCL is high and the controller does not pull SDA."""
         self._clocks = 0
         self._look()
 
     def _look(self) -> None:
-        """At the end of a high phase: another clock, or the STOP."""
-        if not self._scl.level:  # somebody holds it low
+        """Give another clock, or the STOP, at the end of a high phase."""
+        if not self._scl.level:  # another party holds it low
             self._kernel.at(self._kernel.now + self._high, self._look)
         elif self._sda.level or self._clocks == MOST_CLOCKS:
             self._scl.pull(self._scl_mask, 0)

@@ -1,6 +1,6 @@
-"""Counts the bytes on an I2C bus, addresses included: samples of the lines go in, a number comes out.
+"""Counter of the bytes on an I2C bus, addresses included.
 
-For scenes in which no agent is the controller and so nobody else counts.
+For scenes without a controller agent, which would count them.
 """
 
 # core: compiled
@@ -16,7 +16,7 @@ PULSES = 9  # eight bits and the acknowledge
 
 
 class I2cByteCounter(BitParty):
-    """bytes: whole ones, each with its acknowledge; what is cut off by a START or STOP does not count."""
+    """bytes: number of whole bytes with acknowledge; those cut off by a START or STOP do not count."""
 
     def __init__(self, scl: Wire, sda: Wire) -> None:
         self.bytes = 0

@@ -1,11 +1,11 @@
-"""An I2C controller on the wires: transfers go in, SCL and SDA edges and a report of each transfer come out.
+"""An I2C controller: drives SCL and SDA for transfers, and records the results in them.
 
     Transfer --> bits --> SCL, SDA
-                  ^--- the lines as they really are: stretching, ACKs, data, arbitration
+                  ^--- the actual lines: stretching, ACKs, data, arbitration
 
 It makes one START-to-STOP transfer at a time. A bit is: SCL falls, SDA changes `hold`
-later if it must, SCL is let go `low` after the fall, falls again `high` after it really
-rose. SDA is read at the end of the high phase. Two or three events a bit.
+later if it must, SCL is released `low` after the fall, and falls again `high` after its actual
+rise. SDA is sampled at the end of the high phase. Two or three events for each bit.
 
 Source: UM10204 sections 3.1.1 to 3.1.10 (bus protocol), Table 10 (times).
 """
@@ -29,10 +29,10 @@ from .transfer import BusTiming, Phase, Transfer
 if TYPE_CHECKING:
     from ...core.wire import Sampler
 
-# What an event is for.
+# Purposes of events.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
-OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that cannot be read off the wires
+OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that the wires do not show
 ADDRESS = -1  # instead of the number of a data byte
 NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
 
@@ -40,9 +40,9 @@ NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is 
 class I2cController(BitParty):
     """who: its name on the wires and in records. stuck_after: a line low longer than this is reported by `on_stuck`.
 
-    clear_after: so long after a START that was refused, since nobody let go of SDA or nobody gave the STOP that was
-    due, the bus is cleared. 0: never, as where there may be other controllers. gives_up: a written byte that the target
-    refuses ends the transfer with a STOP; else the next phase of the transfer follows.
+    clear_after: time after a START was blocked, since SDA was held or a STOP missing, after which the bus is cleared.
+    0: never, for buses with other controllers. gives_up: a NACK of a written byte ends the transfer with a STOP; else
+    the next phase of the transfer follows.
     """
 
     __slots__ = (
@@ -125,18 +125,18 @@ class I2cController(BitParty):
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
         self.beside_others = False
-        self._topics: dict[str, Topic] = {}  # by what is recorded
+        self._topics: dict[str, Topic] = {}  # by event
         self._scl_wire = scl
         self._sda_wire = sda
         self._scl_mask = scl.attach(who).mask
         self._sda_mask = sda.attach(who).mask
         self._stuck_after = stuck_after
         self._on_stuck = on_stuck
-        self._next: Event = kernel.event(self)  # what comes next of a transfer: one thing at a time
-        self._guard: Event | None = None  # the promise to report a line held too long
+        self._next: Event = kernel.event(self)  # the next step of a transfer: one at a time
+        self._guard: Event | None = None  # the event that reports a line held too long
         self._sda_level = 1
-        self._rising = False  # SCL is let go and has not risen yet
-        self._high = timing.high  # how long SCL stays high next, and what comes then
+        self._rising = False  # SCL is released and has not risen yet
+        self._high = timing.high  # the next high time of SCL, and the step after it
         self._high_end = BIT_END
         self._let_go_at = 0
         self._last_stop = -timing.free
@@ -144,32 +144,32 @@ class I2cController(BitParty):
         self._done: Callable[[Transfer], None] = lambda transfer: None
         self._phase = Phase(0, False)
         self._phase_index = 0
-        self._stretch = 0  # the longest of the phase
-        self._wanted = 0  # bytes of the phase,
-        self._acks: list[bool] = []  # their acknowledges as they come,
-        self._got = bytearray()  # and what was read
+        self._stretch = 0  # the longest stretch of the phase
+        self._wanted = 0  # bytes of the phase to transfer,
+        self._acks: list[bool] = []  # their acknowledges so far,
+        self._got = bytearray()  # and the bytes read
         self._byte = 0  # being sent, or 0xFF while receiving
         self._bit = 0  # 0..8; 8 is the ACK
         self._in = 0  # bits read so far
         self._index = NO_BYTE  # the number of the data byte, or ADDRESS
         self._receiving = False
         self._scl_moved = kernel.now
-        self._bus_busy = False  # between a START and its STOP, whoever made them
+        self._bus_busy = False  # between a START and its STOP, of any controller
         self._gives_up = gives_up
         self._clear_after = clear_after
-        self._refused_since = NO_TIME  # a START is due, and the bus is not free
+        self._refused_since = NO_TIME  # since when a START is due and the bus not free
         masks, times = (self._scl_mask, self._sda_mask), (timing.low, timing.high, timing.hold)
         self._clear = BusClear(kernel, scl, sda, masks, times, self._cleared)
         self._lines = IDLE
-        self._scl_seen = SCL  # its level before it moved last, spikes left out
+        self._scl_seen = SCL  # its level before its last change, without spikes
         self._sda_moved = -timing.filter
-        self._sda_event = NOTHING  # what its last change is, if it lasts
-        self._sda_seen = 1  # behind the filter
+        self._sda_event = NOTHING  # the condition of its last change, if it lasts
+        self._sda_seen = 1  # after the filter
         self._sampler = watch([scl, sda], self)
 
     @property
     def held_since(self) -> int:
-        """Since when SCL is let go and still low; NO_TIME if it is not."""
+        """The tick of SCL's release while it is still low; else NO_TIME."""
         return self._let_go_at if self._rising else NO_TIME
 
     def act(self, tag: int) -> None:
@@ -193,7 +193,7 @@ class I2cController(BitParty):
     # Transfers ----------------------------------------------------------------
 
     def begin(self, transfer: Transfer, done: Callable[[Transfer], None]) -> None:
-        """Start as soon as the bus has been free long enough; `done(transfer)` comes with its STOP."""
+        """Start as soon as the bus has been free long enough; `done(transfer)` is called with its STOP."""
         if self.busy:
             raise ValueError(f"{self.who}: asked for transfer {transfer.name!r} while {self._transfer.name!r} runs")
         self.busy = True
@@ -219,7 +219,7 @@ class I2cController(BitParty):
             free_at = self._last_stop + self.timing.free
             self._then(free_at if free_at > now else now + self.timing.free, BEGIN)
             return
-        self._calm()
+        self._disarm_guard()
         self._refused_since = NO_TIME
         phase = self._phase = self._transfer.phases[self._phase_index]
         phase.start_at = now
@@ -232,7 +232,7 @@ class I2cController(BitParty):
         self._then(now + self.timing.start_hold, FIRST_LOW)
 
     def _may_start(self, now: int) -> bool:
-        """Both lines are high; and the bus is free for long enough, or ours already."""
+        """True if both lines are high, and the bus has been free long enough, or is this controller's."""
         if not self._scl_wire.level or not self._sda():
             return False
         return self._phase_index > 0 or not (self._bus_busy or now < self._last_stop + self.timing.free)
@@ -243,7 +243,7 @@ class I2cController(BitParty):
         return now - max(self._refused_since, self._scl_moved) >= self._clear_after
 
     def _cleared(self, clocks: int, free: bool) -> None:
-        """The bus was cleared, or nine clocks were not enough. A transfer that was under way is lost."""
+        """Continue after a bus clear, successful or not. A transfer in progress is lost."""
         self._mark("clear", clocks)
         self._refused_since = NO_TIME
         if free and self._phase_index:
@@ -258,7 +258,7 @@ class I2cController(BitParty):
         if (before ^ levels) & SDA:
             if before >> 1 != self._sda_seen:
                 self._settle(now)
-            self._sda_moved, self._sda_event = now, self._unspoilt(now, event)
+            self._sda_moved, self._sda_event = now, self._classify_sda_edge(now, event)
         if (before ^ levels) & SCL:
             if now - self._scl_moved >= self._filter:
                 self._scl_seen = before & SCL
@@ -269,7 +269,7 @@ class I2cController(BitParty):
         if self._rising:
             if levels & SCL:
                 self._rising = False
-                self._calm()
+                self._disarm_guard()
                 stretch = now - self._let_go_at
                 if stretch > self._stretch:
                     self._stretch = self._phase.stretch = stretch
@@ -277,14 +277,14 @@ class I2cController(BitParty):
             else:
                 self._watch_stuck()
 
-    def _unspoilt(self, now: int, event: int) -> int:
-        """What a change of SDA is where SCL has just been spiked: START and STOP are decided behind the filter."""
+    def _classify_sda_edge(self, now: int, event: int) -> int:
+        """Return the condition of an SDA change just after a spike of SCL: decided by the levels after the filter."""
         if event != NOTHING or now - self._scl_moved >= self._filter or not self._scl_seen:
             return event
         return START if self._lines & SDA else STOP
 
     def _settle(self, now: int) -> None:
-        """What SDA's last change was, once it has outlasted the filter. It counts from when it came."""
+        """Apply SDA's last change once it has outlasted the filter, at its original tick."""
         level = self._lines >> 1
         if level == self._sda_seen or now - self._sda_moved < self._filter:
             return
@@ -296,7 +296,7 @@ class I2cController(BitParty):
             self._last_stop = self._sda_moved
 
     def _sda(self) -> int:
-        """SDA as it is seen behind the filter."""
+        """Return SDA after the filter."""
         self._settle(self._kernel.now)
         return self._sda_seen
 
@@ -310,7 +310,7 @@ class I2cController(BitParty):
         self._bit = self._in = 0
 
     def _low(self, sda: int) -> None:
-        """SCL falls; SDA goes to `sda` a hold time later; SCL is let go after the low time."""
+        """Pull SCL; SDA changes to `sda` after the hold time; SCL is released after the low time."""
         self._scl_wire.pull(self._scl_mask, 0)
         if sda == self._sda_level:
             self._then(self._kernel.now + self._low_time, RELEASE)
@@ -323,7 +323,7 @@ class I2cController(BitParty):
         self._sda_wire.pull(self._sda_mask, level)
 
     def _release(self) -> None:
-        """SCL is let go. If nobody else holds it, it rises now; else with the edge that we then wait for."""
+        """Release SCL. If no other party holds it, it rises now; else wait for its edge."""
         self._scl_wire.pull(self._scl_mask, 1)
         self._let_go_at = self._kernel.now
         self._rising = True
@@ -335,7 +335,7 @@ class I2cController(BitParty):
         self._then(now + self._high, self._high_end)
 
     def _bit_end(self) -> None:
-        """End of the high phase: read SDA, go on to the next bit."""
+        """End the high phase: sample SDA, go to the next bit."""
         level = self._sda()
         bit = self._bit
         if bit == 8:
@@ -352,14 +352,14 @@ class I2cController(BitParty):
             self._low(self._ack_level() if self._receiving else 1)
 
     def _ack_level(self) -> int:
-        """What a reading controller answers: 0 until the last byte."""
+        """Return the level of a reading controller's acknowledge: 0 until the last byte."""
         return 1 if self._index + 1 >= self._wanted else 0
 
     # Bytes --------------------------------------------------------------------
 
     def _byte_end(self, ack: bool) -> None:
         phase = self._phase
-        refused = not ack and (self._index < 0 or not self._receiving)  # a reader refuses the last byte itself
+        refused = not ack and (self._index < 0 or not self._receiving)  # a reader itself NACKs the last byte
         if self._index < 0:
             phase.acked = ack
             self._mark("address", self._in << 1 | (not ack))
@@ -406,13 +406,13 @@ class I2cController(BitParty):
         self._transfer.stop_at = self._kernel.now
         self._done(self._transfer)
 
-    # Trouble ------------------------------------------------------------------
+    # Stuck lines ------------------------------------------------------------------
 
     def _watch_stuck(self) -> None:
         if self._stuck_after and not self._guard:
             self._guard = self._kernel.ask(self._kernel.now + self._stuck_after, self, STUCK)
 
-    def _calm(self) -> None:
+    def _disarm_guard(self) -> None:
         if self._guard:
             self._kernel.cancel(self._guard)
             self._guard = None
@@ -420,7 +420,7 @@ class I2cController(BitParty):
     def _stuck(self) -> None:
         self._guard = None
         due = self._scl_moved + self._stuck_after
-        if due > self._kernel.now:  # another controller's transfers went on meanwhile
+        if due > self._kernel.now:  # another controller's transfers continued meanwhile
             self._guard = self._kernel.ask(due, self, STUCK)
             return
         wire = self._sda_wire if self._scl_wire.level else self._scl_wire

@@ -1,9 +1,9 @@
-"""A target that stretches, or is faulty: rules go in around its answers; held lines, NACKs, wrong bytes come out.
+"""A target that stretches, or is faulty: rules change its answers by held lines, NACKs, wrong bytes.
 
-    answer, sends, hears --> each rule: this phase, this byte, this time, by chance? --> the target's answer, changed
+    answer, send_byte, receive_byte --> each rule: this phase, byte, time, by chance? --> the target's answer, changed
 
-Bytes count from 0, the address; phases, each a START with the target's address, from 1. A target that is off answers
-nobody until its power comes back.
+Bytes are numbered from 0, the address; phases, each a START with the target's address, from 1. A target without power
+answers nothing until the power returns.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ class Answers(Protocol):
 
 @dataclass(frozen=True)
 class When:
-    """Which bytes a rule strikes. bytes, phases: empty for each. access: R/W bit, None for both. until: None: always.
+    """Conditions of a rule. bytes, phases: empty for all. access: R/W bit, None for both. until: None: always.
 
-    share: of the bytes that are left, drawn by `random`. after, until: ticks.
+    share: of the remaining bytes, drawn by `random`. after, until: ticks.
     """
 
     random: Random
@@ -60,26 +60,26 @@ class When:
 
 
 class Rule:
-    """A way in which a target is disturbed. What a subclass does not change stays as it is."""
+    """A disturbance of a target. By default nothing is changed."""
 
     def __init__(self, when: When) -> None:
         self.when = when
-        self.phase = 0  # those that `when.access` lets count, so far
+        self.phase = 0  # phases with `when.access` so far
 
     def refuses(self) -> bool:
-        """True where the byte that strikes is not acknowledged."""
+        """Return True if the byte is not acknowledged."""
         return False
 
-    def sends(self, value: int) -> int:
-        """What is sent instead of the byte."""
+    def send_byte(self, value: int) -> int:
+        """Return the byte to send instead of `value`."""
         return value
 
     def strike(self) -> None:
-        """What else happens; SCL has just fallen, before the ACK or the first bit."""
+        """Apply other effects; SCL has just fallen, before the ACK or the first bit."""
 
 
 class Stretch(Rule):
-    """least, most: ticks; each time one value between."""
+    """least, most: ticks; a random duration in between each time."""
 
     def __init__(self, when: When, least: int, most: int, hold_clock: Callable[[int], None]) -> None:
         super().__init__(when)
@@ -104,24 +104,24 @@ class Wrong(Rule):
         super().__init__(when)
         self._value = value
 
-    def sends(self, value: int) -> int:
+    def send_byte(self, value: int) -> int:
         return self._value
 
 
 class Flip(Rule):
-    """bit: 7 is sent first; None for one by chance."""
+    """bit: 7 is sent first; None for a random one."""
 
     def __init__(self, when: When, bit: int | None) -> None:
         super().__init__(when)
         self._bit = bit
 
-    def sends(self, value: int) -> int:
+    def send_byte(self, value: int) -> int:
         bit = self.when.random.randrange(8) if self._bit is None else self._bit
         return value ^ 1 << bit
 
 
 class HoldData(Rule):
-    """Pulls a held line, SDA, at each strike."""
+    """A rule that holds SDA low at each strike."""
 
     def __init__(self, when: When, sda: HeldLine) -> None:
         super().__init__(when)
@@ -132,7 +132,7 @@ class HoldData(Rule):
 
 
 class DisturbedTarget:
-    """It is its own reply, to the phase under way."""
+    """A target with rules. It is its own reply to the present phase."""
 
     ack = True
 
@@ -173,19 +173,19 @@ class DisturbedTarget:
             rule.strike()
         return self
 
-    def hears(self, byte: int, value: int) -> bool:
+    def receive_byte(self, byte: int, value: int) -> bool:
         assert self._reply is not None
         striking = self._striking(byte + 1)
         for rule in striking:
             rule.strike()
-        return not any(rule.refuses() for rule in striking) and self._reply.hears(byte, value)
+        return not any(rule.refuses() for rule in striking) and self._reply.receive_byte(byte, value)
 
-    def sends(self, byte: int) -> int:
+    def send_byte(self, byte: int) -> int:
         assert self._reply is not None
-        value = self._reply.sends(byte)
+        value = self._reply.send_byte(byte)
         for rule in self._striking(byte + 1):
             rule.strike()
-            value = rule.sends(value)
+            value = rule.send_byte(value)
         return value
 
     def _striking(self, byte: int) -> list[Rule]:
@@ -194,7 +194,7 @@ class DisturbedTarget:
 
 
 def cut_power(kernel: Kernel, side: TargetSide, target: Answers, at: int, until: int | None) -> None:
-    """The target is off from one tick to the other, or for good."""
+    """Switch the target off between two ticks, or forever."""
     kernel.at(at, lambda: side.power(False))
 
     def come_back() -> None:

@@ -1,8 +1,8 @@
-"""Says what happens on an I2C bus on which no agent is the controller: edges go in, BUS records come out.
+"""BUS records of an I2C bus without a controller agent, from its edges.
 
     SCL, SDA --sampled together--> START, address, byte, NACK, STOP, as a controller agent records them
 
-So that budgets on the bus can be kept by firmware that is the master, and by captures.
+They allow budgets on the bus for firmware that is the master, and for captures.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """

@@ -1,11 +1,11 @@
-"""Listens to an I2C bus: levels of SCL and SDA and who pulls them go in, transfers as their master made them come out.
+"""Monitor of an I2C bus: reconstructs transfers as their master made them, from levels and pulling parties.
 
-    SCL, SDA, who pulls --> START, clocks, STOP of the master --> Transfer: phases, bytes, ACKs, times, stretching
+    SCL, SDA, parties --> START, clocks, STOP of the master --> Transfer: phases, bytes, ACKs, times, stretching
 
-The master is who pulls SDA for the START and then SCL. A clock begins where it pulls SCL; a START or STOP is its own
-pull or release of SDA while SCL is high. So a spike of somebody else, or a slave that lost count, changes what the
-master reads and not what it makes. Where SCL stays low behind the master's release, it is stretched. Nobody is asked:
-an agent, a firmware and a capture are heard alike.
+The master is the party that pulls SDA for the START and then SCL. A clock begins where it pulls SCL; a START or STOP is
+its own pull or release of SDA while SCL is high. So another party's spike, or a slave that lost count, changes what the
+master reads but not what it does. If SCL stays low after the master's release, it is stretched. This works equally for
+an agent, firmware and a capture.
 
 Source: UM10204 sections 3.1.4 to 3.1.10, Table 10 (tSP).
 """
@@ -29,46 +29,46 @@ BITS = 9  # of a byte, its ACK included
 
 @final
 class I2cMonitor(BitParty):
-    """told: given each transfer with its STOP. names: what to call a transfer, by address.
+    """on_transfer: called with each transfer at its STOP. names: names of transfers, by address.
 
-    filter: ticks; a level of SDA that lasts less is not read.
+    filter: ticks; shorter levels of SDA are ignored.
     """
 
     def __init__(
         self,
         scl: Wire,
         sda: Wire,
-        told: Callable[[Transfer], None],
+        on_transfer: Callable[[Transfer], None],
         names: Mapping[int, str],
         filter: int = 0,
     ) -> None:
         self._scl, self._sda = scl, sda
-        self._told = told
+        self._on_transfer = on_transfer
         self._names = names
-        self._start_at = NO_TIME  # SDA fell, and whoever pulled it gave no clock yet
-        self._starting = 0  # who pulled SDA then
-        self._masters_of: dict[int, tuple[int, int]] = {}  # whose holds those who pull it are, on both wires
-        self._versions = scl.version, sda.version  # of which that holds
-        self._scl_mask = self._sda_mask = 0  # the master's holds on the wires; 0 between transfers
-        self._pulls_scl = self._pulls_sda = False  # the master does
+        self._start_at = NO_TIME  # SDA fell, without a clock of the pulling party yet
+        self._starting = 0  # the parties that pulled SDA then
+        self._masters_of: dict[int, tuple[int, int]] = {}  # masks of the pulling parties on both wires
+        self._versions = scl.version, sda.version  # versions of the wires for these masks
+        self._scl_mask = self._sda_mask = 0  # the master's pulls on the wires; 0 between transfers
+        self._pulls_scl = self._pulls_sda = False  # True while the master pulls
         self._began_at = NO_TIME
         self._first = True  # the master's next pull of SCL is the START's own
-        self._let_go_at = NO_TIME  # the master has let go of SCL, which has not risen yet
+        self._let_go_at = NO_TIME  # the master has released SCL, which has not risen yet
         self._rose_at = NO_TIME
-        self._ended_at = NO_TIME  # somebody gave a STOP, and the master no clock since
-        self._pulled_at = self._clock_length = 0  # the master's last pull of SCL, and from the one before to it
+        self._ended_at = NO_TIME  # another party gave a STOP, and the master no clock since
+        self._pulled_at = self._clock_length = 0  # the master's last pull of SCL, and the time since the one before
         self._transfer = Transfer("", [])
         self._phase = Phase(0, False)
-        self._stretch = 0  # the longest of the phase
-        self._reads = self._acked = False  # what its address says, and whether somebody is there
-        self._acks: list[bool] = []  # of its data bytes
+        self._stretch = 0  # the longest stretch of the phase
+        self._reads = self._acked = False  # R/W of its address, and its acknowledge
+        self._acks: list[bool] = []  # acknowledges of its data bytes
         self._got = bytearray()
         self._index = -1  # -1: address byte, else the number of the data byte
         self._bits = 0
         self._in = 0
         self._filter = filter
         self._sda_at = -filter
-        self._sda_seen = 1  # what SDA was before it moved last, spikes left out
+        self._sda_seen = 1  # SDA before its last change, without spikes
         sampler = watch([scl, sda], self)
         self._levels = sampler.levels
         for wire in (scl, sda):
@@ -76,17 +76,17 @@ class I2cMonitor(BitParty):
 
     @property
     def held_since(self) -> int:
-        """Since when the master has let go of SCL and it is still low; NO_TIME if it is not."""
+        """The tick of the master's release of SCL while it is still low; else NO_TIME."""
         return self._let_go_at
 
     @property
     def begun_at(self) -> int:
-        """The START of the transfer under way; NO_TIME if there is none."""
+        """The START of the present transfer; NO_TIME if there is none."""
         return self._began_at if self._scl_mask else NO_TIME
 
     @property
     def open_transfer(self) -> Transfer | None:
-        """The transfer under way, with the phases whose address is over; None if there is none."""
+        """The present transfer, with the phases whose address is over; None if there is none."""
         return self._transfer if self._scl_mask and self._transfer.phases else None
 
     def sampled(self, now: int, levels: int) -> None:
@@ -125,7 +125,7 @@ class I2cMonitor(BitParty):
     # START and STOP ----------------------------------------------------------------
 
     def _first_clock(self, now: int) -> None:
-        """SCL is low behind a START: if one who pulled SDA for it pulls SCL, that is the master."""
+        """Begin a transfer if a party that pulled SDA for a START pulls SCL: it is the master."""
         mask, sda_mask = self._masters()
         if self._scl.pulling & mask:
             self._scl_mask, self._sda_mask = mask, sda_mask
@@ -136,7 +136,7 @@ class I2cMonitor(BitParty):
             self._start_at = self._let_go_at = self._ended_at = NO_TIME
 
     def _masters(self) -> tuple[int, int]:
-        """The holds on SCL, and on SDA, of those who pulled SDA for the START."""
+        """Return the masks, on SCL and SDA, of the parties that pulled SDA for the START."""
         versions = self._scl.version, self._sda.version
         if versions != self._versions:
             self._versions = versions
@@ -148,7 +148,7 @@ class I2cMonitor(BitParty):
         return holds
 
     def _condition(self, now: int, before: int, levels: int) -> None:
-        """SCL is high as far as the master goes: it has let go of it, and it has risen."""
+        """Detect START and STOP while SCL is high and released by the master."""
         pulled, self._pulls_sda = self._pulls_sda, bool(self._sda.pulling & self._sda_mask)
         if before & ~levels & SDA and self._given_up(now):
             self._over(self._ended_at)
@@ -161,7 +161,7 @@ class I2cMonitor(BitParty):
             self._ended_at = now
 
     def _given_up(self, now: int) -> bool:
-        """Somebody else gave a STOP in the middle of the transfer, and the master no clock for as long as two take."""
+        """True if another party gave a STOP in mid-transfer, and the master no clock for the time of two."""
         return self._ended_at != NO_TIME and now - self._pulled_at > 2 * self._clock_length
 
     def _phase_begins(self, at: int) -> None:
@@ -177,12 +177,12 @@ class I2cMonitor(BitParty):
         self._let_go_at = NO_TIME
         if self._transfer.phases:
             self._transfer.stop_at = at
-            self._told(self._transfer)
+            self._on_transfer(self._transfer)
 
     # Clocks ------------------------------------------------------------------------
 
     def _clock(self, now: int, before: int, levels: int, pulls: bool) -> None:
-        """SCL is low, falls or rises. pulls: the master pulls it."""
+        """Handle SCL low, falling or rising. pulls: True if the master pulls it."""
         if pulls and not self._pulls_scl:
             self._ended_at = NO_TIME
             self._clock_length, self._pulled_at = now - self._pulled_at, now
@@ -234,5 +234,5 @@ def _parties(wire: Wire, mask: int) -> list[str]:
 
 
 def _mask(wire: Wire, parties: set[str]) -> int:
-    """The holds of these parties; a unit's pin is the unit's."""
+    """Return the mask of these parties' pulls; a unit's pin belongs to the unit."""
     return sum(1 << place for place, who in enumerate(wire.parties()) if who.partition(".")[0] in parties)

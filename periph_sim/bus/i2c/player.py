@@ -1,11 +1,11 @@
-"""The controller's half of an I2C bus, played from a list: moves go in, SCL and SDA edges come out.
+"""The controller's half of an I2C bus, replayed from a list of moves of SCL and SDA.
 
     moves: SDA 0, SCL 0, SDA 1, SCL 1 ...  -->  the lines
-                                   ^--- closed loop: SCL let go counts from when SCL really rose
+                                   ^--- closed loop: times after a release of SCL count from its actual rise
 
-It knows no bytes and no ACKs: what a controller once did, it does again, right or wrong, also a pulse no
-protocol asks for. Only the clock is a conversation: while somebody else holds SCL low it waits, and all that
-follows comes later by as much.
+It has no notion of bytes and ACKs: it repeats what a controller once did, right or wrong, including pulses outside
+any protocol. Only the clock is closed-loop: while another party holds SCL low it waits, and everything after that is
+delayed by as much.
 
 Source: UM10204 section 3.1.9 (clock stretching).
 """
@@ -21,7 +21,7 @@ from ...core.wire import Wire
 
 
 class Move(NamedTuple):
-    """after: ticks since the move before, or since SCL's rise where that let SCL go. level: 0 pulls, 1 lets go."""
+    """after: ticks since the move before, or since SCL's rise if that released SCL. level: 0 pulls, 1 releases."""
 
     after: int
     clock: bool  # SCL, else SDA
@@ -29,9 +29,9 @@ class Move(NamedTuple):
 
 
 class I2cPlayer:
-    """delay: ticks lost to stretches that are over. longest: the longest of them.
+    """delay: total ticks of past stretches. longest: the longest of them.
 
-    waiting_since: SCL is let go and somebody else holds it low; NO_TIME otherwise.
+    waiting_since: the tick of SCL's release while another party holds it low; else NO_TIME.
     """
 
     def __init__(self, kernel: Kernel, scl: Wire, sda: Wire, who: str = "controller") -> None:
@@ -52,11 +52,11 @@ class I2cPlayer:
         return self._next < len(self._moves)
 
     def held(self, now: int) -> int:
-        """Ticks for which others have held SCL low so far since it was let go; 0 if they do not."""
+        """Return the ticks for which others have held SCL low since its release; 0 if they do not."""
         return 0 if self.waiting_since == NO_TIME else now - self.waiting_since
 
     def play(self, moves: Sequence[Move], done: Callable[[], None]) -> None:
-        """Make the moves, the first one `after` from now; `done()` comes with the last."""
+        """Make the moves, the first one `after` from now; `done()` is called with the last."""
         if self.busy:
             raise ValueError(f"{self.who}: asked to play while {len(self._moves) - self._next} moves are left")
         self._moves, self._next, self._done = moves, 0, done
@@ -91,4 +91,4 @@ class I2cPlayer:
 
 
 def _nothing() -> None:
-    """Nobody asked to be told."""
+    """Do nothing: the default callback."""

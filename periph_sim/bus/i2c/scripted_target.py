@@ -1,9 +1,9 @@
-"""I2C targets that answer as they once did: lists of answers by address go in; ACKs and bytes on the wires come out.
+"""I2C targets that answer from lists of recorded answers by address.
 
     SCL, SDA --> TargetSide --> address known? next answer --> SDA
 
-It stands for the devices of a bus that are not the one under test. It stretches where its answer says so. An address
-without answers left is not acknowledged.
+It replaces the devices of a bus that are not under test. It stretches if its answer says so. An address without
+remaining answers is not acknowledged.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
@@ -21,7 +21,7 @@ from .target_side import Stretches, TargetSide
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """To one START with its address. data: sent in a read, ones follow. acks: of the bytes written; then all ACK.
+    """Answer to a START with its address. data: sent in a read, followed by ones. acks: of written bytes; then ACK.
 
     stretches: (byte, bit, ticks) as in `target_side.Reply`.
     """
@@ -31,10 +31,10 @@ class Answer:
     acks: tuple[bool, ...] = ()
     stretches: Stretches = ()
 
-    def sends(self, byte: int) -> int:
+    def send_byte(self, byte: int) -> int:
         return self.data[byte] if byte < len(self.data) else 0xFF
 
-    def hears(self, byte: int, value: int) -> bool:
+    def receive_byte(self, byte: int, value: int) -> bool:
         return byte >= len(self.acks) or self.acks[byte]
 
 
@@ -54,6 +54,6 @@ class ScriptedTarget(TargetSide):
         super().__init__(kernel, scl, sda, self._next, hold, who)
 
     def _next(self, address_byte: int) -> Answer | None:
-        """The answer to this address byte; None if none is left."""
+        """Return the answer to this address byte; None if none is left."""
         waiting = self._left.get(address_byte >> 1)
         return waiting.popleft() if waiting else None

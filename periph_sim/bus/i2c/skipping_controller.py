@@ -34,14 +34,14 @@ class SkippingController(I2cController):
         return self._scl_mask if line == SCL else self._sda_mask
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Its filter sees each level of a bit, and no line is being watched for being stuck."""
+        """True if its filter passes each level of a bit, and no line is monitored for being stuck."""
         return self._guard is None and self._filter <= min(high, hold, low - hold)
 
     def byte(self) -> int:
         return ONES if self._receiving else self._byte
 
     def keeps_bus(self, shown: int) -> bool:
-        """It loses arbitration where another party pulls SDA while it sends 1."""
+        """False if it loses arbitration: another party pulls SDA while it sends 1."""
         return self._receiving or shown == self._byte
 
     def set_bit_position(self, shown: int, bit: int, fell: int) -> None:

@@ -1,6 +1,6 @@
-"""A line that stays low for too long: its levels go in; who asked is told, and a BUS record says it.
+"""Detection of a line that stays low for too long: calls a callback and makes a BUS record.
 
-For scenes in which no agent is the controller, which would tell it.
+For scenes without a controller agent, which would report it.
 
 Source: SMBus specification section 3.1.1.3 for the default of 25 ms (tTIMEOUT); UM10204 has no limit.
 """
@@ -22,9 +22,9 @@ STUCK_AFTER = Fraction(25, 1000)
 
 
 class StuckWatch(BitParty):
-    """Reports a wire to `told`, once each time that it has been low for `limit` ticks.
+    """Reports a wire to `on_stuck`, once each time that it has been low for `limit` ticks.
 
-    bit_skip: what skips bits on its bus.
+    bit_skip: the skipper of bits on its bus.
     """
 
     def __init__(
@@ -33,14 +33,14 @@ class StuckWatch(BitParty):
         recorder: Recorder,
         wire: Wire,
         limit: int,
-        told: Callable[[Wire], None],
+        on_stuck: Callable[[Wire], None],
         bit_skip: BitSkip | None = None,
     ) -> None:
         self._kernel = kernel
         self._recorder = recorder
         self._wire = wire
         self._limit = limit
-        self._told = told
+        self._on_stuck = on_stuck
         self._fell = kernel.now
         self._guarded = False
         self._reported = False
@@ -66,7 +66,7 @@ class StuckWatch(BitParty):
             self._guard()
 
     def _guard(self) -> None:
-        """One event at a time, however often the line moves."""
+        """Schedule one event at a time, however often the line moves."""
         self._guarded = True
         self._kernel.at(self._fell + self._limit, self._look)
 
@@ -80,4 +80,4 @@ class StuckWatch(BitParty):
             return
         self._reported = True
         self._recorder.emit(self._kernel.now, Kind.BUS, WHO, "stuck", self._wire.level)
-        self._told(self._wire)
+        self._on_stuck(self._wire)

@@ -1,10 +1,10 @@
-"""The wire side of any I2C target: SCL and SDA go in, ACKs and bytes come out; what to say somebody else knows.
+"""The wire side of any I2C target: ACKs and bytes on SCL and SDA; a `Reply` provides their content.
 
-    SCL, SDA --> START, bits, STOP --> whom? --> Reply: sends(byte), hears(byte, value) --> SDA
+    SCL, SDA --> START, bits, STOP --> address --> Reply: send_byte(byte), receive_byte(byte, value) --> SDA
                                                  on_end(stop, whole)
 
-Each START with an address asks `answer` for a reply. A bit changes `hold` after SCL fell. It stretches only where
-the reply says so, or who answers calls `hold_clock` meanwhile.
+Each START with an address asks `answer` for a reply. A bit changes `hold` after SCL fell. It stretches only if the
+reply says so, or if `hold_clock` is called by it.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
@@ -22,20 +22,20 @@ from .bit_skip import ONES, BitParty
 from .bit_times import SKIPPED_BITS
 from .line_events import EVENTS, FALL, IDLE, RISE, SCL, SDA, START
 
-# What the target does: nothing, since it is not meant or no START has come; the rest is as it says.
-NOT_MEANT, HEARS_ADDRESS, HEARS_DATA, SENDS_DATA = range(4)
+# Activities of the target; NOT_MEANT: not addressed, or no START yet.
+NOT_MEANT, RECEIVES_ADDRESS, RECEIVES_DATA, SENDS_DATA = range(4)
 
-# What an event is for: SDA takes its level, SCL is let go.
+# Purposes of events: SDA changes its level, SCL is released.
 DRIVE, LET_GO = range(2)
 
 Stretches = tuple[tuple[int, int, int], ...]
 
 
 class Reply(Protocol):
-    """To one START with its address.
+    """Reply to a START with its address.
 
-    stretches: (byte, bit, ticks) where SCL stays low for so long after its fall, before that bit. Byte -1 is the
-    address, of which only bit 8, the ACK, can be stretched: before it nobody knows who is meant.
+    stretches: (byte, bit, ticks) for which SCL is held low after its fall, before that bit. Byte -1 is the address, of
+    which only bit 8, the ACK, can be stretched: before it the addressed target is not known.
     """
 
     @property
@@ -44,21 +44,21 @@ class Reply(Protocol):
     @property
     def stretches(self) -> Stretches: ...
 
-    def sends(self, byte: int) -> int:
-        """Data byte number 0, 1, ... of a read; asked once, when its first bit is due."""
+    def send_byte(self, byte: int) -> int:
+        """Return data byte number 0, 1, ... of a read; called once, when its first bit is due."""
 
-    def hears(self, byte: int, value: int) -> bool:
-        """Data byte number 0, 1, ... of a write has come. True acknowledges it."""
+    def receive_byte(self, byte: int, value: int) -> bool:
+        """Receive data byte number 0, 1, ... of a write. True acknowledges it."""
 
 
 def _ignore(stop: bool, whole: bool) -> None:
-    """Nobody asked for ends."""
+    """Do nothing: the default for `on_end`."""
 
 
 class TargetSide(BitParty):
-    """answer: given the address byte, R/W included. hold: ticks from SCL's fall to its change of SDA.
+    """answer: called with the address byte, R/W included. hold: ticks from SCL's fall to its change of SDA.
 
-    on_end: told when a phase that `answer` acknowledged ends, by a STOP or else by another START; whole: not in the
+    on_end: called when a phase that `answer` acknowledged ends, by a STOP or else by another START; whole: not in the
     middle of a byte.
     """
 
@@ -81,15 +81,15 @@ class TargetSide(BitParty):
         self._answer = answer
         self._does = NOT_MEANT
         self._reply: Reply | None = None
-        self._stretches: dict[tuple[int, int], int] = {}  # of this reply: (byte, bit) -> ticks
-        self._bit = 0  # rising SCL of this byte so far
+        self._stretches: dict[tuple[int, int], int] = {}  # stretches of this reply: (byte, bit) -> ticks
+        self._bit = 0  # rises of SCL in this byte so far
         self._in = 0
         self._out = 0xFF
         self._byte = 0  # number of the data byte
         self._refused = False  # the controller's NACK in a read
-        self._level = 1  # what SDA gets
+        self._level = 1  # the next level of SDA
         self._on_end = on_end
-        self._taken = False  # the phase under way is acknowledged
+        self._taken = False  # True if the present phase is acknowledged
         self._held_until = 0
         self._powered = True
         watch([scl, sda], self)
@@ -112,8 +112,8 @@ class TargetSide(BitParty):
         elif event:
             if self._taken:
                 self._taken = False
-                self._on_end(event != START, self._bit <= 1)  # SCL has risen once for the START or STOP itself
-            self._does = HEARS_ADDRESS if event == START and self._powered else NOT_MEANT
+                self._on_end(event != START, self._bit <= 1)  # SCL rises once for the START or STOP itself
+            self._does = RECEIVES_ADDRESS if event == START and self._powered else NOT_MEANT
             self._bit = self._in = 0
             self._stretches = {}
             self._put(1)
@@ -129,20 +129,20 @@ class TargetSide(BitParty):
             self._stretch()
 
     def _stretch(self) -> None:
-        """SCL has fallen: hold it, if the reply does so before the bit that comes."""
-        byte = -1 if self._does == HEARS_ADDRESS else self._byte
+        """Hold SCL after its fall, if the reply stretches before the next bit."""
+        byte = -1 if self._does == RECEIVES_ADDRESS else self._byte
         ticks = self._stretches.pop((byte, self._bit), 0)
         if ticks:
             self.hold_clock(ticks)
 
     def hold_clock(self, ticks: int) -> None:
-        """Hold SCL low from now on for so long. Call it from `answer`, `sends` or `hears`: SCL has just fallen then."""
+        """Hold SCL low for a time from now on. Call it from `answer` or the reply: SCL has just fallen then."""
         self._scl.drive(0)
         self._held_until = max(self._held_until, self._kernel.now + ticks)
         self._kernel.ask(self._kernel.now + ticks, self, LET_GO)
 
     def power(self, on: bool) -> None:
-        """Off: both lines are let go at once, and no START is seen until power comes back."""
+        """Switch the power. Off: both lines are released at once, and no START is seen until it returns."""
         self._kernel.materialize()
         self._powered = on
         if not on:
@@ -160,10 +160,10 @@ class TargetSide(BitParty):
             self._refused = level == 1
 
     def _ninth(self) -> int:
-        """SDA for the ninth bit, once eight are over."""
+        """Return SDA for the ninth bit, once eight are over."""
         if self._does == SENDS_DATA:
             return 1
-        if self._does == HEARS_ADDRESS:
+        if self._does == RECEIVES_ADDRESS:
             self._reply = self._answer(self._in)
             if self._reply is None:
                 return 1
@@ -172,14 +172,14 @@ class TargetSide(BitParty):
                 self._stretches = {(byte, bit): ticks for byte, bit, ticks in stretches}
             return int(not self._reply.ack)
         assert self._reply is not None
-        return int(not self._reply.hears(self._byte, self._in))
+        return int(not self._reply.receive_byte(self._byte, self._in))
 
     def _byte_over(self) -> None:
         self._bit = 0
-        if self._does == HEARS_ADDRESS:
+        if self._does == RECEIVES_ADDRESS:
             self._byte = 0
             meant = self._taken = self._reply is not None and self._reply.ack
-            self._does = NOT_MEANT if not meant else SENDS_DATA if self._in & 1 else HEARS_DATA
+            self._does = NOT_MEANT if not meant else SENDS_DATA if self._in & 1 else RECEIVES_DATA
         else:
             self._byte += 1
             if self._does == SENDS_DATA and self._refused:
@@ -187,7 +187,7 @@ class TargetSide(BitParty):
         self._in = 0
         if self._does == SENDS_DATA:
             assert self._reply is not None
-            self._out = self._reply.sends(self._byte)
+            self._out = self._reply.send_byte(self._byte)
             self._put(self._out >> 7)
         else:
             self._put(1)
@@ -201,7 +201,7 @@ class TargetSide(BitParty):
         return fall + self._hold
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """It stretches nothing, and moves SDA as far from SCL's edges as the controller does."""
+        """True if it does not stretch, and changes SDA as far from SCL's edges as the controller does."""
         if self._does == NOT_MEANT:
             return True
         least = self._hold if each else hold

@@ -1,7 +1,7 @@
-"""A transfer on an I2C bus: what is asked of a controller goes in; what came of it stands beside it afterwards.
+"""A transfer on an I2C bus: the request to a controller, and its result afterwards.
 
-BusTiming                 how a controller clocks
-Transfer --> Phases       START to STOP, and what lies between two STARTs
+BusTiming                 a controller's clocking
+Transfer --> Phases       START to STOP, divided by STARTs
 """
 
 # core: compiled
@@ -16,11 +16,11 @@ from ...core.time import NO_TIME
 
 
 class BusTiming(Struct, frozen=True):
-    """All in ticks; each what the controller does, not a limit. filter: a level of SDA that lasts less is not seen."""
+    """Actual times of a controller, not limits, in ticks. filter: shorter levels of SDA are ignored."""
 
-    low: int  # SCL let go this long after it fell
-    high: int  # SCL falls this long after it rose
-    hold: int  # SDA changes this long after SCL fell
+    low: int  # SCL's fall to its release
+    high: int  # SCL's rise to its fall
+    hold: int  # SCL's fall to SDA's change
     start_hold: int  # SDA falls to SCL falls, START
     start_setup: int  # SCL rises to SDA falls, repeated START
     stop_setup: int  # SCL rises to SDA rises, STOP
@@ -32,13 +32,12 @@ class BusTiming(Struct, frozen=True):
 class Phase:
     """One addressed part of a transfer: START or repeated START, address, bytes.
 
-    address: the 7-bit address, right-aligned. data: the bytes to write, or what is
-    expected of a read (compared, None where nothing is expected). count: bytes to read.
-    address_byte: sent instead of address and R/W (general call, START byte).
+    address: the 7-bit address, right-aligned. data: the bytes to write. count: bytes to read. expect: the bytes that a
+    read should return (None: not compared). address_byte: sent instead of address and R/W (general call, START byte).
 
-    What came of it: acked; got; acks, of data bytes, whoever gave them; start_at: SDA fell; answer_from: SCL fell after
-    the address's ACK; answer_at: SCL rose for the first data bit; stretch: the longest time that the other side held
-    SCL low beyond `low`.
+    Results: acked; got; acks: of data bytes, by either side; start_at: SDA fell; answer_from: SCL fell after the
+    address's ACK; answer_at: SCL rose for the first data bit; stretch: the longest time that the other side held SCL
+    low beyond `low`.
     """
 
     __slots__ = (
@@ -91,7 +90,7 @@ class Phase:
 
 @final
 class Transfer:
-    """What happens between a START and its STOP, and what came of it. lost: arbitration."""
+    """The phases between a START and its STOP, and their results. lost: arbitration was lost."""
 
     __slots__ = ("lost", "name", "phases", "stop_at")
 
@@ -116,7 +115,7 @@ class Transfer:
         return count
 
     def all_acked(self) -> bool:
-        """As `acked`, to be called."""
+        """Return `acked`, as a method."""
         acked = not self.lost
         phase: Phase
         for phase in self.phases:

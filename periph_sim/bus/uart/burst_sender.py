@@ -1,4 +1,4 @@
-"""Sends bursts of characters, right and wrong ones, and breaks: bursts go in, edges come out.
+"""Sender of bursts of characters, valid and invalid ones, and breaks.
 
     burst  --queue--> | character | gap | character |      one burst after the other, never two at once
                       begin                         end
@@ -21,13 +21,13 @@ from .frame_format import UartFormat
 
 
 class Drives(Protocol):
-    """What a sender holds: a pin, or a driver that is enabled for each burst."""
+    """The output of a sender: a pin, or a driver that is enabled for each burst."""
 
     def drive(self, level: int) -> None: ...
 
 
 class Enables(Protocol):
-    """A driver that lets go of its line between bursts."""
+    """A driver that releases its line between bursts."""
 
     def enable(self, on: bool) -> None: ...
 
@@ -53,7 +53,7 @@ class Character(NamedTuple):
 class Burst:
     """bit: ticks of one, exact. gap: ticks between characters. low: ticks of a break, instead of characters.
 
-    idle: bits that the line must have been idle before it. name: of who sends it, for messages.
+    idle: bits that the line must have been idle before it. name: of the sender, for messages.
     """
 
     bit: Fraction
@@ -83,7 +83,7 @@ class Burst:
         return edges, int(at)
 
     def over_by(self, ticks: int) -> int:
-        """How many of its characters are over so long after its begin."""
+        """Return the number of its characters that are over `ticks` after its begin."""
         at = Fraction(0)
         for number, character in enumerate(self.characters):
             at += self.bit * len(character.levels(self.form))
@@ -94,7 +94,7 @@ class Burst:
 
 
 class _Edges(EdgeSender):
-    """out: what it drives."""
+    """out: its output."""
 
     __slots__ = ("_out",)
 
@@ -107,13 +107,13 @@ class _Edges(EdgeSender):
 
 
 class BurstSender:
-    """out: what it drives. enabled: a driver to switch on for each burst. hold: ticks that it stays on behind one."""
+    """out: its output. enabled: a driver to switch on for each burst. hold: ticks that it stays on after one."""
 
     def __init__(self, kernel: Kernel, out: Drives, who: str, enabled: Enables | None = None, hold: int = 0) -> None:
         self.who = who
-        self._characters = 0  # of bursts that are over
-        self._burst: Burst | None = None  # the one under way
-        self._began = self._ends_at = 0  # of the last one
+        self._characters = 0  # of past bursts
+        self._burst: Burst | None = None  # the present one
+        self._began = self._ends_at = 0  # begin and end of the last one
         self._kernel = kernel
         self._edges = _Edges(kernel, out)
         self._enabled = enabled
@@ -125,22 +125,22 @@ class BurstSender:
 
     @property
     def line(self) -> tuple[Fraction, UartFormat] | None:
-        """Ticks of a bit and the format of the burst under way, or of the last one; None before the first."""
+        """Ticks of a bit and the format of the present or last burst; None before the first."""
         return self._line
 
     @property
     def characters(self) -> int:
-        """How many are over: their last stop bits have been on the line."""
+        """Number of characters whose last stop bits are over."""
         under_way = 0 if self._burst is None else self._burst.over_by(self._kernel.now - self._began)
         return self._characters + under_way
 
     @property
     def busy_with(self) -> tuple[str, int] | None:
-        """The name of the burst under way, and the tick at which it ends."""
+        """The name of the present burst, and the tick at which it ends; None if idle."""
         return None if self._burst is None else (self._burst.name, self._ends_at)
 
     def send(self, burst: Burst, begins: Callable[[int], None], ends: Callable[[int], None]) -> None:
-        """Send a burst as soon as the line is free. begins, ends: told at which tick."""
+        """Send a burst as soon as the line is free. begins, ends: called with the tick."""
         self._waiting.append((burst, begins, ends))
         if not self._busy:
             self._next()

@@ -10,7 +10,7 @@ EDGE = 0x100  # tag of the events of edges; a subclass may have others
 
 
 class EdgeSender(Agent):
-    """mask: its hold on the line."""
+    """mask: its pull on the line."""
 
     __slots__ = ("_edges", "_kernel", "_level", "_mask", "_next")
 

@@ -1,4 +1,4 @@
-"""How a UART frame is made: a byte and a format go in, the levels of its bits come out.
+"""Format of UART frames, and the levels of a frame's bits.
 
 start  data, LSB first  [address]  [parity]  stop [stop]
 """
@@ -9,7 +9,7 @@ from msgspec import Struct
 
 
 class UartFormat(Struct, frozen=True):
-    """bits: 1 to 8. parity: "none", "even" or "odd". stop: stop bits, 1 or 2. address: an address bit behind the data.
+    """bits: 1 to 8. parity: "none", "even" or "odd". stop: stop bits, 1 or 2. address: an address bit after the data.
 
     The parity is that of the data and the address bit.
     """
@@ -32,7 +32,7 @@ class UartFormat(Struct, frozen=True):
         return self.parity == "none" or sum(levels[1:end]) & 1 == (self.parity == "odd")
 
     def levels(self, byte: int, address: int = 0) -> list[int]:
-        """The levels of one frame, bit by bit, start bit first. address: the address bit, where there is one."""
+        """Return the levels of one frame, bit by bit, start bit first. address: the address bit, if there is one."""
         data = [byte >> i & 1 for i in range(self.bits)] + [address] * self.address
         frame = [0, *data]
         if self.parity != "none":

@@ -1,4 +1,4 @@
-"""Records the frames of a UART line: begin, end and byte of each, whoever sent it.
+"""Recorder of the frames of a UART line: begin, end and byte of each.
 
 UartReader --> begin, end 55       or error 55: the parity is wrong, or the stop bit is low
 """
@@ -12,7 +12,7 @@ from .reader import Heard, Line, UartReader
 
 
 class UartMonitor:
-    """line: as of a `UartReader`."""
+    """line: as for a `UartReader`."""
 
     def __init__(self, kernel: Kernel, recorder: Recorder, wire: Wire, line: Line) -> None:
         self._begins, self._ends, self._errors = (

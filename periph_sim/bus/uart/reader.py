@@ -1,10 +1,10 @@
-"""Reads a UART line: edges go in; begin and end of each frame, and what it carries, come out, whoever sent it.
+"""Reader of a UART line: begin, end and value of each frame, from any sender.
 
     wire  --|___+---|___...---+------      start bit, data, parity, stop
             on_begin          on_end(Heard)
 
-What a frame carries is read in the middle of each bit. It ends with its last stop bit, or with the start bit of the
-next one if that comes first.
+The value of a frame is read in the middle of each bit. It ends with its last stop bit, or with the start bit of the
+next one if that is earlier.
 """
 
 # core: compiled
@@ -24,7 +24,7 @@ Line = Callable[[], tuple[Fraction, UartFormat]]
 
 
 class Heard(NamedTuple):
-    """A frame. good: its parity is right and its stop bits are high. address: its address bit, where it has one."""
+    """A frame. good: its parity is right and its stop bits are high. address: its address bit, if it has one."""
 
     begin: int
     end: int
@@ -34,7 +34,7 @@ class Heard(NamedTuple):
 
 
 class UartReader(Agent):
-    """line: the length of a bit in ticks, exact, and the format of frames; asked at each start bit."""
+    """line: the length of a bit in ticks, exact, and the format of frames; called at each start bit."""
 
     __slots__ = (
         "_bit",
@@ -64,8 +64,8 @@ class UartReader(Agent):
         self._format = UartFormat()
         self._length = 0  # bits of a frame
         self._halves: list[int] = []  # ticks from the start of a frame to the begin of each half bit, and to its end
-        self._edges: list[int] = []  # of the frame under way, its start bit's first
-        self._ending: Event | None = None  # the kernel's promise to end the frame under way
+        self._edges: list[int] = []  # edges of the present frame, from its start bit on
+        self._ending: Event | None = None  # the event at the end of the present frame
         watch([wire], self)
 
     def act(self, tag: int) -> None:
@@ -83,7 +83,7 @@ class UartReader(Agent):
             self._begin(now)
 
     def _set_line(self, now: int) -> None:
-        """How a frame that begins now is read."""
+        """Set the bit times and format of a frame that begins now."""
         if now == self._set_at:
             return
         self._set_at = now
@@ -97,8 +97,8 @@ class UartReader(Agent):
         self._set_line(now)
         self._start, self._edges = now, [now]
         self._ending = self._kernel.ask(now + self._halves[2 * self._length], self)
-        for told in self.on_begin:
-            told(now)
+        for callback in self.on_begin:
+            callback(now)
 
     def _end(self) -> None:
         self._ending = None
@@ -106,7 +106,7 @@ class UartReader(Agent):
         levels = []
         passed: int
         level: int
-        passed, level = 0, 1  # edges so far, and the level behind them
+        passed, level = 0, 1  # edges so far, and the level after them
         bit: int
         for bit in range(self._length):
             middle: int = self._start + self._halves[2 * bit + 1]
@@ -119,5 +119,5 @@ class UartReader(Agent):
             value |= levels[1 + bit] << bit
         address = levels[1 + form.bits] if form.address else 0
         heard = Heard(self._start, self._kernel.now, value, form.is_kept_by(levels), address)
-        for told in self.on_end:
-            told(heard)
+        for callback in self.on_end:
+            callback(heard)

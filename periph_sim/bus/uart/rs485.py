@@ -1,9 +1,9 @@
 """An RS-485 pair and the transceivers on it: drivers that are switched on and off share one line.
 
-    TX --> driver --on by DE--> pair --> receiver --> RX     (deaf while its own driver is on, unless it hears itself)
+    TX --> driver --on by DE--> pair --> receiver --> RX     (off while its own driver is on, unless `hears_itself`)
 
-A pair that nobody drives is idle: its bias makes it a 1. Of several drivers that are on at once, a 0 wins; that they
-are is a collision, whatever they drive.
+A pair without an active driver is idle: its bias makes it a 1. Of several drivers that are on at once, a 0 wins; more
+than one active driver is a collision, whatever they drive.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from ...core.time import NO_TIME
 from ...core.wire import Wire
 from .reader import Heard, Line, UartReader
 
-COLLISION, CUT = "collision", "cut"  # what is recorded of a pair besides its frames
+COLLISION, CUT = "collision", "cut"  # records of a pair besides its frames
 
 
 class Rs485Pair:
-    """on_collision: told (tick, who drives) as a second driver goes on while one is."""
+    """on_collision: called with (tick, drivers) when a second driver is switched on."""
 
     def __init__(self, kernel: Kernel, recorder: Recorder, wire: Wire) -> None:
         self.kernel = kernel
@@ -31,12 +31,12 @@ class Rs485Pair:
         self._on: list[Driver] = []
 
     def driver(self, who: str) -> Driver:
-        """A new driver on the pair, off."""
+        """Return a new driver on the pair, switched off."""
         return Driver(self, who)
 
     @property
     def driving(self) -> Driver | None:
-        """The driver that has been on longest, of those that are on."""
+        """The active driver that has been on longest."""
         return self._on[0] if self._on else None
 
     def record(self, what: str, text: str) -> None:
@@ -44,7 +44,7 @@ class Rs485Pair:
             self._recorder.emit(self.kernel.now, Kind.FRAME, self.wire.name, what, 0, text)
 
     def switched(self, driver: Driver) -> None:
-        """A driver went on or off."""
+        """Handle a driver that was switched on or off."""
         if not driver.on:
             self._on.remove(driver)
             return
@@ -52,8 +52,8 @@ class Rs485Pair:
         if len(self._on) > 1:
             who = tuple(one.who for one in self._on)
             self.record(COLLISION, " and ".join(who))
-            for told in self.on_collision:
-                told(self.kernel.now, who)
+            for callback in self.on_collision:
+                callback(self.kernel.now, who)
 
 
 class Driver:
@@ -84,15 +84,15 @@ class Driver:
         self._pair.switched(self)
 
     def was_on(self, tick: int) -> bool:
-        """True if it was on at a tick not long ago."""
+        """Return True if it was on at a recent tick."""
         return self._last_on != NO_TIME and self._last_on <= tick and (self.on or tick < self._last_off)
 
 
 class Transceiver:
-    """line: how the frames on `tx` are made. at_first: the level at DE as long as nobody drives it.
+    """line: format of the frames on `tx`. at_first: the level at DE while it is not driven.
 
-    on_cut: told (tick, ticks) as the driver goes off so long before a frame is over; as one begins while it is off,
-    with 0.
+    on_cut: called with (tick, ticks) when the driver is switched off `ticks` before the end of a frame; with 0 when a
+    frame begins while it is off.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class Transceiver:
         self.line = line
         self._hears_itself = hears_itself
         self._out = rx.attach(who)
-        self._ends_at = NO_TIME  # of the frame under way
+        self._ends_at = NO_TIME  # end of the present frame
         self.driver.drive(tx.level)
         if at_first:
             self.driver.enable(True)
@@ -132,8 +132,8 @@ class Transceiver:
 
     def _cut(self, ticks: int) -> None:
         self.pair.record(CUT, self.driver.who)
-        for told in self.on_cut:
-            told(self.pair.kernel.now, ticks)
+        for callback in self.on_cut:
+            callback(self.pair.kernel.now, ticks)
 
     def _hear(self) -> None:
         deaf = self.driver.on and not self._hears_itself

@@ -1,4 +1,4 @@
-"""A UART sender on a wire: bytes and a rate go in, edges come out.
+"""A UART sender on a wire.
 
 The k-th bit of a burst of bytes begins at an exact rational of the rate, rounded down to
 a tick, so a long burst does not drift.
@@ -23,7 +23,7 @@ from .frame_format import UartFormat
 
 @lru_cache(maxsize=16)
 def _known_edges(frame_format: UartFormat) -> dict[int, list[int]]:
-    """Byte -> the bits of its frame at whose begin the level changes, of the bytes that any sender has sent so."""
+    """Return a cache: byte -> the bits of its frame at whose begin the level changes."""
     return {}
 
 
@@ -67,20 +67,20 @@ class UartSender(EdgeSender):
         self._format = frame_format or UartFormat()
         self._length = self._format.length
         self._edges_of = _known_edges(self._format)
-        self._gap: Fraction | None = None  # of the burst sent last
+        self._gap: Fraction | None = None  # gap of the last burst
         self._begins: list[int] = []  # with that gap, ticks from a burst's begin to that of each bit, frame by frame
         self._ends_at = 0
         self._done: Callable[[int], None] = lambda tick: None
 
     @property
     def busy(self) -> bool:
-        """Whether a burst is on the wire, its last stop bit included."""
+        """True while a burst is on the wire, its last stop bit included."""
         return bool(self._edges) or self._kernel.now < self._ends_at
 
     def send(self, data: bytes, gap: Fraction, done: Callable[[int], None]) -> None:
         """Send `data` from now on with `gap` idle bits between bytes.
 
-        `done(tick)` comes at the last rising edge at the latest and is given the end of the last stop bit.
+        `done(tick)` is called at the last rising edge at the latest, with the end of the last stop bit.
         """
         if self.busy:
             raise ValueError(f"{self.who}: asked to send while a burst is still on the wire")
@@ -118,7 +118,7 @@ class UartSender(EdgeSender):
         self._done(self._ends_at)
 
     def _measure(self, frames: int, gap: Fraction) -> None:
-        """When the bits of so many frames begin, and when each frame ends."""
+        """Compute when the bits of a number of frames begin, and when each frame ends."""
         known = len(self._begins) // (self._length + 1)
         if gap is not self._gap and gap != self._gap:
             self._begins = []
@@ -126,7 +126,7 @@ class UartSender(EdgeSender):
         self._gap = gap
         if known >= frames:
             return
-        parts, pause = gap.denominator, gap.numerator  # a bit has `parts` parts, so that every instant is whole
+        parts, pause = gap.denominator, gap.numerator  # a bit has `parts` parts, so that instants are whole numbers
         num, den = self._bit.numerator, self._bit.denominator * parts
         frame: BigInt
         for frame in range(known, frames):

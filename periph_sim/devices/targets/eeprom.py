@@ -124,12 +124,12 @@ class Eeprom:
             self._pointer = (address_byte >> 1 & self._part.blocks - 1) << 8 | self._pointer & 0xFF
         return self
 
-    def sends(self, byte: int) -> int:
+    def send_byte(self, byte: int) -> int:
         value = self.memory[self._pointer]
         self._pointer = (self._pointer + 1) % self._part.size
         return value
 
-    def hears(self, byte: int, value: int) -> bool:
+    def receive_byte(self, byte: int, value: int) -> bool:
         if byte < self._part.word:
             above = self._pointer & ~0xFF if self._part.word == 1 else self._pointer << 8
             self._pointer = (above | value) % self._part.size

@@ -67,7 +67,7 @@ class RegisterDevice:
         self._byte, self._taken = 0, None
         return self
 
-    def sends(self, byte: int) -> int:
+    def send_byte(self, byte: int) -> int:
         self._catch_up()
         table, index = self._cell()
         if table is None:
@@ -83,7 +83,7 @@ class RegisterDevice:
         self._move_on(table)
         return value >> self._shift(table, index) & 0xFF
 
-    def hears(self, byte: int, value: int) -> bool:
+    def receive_byte(self, byte: int, value: int) -> bool:
         if byte < self._settings.pointer_bytes:
             self._pointer = (0 if byte == 0 else self._pointer << 8) | value
             self._byte, self._taken = 0, None

@@ -109,13 +109,13 @@ class Rtc:
             self._note(f"{self._why_none}; it does not count from there in this model")
         return self
 
-    def sends(self, byte: int) -> int:
+    def send_byte(self, byte: int) -> int:
         at, self._pointer = self._pointer, (self._pointer + 1) % SIZE
         if at == STATUS:
             return self._latches | self._failed * RTCF
         return self._shown[at - CLOCK.start] if at in CLOCK else self._stored[at]
 
-    def hears(self, byte: int, value: int) -> bool:
+    def receive_byte(self, byte: int, value: int) -> bool:
         if byte < 2:
             self._pointer = (0 if byte == 0 else self._pointer << 8) | value
             if byte == 1:

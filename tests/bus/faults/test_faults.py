@@ -159,7 +159,7 @@ def test_without_every_a_fault_comes_once_and_without_times_for_ever():
         (
             "spike",
             {"at": "1 us", "every": "1 us", "spread": "2 us", "wire": "SCL", "width": "1 us"},
-            "spread is longer than every, so one would come before the last; shorten it",
+            "spread is longer than every, so faults would be out of order; shorten it",
         ),
         ("hold", {"at": "1 us", "wire": "SDA"}, "either for a length or for so many clocks; give one of them"),
         ("hold", {"at": "1 us", "wire": "SDA", "length": "1 us", "clocks": 9}, "give one of them"),

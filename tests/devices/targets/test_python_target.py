@@ -110,12 +110,12 @@ def test_its_pins_drive_wires_and_show_their_levels(tmp_path: Path):
     target = scene.devices["mine"].target
     shown = []
     for level in (0, 1):
-        target.hears(0, level)
+        target.receive_byte(0, level)
         scene.kernel.run_until(scene.kernel.now)
-        shown.append((scene.wires["DRDY"].level, target.sends(0)))
+        shown.append((scene.wires["DRDY"].level, target.send_byte(0)))
     assert shown == [(0, 0), (1, 1)]
     with pytest.raises(FirmwareError, match=r"line 6 of mine\.py: drive was given 2; expected 0 or 1"):
-        target.hears(0, 2)
+        target.receive_byte(0, 2)
 
 
 @pytest.mark.parametrize(

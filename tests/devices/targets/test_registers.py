@@ -221,7 +221,7 @@ def test_the_interrupt_pin_follows_its_bits(active: str):
     assert (idle, wire.level) == ((1, 0) if active == "low" else (0, 1)) and before == 1
     target = scene.devices["it"].target
     reply = target.answer(0x48 << 1 | 1)
-    assert reply is not None and reply.sends(0) == 1
+    assert reply is not None and reply.send_byte(0) == 1
     scene.kernel.run_until(per_ms + 1)
     assert wire.level == idle  # STATUS was read
     scene.kernel.run_until(2 * per_ms)

@@ -2,9 +2,9 @@
 
     transfers --> CapturedController --> SCL, SDA <-- ScriptedTarget <-- captured answers
 
-They can differ from the capture without the firmware, for instance where `longest_low` cuts a pause of the controller.
-`without_firmware` plays them alone, with the captured answers in the firmware's place: a difference that occurs there,
-too, is the agents' own.
+They can differ from the capture without the firmware, for instance if `longest_low` cuts a pause of the controller.
+`without_firmware` plays them alone, with the captured answers in the firmware's place: a difference that also occurs
+there is the agents' own.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ AGENTS = "the replay's own controller and targets"
 class Plan:
     """The settings with which the agents play a capture.
 
-    own: addresses of the firmware. origin: tick of the capture's begin. longest_low: positions for which the controller
-    holds SCL low at most, None: as captured. least_gap: ticks between two transfers, in which the controller makes up
-    for what was late; None: it keeps the captured pauses, so that all that follows is as late.
+    own: addresses of the firmware. origin: tick of the capture's begin. longest_low: maximum positions for which the
+    controller holds SCL low, None: as captured. least_gap: minimum ticks between two transfers, by which the controller
+    catches up after a delay; None: it keeps the captured pauses, so that all later transfers are delayed.
     """
 
     part: Played
@@ -54,7 +54,7 @@ class Plan:
 
 
 class CapturedController:
-    """Plays the controller's half of each transfer; the answers of targets that are not the firmware's come with it.
+    """Player of the controller's half of each transfer, and of the answers of targets other than the firmware.
 
     player: makes the edges. begun: transfers so far. on_end: called after the last.
     """
@@ -68,13 +68,13 @@ class CapturedController:
         self._hold = usual_hold(plan.part.transfers, plan.part.half_sample)
         self._late = 0  # ticks by which the last transfer ended later than captured
         self._cut = 0  # ticks by which `longest_low` has shortened it
-        self._delay = 0  # of the player, when it began
+        self._delay = 0  # delay of the player at its begin
         answers = plan.part.answers_of_others(plan.own)
         if answers:
             ScriptedTarget(kernel, scl, sda, answers, plan.timebase.ticks(HOLD, "nearest"))
 
     def go_on(self) -> None:
-        """Play the next transfer when it is due, and all that follow."""
+        """Play the next transfer when it is due, and all after it."""
         self._late = max(0, self._late + self.player.delay - self._delay - self._cut)
         self._delay = self.player.delay
         if self.begun == len(self._plan.part.transfers):
@@ -118,7 +118,7 @@ def without_firmware(plan: Plan, start: int, end: int, tolerance: Fraction) -> C
 
 
 def agents_own(outcome: Comparison, alone: Comparison, tolerance: Fraction) -> Comparison:
-    """The outcome with its cause at each difference that `alone`, without the firmware, shows at the same event."""
+    """Return the outcome with a cause at each difference that `alone`, without the firmware, has at the same event."""
     return replace(outcome, ranked=tuple(_marked(one, alone.ranked, tolerance) for one in outcome.ranked))
 
 
@@ -126,28 +126,28 @@ def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction)
     for other in alone:
         if (one.kind, one.index) == (other.kind, other.index) and _is_same(one, other, float(tolerance)):
             what = "their time" if one.kind == TIMING else "this event"
-            return replace(one, cause=f"{AGENTS} differ in {what} without the firmware, too")
+            return replace(one, cause=f"{AGENTS} also differ in {what} without the firmware")
     return one
 
 
 def _is_same(one: Divergence, other: Divergence, tolerance: float) -> bool:
-    """True if both differ in the same way from the capture."""
+    """Return True if both differ in the same way from the capture."""
     if one.kind != TIMING:
         return one.found == other.found
     return one.replay_s is not None and other.replay_s is not None and abs(one.replay_s - other.replay_s) <= tolerance
 
 
 def first_judged(outcome: Comparison, times: bool) -> Divergence | None:
-    """The earliest difference that fails a replay; times: differences in time do."""
+    """Return the earliest difference that fails a replay. times: differences in time count."""
     judged = [one for one in outcome.ranked if times or one.kind != TIMING]
     return min(judged, key=lambda one: one.index, default=None)
 
 
 def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequence[int]) -> str:
-    """Return a sentence that says why a refusal of the firmware's address is no fault; "" if it may be one.
+    """Return why a NACK of the firmware's address is not an error; "" if it may be one.
 
-    expected: events of the capture. Firmware that has answered before, and refuses after captured refusals, is busy for
-    longer than the captured target. A controller that polls would ask again, but only the captured polls are played.
+    expected: events of the capture. Firmware that has answered before, and sends NACK after captured NACKs, is busy for
+    longer than the captured target. A controller that polls would repeat, but only the captured polls are played.
     """
     if (first.expected, first.found) != ("ACK", "NACK"):
         return ""
@@ -159,8 +159,8 @@ def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequen
     if before[-1] != "NACK" or not before[-2].startswith(f"address {address} "):
         return ""
     return (
-        f"the firmware refuses {address} once more where the captured target answers behind refusals: a controller "
-        "that polls would ask again, and the replayed one asks as often as in the capture"
+        f"the firmware does not acknowledge {address} once more where the captured target answers after NACKs: a "
+        "controller that polls would repeat, and the replayed one polls as often as in the capture"
     )
 
 

@@ -1,12 +1,12 @@
-"""Frames that receivers may read one way or another: what a line holds and what was received go in; both come out
-without what nobody can judge.
+"""Handling of frames that receivers may read either way: what a line holds and what was received, without the
+ambiguous parts.
 
     frames, rejected starts  --fit?-->  words to compare, one against one
-    words received           ------->   ambiguous: frames with a glitch where receivers look at a bit
+    words received           ------->   ambiguous: frames with a glitch at a sample point
 
-A glitch in a data, parity or stop bit leaves that bit open, so the word may have either. One in the start bit, or a
-start that is nearly one, leaves open whether a frame begins at all; a receiver that takes it otherwise may read other
-frames up to the next pause. There the words are followed from the first place at which both agree again.
+A glitch in a data, parity or stop bit leaves that bit open, so the word may have either value. One in the start bit,
+or a nearly valid start, leaves open if a frame begins at all; a receiver that decides otherwise may read other
+frames up to the next pause. There, comparison resumes at the first place at which both agree again.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from ..traces.decode.uart import Event, Frame, Line, RejectedStart
 from .compare import Happened
 from .event_names import byte_words
 
-LIKELY = Fraction(1, 4)  # bits that a rejected start lasts at least where a receiver may take it for a start bit
-AHEAD = 8  # words that must agree where two readings meet again
-EXTRA = 2  # words that a receiver may read besides those of the frames
+LIKELY = Fraction(1, 4)  # minimum bits of a rejected start that a receiver may accept
+AHEAD = 8  # words that must agree where comparison resumes
+EXTRA = 2  # words that a receiver may read in addition to the frames
 
 
 class Word(NamedTuple):
@@ -40,7 +40,7 @@ class Word(NamedTuple):
 
 @dataclass
 class Settled:
-    """expected, found: what can be compared. ambiguous: the frames that were left out."""
+    """expected, found: the comparable parts. ambiguous: the omitted frames."""
 
     expected: list[Happened] = field(default_factory=list)
     found: list[Happened] = field(default_factory=list)
@@ -48,7 +48,7 @@ class Settled:
 
 
 def settled(events: Sequence[Event], line: Line, rate: Fraction, found: Sequence[Word]) -> Settled:
-    """What of a line can be judged. rate: positions a second."""
+    """Return the parts of a line that can be judged. rate: positions a second."""
     return _Settling(events, line, rate, found).result()
 
 
@@ -63,7 +63,7 @@ class _Settling:
             for event in events
             if isinstance(event, Frame) or (isinstance(event, RejectedStart) and event.end - event.at >= LIKELY * width)
         ]
-        self._pause = 2 * line.frame * width  # between two starts: whatever the first was read as is over
+        self._pause = 2 * line.frame * width  # between two starts: any reading of the first is over
 
     def result(self) -> Settled:
         done = Settled()
@@ -93,7 +93,7 @@ class _Settling:
             done.found.append(self._found[word].happened)
 
     def _fits(self, frame: Frame, word: Word) -> bool:
-        """Whether a word is one of those that the frame may be read as."""
+        """True if a word is a possible reading of the frame."""
         data = (1 << self._line.bits) - 1
         open_data = frame.unsure >> 1 & data
         checked = self._line.parity != "none"
@@ -106,9 +106,9 @@ class _Settling:
         )
 
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
-        """(items, words) to be left out from an unsure start on, within its burst: those behind which most agrees.
+        """Return (items, words) to omit from an unsure start on, within its burst: those before the best agreement.
 
-        Of equals the fewest items, and as many words as there are frames among them, or nearly so.
+        Of equal ones the fewest items, and about as many words as there are frames among them.
         """
         usual = int(isinstance(self._items[item], Frame))
         last = item + 1
@@ -124,7 +124,7 @@ class _Settling:
         return best
 
     def _agreeing(self, item: int, word: int) -> int:
-        """How many of the next words are those of the next items; AHEAD where as many are, or both end."""
+        """Return the number of next words that fit the next items; AHEAD if as many do, or both end."""
         items, found = self._items[item : item + AHEAD], self._found[word : word + AHEAD]
         for number, event in enumerate(items):
             if not isinstance(event, Frame) or event.unsure & 1:

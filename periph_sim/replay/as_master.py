@@ -1,10 +1,10 @@
-"""What a firmware must be set to so that it does as the captured controller did: transfers go in, a script comes out.
+"""Settings with which firmware repeats the captured controller: a script from its transfers.
 
     transfers --> "50 W 00 Sr 50 R 6", the pause before it, the targets' answers with their stretches
               --> or why the F28335 cannot do that as master
 
-The lines do not show who held SCL low: a low phase much longer than the usual one counts as the target's, where a
-target may stretch, that is from the address's ACK on.
+The lines do not show who held SCL low: a low phase much longer than usual counts as the target's, where a target may
+stretch, that is from the address's ACK on.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from ..traces.decode.i2c import Byte, Phase, Transfer
 from .i2c_script import is_addressed, turns
 from .i2c_setup import Played
 
-CUT = "the capture, or what is known of it, ends before their STOP"
+CUT = "the capture, or its known part, ends before their STOP"
 BROKEN = "the controller broke off a byte with a repeated START or STOP"
 EMPTY = "START without an address byte"
 NO_DATA = "a read of no byte, whose address was acknowledged"
-AGAINST = "the controller went on behind a NACK"
+AGAINST = "the controller continued after a NACK"
 
 
 @dataclass
 class AsMaster:
-    """script, pauses: a transfer each, pauses in positions. left_out: reason -> how many transfers cannot be done."""
+    """script, pauses: one entry a transfer, pauses in positions. left_out: reason -> number of omitted transfers."""
 
     script: list[str] = field(default_factory=list)
     pauses: list[Fraction] = field(default_factory=list)
@@ -37,7 +37,7 @@ class AsMaster:
 
 
 def as_master(part: Played, ticks_per_position: Fraction) -> AsMaster:
-    """The script, and what the targets answer to it."""
+    """Return the script, and the targets' answers to it."""
     found = AsMaster()
     over: int | None = None
     for transfer in part.transfers:
@@ -57,7 +57,7 @@ def as_master(part: Played, ticks_per_position: Fraction) -> AsMaster:
 def stretched_answers(
     transfers: list[Transfer], long_low: Fraction, ticks_per_position: Fraction
 ) -> dict[int, list[Answer]]:
-    """Return the targets' answers by address, with their stretches. long_low: positions; a longer low phase is one."""
+    """Return the targets' answers by address, with their stretches. long_low: positions; longer lows are stretches."""
     answers: dict[int, list[Answer]] = defaultdict(list)
     phases = [phase for transfer in transfers for phase in transfer.phases if is_addressed(phase)]
     for phase, turn in zip(phases, turns(transfers), strict=True):
@@ -67,7 +67,7 @@ def stretched_answers(
 
 
 def obstacle(transfer: Transfer) -> str:
-    """Why the F28335 as master cannot do a transfer; empty if it can."""
+    """Return why the F28335 as master cannot do a transfer; empty if it can."""
     if transfer.stop is None:
         return CUT
     for phase in transfer.phases:

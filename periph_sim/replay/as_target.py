@@ -1,9 +1,9 @@
-"""What a firmware must be set to so that it answers as the captured target did: turns go in, settings come out.
+"""Settings with which firmware answers like the captured target, from the target's turns.
 
     turns of one address --> address, replies, asleep, busy
 
-A run of refused addresses becomes a time in which the firmware is out of reach: from the STOP of the write before
-it, or from the start, up to the middle between the last refusal and the START of the first turn that was answered.
+A run of refused addresses becomes a time in which the firmware does not answer: from the STOP of the write before it,
+or from the start, up to the middle between the last NACK and the START of the first turn that was answered.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from .i2c_script import Turn
 
 @dataclass
 class AsTarget:
-    """Settings, times in positions of the capture. refused: refusals that neither `asleep` nor `busy` can imitate."""
+    """Settings, times in positions of the capture. refused: NACKs that neither `asleep` nor `busy` can reproduce."""
 
     address: int
-    replies: list[bytes] = field(default_factory=list)  # one a read
-    asleep: Fraction | None = None  # out of reach from the start up to here
+    replies: list[bytes] = field(default_factory=list)  # one for each read
+    asleep: Fraction | None = None  # does not answer from the start up to here
     busy: list[Fraction] = field(default_factory=list)  # after the n-th write that a STOP ended
     refused: int = 0
 
 
 def as_target(address: int, turns: Iterable[Turn], end: int) -> AsTarget:
-    """The settings for one address. end: where a refusal that nothing follows is over."""
+    """Return the settings for one address. end: end of a final NACK."""
     found = AsTarget(address)
     refused: list[Turn] = []
-    last: Turn | None = None  # answered
+    last: Turn | None = None  # the last answered turn
     for turn in turns:
         if turn.address != address:
             continue

@@ -1,4 +1,4 @@
-"""Which channel of a capture is which line: `scl=0,sda=1` and the channels' names go in, a mapping comes out.
+"""Mapping of a capture's channels to lines, by `scl=0,sda=1` or the channels' names.
 
 scl and sda are an I2C capture, rx alone a UART capture, all three a session.
 """
@@ -15,7 +15,7 @@ ALL = (*I2C, *UART)
 
 
 def channel_map(capture: Capture, text: str | None, session: bool = False) -> dict[str, str]:
-    """Line -> channel. Without a text, channels that are called so are taken.
+    """Return line -> channel. Without a text, channels are found by name.
 
     session: all three lines, if there are three.
     """
@@ -26,13 +26,13 @@ def channel_map(capture: Capture, text: str | None, session: bool = False) -> di
         if all(len(channels) == 1 for channels in found.values()):
             return {line: channels[0].name for line, channels in found.items()}
     raise BadReplay(
-        f"{capture.path}: no channels called scl and sda, or rx; say which they are with --map scl=CHANNEL,sda=CHANNEL "
+        f"{capture.path}: no channels named scl and sda, or rx; name them with --map scl=CHANNEL,sda=CHANNEL "
         f"or --map rx=CHANNEL; it has {listed(capture.channels)}"
     )
 
 
 def serial_channel(capture: Capture, text: str | None) -> str:
-    """The channel that is RX: `rx=0`, or the one called so, or the only one. BadReplay if it is not clear."""
+    """Return the channel that is RX: `rx=0`, or the one of that name, or the only one. BadReplay if ambiguous."""
     if text is None and len(capture.channels) == 1:
         return capture.channels[0].name
     if text is None:
@@ -40,7 +40,7 @@ def serial_channel(capture: Capture, text: str | None) -> str:
         if len(lines) == 1:
             return lines[0].name
         raise BadReplay(
-            f"{capture.path}: which channel is RX? say --uart FILE,rx=CHANNEL; it has {listed(capture.channels)}"
+            f"{capture.path}: which channel is RX? give --uart FILE,rx=CHANNEL; it has {listed(capture.channels)}"
         )
     lines_given = _given(capture, text, "--uart")
     if set(lines_given) != set(UART):

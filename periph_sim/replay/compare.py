@@ -1,9 +1,9 @@
-"""Two lists of events, the capture's and the replay's: where they part, and how far apart in time they are.
+"""Comparison of the events of a capture and its replay: their divergences and differences in time.
 
-    expected, found --> compare --> Comparison: the first wrong byte, ACK, event, and the first that is off in time
+    expected, found --> compare --> Comparison: the first wrong byte, ACK, event, and the first wrong time
 
 An event is compared by its words ("address 50 write", "ACK"), not by its time. A wrong byte or ACK does not end the
-comparison, since the events behind it still stand opposite each other; any other difference does.
+comparison, since later events still correspond to each other; any other difference does.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Happened:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One line of the chip's history: a register field that changed, or a CPU access.
+    """An entry of the chip's history: a register field that changed, or a CPU access.
 
     at_s: seconds since the capture began. what: "I2C-A.I2CSTR.AAS" or "W I2C-A.I2CDXR". value: the field's new
     value, or the word that was read or written.
@@ -46,10 +46,10 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """index: events before it. Times in seconds since the capture began; None where nothing came.
+    """index: number of events before it. Times in seconds since the capture began; None without an event.
 
-    kind: one of KINDS. history: what the chip's registers did around it, in order. cause: the statement of the firmware
-    that made it, or what else did, as a phrase.
+    kind: one of KINDS. history: changes of the chip's registers around it. cause: the firmware's statement, or
+    another cause, as a phrase.
     """
 
     index: int
@@ -64,11 +64,11 @@ class Divergence:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """agreed: events that both lists have, in the same order, as many as there are. lag: the largest difference in time
-    up to the first that differs, in seconds.
+    """agreed: number of events that both lists have, in the same order. lag: the largest difference in time up to the
+    first that differs, in seconds.
 
-    divergence: the first one but for timing. ranked: the first of each kind in order of time, since an earlier one may
-    be the cause of a later one; timing last, since a stretch moves all that follows.
+    divergence: the first one except timing. ranked: the first of each kind in order of time, since an earlier one may
+    cause a later one; timing last, since a stretch delays all later events.
     """
 
     agreed: int
@@ -78,14 +78,14 @@ class Comparison:
 
 
 def kind_of(words: str) -> str:
-    """BYTE, ACK or EVENT."""
+    """Return BYTE, ACK or EVENT."""
     if words in CONDITIONS or words.startswith("cut off"):
         return EVENT
     return ACK if words in ("ACK", "NACK") else BYTE
 
 
 def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: Fraction | None = None) -> Comparison:
-    """Where the lists part, also where one is longer. tolerance: seconds; None: times are not judged."""
+    """Find where the lists differ, also in length. tolerance: seconds; None: times are not judged."""
     lag = Fraction(0)
     parted = False
     first: dict[str, Divergence] = {}
@@ -104,15 +104,15 @@ def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: 
             if not parted:
                 lag = max(lag, abs(off))
             if tolerance is not None and abs(off) > tolerance and TIMING not in first:
-                told = f"{was.words} {float(abs(off) * 1_000_000):.3f} us {'later' if off > 0 else 'earlier'}"
-                first[TIMING] = Divergence(index, was.words, told, *times, TIMING)
+                difference = f"{was.words} {float(abs(off) * 1_000_000):.3f} us {'later' if off > 0 else 'earlier'}"
+                first[TIMING] = Divergence(index, was.words, difference, *times, TIMING)
     ranked = tuple(sorted(first.values(), key=lambda divergence: (divergence.kind == TIMING, divergence.index)))
     earliest = ranked[0] if ranked and ranked[0].kind != TIMING else None
     return Comparison(_in_both(expected, found) if parted else len(expected), earliest, lag, ranked)
 
 
 def _in_both(expected: Sequence[Happened], found: Sequence[Happened]) -> int:
-    """How many events the lists have in common, in order."""
+    """Return the number of events that the lists have in common, in order."""
     numbers: dict[str, int] = {}
     rows = [[numbers.setdefault(event.words, len(numbers)) for event in events] for events in (expected, found)]
     return sum(run.length for run in align(*rows))

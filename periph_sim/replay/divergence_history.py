@@ -1,7 +1,7 @@
-"""Divergences and the chip's side of each: a comparison goes in; divergences with flag history and statement come out.
+"""The chip's side of divergences: flag history and the firmware's statement for each.
 
-The run is made once more, now recorded, and ends soon after the last divergence. The statement is the one that wrote
-what the wires show, else the one that was executed then.
+The run is repeated with recording, and ends soon after the last divergence. The statement is the one that wrote the
+value on the wires, else the one that was executed then.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from .history import FlagHistory
 
 @dataclass(frozen=True)
 class CaptureOrigin:
-    """Where in a run the capture's time 0 is, and how long after an event its history is shown. Ticks."""
+    """The place of the capture's time 0 in a run, and the history shown after an event, in ticks."""
 
     scene: Scene
     origin: int
     after: int
 
     def moment(self, divergence: Divergence) -> tuple[int, int]:
-        """The tick of a divergence, the chip's if it has one, and the last to be shown."""
+        """Return the tick of a divergence, the chip's if it has one, and the last tick to show."""
         seconds = divergence.capture_s if divergence.replay_s is None else divergence.replay_s
         tick = self.scene.kernel.now if seconds is None else self.origin + self._ticks(seconds)
         return tick, tick + self.after
@@ -47,7 +47,7 @@ class CaptureOrigin:
         return self.scene.timebase.ticks(Fraction(seconds), "nearest")
 
 
-Run = Callable[[FlagHistory, int], None]  # the same run again, with this listening, up to that tick
+Run = Callable[[FlagHistory, int], None]  # repeats the run with this listener, up to that tick
 
 
 class Role(NamedTuple):
@@ -65,7 +65,7 @@ AS_RECEIVER = Role("SCI-A", {})
 def with_history(
     divergences: tuple[Divergence, ...], place: CaptureOrigin, unit: str, role: Role, again: Run
 ) -> list[Divergence]:
-    """Return the divergences, each with what the chip did around it and with the statement that caused it."""
+    """Return the divergences, each with the chip's activity around it and the statement that caused it."""
     if not divergences:
         return []
     moments = [place.moment(divergence) for divergence in divergences]
@@ -74,7 +74,7 @@ def with_history(
     again(history, max(until for _, until in moments))
     found = []
     for divergence, moment, instant in zip(divergences, moments, instants, strict=True):
-        records = history.of(moment)
+        records = history.records_near(moment)
         changes = tuple(
             Change(place.seconds(record.tick), _what(record.where, record.what), record.value) for record in records
         )
@@ -85,7 +85,7 @@ def with_history(
 
 
 def _write_of(event: str, role: Role, records: Sequence[Record]) -> str:
-    """The statement that wrote the value of an event; "" if it is not the firmware's, or no such write was recorded."""
+    """Return the statement that wrote the value of an event; "" if the firmware did not, or no write was recorded."""
     for words, register in role.writes.items():
         if event.startswith(words):
             value = int(event.removeprefix(words).split()[0], 16)
@@ -100,7 +100,7 @@ def _executed(place: SourceLocation | None) -> str:
 
 
 def _shown(place: SourceLocation) -> str:
-    """File, line and function; of an image without debug data function and address."""
+    """Format file, line and function; function and address for an image without debug data."""
     if isinstance(place, InstructionLocation):
         return str(place)
     return f"{Path(place.path).name}:{place.line}, in {place.rpartition(':')[0]}"

@@ -1,4 +1,4 @@
-"""The decoders' events in words, to be compared and read: events go in, "address 50 read", "ACK", "00 FE" come out."""
+"""Names of the decoders' events, for comparison and display: "address 50 read", "ACK", "00 FE"."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .compare import Happened
 
 
 def i2c_words(events: Iterable[i2c.Event], per_second: Fraction, origin: int = 0) -> list[Happened]:
-    """origin: the position at which the capture began."""
+    """Convert I2C events. origin: the position at which the capture began."""
     return [Happened(_i2c(event), (event.at - origin) / per_second) for event in events]
 
 
@@ -35,5 +35,5 @@ def _i2c(event: i2c.Event) -> str:
 
 
 def byte_words(value: int, frame_error: bool, parity_error: bool) -> str:
-    """A received word: 55, 00 FE, 41 PE."""
+    """Format a received word: 55, 00 FE, 41 PE."""
     return f"{value:02X}{' FE' if frame_error else ''}{' PE' if parity_error else ''}"

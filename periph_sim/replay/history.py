@@ -1,9 +1,9 @@
-"""What the chip's flags did around an instant: instants go in, the changes and accesses near each come out.
+"""History of the chip's flags: the changes and accesses around given instants.
 
     Recorder --FLAG, ACCESS--> one ring a register or access --at each instant--> changes, oldest first
 
-A replay that has parted from its capture is run again with this listening: a run is the same each time, and the
-first run, in which nothing is known yet, records nothing. The rings are bounded, so memory does not grow with it.
+A replay that differs from its capture is repeated with this listener: a run is the same each time, and the first run,
+before the difference is known, records nothing. The rings are bounded, so memory does not grow with the run.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ REGISTERS = {"I2C-A": ("I2CSTR.", "I2CMDR."), "SCI-A": ("SCIRXST.", "SCIFFRX.", 
 
 
 class FlagHistory:
-    """moments: (tick, last tick to be shown) of each, by time. module: whose registers. instants: when the statement
-    that is executed is noted."""
+    """moments: (tick, last tick to show) of each, by time. module: whose registers. instants: when the executed
+    statement is noted."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class FlagHistory:
         recorder.subscribe([Kind.FLAG, Kind.ACCESS], self._record)
 
     def watch(self, scene: Scene) -> None:
-        """Note which statement the unit's firmware executes at each instant of this scene's run."""
+        """Note the statement that the unit's firmware executes at each instant of this scene's run."""
         dsp = scene.units[self._unit]
         for tick in self._instants:
             scene.kernel.at(max(tick, scene.kernel.now), partial(self._note_place, tick, dsp))
@@ -58,7 +58,7 @@ class FlagHistory:
         self._places[tick] = dsp.processor.stands_at()
 
     def place(self, instant: int) -> SourceLocation | None:
-        """The statement that was executed at an instant; None where the program has not begun or is over."""
+        """Return the statement executed at an instant; None before the program begins or after its end."""
         return self._places.get(instant)
 
     def _record(self, record: Record) -> None:
@@ -76,8 +76,8 @@ class FlagHistory:
     def _freeze(self, moment: tuple[int, int]) -> None:
         self._frozen[moment] = sorted((record for ring in self._rings.values() for record in ring), key=_number)
 
-    def of(self, moment: tuple[int, int]) -> list[Record]:
-        """The records near one of the moments, in order; after the run."""
+    def records_near(self, moment: tuple[int, int]) -> list[Record]:
+        """Return the records near one of the moments, in order. Call after the run."""
         while self._moments:
             self._freeze(self._moments.popleft())
         return self._frozen[moment]

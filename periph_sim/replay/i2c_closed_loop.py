@@ -1,13 +1,13 @@
-"""Closed loop: the controller's half of an I2C capture is played, the firmware's slave reacts for itself.
+"""Closed loop: the controller's half of an I2C capture is played, and the firmware's slave reacts to it.
 
     capture --decode--> transfers --> agents: controller, other targets --> SCL, SDA <--> unit with the firmware
                             |                                                  |
                             v                                                  v
                      events expected  <-------- compare -------->  events decoded from the wires
 
-The comparison shares no code with the agents or the chip: it decodes the wires as it decoded the capture.
-A difference that the agents make without the firmware, too, is theirs, and nothing after it is judged.
-A firmware whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer as the captured target did.
+The comparison shares no code with the agents or the chip: it decodes the wires like the capture.
+A difference that the agents also cause without the firmware is theirs, and nothing after it is judged.
+A firmware whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer like the captured target.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ if TYPE_CHECKING:
 
 
 class I2cReplay:
-    """One capture on one case. first: only so many transfers. addresses: those that are the firmware's.
+    """Replay of a capture on a case. first: maximum number of transfers. addresses: the firmware's own.
 
-    longest_low: seconds that the controller holds SCL low at most; None: as long as SCL was low in the capture.
-    tolerance: seconds that an event may be off; None: a sample period and a cycle, which is told but not judged.
-    patience: seconds for which SCL may be held low; the replay ends behind them.
+    longest_low: maximum seconds for which the controller holds SCL low; None: as captured.
+    tolerance: allowed time difference in seconds; None: a sample period and a cycle, reported but not judged.
+    patience: maximum seconds for which SCL may be held low; the replay ends after them.
 
     BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
@@ -89,20 +89,20 @@ class I2cReplay:
         return Scene(alone(case, found.unit, "controller", found.forced, found.offered), subscribe)
 
     def _least_gap(self) -> int | None:
-        """See `Plan`."""
+        """Return the minimum gap between transfers, see `Plan`."""
         return None
 
     # Running ------------------------------------------------------------------------
 
     def run(self, progress: Callable[[float], None] | None = None) -> Report:
-        """Play it all and compare."""
+        """Play the capture and compare."""
         wall = perf_counter()
         stuck = self._drive(progress)
         wall = perf_counter() - wall
         return self._report(wall, [stuck] if stuck else [])
 
     def _drive(self, progress: Callable[[float], None] | None = None, until: int | None = None) -> str:
-        """Play, to the end or up to a tick; returns why it cannot go on, if so."""
+        """Play, to the end or up to a tick. Return why it cannot continue, or ""."""
         kernel, timebase = self.kernel, self._scene.timebase
         patience = timebase.ticks(self._patience, "nearest")
         step = timebase.ticks(STEP, "nearest")
@@ -115,7 +115,7 @@ class I2cReplay:
                 since = timebase.show(self._player.waiting_since - self.origin)
                 stuck = (
                     f"SCL is held low by {who} since {since}: the replay ends there, after "
-                    f"{timebase.show(patience)}; --patience sets how long it waits"
+                    f"{timebase.show(patience)}; --patience sets this limit"
                 )
             if progress is not None:
                 progress(self._controller.begun / len(self._part.transfers))
@@ -188,7 +188,7 @@ class I2cReplay:
         )
 
     def picture(self, report: Report) -> str | None:
-        """The first divergence of a run as SVG text; None without any."""
+        """Return the first divergence of a run as SVG text; None without any."""
         return closed_loop_picture(
             report, self._part.capture, self._given[2:4], self._part, self._replayed, self.origin, self._compared
         )
@@ -196,7 +196,7 @@ class I2cReplay:
     def _with_agents(self, outcome: Comparison, tolerance: Fraction) -> Comparison:
         """Mark the differences that are the agents' own, and set `_agents_parted` if nothing is judged."""
         self._agents_parted = ""
-        self._other_events = False  # since the agents made them
+        self._other_events = False  # True if the agents caused other events
         if not outcome.ranked:
             return outcome
         alone = without_firmware(self._agents, self._scene.start, self.kernel.now, tolerance)

@@ -1,11 +1,11 @@
-"""The F28335 as master against captured targets: what they answered is played, the firmware asks for itself.
+"""The F28335 as master against captured targets: their answers are played to the firmware's own requests.
 
     capture --> the script --> firmware's settings --> unit --> SCL, SDA <-- ScriptedTarget <-- captured answers
        \\--> events expected  <-------------- compare -------------->  events decoded from the wires
 
-A firmware whose `REPLAY` names `script`, `pauses`, `low` and `high` is set to do as the captured controller did; one
-without does what it does, for as long as the capture lasts. Events are compared in order; times only if a tolerance
-is given, since a driver of its own has pauses of its own.
+A firmware whose `REPLAY` names `script`, `pauses`, `low` and `high` is set to repeat the captured controller; any
+other runs its own program for as long as the capture lasts. Events are compared in order; times only if a tolerance
+is given, since a driver has its own pauses.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ from .wire_log import WireLog
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
-MODULE_HZ = 10_000_000  # that TI's start-up code sets; I2CCLKL and I2CCLKH count it
+MODULE_HZ = 10_000_000  # as set by TI's start-up code; I2CCLKL and I2CCLKH count it
 D = 5  # cycles that the module adds to each (SPRUG03B Table 15)
 MOST = 0xFFFF
-EDGES = 2 * 4 * 9  # of SCL and SDA for each event: twice as many as the nine bits of a byte can have
+EDGES = 2 * 4 * 9  # of SCL and SDA for each event: twice the maximum of a byte's nine bits
 
 
 class I2cMasterReplay:
@@ -75,7 +75,7 @@ class I2cMasterReplay:
         self._per_position = timebase.per_second / part.rate
         self._half = half = as_master(part, self._per_position)
         if not half.script:
-            raise BadReplay(f"{capture.path}: no transfer that a master of this module can do: {self._why()}")
+            raise BadReplay(f"{capture.path}: no transfer that this module can do as master: {self._why()}")
         self._scripted = "script" in settings_of(case, unit)
         pauses = [pause / part.rate for pause in half.pauses]
         offered: dict[str, object] = {
@@ -94,7 +94,7 @@ class I2cMasterReplay:
         self._most_edges = EDGES * len(events_of(half.done))
         self._notes = list(part.notes)
         if half.left_out:
-            self._notes.append(f"transfers that a master of this module cannot do, left out: {self._why()}")
+            self._notes.append(f"omitted transfers, which this module cannot do as master: {self._why()}")
 
     def _why(self) -> str:
         return "; ".join(f"{times} ({why})" for why, times in self._half.left_out.items())
@@ -133,7 +133,7 @@ class I2cMasterReplay:
             return ""
         if self.kernel.now - self.log.last_edge > self._silence:
             silence = self._scene.timebase.show(self._silence)
-            return f", after {silence} without an edge; --patience sets how long it waits"
+            return f", after {silence} without an edge; --patience sets this limit"
         if self.log.edge_count > self._most_edges:
             return ", with more than twice the edges that its script needs"
         return ""
@@ -152,7 +152,7 @@ class I2cMasterReplay:
         events = decode.events(replayed, "SCL", "SDA")
         expected = events_of(self._half.done)
         if not self._scripted:
-            events = events[: len(expected)]  # it goes on with its next round
+            events = events[: len(expected)]  # it continues with its next round
         self._replayed = replayed
         was = i2c_words(expected, part.rate)
         came = i2c_words(events, Fraction(scene.timebase.per_second), self.origin)
@@ -189,12 +189,12 @@ class I2cMasterReplay:
         )
 
     def picture(self, report: Report) -> str | None:
-        """The first divergence of a run as SVG text; None without any."""
+        """Return the first divergence of a run as SVG text; None without any."""
         return closed_loop_picture(
             report, self._part.capture, self._given[2:4], self._part, self._replayed, self.origin, self._compared
         )
 
 
 def _cycles(length: Fraction) -> int:
-    """I2CCLKL or I2CCLKH for a low or high time in seconds."""
+    """Return I2CCLKL or I2CCLKH for a low or high time in seconds."""
     return min(MOST, max(1, round(length * MODULE_HZ) - D))

@@ -1,15 +1,15 @@
-"""Open loop: the exact edges of an I2C capture go to the chip; what it would have driven is compared with them.
+"""Open loop: the exact edges of an I2C capture go to the chip, and its outputs are compared with them.
 
     capture --every edge of SCL and SDA--> the chip's inputs, on which it drives nothing
-                                           the chip's outputs --> back wires: what it would have pulled
-    bits that the protocol gives to its address:  capture's level  <-- compare -->  back wire as SCL rises
+                                           the chip's outputs --> back wires: its own pulls
+    bits that its address must drive:             capture's level  <-- compare -->  back wire as SCL rises
     all other bits:                               capture's level  <-- compare -->  the same, unless it pulls SDA
 
-Where the chip still holds SCL as the capture's SCL rises, its answer was not ready: it is late, and what it would
-have sent from there on is not what it would have sent to a controller that waits. Low phases that the capture has
-longer than usual, and that the chip would have left earlier, are counted: it did not need them.
+If the chip still holds SCL as the capture's SCL rises, its answer was not ready: it is late, and the rest of its data
+is not what it would have sent to a controller that waits. Low phases that are longer than usual in the capture, and
+that the chip would have ended earlier, are counted: it did not need them.
 
-Where an SDA edge shares a sample with an SCL edge it is put half a sample into the low phase.
+If an SDA edge shares a sample with an SCL edge it is moved half a sample into the low phase.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 STEPS = 100  # of progress
 
-Position = int | Fraction  # in a capture; between two samples where nobody knows in which one it was
+Position = int | Fraction  # in a capture; between two samples if its sample is unknown
 
 
 class _OpenWires(SceneWires):
@@ -59,24 +59,24 @@ class _OpenWires(SceneWires):
 
 
 class OpenScene(Scene):
-    """A scene whose SCL and SDA do not hear the units on them."""
+    """A scene whose SCL and SDA are not driven by its units."""
 
     WIRES = _OpenWires
 
 
 @dataclass(frozen=True)
 class _Held:
-    """One low phase of SCL before a bit of the chip's. Seconds; late: past the capture's rise, 0 if let go before."""
+    """A low phase of SCL before a bit of the chip. Seconds; late: after the capture's rise, 0 if released before."""
 
     at: Fraction  # the capture's rise
-    captured: Fraction  # how long the capture has SCL low
-    needed: Fraction  # how long the chip held it after the fall
+    captured: Fraction  # the capture's low time of SCL
+    needed: Fraction  # the chip's own hold after the fall
     late: Fraction
     bit: str
 
 
 class I2cOpenReplay:
-    """As I2cReplay, with nobody waiting for the chip."""
+    """As I2cReplay, but without waiting for the chip."""
 
     def __init__(
         self,
@@ -109,14 +109,14 @@ class I2cOpenReplay:
             EdgePlayer(scene.kernel, scene.wire(name), ticks)
 
     def _last_position(self) -> int:
-        """Where the part that is played ends."""
+        """Return the end of the played part."""
         last = self._part.transfers[-1]
         return self._part.capture.length if self._first is None or last.stop is None else last.stop.at
 
     # Running ------------------------------------------------------------------------
 
     def run(self, progress: Callable[[float], None] | None = None) -> Report:
-        """Play it all and compare."""
+        """Play the capture and compare."""
         wall = perf_counter()
         begin, end = self.kernel.now, self._end_tick()
         for step in range(1, STEPS + 1):
@@ -133,10 +133,10 @@ class I2cOpenReplay:
         history.watch(replay._scene)
         replay.kernel.run_until(min(until + 1, replay._end_tick()))
 
-    # What the chip would have done ----------------------------------------------------
+    # The chip's own outputs ----------------------------------------------------
 
     def _would_be(self, sda: Channel) -> list[decode.Transfer]:
-        """The capture's transfers with the chip's bits in place of those that were its to send."""
+        """Return the capture's transfers with the chip's bits where its address must drive."""
         found: list[decode.Transfer] = []
         for transfer in self._part.transfers:
             phases = []
@@ -170,7 +170,7 @@ class I2cOpenReplay:
         return self.origin + int(position * self._per_position)
 
     def _holds(self, scl: Channel) -> list[_Held]:
-        """Every low phase of the capture in a turn of the chip's, and how long the chip held SCL in it."""
+        """Return every low phase of the capture in a turn of the chip, with the chip's hold of SCL in it."""
         edges = scl.edges[scl.levels == 0].tolist(), scl.edges[scl.levels == 1].tolist()
         own = [
             phase
@@ -189,12 +189,12 @@ class I2cOpenReplay:
         ]
 
     def _held(self, name: str, bit: decode.Bit, edges: tuple[list[int], list[int]]) -> _Held:
-        """The low phase before a bit. edges: the chip's own falling and rising ones on SCL."""
+        """Return the low phase before a bit. edges: the chip's own falling and rising edges of SCL."""
         assert bit.low is not None
         falls, rises = edges
         rise, fall = self._tick(bit.at), self._tick(bit.at - bit.low)
         over = fall
-        pull = bisect_left(falls, fall)  # the chip's first in this low phase, if it has one
+        pull = bisect_left(falls, fall)  # the chip's first pull in this low phase, if any
         if pull < len(falls) and falls[pull] < rise:
             let_go = bisect_left(rises, falls[pull])
             over = rises[let_go] if let_go < len(rises) else self.kernel.now
@@ -258,7 +258,7 @@ class I2cOpenReplay:
         )
 
     def picture(self, report: Report) -> str | None:
-        """The first divergence of a run as SVG text; None without any."""
+        """Return the first divergence of a run as SVG text; None without any."""
         if not report.divergences:
             return None
         divergence, part = report.divergences[0], self._part
@@ -273,7 +273,7 @@ class I2cOpenReplay:
         return divergence_picture(divergence, title_of(report, divergence), captured, side, part.bit)
 
     def _late(self, held: _Held, part: Played) -> Divergence:
-        """The first answer that was not ready, as a divergence in time."""
+        """Return the first answer that was not ready as a divergence in time."""
         index = sum(Fraction(event.at) / part.rate < held.at for event in part.expected)
         return Divergence(
             index,
@@ -285,7 +285,7 @@ class I2cOpenReplay:
         )
 
     def _pauses(self, held: list[_Held], late: list[_Held]) -> list[str]:
-        """What the two sides did to SCL that the other did not."""
+        """Return notes on stretches of SCL by only one of the two sides."""
         notes = []
         long = [one for one in held if one.captured > self._part.long_low / self._part.rate]
         spare = [one for one in long if one.needed < one.captured]
@@ -311,7 +311,7 @@ def _us(seconds: Fraction) -> str:
 def _edges(
     scl: Channel, sda: Channel, half_sample: Fraction, end: int
 ) -> tuple[list[tuple[Position, int]], list[tuple[Position, int]]]:
-    """(position, level) of both lines up to `end`; SDA's edges that share a sample with SCL's half a sample off."""
+    """Return (position, level) of both lines up to `end`; SDA's edges in a sample of SCL's are moved half a sample."""
     rising = dict(_up_to(end + half_sample, scl))
     data: list[tuple[Position, int]] = []
     for at, level in _up_to(end + half_sample, sda):

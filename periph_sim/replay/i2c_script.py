@@ -1,12 +1,12 @@
-"""A capture's I2C transfers as two halves: what the controller did, and what the targets answered.
+"""A capture's I2C transfers as two halves: the controller's actions, and the targets' answers.
 
-    decode.i2c transfers --> Moves of SCL and SDA, a list a transfer     (the controller's half)
-                         --> Turn: address, answer, how it ended         (the targets' half)
+    decode.i2c transfers --> Moves of SCL and SDA, a list for each     (the controller's half)
+                         --> Turn: address, answer, its end              (the targets' half)
 
 The controller's half keeps every SCL edge of the capture: the lines do not show who held SCL low, so a stretch of
-the captured target becomes the controller's own slowness. Of SDA it keeps what the controller decided: START, STOP,
-the bits it sent and the ACKs it gave. Where an SDA change shares a sample with an SCL edge, or was not the
-controller's to see, it is put inside the low phase, half a sample or more away from both edges.
+the captured target becomes the controller's own delay. Of SDA it keeps the controller's decisions: START, STOP,
+the bits it sent and the ACKs it gave. If an SDA change shares a sample with an SCL edge, or was not visible to the
+controller, it is moved inside the low phase, half a sample or more away from both edges.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from ..bus.i2c.player import Move
 from ..bus.i2c.scripted_target import Answer
 from ..traces.decode.i2c import Bit, Byte, Condition, Party, Phase, Transfer
 
-HALF = Fraction(1, 2)  # of a sample, where a position is one
+HALF = Fraction(1, 2)  # of a sample, if a position is one
 
 
 @dataclass(frozen=True, slots=True)
 class Turn:
     """One addressed part of a transfer. Positions of the capture.
 
-    begin: its START. answered: rising SCL of the address's ninth bit. stop: the STOP that ended it, None if
-    a repeated START or the capture's end did.
+    begin: its START. answered: rising SCL of the address's ninth bit. stop: the STOP at its end, None if
+    a repeated START or the capture's end ended it.
     """
 
     address: int
@@ -42,7 +42,7 @@ class Turn:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """What the controller does to a line. at: a position of the capture."""
+    """A change of a line by the controller. at: a position of the capture."""
 
     at: Fraction
     clock: bool
@@ -50,7 +50,7 @@ class Edge:
 
 
 def controllers_half(transfer: Transfer, hold: Fraction, half_sample: Fraction = HALF) -> list[Edge]:
-    """The edges that the controller makes, in order. hold: from SCL's fall to SDA where the capture does not say."""
+    """Return the controller's edges, in order. hold: from SCL's fall to SDA if the capture does not show it."""
     half = _ControllersHalf(hold, half_sample)
     for number, phase in enumerate(transfer.phases):
         if not number:
@@ -68,11 +68,11 @@ def controllers_half(transfer: Transfer, hold: Fraction, half_sample: Fraction =
 
 
 def hurried(edges: list[Edge], longest_low: Fraction, step: int = 0) -> list[Edge]:
-    """The same, but SCL is let go `longest_low` after it fell at the latest, and all that follows comes earlier.
+    """Return the edges with SCL released at most `longest_low` after its fall, and all later edges earlier.
 
-    What is cut off was the target's stretching, or the controller's own pauses: whoever answers now must stretch.
-    step: positions of a sample. Each edge is known to within one, so a low phase that is longer by no more than that
-    stays as it is; shortening each would add up over the bits of a transfer.
+    The removed time was the target's stretching, or the controller's own pauses: the answering party must stretch now.
+    step: positions of a sample. Each edge is exact to within one, so a low phase that is longer by no more than that
+    is unchanged; shortening each would add up over the bits of a transfer.
     """
     found: list[Edge] = []
     cut = Fraction(0)
@@ -90,7 +90,7 @@ def hurried(edges: list[Edge], longest_low: Fraction, step: int = 0) -> list[Edg
 
 
 def moves(edges: list[Edge], ticks_per_position: Fraction) -> list[Move]:
-    """The edges as an `I2cPlayer` takes them. Each falls on its own tick, rounded down: rounding does not add up."""
+    """Convert edges to an `I2cPlayer`'s moves. Each is rounded down on its own, so rounding does not add up."""
     found = []
     last = int(edges[0].at * ticks_per_position)
     for edge in edges:
@@ -101,7 +101,7 @@ def moves(edges: list[Edge], ticks_per_position: Fraction) -> list[Move]:
 
 
 def usual_hold(transfers: list[Transfer], half_sample: Fraction = HALF) -> Fraction:
-    """From SCL's fall to the controller's SDA, as this capture usually has it; in positions."""
+    """Return the usual time from SCL's fall to the controller's SDA in this capture, in positions."""
     seen = [
         bit.sda - (bit.at - bit.low)
         for transfer in transfers
@@ -114,7 +114,7 @@ def usual_hold(transfers: list[Transfer], half_sample: Fraction = HALF) -> Fract
 
 
 def turns(transfers: list[Transfer]) -> Iterator[Turn]:
-    """Every addressed part of the transfers, in order; none for an address that was cut off."""
+    """Yield every addressed part of the transfers, in order; none for an incomplete address."""
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases):
             if not is_addressed(phase):
@@ -127,12 +127,12 @@ def turns(transfers: list[Transfer]) -> Iterator[Turn]:
 
 
 def is_addressed(phase: Phase) -> bool:
-    """True if a phase has a whole address byte with its ACK."""
+    """Return True if a phase has a whole address byte with its ACK."""
     return phase.address is not None and phase.read is not None and len(phase.bytes[0].bits) >= 9
 
 
 def most_frequent(of: list[Turn]) -> int | None:
-    """The address that answered most often; of equals the one asked most often, then the first. None without any."""
+    """Return the address that answered most often; of equals the most addressed, then the first. None without any."""
     asked = Counter(turn.address for turn in of)
     answered = Counter(turn.address for turn in of if turn.answer.ack)
     return max(asked, key=lambda address: (answered[address], asked[address]), default=None)
@@ -146,7 +146,7 @@ def _answer(phase: Phase) -> Answer:
 
 
 def _value(byte: Byte) -> int:
-    """A byte's value; of one cut off its first bits, ones behind them."""
+    """Return a byte's value; an incomplete one is filled with ones."""
     value = 0xFF
     for place, bit in enumerate(byte.bits[:8]):
         if not bit.value:
@@ -155,14 +155,14 @@ def _value(byte: Byte) -> int:
 
 
 class _ControllersHalf:
-    """Edges of one transfer as they are found. _fall: where SCL falls next, None if that is out of sight."""
+    """Builder of the edges of one transfer. _fall: the next fall of SCL, None if not in the capture."""
 
     def __init__(self, hold: Fraction, half_sample: Fraction) -> None:
         self.edges: list[Edge] = []
         self._hold = hold
         self._half_sample = half_sample
         self._fall: int | None = None
-        self._rise = -1  # the last one
+        self._rise = -1  # the last rise
         self._sda = 1
 
     def bit(self, bit: Bit) -> None:
@@ -171,7 +171,7 @@ class _ControllersHalf:
         self._fall = None if bit.high is None else bit.at + bit.high
 
     def condition(self, condition: Condition, level: int) -> None:
-        """START, repeated START (level 0) or STOP (1), with the pulse before it if it has one of its own."""
+        """Add START, repeated START (level 0) or STOP (1), with its own pulse before it, if any."""
         if condition.high is not None and condition.at - condition.high > self._rise:
             self._pulse(condition.at - condition.high, 1 - level, None)
         self.toggle(condition, level)
@@ -181,12 +181,12 @@ class _ControllersHalf:
         self._fall = None if condition.hold is None else condition.at + condition.hold
 
     def cut_off(self) -> None:
-        """The capture ends here: SCL's last fall, if it saw one, and nothing more."""
+        """End with the capture: add SCL's last fall, if captured."""
         if self._fall is not None:
             self.edges.append(Edge(Fraction(self._fall), True, 0))
 
     def _pulse(self, rise: int, sda: int, seen_at: int | None) -> None:
-        """SCL low up to `rise`, SDA to `sda` within."""
+        """Add SCL low up to `rise`, with SDA changing to `sda` within."""
         if self._fall is not None:
             self.edges.append(Edge(Fraction(self._fall), True, 0))
             at = self._fall + self._hold if seen_at is None else Fraction(seen_at)

@@ -1,6 +1,6 @@
-"""What every I2C replay begins with: a case and a capture go in; transfers, turns, addresses and settings come out.
+"""Preparation of every I2C replay: transfers, turns, addresses and settings from a case and a capture.
 
-capture --decode--> transfers --> turns --> who answers what --> settings of the firmware that answers
+capture --decode--> transfers --> turns --> the party of each address --> settings of the answering firmware
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ from .scene_setup import settings_of, undeclared, unit_with
 from .time_base import check_length, rate_of
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
-STEP = Fraction(25, 1000)  # simulated seconds from one report of progress to the next
-TAIL = Fraction(1, 10_000)  # the wires are watched this long after the last move
+STEP = Fraction(25, 1000)  # simulated seconds between reports of progress
+TAIL = Fraction(1, 10_000)  # the wires are observed this long after the last move
 PATIENCE = Fraction(200, 1000)  # a replay ends when SCL is held low for longer; an SHT21 stretches for up to 85 ms
 BYTE = 9  # bits, with its ACK
 LONG = Fraction(3, 2)  # times the usual low phase: a stretch or a pause
-HOLD = Fraction(300, 10**9)  # of the other targets: UM10204 Table 11, data hold time of a device
+HOLD = Fraction(300, 10**9)  # for the other targets: UM10204 Table 11, data hold time of a device
 
 
 @dataclass
 class Played:
-    """The part of a capture that a replay plays; it does not change. whole: all its transfers. notes: what of it is not
+    """The part of a capture that a replay plays; constant. whole: all its transfers. notes: on parts that are not
     played."""
 
     capture: Capture
@@ -54,14 +54,14 @@ class Played:
 
     @cached_property
     def half_sample(self) -> Fraction:
-        """Positions. Where two lines change at one position their order is unknown, and one goes so far aside."""
+        """Half a sample in positions: edges of both lines in one sample, in unknown order, are moved apart by it."""
         return Fraction(sample_step(self.capture), 2)
 
     @cached_property
     def step(self) -> int:
-        """Positions from one sample to the next, within which nobody knows when an edge was.
+        """Positions from one sample to the next, the uncertainty of an edge.
 
-        1 where SCL would be low for less than two samples: then the bus's own raster was taken for an analyser's.
+        1 if SCL would be low for less than two samples: then the bus's own grid was mistaken for an analyser's.
         """
         step = int(2 * self.half_sample)
         return step if self.low >= 2 * step else 1
@@ -77,30 +77,30 @@ class Played:
 
     @cached_property
     def low(self) -> Fraction:
-        """How long SCL is low before a bit, as a rule; positions. 0 where no bit shows."""
+        """The usual low time of SCL before a bit; positions. 0 without any bit."""
         lows = [bit.low for bit in self.bits() if bit.low is not None]
         return Fraction(median(lows)) if lows else Fraction(0)
 
     @cached_property
     def long_low(self) -> Fraction:
-        """A low phase before a bit that is longer is a stretch, or a pause of the controller; positions."""
+        """Limit above which a low phase before a bit is a stretch, or a pause of the controller; positions."""
         return max(self.low * LONG, self.low + 2 * self.step)
 
     @property
     def stretch(self) -> Fraction:
-        """How much longer than usual SCL was low before a bit at most, whoever held it; positions."""
+        """The maximum time by which SCL was low for longer than usual before a bit, by any party; positions."""
         longest = max((bit.low for bit in self.bits() if bit.low is not None), default=0)
         return longest - self.low if longest > self.long_low else Fraction(0)
 
     @cached_property
     def high(self) -> Fraction:
-        """How long SCL is high, as a rule; positions."""
+        """The usual high time of SCL; positions."""
         highs = [bit.high for bit in self.bits() if bit.high is not None]
         return Fraction(median(highs)) if highs else Fraction(0)
 
     @cached_property
     def bit(self) -> float:
-        """Length of a bit, as a rule; seconds."""
+        """The usual length of a bit; seconds."""
         return float((self.low + self.high) / self.rate)
 
     def bits(self) -> list[decode.Bit]:
@@ -109,7 +109,7 @@ class Played:
         ]
 
     def answers_of_others(self, own: Sequence[int]) -> dict[int, list[Answer]]:
-        """What the targets that are not the firmware's answered, by address."""
+        """Return the answers of targets other than the firmware, by address."""
         answers: dict[int, list[Answer]] = defaultdict(list)
         for turn in self.turns:
             if turn.address not in own:
@@ -118,7 +118,7 @@ class Played:
 
 
 def played(capture: Capture, scl: str | int, sda: str | int, first: int | None = None) -> Played:
-    """BadReplay if nothing can be played; LookupError if there is no such channel. first: only so many transfers."""
+    """Decode the part to play. first: maximum number of transfers. BadReplay if there is none; LookupError."""
     rate = rate_of(capture)
     if wrong := impossible_rate(capture, scl):
         raise BadReplay(f"{capture.path}: {wrong}; state the right rate with --rate")
@@ -126,9 +126,7 @@ def played(capture: Capture, scl: str | int, sda: str | int, first: int | None =
     whole = [transfer for transfer in found if transfer.phases]
     wanted = whole[:first]
     if not wanted:
-        raise BadReplay(
-            f"{capture.path}: no I2C transfer on {scl!r} and {sda!r}; the lines may be mapped the wrong way round"
-        )
+        raise BadReplay(f"{capture.path}: no I2C transfer on {scl!r} and {sda!r}; the lines may be swapped")
     last = wanted[-1]
     check_length(capture, capture.length if last.stop is None else last.stop.at)
     notes = _before(found) + _cut(last) + _shared(capture, scl, sda) + stamp_notes(capture)
@@ -137,15 +135,15 @@ def played(capture: Capture, scl: str | int, sda: str | int, first: int | None =
 
 
 def events_of(transfers: Sequence[decode.Transfer]) -> list[decode.Event]:
-    """The events of several transfers, in order."""
+    """Return the events of several transfers, in order."""
     return [event for transfer in transfers for event in decode.events_of(transfer)]
 
 
 @dataclass
 class Answering:
-    """The unit that stands in for a captured target. own: its addresses. forced, offered: as `alone` takes them.
+    """The unit that replaces a captured target. own: its addresses. forced, offered: as for `alone`.
 
-    asked: how often the capture has one of its addresses acknowledged, and so asks something of the firmware.
+    asked: how often the capture has one of its addresses acknowledged, and so requires something of the firmware.
     """
 
     unit: str
@@ -156,19 +154,19 @@ class Answering:
 
     @property
     def unjudged(self) -> str:
-        """Why a replay in which nothing differs proves nothing; empty where it does."""
+        """Why a replay without differences proves nothing; empty if it does."""
         if self.asked:
             return ""
         addresses = ", ".join(f"{address:02X}" for address in self.own)
-        return f"nothing was asked of the firmware, nobody acknowledges {addresses or 'an address'} in the capture"
+        return f"nothing was required of the firmware: {addresses or 'an address'} is not acknowledged in the capture"
 
 
 def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = LEAD) -> Answering:
-    """Whose addresses are the firmware's, and what it must be set to; adds to the notes what it cannot be set to.
+    """Determine the firmware's addresses and settings; add notes on settings that it lacks.
 
-    By default the firmware answers the address that the case sets, else the one the capture asks most often; a
-    firmware whose `REPLAY` does not name `address` answers all. Where the captured target refused its address the
-    firmware is put out of reach, but not if its addresses are given: then it must refuse, or differ from the capture.
+    By default the firmware answers the address that the case sets, else the one most addressed in the capture; a
+    firmware whose `REPLAY` does not name `address` answers all. Where the captured target sent NACK the firmware is
+    made unreachable, unless its addresses are given: then it must send NACK itself, or differ from the capture.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))
@@ -195,7 +193,7 @@ def _addresses(case: Case, unit: str, part: Played, given: Sequence[int]) -> lis
         return [own] if isinstance(own, int) else []
     address = most_frequent(part.turns)
     if address is None:
-        raise BadReplay(f"{part.capture.path}: no whole address byte; the lines may be mapped the wrong way round")
+        raise BadReplay(f"{part.capture.path}: no whole address byte; the lines may be swapped")
     return [address]
 
 
@@ -208,7 +206,7 @@ def _settings(part: Played, address: int, lead: Fraction, in_reach: bool) -> dic
     part.notes += _refusals(target)
     answered = [turn.answer.ack for turn in part.turns if turn.address == address]
     if answered and not any(answered):
-        part.notes.append(f"nobody acknowledges {address:02X} in the capture: the firmware stays out of reach")
+        part.notes.append(f"{address:02X} is not acknowledged in the capture: the firmware does not answer")
     asleep = Fraction(0) if target.asleep is None else target.asleep / part.rate + lead
     return {
         "replies": target.replies,
@@ -225,13 +223,13 @@ def _before(found: list[decode.Transfer]) -> list[str]:
 
 
 def _cut(last: decode.Transfer) -> list[str]:
-    """A note on a transfer that the capture does not show to its STOP."""
+    """Return a note on a last transfer without its STOP."""
     if last.stop is not None:
         return []
     phase = last.phases[-1]
     bits = len(phase.bytes[-1].bits) if phase.bytes else 0
     inside = f"in the middle of a byte, after {counted(bits, 'bit')}" if 0 < bits < BYTE else "before a STOP"
-    return [f"the capture ends {inside}: what follows in its last transfer is not compared"]
+    return [f"the capture ends {inside}: the rest of its last transfer is not compared"]
 
 
 def _shared(capture: Capture, scl: str | int, sda: str | int) -> list[str]:
@@ -246,5 +244,5 @@ def _refusals(target: AsTarget) -> list[str]:
         return []
     return [
         f"refusals of {target.address:02X} that follow neither a write that a STOP ended nor the start, "
-        f"so that the firmware is not told of them: {target.refused}"
+        f"which the firmware cannot be set to repeat: {target.refused}"
     ]

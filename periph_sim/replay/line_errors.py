@@ -1,7 +1,7 @@
-"""Errors that a UART line has in the capture itself: its decoded events go in; their share, and whether the reading is
-credible, come out.
+"""Errors that a UART line has in the capture itself: their share, and if they make the line's format
+implausible.
 
-A line that is read at a wrong rate, in a wrong format or upside down decodes into bytes with errors. A receiver with
+A line that is read at a wrong rate, in a wrong format or inverted decodes into bytes with errors. A receiver with
 the same settings reads the same bytes with the same errors, so their agreement proves nothing.
 """
 
@@ -16,15 +16,15 @@ from ..traces.capture.capture import Capture
 from ..traces.decode.uart import Break, Event, Frame, Line
 from ..traces.decode.uart_guess import NEAR, Guess, guess
 
-MOST = Fraction(1, 10)  # of the frames; with a right format errors are rare
+MOST = Fraction(1, 10)  # of the frames; in the right format errors are rare
 SCI_BITS = 8  # of a word, at most
-SURE = 0.5  # of a guess that is to contradict the format
+SURE = 0.5  # minimum certainty of a guess that contradicts the format
 
 
 @dataclass(frozen=True)
 class LineErrors:
     """wrong: frames with a framing or parity error, of `frames`. doubt: why this is not the line's format, as a
-    sentence; empty where nothing speaks against it.
+    sentence; empty without evidence.
 
     Breaks do not count, nor do frames that a glitch makes ambiguous.
     """
@@ -71,7 +71,7 @@ def _better(capture: Capture, channel: str | int, line: Line, found: LineErrors)
     many = found.wrong > MOST * found.frames
     same_rate = abs(Fraction(other.line.baud) / Fraction(line.baud) - 1) <= NEAR
     if same_rate and other.line.invert == line.invert:
-        hides = other.line.shape == line.shape or other.line.bits > SCI_BITS  # one more bit hides any framing error
+        hides = other.line.shape == line.shape or other.line.bits > SCI_BITS  # one more bit hides framing errors
         if hides or not many:
             return None
     return other if other.sure >= SURE and other.errors < found.wrong / found.frames else None
@@ -80,7 +80,7 @@ def _better(capture: Capture, channel: str | int, line: Line, found: LineErrors)
 def _advice(better: Guess) -> str:
     if better.line.invert:
         return (
-            f"the line rests low, as an inverted one of {better.line.baud} baud, {better.line.shape} does; "
+            f"the line idles low, like an inverted one of {better.line.baud} baud, {better.line.shape}; "
             "capture it at the SCI's pin"
         )
     return (

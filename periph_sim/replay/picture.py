@@ -1,4 +1,4 @@
-"""A divergence as a timing diagram: both sides of a replay and a divergence go in; SVG text comes out.
+"""A divergence of a replay as a timing diagram of both sides, in SVG.
 
     capture  SCL, SDA, bytes  --\\
     replay   SCL, SDA, bytes  ----> lanes, aligned at the last agreed event --> drawing.timing
@@ -34,8 +34,8 @@ Compared = tuple[Sequence[Happened], Sequence[Happened]]
 class Side:
     """One side of a comparison. rate: positions a second. origin: the position of the capture's begin.
 
-    transfers_at: rate and origin of the transfers' positions, where they are others. agreed: seconds of the last event
-    in which both agree, on this side.
+    transfers_at: rate and origin of the transfers' positions, if different. agreed: seconds of the last event in which
+    both agree, on this side.
     """
 
     name: str
@@ -47,17 +47,17 @@ class Side:
     transfers_at: tuple[Fraction, int] | None = None
 
     def of_transfer(self, position: int) -> float:
-        """As `seconds`, for a position of a transfer."""
+        """Convert a position of a transfer, like `seconds`."""
         rate, origin = (self.rate, self.origin) if self.transfers_at is None else self.transfers_at
         return float((position - origin) / rate) - self.agreed
 
     def seconds(self, position: float | Fraction) -> float:
-        """On the axis, 0 where both agree last."""
+        """Convert a position to the axis, whose 0 is the last agreement."""
         return float(Fraction(position) - self.origin) / float(self.rate) - self.agreed
 
 
 def last_agreed(divergence: Divergence, expected: Sequence[Happened], found: Sequence[Happened]) -> tuple[float, float]:
-    """When the event before a divergence was, in the capture and in the replay; both 0 where there is none."""
+    """Return the time of the event before a divergence, in capture and replay; both 0 without one."""
     number = divergence.index - 1
     if number < 0 or number >= min(len(expected), len(found)):
         return 0.0, 0.0
@@ -66,7 +66,7 @@ def last_agreed(divergence: Divergence, expected: Sequence[Happened], found: Seq
 
 
 def divergence_picture(divergence: Divergence, title: str, captured: Side, replayed: Side, bit: float) -> str:
-    """SVG text. bit: seconds."""
+    """Return SVG text. bit: seconds."""
     began = not captured.agreed and not replayed.agreed  # nothing agreed before it
     aligned = captured.agreed != divergence.capture_s
     at_captured = None if divergence.capture_s is None else divergence.capture_s - captured.agreed
@@ -101,9 +101,9 @@ def closed_loop_picture(
     origin: int,
     compared: Compared,
 ) -> str | None:
-    """The first divergence of a report, where the replay made wires of its own: SVG text; None without any.
+    """Return the first divergence of a report with its own replayed wires as SVG text; None without any.
 
-    channels: of SCL and SDA in the capture. origin: of its time 0 in the replay.
+    channels: of SCL and SDA in the capture. origin: tick of the capture's time 0 in the replay.
     """
     if not report.divergences:
         return None
@@ -163,7 +163,7 @@ def _boxes(side: Side, window: tuple[float, float], wrong: float | None, bit: fl
 
 
 def _flags(history: Sequence[Change], side: Side, window: tuple[float, float]) -> list[Lane]:
-    """The fields that changed: those of ALWAYS first, then those that changed within the window."""
+    """Return lanes of the changed fields: those of ALWAYS first, then those that changed within the window."""
     fields: dict[str, list[Change]] = {}
     for change in history:
         if not _access(change):
@@ -192,7 +192,7 @@ def _flags(history: Sequence[Change], side: Side, window: tuple[float, float]) -
 
 
 def _accesses(history: Sequence[Change], side: Side, window: tuple[float, float]) -> list[Lane]:
-    """What the firmware wrote, and the data that it read, a lane a register; polls of status registers are left out."""
+    """Return a lane for each register that the firmware wrote, or read data from; without polls of status registers."""
     ticks: dict[str, list[Tick]] = {}
     for change in history:
         at = change.at_s - side.agreed

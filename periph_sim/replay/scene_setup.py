@@ -1,8 +1,7 @@
-"""A case made ready for a replay: the agent whose place the capture takes is removed, open settings are filled in.
+"""Preparation of a case for a replay: the agent that the capture replaces is removed, open settings are filled in.
 
-Only settings that the firmware's module names in `REPLAY` are filled in: another firmware may mean something else by
-`address` or `busy`.
-Budgets are not judged in a replay: its verdict is whether the wires agree with the capture.
+Only settings that the firmware's module names in `REPLAY` are filled in: another firmware may use `address` or `busy`
+for something else. Budgets are not judged in a replay: its verdict is the agreement of the wires with the capture.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from ..scene.firmware_loader import BadFirmware, load_firmware
 
 
 def unit_with(case: Case, module: str) -> str:
-    """The first unit that has a module. BadCase if none has."""
+    """Return the first unit that has a module. BadCase if none has."""
     for name, unit in case.unit.items():
         if module in unit.modules:
             return name
@@ -24,7 +23,7 @@ def unit_with(case: Case, module: str) -> str:
 
 
 def settings_of(case: Case, unit: str) -> frozenset[str]:
-    """The settings of a unit's firmware that a replay may fill in. BadCase if there is no such firmware."""
+    """Return the settings of a unit's firmware that a replay may fill in. BadCase if there is no such firmware."""
     if not case.unit[unit].firmware:
         return frozenset()
     try:
@@ -34,7 +33,7 @@ def settings_of(case: Case, unit: str) -> frozenset[str]:
 
 
 def undeclared(case: Case, unit: str, names: Iterable[str]) -> list[str]:
-    """A note on settings of these names that the firmware has and a replay leaves alone, since `REPLAY` lacks them."""
+    """Return a note on settings of these names that a replay does not fill in, since `REPLAY` lacks them."""
     if not case.unit[unit].firmware:
         return []
     firmware = load_firmware(case.unit[unit].firmware)
@@ -50,15 +49,15 @@ def undeclared(case: Case, unit: str, names: Iterable[str]) -> list[str]:
 
 
 def taken(case: Case, unit: str, offered: Mapping[str, object]) -> list[str]:
-    """Which of the offered settings `alone` will fill in with something."""
+    """Return the offered settings that `alone` will fill in."""
     known = settings_of(case, unit)
     return [name for name, value in offered.items() if name in known - case.unit[unit].settings.keys() and value]
 
 
 def alone(case: Case, unit: str, agent: str, forced: Mapping[str, object], offered: Mapping[str, object]) -> Case:
-    """The case without its agent ("controller" or "host") and budgets, with settings for one unit's firmware.
+    """Return the case without its agent ("controller" or "host") and budgets, with settings for one unit's firmware.
 
-    forced: set in any case. offered: set if the firmware takes them and the case leaves them open.
+    forced: always set. offered: set if the firmware has them and the case does not set them.
     """
     known = settings_of(case, unit)
     old = case.unit[unit]

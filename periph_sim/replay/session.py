@@ -1,14 +1,14 @@
-"""A captured session drives the whole firmware: I2C and UART of one time go in; wires compared and budgets come out.
+"""Replay of a captured session, I2C and UART at the same time, against the whole firmware, with budgets.
 
     SCL, SDA --closed loop--> I2cPlayer --> bus <--> unit --> budgets: response, stretch, age, FIFO, overruns, spans
     RX ---------open loop---> EdgePlayer --> SCI-A --^             ^--- transfers on the bus; frames of the capture
 
-The controller keeps to the capture's times: what stretching costs within a round it has caught up with after the
-next pause that is long enough. The host waits for nobody, so RX is not re-timed.
+The controller keeps the capture's times: delay by stretching within a round is recovered in the next pause that is
+long enough. The host never waits, so RX is not re-timed.
 
-A round is due a period after the one before. A capture without a round of the case's requests is judged by no budget
-on rounds; they are left out by name.
-A frame is as many bytes as the host sends; a pause of RX ends it early, and then its values do not count.
+A round is due a period after the one before. If a capture has no round of the case's requests, budgets on rounds are
+not judged, and a note names them.
+A frame has as many bytes as the host sends; a pause of RX ends it early, and then its values do not count.
 """
 
 from __future__ import annotations
@@ -49,32 +49,32 @@ if TYPE_CHECKING:
 OF_ROUNDS = ("round", "missed rounds", "nacked rounds", "slack")
 PAUSE = 2  # characters: a longer one on RX ends a frame
 
-FrameTold = Callable[[int, tuple[int, ...], int], None]
+OnFrame = Callable[[int, tuple[int, ...], int], None]
 
 
 class SessionScene(Scene):
     """A scene whose agents replay a capture; its transfers and frames are passed to the measures."""
 
     def __init__(self, case: Case, subscribe: Subscribe | None) -> None:
-        self.frame_told: list[FrameTold] = []
+        self.frame_callbacks: list[OnFrame] = []
         super().__init__(case, subscribe)
         self.others: list[Transfer] = []
         self.bus.rounds.on_other.append(self.others.append)
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Check nothing: the capture has both, controller and host, and the unit has SCI-A."""
+        """Accept every budget: the capture provides controller and host, and the unit has SCI-A."""
 
-    def on_frame(self, told: FrameTold) -> None:
-        self.frame_told.append(told)
+    def on_frame(self, callback: OnFrame) -> None:
+        self.frame_callbacks.append(callback)
 
     @property
     def rounds(self) -> int:
-        """Return the number of rounds of the case that were on the bus."""
+        """Number of rounds of the case on the bus."""
         return self.bus.rounds.completed
 
     def tell_frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        for told in self.frame_told:
-            told(number, values, tick)
+        for callback in self.frame_callbacks:
+            callback(number, values, tick)
 
     def record_stuck(self) -> None:
         """Record that a line of the bus stays low, as a controller would."""
@@ -82,9 +82,9 @@ class SessionScene(Scene):
 
 
 class SessionReplay(I2cReplay):
-    """An I2C and a UART capture on one case. offset: seconds from the I2C capture's begin to the UART's.
+    """Replay of an I2C and a UART capture on a case. offset: seconds from the I2C capture's begin to the UART's.
 
-    wanted: format of RX, by which its frames are timed; None: as the firmware sets the SCI. The rest as I2cReplay's.
+    wanted: format of RX for the times of frames; None: as the firmware sets the SCI. The rest as in I2cReplay.
     """
 
     def __init__(
@@ -138,16 +138,16 @@ class SessionReplay(I2cReplay):
         return self._session_scene
 
     def _expect(self, transfer: Transfer) -> None:
-        """Take the captured bytes of a transfer for the right ones where the case does not check against the host."""
+        """Expect the captured bytes in a transfer, unless the case checks against the host."""
         captured = next(self._whole, None)
         if captured is not None and not self._session_scene.case.checks_host:
             for phase, was in zip(transfer.phases, captured.phases, strict=False):
                 phase.expect = bytes(was.data) if phase.read else None
 
-    # What the host sent ---------------------------------------------------------------
+    # The host's frames ---------------------------------------------------------------
 
     def _plan_frames(self) -> None:
-        """The SCI is set by now: read RX as it does, and tell each frame when its last stop bit ends."""
+        """Decode RX in the SCI's present format, and report each frame at the end of its last stop bit."""
         scene = self._session_scene
         dsp = scene.units[self._answering.unit]
         line = line_of(dsp) if self._wanted is None else self._wanted.line()
@@ -172,7 +172,7 @@ class SessionReplay(I2cReplay):
     # Running ------------------------------------------------------------------------
 
     def _least_gap(self) -> int:
-        """Transfers begin as captured, and later only where the one before has just ended."""
+        """Return the minimum gap: transfers begin as captured, later only if the one before has just ended."""
         gaps = [transfer.gap for transfer in self._part.transfers if transfer.gap is not None]
         return int(min(gaps, default=0) * self._per_position)
 
@@ -232,7 +232,7 @@ class SessionReplay(I2cReplay):
         return report
 
     def _other_transfers(self) -> list[str]:
-        """A note on transfers of a capture with rounds that belong to none."""
+        """Return a note on transfers outside of the rounds of a capture."""
         scene = self._session_scene
         if not scene.others or not scene.rounds:
             return []
@@ -245,7 +245,7 @@ class SessionReplay(I2cReplay):
         ]
 
     def _since_capture(self, verdict: Verdict) -> Verdict:
-        """The same, its time counted from the capture's begin."""
+        """Return the verdict with its time counted from the capture's begin."""
         if verdict.at_s is None:
             return verdict
         scene = self._session_scene
@@ -254,7 +254,7 @@ class SessionReplay(I2cReplay):
 
 
 def _bursts(words: list[uart.Frame], pause: Fraction) -> list[list[uart.Frame]]:
-    """Split words into frames: a new one begins after a full one, or `pause` after a start bit."""
+    """Group words into frames: a new one begins after a full one, or if two start bits are over `pause` apart."""
     found: list[list[uart.Frame]] = []
     last: uart.Frame | None = None
     for word in words:

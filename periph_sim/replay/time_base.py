@@ -1,4 +1,4 @@
-"""What a replay needs of a capture's time before anything runs: a rate, and an end that can be waited for."""
+"""Checks of a capture's time base before a replay: its rate, and a maximum length."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ LONGEST = 24 * 3600  # simulated seconds
 
 
 def rate_of(capture: Capture) -> Fraction:
-    """Positions a second. BadReplay if the file states none."""
+    """Return positions a second. BadReplay if the file states none."""
     if capture.rate is None:
         raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
     return capture.rate
 
 
 def check_length(capture: Capture, end: int) -> None:
-    """BadReplay if what is to be played, up to position `end`, takes longer than a day."""
+    """Raise BadReplay if playing up to position `end` takes longer than a day."""
     rate = rate_of(capture)
     if end > LONGEST * rate:
         raise BadReplay(

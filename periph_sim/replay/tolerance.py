@@ -1,7 +1,7 @@
-"""How far an event of a replay may be from the capture's before it counts as a timing difference.
+"""Tolerance of an event's time in a replay, above which it is a timing difference.
 
-By default a sample period of the capture, within which nobody knows when its edges were, and one SYSCLKOUT cycle of
-the slowest unit, to which the chip rounds what it sees.
+By default a sample period of the capture, which is the uncertainty of its edges, and one SYSCLKOUT cycle of the slowest
+unit, to which the chip rounds its inputs.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from ..scene.scene import Scene
 
 
 def tolerance_of(given: Fraction | None, rate: Fraction, scene: Scene) -> Fraction:
-    """Seconds."""
+    """Return the tolerance in seconds."""
     if given is not None:
         return given
     return 1 / rate + max(1 / dsp.clock.hz for dsp in scene.units.values())

@@ -1,11 +1,11 @@
-"""A UART capture into SCI-A's RX, open loop: every edge when it came; what the firmware takes from the SCI is compared.
+"""Open-loop replay of a UART capture into SCI-A's RX: the words that the firmware reads are compared.
 
     capture --> edges ----------> RX --> SCI-A --SCIRXBUF--> firmware
        |                                             |
        \\--decode--> frames expected <-- compare --> words read, with SCIFFFE and SCIFFPE
 
-A firmware whose `REPLAY` names `baud`, `bits`, `parity` and `stop` is set to the line's format where one is given;
-else the line is decoded in the format that the firmware has set the SCI to.
+A firmware whose `REPLAY` names `baud`, `bits`, `parity` and `stop` is set to the line's format if one is given; else
+the line is decoded in the format that the firmware has set for the SCI.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
-TAKEN = Fraction(100, 10**6)  # for the firmware to take the last word
+TAKEN = Fraction(100, 10**6)  # for the firmware to read the last word
 STEPS = 100  # of progress
-TOLERANCE = Fraction(2, 100)  # of the rate; what two UARTs may differ by and still agree on every bit of a long frame
+TOLERANCE = Fraction(2, 100)  # of the rate; the difference at which two UARTs still agree on every bit of a long frame
 
 SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCIRXBUF", "SCIFFRX"))
 FLAGS = {"SCIRXST.BRKDT": "BRKDT", "SCIRXST.OE": "OE", "SCIFFRX.RXFFOVF": "RXFFOVF"}
@@ -56,7 +56,7 @@ PARITIES = {"n": "none", "o": "odd", "e": "even"}
 
 @dataclass(frozen=True)
 class LineFormat:
-    """What a person says of a line: 115200 baud, 8n1."""
+    """The format of a line as given by the user: 115200 baud, 8n1."""
 
     baud: int
     bits: int = 8
@@ -71,7 +71,7 @@ class LineFormat:
 
 
 def line_format(baud: int, text: str = "8n1") -> LineFormat:
-    """The format that "8n1" or "7e2" says. BadReplay if it is none the SCI can do."""
+    """Parse a format such as "8n1" or "7e2". BadReplay if the SCI does not support it."""
     match = re.fullmatch(r"([1-8])([noe])([12])", text.strip().lower())
     if match is None:
         raise BadReplay(f"{text!r} is no line format; expected data bits 1 to 8, n, o or e, and 1 or 2 stop bits: 8n1")
@@ -81,19 +81,19 @@ def line_format(baud: int, text: str = "8n1") -> LineFormat:
 
 
 def ticks_of(line: Channel, origin: int, per_position: Fraction) -> tuple[list[tuple[int, int]], list[str]]:
-    """A line's edges as (tick, level), and what is left out of them, a sentence each."""
+    """Return a line's edges as (tick, level), and notes on omitted ones."""
     edges = [
         (origin + int(at * per_position), level)
         for at, level in zip(line.edges.tolist(), line.levels.tolist(), strict=True)
     ]
     if line.initial:
         return edges, []
-    # within a frame or a break that began unseen: the oracle waits for the next falling edge
+    # within a frame or break that began earlier: the oracle waits for the next falling edge
     return edges[1:], ["the capture begins with the line low; the line is kept idle until it has risen"]
 
 
 class UartReplay:
-    """One channel of a capture on one case. wanted: the line's format; None: as the firmware sets the SCI.
+    """Replay of a capture's channel on a case. wanted: the line's format; None: as the firmware sets the SCI.
 
     lead: seconds from the firmware's start to the capture's; it sets the phase of the SCI's sampling against the line.
     BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
@@ -157,7 +157,7 @@ class UartReplay:
     # Running ------------------------------------------------------------------------
 
     def run(self, progress: Callable[[float], None] | None = None) -> Report:
-        """Play it all and compare."""
+        """Play the capture and compare."""
         scene = self._scene
         kernel, timebase = scene.kernel, scene.timebase
         wall = perf_counter()
@@ -178,7 +178,7 @@ class UartReplay:
         return self._report(line, events, perf_counter() - wall)
 
     def _line(self) -> decode.Line:
-        """How to read the capture: as wanted, else as the SCI is set now."""
+        """Return the format in which to read the capture: as wanted, else the SCI's present one."""
         line = line_of(self.dsp)
         self._baud = Fraction(line.baud)
         if self._wanted is not None:
@@ -199,13 +199,13 @@ class UartReplay:
         cut = [event for event in events if isinstance(event, decode.CutFrame)]
         if cut:
             notes.append(
-                f"frames that the capture does not show to their end, so that they are not compared: {len(cut)}, the "
+                f"frames cut off by the end of the capture, not compared: {len(cut)}, the "
                 f"last with {counted(len(cut[-1].bits), 'data bit')}"
             )
         left = self._left()
         behind = None if divergence is None else len(judged.expected) - divergence.index
         if divergence is not None and divergence.found == NOTHING and behind == left:
-            notes.append(f"words still in the FIFO, which the firmware has not asked for yet: {left}")
+            notes.append(f"words still unread in the FIFO: {left}")
             divergence = None
         ranked = outcome.ranked if divergence is not None else ()
         if breaks:
@@ -215,7 +215,7 @@ class UartReplay:
                 f"low for a frame or longer, {longest:.1f} bits at most: {counted(len(breaks), 'time')}; "
                 "the SCI sets BRKDT after ten bits beyond a missing stop bit"
             )
-        unjudged = errors.doubt if frames else "there is no frame on the line, so nothing was asked of the firmware"
+        unjudged = errors.doubt if frames else "there is no frame on the line, so nothing was required of the firmware"
         if unjudged and divergence is not None:
             notes.insert(0, unjudged)
         return Report(
@@ -242,7 +242,7 @@ class UartReplay:
         )
 
     def picture(self, report: Report) -> str | None:
-        """The first divergence of a run as SVG text; None without any. Both sides have one time: nothing waits here."""
+        """Return the first divergence of a run as SVG text; None without any. Both sides share one time base."""
         if not report.divergences:
             return None
         divergence = report.divergences[0]
@@ -263,11 +263,11 @@ class UartReplay:
         again.kernel.run_until(until + 1)
 
     def received(self) -> list[Happened]:
-        """Return what the firmware has read from SCIRXBUF so far, without the flags of the words."""
+        """Return the words read from SCIRXBUF so far as events."""
         return [word.happened for word in self._received()]
 
     def _received(self) -> list[Word]:
-        """Return what the firmware has read from SCIRXBUF so far."""
+        """Return the words read from SCIRXBUF so far."""
         rxdt, sciffe, sciffpe = (SCIRXBUF[name] for name in ("RXDT", "SCIFFFE", "SCIFFPE"))
         return [
             Word(
@@ -284,13 +284,13 @@ class UartReplay:
             return []
         first = ambiguous[0]
         return [
-            f"frames with a glitch, which receivers may read one way or another, so that they are not judged: "
+            f"frames with a glitch, which receivers may read either way, not judged: "
             f"{len(ambiguous)} of {frames}, the first at {float(first.at / self._rate):.6f} s, {first.value:02X} where "
-            "each bit is looked at once"
+            "each bit is sampled once"
         ]
 
     def _left(self) -> int:
-        """Words in the receive FIFO."""
+        """Return the number of words in the receive FIFO."""
         cycle = self.dsp.clock.cycle_at(self._scene.kernel.now)
         return SCIFFRX["RXFFST"].of(self.dsp.socket("SCI-A").peek(cycle, SCIFFRX.offset))
 

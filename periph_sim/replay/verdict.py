@@ -1,9 +1,9 @@
-"""What a replay proves: the parts of a report go in, its verdict and one line about it come out.
+"""The verdict of a replay, and a line of text about it.
 
 pass         everything judged is as in the capture
-ambiguous    so it is, but for places that receivers may read one way or another
-not judged   nothing was asked of the firmware, a serial line does not fit its format, or what differs first is not the
-             firmware's: nothing is proved
+ambiguous    as pass, except for places that receivers may read either way
+not judged   nothing was required of the firmware, a serial line does not fit its format, or the first difference is not
+             the firmware's: nothing is proved
 fail         something differs
 """
 
@@ -13,12 +13,12 @@ from .report import Report
 
 PASS, AMBIGUOUS, NOT_JUDGED, FAIL = "pass", "ambiguous", "not judged", "fail"
 
-# What a setting of the firmware decides, where it was filled from the capture.
+# What a firmware's setting determines, if it was filled in from the capture.
 DECIDES = {"replies": "the data", "asleep": "the refusals", "busy": "the refusals", "script": "the requests"}
 
 
 def verdict_of(failed: bool, asked: bool, ambiguous: int = 0) -> str:
-    """asked: the capture asks something of the firmware. ambiguous: how many events cannot be told."""
+    """Combine results. asked: the capture requires something of the firmware. ambiguous: number of ambiguous events."""
     if failed:
         return FAIL
     if not asked:
@@ -27,7 +27,7 @@ def verdict_of(failed: bool, asked: bool, ambiguous: int = 0) -> str:
 
 
 def headline(report: Report) -> str:
-    """The verdict, of how much of the capture, and what it does not say."""
+    """Format the verdict, the judged part of the capture, and its limitations."""
     parts = [report.verdict.upper()]
     if report.verdict == NOT_JUDGED:
         return f"{parts[0]}: {report.unjudged}"
@@ -44,7 +44,7 @@ def headline(report: Report) -> str:
 
 
 def _coverage(report: Report) -> str:
-    """How much of the capture was replayed; empty if all of it."""
+    """Format the replayed part of the capture; empty if all of it."""
     if report.captured_events <= report.events:
         return ""
     transfers = f", {report.transfers} of {report.captured_transfers} transfers" if report.captured_transfers else ""

@@ -1,4 +1,4 @@
-"""Log of the edges of a running scene's wires, which can be read as a capture, as of a logic analyser."""
+"""Log of the edges of a running scene's wires, readable as a capture of a logic analyser."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..traces.capture.capture import Capture, Channel, channel_of
 
 
 class WireLog:
-    """Positions are ticks."""
+    """A log whose positions are ticks."""
 
     def __init__(self, *wires: Wire) -> None:
         self._wires = wires

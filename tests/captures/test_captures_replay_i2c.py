@@ -160,9 +160,9 @@ def test_what_is_not_played_or_not_answered_by_the_firmware_is_told(name: str):
     notes = replayed(name).notes
     within = [note for note in notes if "before the capture's first START" in note]
     assert [note.rpartition(" ")[2] for note in within] == ([str(BEGINS_WITHIN[name])] if name in BEGINS_WITHIN else [])
-    assert any("stays out of reach" in note for note in notes) == (name == NOBODY)
+    assert any("the firmware does not answer" in note for note in notes) == (name == NOBODY)
     assert any("an agent answers" in note for note in notes) == (name in SEVERAL)
-    assert not any("is not told of them" in note for note in notes), "every refusal can be imitated"
+    assert not any("cannot be set to repeat" in note for note in notes), "every refusal can be imitated"
 
 
 # Their controllers ask again and again whether the target is still busy. It is so for as long as in the capture, while

@@ -60,7 +60,7 @@ def test_the_sci_receives_what_was_sent(name: str, side: str):
         assert report.verdict == "ambiguous" and report.divergences == []
         assert (report.events, report.agreed, report.ambiguous, report.bytes) == (1, 0, 1, 1)
         (note,) = [note for note in report.notes if "glitch" in note]
-        assert f"{AMBIGUOUS[name]} where each bit is looked at once" in note
+        assert f"{AMBIGUOUS[name]} where each bit is sampled once" in note
         return
     assert report.first_divergence is None and report.verdict == "pass"
     assert report.bytes == report.events == report.agreed > 0

@@ -27,7 +27,7 @@ from tests.traces.formats.make_traces import FOLDER
 FIRMWARES = TIMING.parent / "firmware" / "python"
 US = Fraction(1, 10**6)
 STRETCH = 400  # samples of 4 MHz: 100 us
-AGENTS = "the replay's own controller and targets differ in {} without the firmware, too"
+AGENTS = "the replay's own controller and targets also differ in {} without the firmware"
 THEIR_TIME, THIS_EVENT = AGENTS.format("their time"), AGENTS.format("this event")
 OWN, OTHER = 0x50, 0x51
 
@@ -155,8 +155,8 @@ def test_firmware_that_is_busy_behind_the_last_captured_poll_is_not_judged():
     report = replay(polls(True, False, False, True), "unit.dsp.settings.busy=['5 ms']", case=RESPONDER)
     assert report.verdict == "not judged" and report.divergences[0].found == "NACK"
     assert report.unjudged == (
-        "the firmware refuses 50 once more where the captured target answers behind refusals: a controller that polls "
-        "would ask again, and the replayed one asks as often as in the capture"
+        "the firmware does not acknowledge 50 once more where the captured target answers after NACKs: a controller "
+        "that polls would repeat, and the replayed one polls as often as in the capture"
     )
 
 

@@ -160,7 +160,7 @@ def test_a_byte_that_a_glitch_makes_ambiguous_is_neither_right_nor_wrong():
     assert report.verdict == "ambiguous" and report.divergences == []
     assert (report.events, report.agreed, report.ambiguous, report.bytes) == (3, 2, 1, 3)
     (note,) = [note for note in report.notes if "glitch" in note]
-    assert "1 of 3, the first at 0.000117 s, 5F where each bit is looked at once" in note
+    assert "1 of 3, the first at 0.000117 s, 5F where each bit is sampled once" in note
 
 
 def test_a_glitch_beside_the_middle_of_its_bit_is_judged():

@@ -29,7 +29,7 @@ def test_a_channel_is_named_or_counted():
 @pytest.mark.parametrize(
     ("capture", "text", "said"),
     [
-        (PLAIN, None, "samples: no channels called scl and sda, or rx; say which they are with --map"),
+        (PLAIN, None, "samples: no channels named scl and sda, or rx; name them with --map"),
         (PLAIN, None, "it has D0 (index 0), D1 (index 1)"),
         (of_bytes(b"\x07", ("a.scl", "b.scl", "sda")), None, "no channels called scl and sda, or rx"),
         (PLAIN, "scl=7,sda=1", "'scl=7,sda=1': samples has no single channel '7'; it has D0 (index 0), D1 (index 1)"),
@@ -64,7 +64,7 @@ def test_the_serial_line_is_the_one_named_or_called_so_or_the_only_one():
 @pytest.mark.parametrize(
     ("capture", "text", "said"),
     [
-        (PLAIN, None, "samples: which channel is RX? say --uart FILE,rx=CHANNEL; it has D0 (index 0), D1 (index 1)"),
+        (PLAIN, None, "samples: which channel is RX? give --uart FILE,rx=CHANNEL; it has D0 (index 0), D1 (index 1)"),
         (of_bytes(b"\x03", ("a.rx", "b.rx")), None, "which channel is RX?"),
         (ALL, "scl=0,sda=1", "--uart samples,scl=0,sda=1: expected rx=CHANNEL alone"),
         (PLAIN, "rx=9", "--uart 'rx=9': samples has no single channel '9'"),

@@ -90,7 +90,7 @@ def test_words_still_in_the_fifo_are_told_and_are_no_divergence(call, tens):
     report = json.loads(out)
     assert status == 0 and (report["events"], report["bytes"]) == (24, 20)
     assert not any(report[of_i2c] for of_i2c in ("transfers", "captured_transfers", "nacks", "captured_stretch_us"))
-    assert "words still in the FIFO, which the firmware has not asked for yet: 4" in report["notes"]
+    assert "words still unread in the FIFO: 4" in report["notes"]
 
 
 def test_a_divergence_is_exit_status_1_and_tells_where(call, tens):
@@ -169,7 +169,7 @@ def test_lines_without_a_transfer_are_refused(call, tmp_path):
     quiet = tmp_path / "quiet.sr"
     quiet.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", b"\x03" * 100))
     status, _, err = call("replay", str(quiet), "--case", RESPONDER)
-    assert status == 2 and "no I2C transfer on 'SCL' and 'SDA'; the lines may be mapped the wrong way round" in err
+    assert status == 2 and "no I2C transfer on 'SCL' and 'SDA'; the lines may be swapped" in err
 
 
 @pytest.mark.parametrize(
@@ -219,7 +219,7 @@ def test_the_verdict_line_says_what_it_proves_and_of_how_much(call):
     assert line(NACK, "--case", RESPONDER, "--address", "0x53") == (1, "FAIL")
     assert line(NACK, "--case", RESPONDER, "--first", "2") == (
         1,
-        "NOT JUDGED: nothing was asked of the firmware, nobody acknowledges 53 in the capture",
+        "NOT JUDGED: nothing was required of the firmware: 53 is not acknowledged in the capture",
     )
 
 
@@ -252,7 +252,7 @@ def test_an_i2c_trace_mapped_by_hand_with_an_address_and_fewer_transfers(call):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--map", "scl=SDA,sda=SCL"], "no whole address byte; the lines may be mapped the wrong way round"),
+        (["--map", "scl=SDA,sda=SCL"], "no whole address byte; the lines may be swapped"),
         (["--baud", "9600"], "--baud is for UART captures; this one is not mapped so"),
         (["--longest-low", "10"], "--longest-low: '10' has no unit"),
         (["--longest-low", "0 us"], "--longest-low: expected more than 0"),
@@ -359,7 +359,7 @@ def test_a_master_that_does_not_return_fails_after_the_patience_given(call, tmp_
         ([IMU_ROUND, "--offset", "1 ms"], "--offset needs --uart"),
         ([IMU_ROUND, "--uart", HOST_FRAMES, "--offset", "1"], "--offset: '1' has no unit"),
         ([IMU_ROUND, "--uart", f"{HOST_FRAMES},rx=7"], "has no single channel '7'"),
-        ([IMU_ROUND, "--uart", IMU_ROUND], "which channel is RX? say --uart FILE,rx=CHANNEL"),
+        ([IMU_ROUND, "--uart", IMU_ROUND], "which channel is RX? give --uart FILE,rx=CHANNEL"),
         ([IMU_ROUND, "--uart", f"{HOST_FRAMES},rate=quick"], "'quick' is no sample rate"),
         ([IMU_ROUND, "--uart", HOST_FRAMES, "--loop", "open"], "are for --loop closed --as slave"),
         ([IMU_ROUND, "--uart", HOST_FRAMES, "--case", RESPONDER], "no unit has SCI-A"),

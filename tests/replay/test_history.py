@@ -16,7 +16,7 @@ def kept(history: FlagHistory, moment: tuple[int, int], *records: tuple[int, Kin
     history.subscribe(recorder, Timebase())
     for tick, kind, where, what in records:
         recorder.emit(tick, kind, where, what, 1)
-    return [(record.tick, record.what) for record in history.of(moment)]
+    return [(record.tick, record.what) for record in history.records_near(moment)]
 
 
 def flag(tick: int, what: str, where: str = "dsp.I2C-A") -> tuple[int, Kind, str, str]:
@@ -71,5 +71,5 @@ def test_the_registers_of_each_module(module: str, shown: list[str]):
 def test_each_of_several_moments_has_its_own():
     history = FlagHistory([(50, 60), (10, 20)], "dsp", "I2C-A")
     kept(history, (10, 20), flag(15, AAS), flag(30, XRDY), flag(70, IRS))
-    assert [record.tick for record in history.of((10, 20))] == [15]
-    assert [record.tick for record in history.of((50, 60))] == [15, 30]
+    assert [record.tick for record in history.records_near((10, 20))] == [15]
+    assert [record.tick for record in history.records_near((50, 60))] == [15, 30]

@@ -145,10 +145,10 @@ def test_what_is_left_out_is_told_and_nothing_left_is_refused():
     assert (report.captured_events, report.transfers, report.captured_transfers) == (10, 1, 2)
     (note,) = unplanned(report.notes)
     assert note == (
-        "transfers that a master of this module cannot do, left out: "
+        "omitted transfers, which this module cannot do as master: "
         "1 (a read of no byte, whose address was acknowledged)"
     )
-    with pytest.raises(BadReplay, match=r"no transfer that a master of this module can do: 1 \(the capture, or what"):
+    with pytest.raises(BadReplay, match=r"no transfer that this module can do as master: 1 \(the capture, or its"):
         replay("S A0+ 00+")
 
 
@@ -194,7 +194,7 @@ def endless_case(folder: Path, then: str) -> Path:
             False,
             "waits for I2C-A.I2CSTR.AAS since 296.100 us",
         ),
-        ("dsp.spin(lambda: False)", False, ", after 50.100 ms without an edge; --patience sets how long it waits"),
+        ("dsp.spin(lambda: False)", False, ", after 50.100 ms without an edge; --patience sets this limit"),
         (
             "while True: dsp.compute(1000)",
             False,

@@ -118,7 +118,7 @@ def test_refusals_that_no_setting_can_imitate_are_told():
     report = replay(captured(wave))
     assert report.notes == [
         "refusals of 50 that follow neither a write that a STOP ended nor the start, "
-        "so that the firmware is not told of them: 2"
+        "which the firmware cannot be set to repeat: 2"
     ]
 
 
@@ -142,7 +142,7 @@ def test_settings_that_the_case_gives_are_kept_and_a_wrong_byte_is_told_with_its
 def test_an_address_that_the_capture_does_not_ask_proves_nothing():
     report = replay("nack.sr", "unit.dsp.settings.address=0x50")
     assert report.verdict == "not judged" and report.addresses == ["50"]
-    assert report.unjudged == "nothing was asked of the firmware, nobody acknowledges 50 in the capture"
+    assert report.unjudged == "nothing was required of the firmware: 50 is not acknowledged in the capture"
     assert report.notes == ["the capture does not ask 50", "an agent answers for 53, as captured"]
 
 
@@ -160,8 +160,8 @@ def refused(times: int) -> Capture:
 def test_a_capture_of_refusals_only_proves_nothing():
     report = replay(refused(20))
     assert report.verdict == "not judged" and (report.agreed, report.nacks) == (80, 20)
-    assert report.unjudged == "nothing was asked of the firmware, nobody acknowledges 50 in the capture"
-    assert report.notes == ["nobody acknowledges 50 in the capture: the firmware stays out of reach"]
+    assert report.unjudged == "nothing was required of the firmware: 50 is not acknowledged in the capture"
+    assert report.notes == ["50 is not acknowledged in the capture: the firmware does not answer"]
 
 
 DEAF = """
@@ -332,7 +332,7 @@ def test_a_firmware_that_never_answers_ends_the_replay(slow):
     assert report.first_divergence is not None and report.first_divergence.found == "nothing more"
     assert re.fullmatch(
         r"SCL is held low by dsp\.SCLA since 200\.000 us: the replay ends there, after 200\.000 ms; "
-        "--patience sets how long it waits",
+        "--patience sets this limit",
         report.notes[0],
     )
     assert report.stretch_worst_us == report.stretch_total_us == 200_000, "the stretch that does not end counts"
@@ -367,7 +367,7 @@ def test_a_capture_that_is_cut_in_its_last_transfer_says_so(slow, bits: int, not
         wave.stop()
         wave.idle(40)
     report = replay(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000), case=slow)
-    said = f"the capture ends {note}: what follows in its last transfer is not compared"
+    said = f"the capture ends {note}: the rest of its last transfer is not compared"
     assert (said in report.notes) == bool(note) and any("the capture ends" in one for one in report.notes) == bool(note)
 
 
@@ -382,5 +382,5 @@ def test_what_cannot_be_replayed_is_refused_in_one_sentence():
     cut = new_wave()
     cut.start()
     cut.bit(1)
-    with pytest.raises(BadReplay, match="no whole address byte; the lines may be mapped the wrong way round"):
+    with pytest.raises(BadReplay, match="no whole address byte; the lines may be swapped"):
         replay(captured(cut))

@@ -60,7 +60,7 @@ def test_only_the_first_transfers_are_played_and_all_are_counted():
     ],
 )
 def test_a_note_says_where_the_capture_cuts_its_last_transfer(wave: str, where: str):
-    sentence = f"the capture ends {where}: what follows in its last transfer is not compared"
+    sentence = f"the capture ends {where}: the rest of its last transfer is not compared"
     assert part(wave).notes == [sentence] * bool(where)
 
 

@@ -63,7 +63,7 @@ def test_an_inverted_line_is_not_judged():
     report = replay(line)
     assert report.agreed == report.events and report.captured_errors * 10 < report.events, "few of its frames are wrong"
     assert report.verdict == "not judged"
-    assert "the line rests low, as an inverted one of 115200 baud, 8n1 does" in report.unjudged
+    assert "the line idles low, like an inverted one of 115200 baud, 8n1;" in report.unjudged
 
 
 def test_a_wrong_parity_is_not_judged():
@@ -108,7 +108,7 @@ def test_a_capture_that_is_cut_within_a_frame_says_so():
     report = replay(line[: start + int(4.8 * BIT)])
     assert (report.verdict, report.events) == ("pass", 43)
     (note,) = report.notes
-    assert note.endswith("to their end, so that they are not compared: 1, the last with 4 data bits")
+    assert note.endswith("by the end of the capture, not compared: 1, the last with 4 data bits")
 
 
 def test_a_capture_that_ends_in_the_middle_of_its_last_stop_bit_has_that_frame():

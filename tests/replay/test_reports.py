@@ -208,7 +208,7 @@ def test_a_master():
         "lag_samples": 3.1467,
         "simulated_s": 0.0251,
         "notes": [
-            "transfers that a master of this module cannot do, left out: "
+            "omitted transfers, which this module cannot do as master: "
             "1 (a read of no byte, whose address was acknowledged)"
         ],
     }
@@ -244,10 +244,9 @@ def test_a_serial_line():
         "lag_worst_us": 100.3,
         "simulated_s": 0.00175,
         "notes": [
-            "frames with a glitch, which receivers may read one way or another, so that they are not judged: 1 of 5, "
-            "the first at 0.000300 s, 5F where each bit is looked at once",
-            "frames that the capture does not show to their end, so that they are not compared: 1, the last with "
-            "4 data bits",
+            "frames with a glitch, which receivers may read either way, not judged: 1 of 5, "
+            "the first at 0.000300 s, 5F where each bit is sampled once",
+            "frames cut off by the end of the capture, not compared: 1, the last with 4 data bits",
             "low for a frame or longer, 13.0 bits at most: 1 time; the SCI sets BRKDT after ten bits beyond a missing "
             "stop bit",
         ],

@@ -1,1 +1,1 @@
-"""One file a command. Each takes parsed arguments, calls the library, and prints."""
+"""One file for each command, which takes parsed arguments, calls the library, and prints."""

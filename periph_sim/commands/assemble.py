@@ -18,7 +18,7 @@ EXAMPLE = "periph-sim assemble firmware/c28x/sci_echo.asm sci_echo.out"
 def assemble(source: Path, file: Path) -> None:
     """Assemble SOURCE into FILE, a .out in TI's COFF2.
 
-    For small programs: one source, whose `.sect "NAME", ADDRESS` says where each section stands. Every form of the
+    For small programs: one source, whose `.sect "NAME", ADDRESS` sets the address of each section. Every form of the
     C28x and its FPU is known. docs/images.md has the directives.
     """
     from ..image.assemble import assemble_file

@@ -1,4 +1,4 @@
-"""The undocumented behaviours that a run depended on: names of options and the case go in, lines of text come out.
+"""Text about the undocumented behaviours that a run depended on.
 
 assumes 23 undocumented behaviours (-v lists them)
 
@@ -18,7 +18,7 @@ PAGE = "docs/options.md"
 
 
 def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:
-    """Lines to print; none if the run depended on no option. names: `UNIT.GROUP.OPTION` or `CHIP.OPTION`."""
+    """Return lines to print; none if the run depended on no option. names: `UNIT.GROUP.OPTION` or `CHIP.OPTION`."""
     if not names:
         return []
     head = f"assumes {len(names)} undocumented behaviour{'s' * (len(names) > 1)}"

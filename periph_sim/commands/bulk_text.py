@@ -1,9 +1,9 @@
-"""Much text at once: columns of numbers and words in, bytes out, without a step in Python for each line.
+"""Bulk formatting of columns of numbers and words as bytes, without a Python step for each line.
 
-    | digits | literal | words out of a book | --> one array of characters, a row a line --> bytes
+    | digits | literal | words of a table | --> one array of characters, a row a line --> bytes
 
-What is shorter than its column is filled up with NUL, and all NULs are taken out at the end; or with blanks,
-where columns stand below each other.
+Values shorter than their column are padded with NUL, and all NULs are removed at the end; or with blanks, in columns
+that are aligned.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ AT_ONCE = 1 << 15  # lines: their characters stay in the processor's cache
 BLANK, NONE = b" ", b"\0"
 MAX_TABLE = 1 << 24  # codes up to this are numbered by a table, larger ones by sorting
 
-# Four digits at a time, as one machine word: many are picked at once ten times as fast as rows of four bytes.
+# Four digits at a time, as one machine word: selecting many at once is ten times as fast as with rows of four bytes.
 _FOUR = (np.arange(10_000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")).astype(np.uint8).view(np.uint32)[:, 0]
 
 
@@ -45,7 +45,7 @@ class Literal:
 
 
 class Digits:
-    """Numbers from 0 on, to the right; with `decimals`, the last so many stand behind a point."""
+    """Numbers from 0 on, right-aligned; the last `decimals` digits follow a decimal point."""
 
     def __init__(self, values: Numbers, decimals: int = 0, pad: bytes = BLANK, width: int = 0) -> None:
         largest = int(values.max()) if len(values) else 0
@@ -67,7 +67,7 @@ class Digits:
         written[:, 0] = _FOUR[rest]
         digits = written.view(np.uint8)[:, 4 * groups - self._digits :]
         whole = self._digits - self._decimals
-        for place in range(whole - 1):  # noughts in front
+        for place in range(whole - 1):  # leading zeros
             np.copyto(digits[:, place], self._pad[0], where=values < 10 ** (self._digits - 1 - place))
         free = self.width - self._digits - (self._decimals > 0)
         into[:, :free] = self._pad[0]
@@ -78,7 +78,7 @@ class Digits:
 
 
 class Words:
-    """One of few texts in each line: `text_of(code)`, asked once for each code. Codes are small, from 0 on."""
+    """One of few texts in each line: `text_of(code)`, called once for each code. Codes are small, from 0 on."""
 
     def __init__(self, codes: Numbers, text_of: Callable[[int], str], pad: bytes = NONE, width: int = 0) -> None:
         used, self._place = numbered(codes)
@@ -92,7 +92,7 @@ class Words:
 
 
 class Sparse:
-    """Columns that only some lines have, the lines `where`: line n of the columns is line where[n] of the page."""
+    """Columns of only some lines: line n of the columns is line where[n] of the page."""
 
     def __init__(self, columns: Sequence[Column], where: Numbers) -> None:
         self._columns = columns
@@ -111,7 +111,7 @@ class Sparse:
 
 
 def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
-    """The codes that occur, in order, and for each code its place among them."""
+    """Return the codes that occur, in order, and for each code its index among them."""
     if len(codes) and int(codes.max()) > MAX_TABLE:
         return np.unique(codes, return_inverse=True)
     there = np.zeros(int(codes.max()) + 1 if len(codes) else 0, bool)
@@ -123,7 +123,7 @@ def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def text(columns: Sequence[Column], lines: int) -> Iterator[bytes]:
-    """The lines, a piece at a time."""
+    """Yield the lines in pieces."""
     bounds = np.cumsum([0, *(column.width for column in columns)]).tolist()
     for begin in range(0, lines, AT_ONCE):
         some = slice(begin, min(begin + AT_ONCE, lines))

@@ -1,4 +1,4 @@
-"""`periph-sim check [PATH...]`: run cases, hold them against their baselines, set the exit status."""
+"""`periph-sim check [PATH...]`: run cases, compare them with their baselines, set the exit status."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ EXAMPLE = "periph-sim check timing --junit results.xml"
 @click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of every case.")
 @GUARANTEED
-@click.option("--jobs", type=click.IntRange(min=1), help="Processes at a time; as many as cores. 1: none but this one.")
+@click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 @click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
 @click.option("--html", "html_file", type=click.Path(path_type=Path), help="Write one report of all cases here.")
 @click.option(
-    "--annotations", type=click.Choice(["github"]), help="Print a line for each finding that a CI service reads."
+    "--annotations", type=click.Choice(["github"]), help="Print a line for each finding in the format of a CI service."
 )
 def check(
     paths: tuple[Path, ...],
@@ -53,18 +53,18 @@ def check(
     html_file: Path | None,
     annotations: str | None,
 ) -> int:
-    """Run cases and hold their figures against their baselines, exactly.
+    """Run cases and compare their figures with their baselines, exactly.
 
-    PATH is a case file, or a folder with cases in it or below it. Without it: what `cases` of
-    [tool.periph-sim] in pyproject.toml names, else timing, else the present folder. Baselines
+    PATH is a case file, or a folder with cases in it or below it. Default: `cases` of
+    [tool.periph-sim] in pyproject.toml, else timing, else the current folder. Baselines
     are baselines/NAME.json beside the case, or in `baselines` of that table.
 
     Exit status 0: every budget holds, or breaks where the case says that it must, and every
-    figure is that of the baseline; 1: not so; 2: a case could not be run (the others were). Cases
-    that are driven from outside are named, and left out.
+    figure is that of the baseline; 1: otherwise; 2: a case could not be run (the others were). Cases
+    that are driven from outside are named, and not run.
     """
     if update and changes:
-        raise click.UsageError("--update-baseline with --set: a baseline is of the case as it stands; leave one out")
+        raise click.UsageError("--update-baseline with --set: a baseline is of the unchanged case; remove one of them")
     apart(junit=junit_file, html=html_file)
     refused: list[RejectedCase] = []
     with running_user_code(), ExitStack() as outputs:
@@ -74,11 +74,11 @@ def check(
             from ..reports.baselines.check import case_files
 
             note_inputs(case_files(paths or project.cases()), but_baselines=update)
-        # Asked for their places before the runs, so that none is in vain.
+        # Outputs are opened before the runs, so that none is in vain.
         unfinished, unfinished_html = (
             None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)
         )
-        with progress("check") as told:
+        with progress("check") as on_progress:
             checks = checked(
                 paths or project.cases(),
                 jobs=jobs or project.settings.jobs,
@@ -86,7 +86,7 @@ def check(
                 update=update,
                 changes=changes,
                 keep_values=html_file is not None,
-                told=told,
+                told=on_progress,
                 on_refused=refused.append,
             )
         if unfinished is not None:
@@ -106,12 +106,12 @@ def check(
     else:
         _show(checks, refused)
         for one in outside:
-            click.echo(f"{one.path.as_posix()}: driven from outside, so it is not run here")
+            click.echo(f"{one.path.as_posix()}: driven from outside, so not run here")
     if annotations is not None:
         from ..reports.baselines.annotations import github
 
         for line in github(checks, refused):
-            click.echo(line, err=as_json)  # the service reads both; standard output stays one object
+            click.echo(line, err=as_json)  # the service reads both streams; standard output remains one JSON object
     if refused:
         return 2
     return 0 if passed else 1
@@ -143,7 +143,7 @@ def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) 
 
 
 def _html(checks: list[CaseCheck], jobs: int | None) -> str:
-    """The report: each case is run once more, for its timelines."""
+    """Return the report: each case is run again, for its timelines."""
     from ..reports.baselines.check import workers
     from ..reports.html import page
     from ..reports.html.gather import report_of_file
@@ -193,8 +193,11 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
     for one in checks:
         notes = [str(change) for change in one.changes if change.note]
         if notes and one.state != "written":
-            told = ", ".join(notes)
-            say(console, f"note: {one.outcome.figures.case}: {told} (counts of the simulation, which fail nobody)")
+            changes_text = ", ".join(notes)
+            say(
+                console,
+                f"note: {one.outcome.figures.case}: {changes_text} (counts of the simulation, which cannot fail)",
+            )
     for one in checks:
         if one.state == "written":
             for change in one.changes:
@@ -208,7 +211,7 @@ LEGEND = "columns count budgets; must break: named in `breaks`; baseline: change
 
 
 def _table(checks: list[CaseCheck], refused: list[RejectedCase]) -> PlainTable:
-    """A row a case: how many budgets have each verdict, and what the baseline says."""
+    """Return a table with a row for each case: numbers of budgets by verdict, and the baseline's result."""
     from ..timing.verdict import BROKEN, NOT_JUDGED, SEEN
     from .tables import plain_table
 

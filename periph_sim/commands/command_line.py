@@ -1,4 +1,4 @@
-"""The command as it was typed, for outputs that say how they were made."""
+"""The command as it was typed, for outputs that name their command."""
 
 from __future__ import annotations
 
@@ -7,5 +7,5 @@ import sys
 
 
 def command_line() -> str:
-    """ "periph-sim run timing/imu_hil.toml --seconds 1"; without the folder that the program lies in."""
+    """ "periph-sim run timing/imu_hil.toml --seconds 1"; without the program's folder."""
     return shlex.join(["periph-sim", *sys.argv[1:]])

@@ -24,8 +24,8 @@ EXAMPLE = "periph-sim compliance capture.sr --mode fast"
 @click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="scl=0,sda=1; a channel by name or index.")
 @RATE
 @SALVAGE
-@click.option("--exact", is_flag=True, help="The file's times are exact, as a simulation's are; not an analyser's.")
-@click.option("--strict", is_flag=True, help="Exit status 1 also where a limit cannot be decided.")
+@click.option("--exact", is_flag=True, help="The file's times are exact, as in a simulation.")
+@click.option("--strict", is_flag=True, help="Exit status 1 also if a limit cannot be decided.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def compliance(
     capture: Path,
@@ -60,8 +60,7 @@ def compliance(
         raise click.ClickException(str(error)) from None
     if not report.starts:
         raise click.ClickException(
-            f"{capture}: no I2C START on {lines['scl']!r} and {lines['sda']!r}; "
-            "the lines may be mapped the wrong way round"
+            f"{capture}: no I2C START on {lines['scl']!r} and {lines['sda']!r}; the lines may be swapped"
         )
     if as_json:
         print_json("compliance", as_dict(report))

@@ -1,6 +1,6 @@
-"""`periph-sim convert IN OUT`: a capture or a recorded run in one format goes in, the same in another comes out.
+"""`periph-sim convert IN OUT`: convert a capture or a recorded run to another format.
 
-What was written is read again and held against what was read: what OUT does not keep is told in a note each.
+The output is read again and compared with the input: each loss in OUT is reported in a note.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ EXAMPLE = "periph-sim convert capture.sr capture.vcd --window '1 ms..5 ms'"
 @click.argument("given", metavar="IN", type=click.Path(path_type=Path))
 @click.argument("out", metavar="OUT", type=click.Path(path_type=Path))
 @RATE
-@click.option("--sample", metavar="RATE", help="Write what an analyser of this rate would have seen.")
+@click.option("--sample", metavar="RATE", help="Write what an analyser of this rate would have recorded.")
 @click.option("--channels", metavar="A,B,...", help="Only these, in this order; by name or index.")
-@click.option("--window", metavar="FROM..TO", help="Only this stretch: '100 us..1.2 ms', or sample numbers.")
+@click.option("--window", metavar="FROM..TO", help="Only this part: '100 us..1.2 ms', or sample numbers.")
 @SALVAGE
 def convert(
     given: Path,
@@ -42,9 +42,9 @@ def convert(
     window: str | None,
     salvage: bool,
 ) -> int:
-    """Write capture IN as OUT; OUT's suffix says the format.
+    """Write capture IN as OUT; OUT's suffix selects the format.
 
-    Of a run recorded as .psr, OUT may also be any format of `run --record`, with all that was recorded.
+    For a run recorded as .psr, OUT may also be any format of `run --record`, with all records.
     """
     with usage_errors_in_one_sentence():
         if _same_file(given, out):
@@ -69,12 +69,12 @@ def convert(
 def _same_file(given: Path, out: Path) -> bool:
     try:
         return out.samefile(given)
-    except OSError:  # one is not there, or has a name that none can have; reading and writing say so
+    except OSError:  # a missing file or invalid name; reading and writing report it
         return False
 
 
 def _run(given: Path, out: Path) -> str:
-    """Everything that was recorded, in another format of recordings."""
+    """Convert a recording to another format of recordings."""
     table = psr.read_table(given)
     rewrite(table, out)
     length = table.end / (table.per_second or Fraction(1))
@@ -87,7 +87,7 @@ def _check_suffix(out: Path, part: bool) -> None:
     if any(name.endswith(suffix) for suffix in able):
         return
     if format_of(out):
-        way_out = "leave out what selects a part" if part else "record one with run --record run.psr"
+        way_out = "remove the options that select a part" if part else "record one with run --record run.psr"
         raise click.ClickException(f"{out}: this format holds the records of a run, not a capture; {way_out}")
     raise click.ClickException(f"{out}: nothing is written as {out.suffix!r}; {did_you_mean(out.suffix, _suffixes())}")
 
@@ -122,7 +122,7 @@ def _sizes(capture: formats.Capture) -> str:
 
 
 def _not_kept(ready: formats.Capture, out: Path) -> Iterator[str]:
-    """A sentence for each thing that OUT, read again, has no more. BadCapture if it has other edges."""
+    """Yield a sentence for each loss in OUT, read again. BadCapture if it has other edges."""
     if not any(
         out.name.casefold().endswith(suffix) for reader in formats.readers().values() for suffix in reader.SUFFIXES
     ):

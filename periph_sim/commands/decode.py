@@ -1,4 +1,4 @@
-"""`periph-sim decode FILE`: the events on the buses of a capture, a line each."""
+"""`periph-sim decode FILE`: list the events on the buses of a capture."""
 
 from __future__ import annotations
 
@@ -48,13 +48,17 @@ EXAMPLE = "periph-sim decode capture.sr --i2c scl=0,sda=1"
     metavar="clk=CHANNEL,mosi=CHANNEL,...",
     help="An SPI bus: clk=, mosi= or miso= or both, cs=; cpol, cpha, bitorder, wordsize, cs_polarity as sigrok's.",
 )
-@click.option("--glitch", metavar="TIME", help="Leave out pulses shorter than '50ns'; a bare number counts samples.")
+@click.option("--glitch", metavar="TIME", help="Ignore pulses shorter than '50ns'; a bare number counts samples.")
 @RATE
 @click.option("--format", "style", type=click.Choice(STYLES), default="table", show_default=True)
 @SALVAGE
-@click.option("--times", "full", is_flag=True, help="In the table, too: where each row ends, and sample numbers.")
-@click.option("--transfers", "whole", is_flag=True, help="A line a transfer, or burst of frames, not a line an event.")
-@click.option("--json", "as_json", is_flag=True, help="Short for --transfers --format json: an object a transfer.")
+@click.option("--times", "full", is_flag=True, help="Add to the table the end of each row, and sample numbers.")
+@click.option(
+    "--transfers", "whole", is_flag=True, help="One line for each transfer, or burst of frames, instead of each event."
+)
+@click.option(
+    "--json", "as_json", is_flag=True, help="Short for --transfers --format json: one object for each transfer."
+)
 def decode(
     file: Path,
     i2cs: tuple[str, ...],
@@ -70,12 +74,12 @@ def decode(
 ) -> None:
     """Decode the buses in FILE, a capture in any format.
 
-    Without --i2c, --uart and --spi, channels called scl and sda, rx and tx are taken. The times of several buses stand
-    in one list. pcapng is for Wireshark, hexdump for text2pcap, sigrok has the lines of sigrok-cli.
+    Without --i2c, --uart and --spi, channels named scl and sda, rx and tx are used. All buses share one list in order
+    of time. pcapng is for Wireshark, hexdump for text2pcap, sigrok has the lines of sigrok-cli.
     """
     if as_json:
         if style not in ("table", "json"):
-            raise click.ClickException(f"--json and --format {style} ask for two forms; give one of them")
+            raise click.ClickException(f"--json and --format {style} are two formats; give one of them")
         style, whole = "json", True
     with usage_errors_in_one_sentence():
         capture = read_capture(file, rate, salvage)
@@ -130,7 +134,7 @@ def _print(pieces: Iterable[bytes]) -> None:
 
 
 def _shortest(text: str, capture: Capture) -> int:
-    """Positions; a pulse of fewer is a glitch."""
+    """Parse --glitch to positions; shorter pulses are glitches."""
     match = re.fullmatch(r"\s*(\d{1,18}(?:\.\d{1,18})?)\s*([a-z]*)\s*", text)
     if not match or (match[2] and match[2] not in A_SECOND) or (not match[2] and not match[1].isdecimal()):
         raise click.ClickException(

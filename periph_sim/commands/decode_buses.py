@@ -1,9 +1,9 @@
-"""The buses that `periph-sim decode` is asked for: a capture and texts of options go in, decoded rows come out.
+"""The buses of `periph-sim decode`, by its options, with their decoded rows.
 
---i2c scl=0,sda=1          --> channels --> i2c_table  --> Bus: rows, and notes on what they do not show
+--i2c scl=0,sda=1          --> channels --> i2c_table  --> Bus: rows, and notes on their limitations
 --uart rx=2,baud=auto,...  --> channels --> uart_table -->
 --spi clk=3,mosi=4,...     --> channels --> spi        --> Bus of each data line
-nothing                    --> channels called scl and sda, rx and tx; guesses in doubt are told, not taken
+nothing                    --> channels named scl and sda, rx and tx; doubtful guesses are reported, not used
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ SPI_MODES = {  # the names and values of sigrok's decoder, the first one unless 
     "cs_polarity": ("active-low", "active-high"),
 }
 MAX_WORD = 32  # bits
-SURE = 0.5  # of 34 real lines with a stated rate, guesses surer than this are right, less sure ones mostly wrong
+SURE = 0.5  # of 34 real lines with a stated rate, guesses above this are right, those below mostly wrong
 
 
 class Bus(NamedTuple):
-    """One bus, of SPI one data line of it.
+    """A bus, or one data line of an SPI bus.
 
     protocol: i2c, uart or spi.
-    silence: positions without a frame or word that end a burst; None where transfers begin at STARTs or selections.
+    silence: positions without a frame or word that end a burst; None if transfers begin at STARTs or selections.
     notes: a sentence each.
     lines: SCL and SDA, or the serial line.
     """
@@ -58,7 +58,7 @@ class Bus(NamedTuple):
 def asked_for(
     capture: Capture, i2cs: tuple[str, ...], uarts: tuple[str, ...], spis: tuple[str, ...], shortest: int
 ) -> list[Bus]:
-    """The buses of the options, decoded; without any, those whose channels have usual names. shortest: positions.
+    """Decode the buses of the options; without any, those whose channels have usual names. shortest: positions.
 
     ClickException if an option names no channels of the capture, or none has a usual name.
     """
@@ -71,22 +71,22 @@ def asked_for(
     buses = [_i2c_of(capture, scl, sda, shortest) for scl, sda in named.i2c]
     if not buses and not named.uart:
         raise click.ClickException(
-            f"{capture.path}: no channels are called scl and sda, rx or tx, it has {listed(capture.channels)}; "
-            "say which they are, as in --i2c scl=0,sda=1, --uart rx=0,baud=auto or --spi clk=0,mosi=1,miso=2,cs=3"
+            f"{capture.path}: no channels are named scl and sda, rx or tx, it has {listed(capture.channels)}; "
+            "name them, as in --i2c scl=0,sda=1, --uart rx=0,baud=auto or --spi clk=0,mosi=1,miso=2,cs=3"
         )
     failed: list[str] = []
     for wire in named.uart:
         try:
             buses.append(_frames(capture, wire, {}, shortest, doubtful=False))
         except ValueError as error:
-            failed.append(f"{wire.name} is not decoded: {error}; say what it is with --uart")
+            failed.append(f"{wire.name} is not decoded: {error}; describe it with --uart")
             buses.append(_nothing(wire, failed[-1]))
     if failed and not any(len(bus.rows.at) for bus in buses):
         raise click.ClickException("; ".join(failed))
     for wire in named.left_over:
         line = "SCL" if "scl" in wire.name.casefold() else "SDA"
         other = "SDA" if line == "SCL" else "SCL"
-        note = f"{wire.name} is not decoded: which {other} goes with it? say it with --i2c scl=CHANNEL,sda=CHANNEL"
+        note = f"{wire.name} is not decoded: which {other} belongs to it? give --i2c scl=CHANNEL,sda=CHANNEL"
         buses.append(_nothing(wire, note))
     return buses
 
@@ -111,7 +111,7 @@ def _i2c(capture: Capture, text: str, shortest: int) -> Bus:
 def _i2c_of(capture: Capture, scl: Channel, sda: Channel, shortest: int) -> Bus:
     rows = i2c_rows(i2c_table(capture, scl.index, sda.index, shortest))
     wrong = impossible_rate(capture, scl.index)
-    doubts = [f"{wrong}; all times are wrong then, state the rate with --rate"] if wrong else []
+    doubts = [f"{wrong}; then all times are wrong; state the rate with --rate"] if wrong else []
     return Bus("i2c", f"i2c {scl.name}/{sda.name}", rows, None, [*gap_notes(capture, scl, sda), *doubts], (scl, sda))
 
 
@@ -134,9 +134,9 @@ def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
 
 
 def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: int, doubtful: bool = True) -> Bus:
-    """One serial line. given: what is known of it. doubtful: whether a guess is taken that is not sure.
+    """Decode a serial line. given: its known settings. doubtful: True if an uncertain guess may be used.
 
-    ValueError where it cannot be guessed, or read at its rate.
+    ValueError if it cannot be guessed, or read at its rate.
     """
     notes = gap_notes(capture, wire)
     if not len(wire.edges):
@@ -147,7 +147,7 @@ def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: in
 
         guessed = guess(capture, wire.index, shape, "invert" in given or None, shortest)
         if guessed.sure < SURE and not doubtful:
-            raise ValueError(f"in doubt, {guessed}, which baud=auto would take")
+            raise ValueError(f"in doubt, {guessed}, which baud=auto would use")
         notes.append(f"{wire.name}: {guessed}" + ("; in doubt, so better state them" if guessed.sure < SURE else ""))
         line = guessed.line
     else:
@@ -212,7 +212,7 @@ def _spi_format(text: str, given: dict[str, str]) -> spi.SpiFormat:
 
 
 def _pairs(option: str, text: str, known: tuple[str, ...]) -> dict[str, str]:
-    """`a=1,b` as a dict; what has no `=` has the value ''."""
+    """Parse `a=1,b` to a dict; entries without `=` have the value ''."""
     given: dict[str, str] = {}
     for part in text.split(","):
         name, equals, value = part.partition("=")

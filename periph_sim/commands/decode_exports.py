@@ -1,8 +1,8 @@
-"""Decoded buses for other tools: `Rows` go in, bytes of a file come out.
+"""Export of decoded buses to other tools.
 
-pcapng      Wireshark, tshark          a packet a message, burst or selection (SPI), an interface a line
+pcapng      Wireshark, tshark          a packet for each message, burst or selection (SPI), an interface for each line
 hexdump     text2pcap, any script      the same bytes as text, each packet below its time
-sigrok      whoever reads sigrok-cli   a line an event, `START-END i2c-1: Address write: 53`
+sigrok      scripts for sigrok-cli     a line for each event, `START-END i2c-1: Address write: 53`
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ SIGROK = {
 class Packet(NamedTuple):
     """time: units of 10**-DECIMALS s. wire: address byte and data of a message, bytes of a burst, or SPI words, each in
     whole bytes with the most significant one first. said: in the notation of the I2C-bus specification, with ACKs and
-    how it ended."""
+    the final condition."""
 
     bus: int
     time: int
@@ -48,7 +48,7 @@ class Packet(NamedTuple):
 def in_pcapng(
     rows: Rows, first: Numbers, buses: Sequence[str], protocols: Sequence[str], clock: Clock
 ) -> Iterator[bytes]:
-    """protocols: of each bus; serial lines and SPI have no link type of their own."""
+    """Export to pcapng. protocols: of each bus; serial lines and SPI have no link type of their own."""
     yield pcapng.section()
     for name, protocol in zip(buses, protocols, strict=True):
         yield pcapng.interface(pcapng.I2C_LINUX if protocol == "i2c" else pcapng.USER0, name, DECIMALS)
@@ -59,7 +59,7 @@ def in_pcapng(
 
 
 def in_hexdump(rows: Rows, first: Numbers, protocols: Sequence[str], clock: Clock) -> Iterator[bytes]:
-    """For `text2pcap -t %s.%f -l 209` (147 of a serial line or SPI), which puts the link type in front."""
+    """Export for `text2pcap -t %s.%f -l 209` (147 for a serial line or SPI), which adds the link type."""
     if len(set(protocols)) > 1:
         raise click.ClickException(
             "a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng"
@@ -76,9 +76,9 @@ def _dumped(found: Iterator[Packet]) -> Iterator[bytes]:
 
 
 def in_sigrok(rows: Rows, protocols: Sequence[str]) -> Iterator[bytes]:
-    """As `sigrok-cli --protocol-decoder-samplenum` prints annotations; ends are those of the bits, not estimated.
+    """Export like `sigrok-cli --protocol-decoder-samplenum`; ends are those of the bits, not estimated.
 
-    Each SPI line has a decoder of its own, which prints its words only: sigrok has no line for a selection.
+    Each SPI line has its own decoder, which prints words only: sigrok has no line for a selection.
     """
     rows = rows.select((rows.event != SELECT) & (rows.event != DESELECT))
     decoders: list[str] = []
@@ -111,9 +111,9 @@ def _as_sigrok_says(event: str, value: int | None, bits: int, detail: str) -> st
 
 
 def packets(rows: Rows, first: Numbers, clock: Clock) -> Iterator[Packet]:
-    """Those of the groups that begin at the rows `first`, in order of time: bursts, and the messages of I2C transfers.
+    """Yield the packets of groups that begin at rows `first`, in order of time: bursts, and messages of I2C transfers.
 
-    A message without a whole address byte is none.
+    A message without a whole address byte is omitted.
     """
     conditions = np.flatnonzero((rows.event == START) | (rows.event == AGAIN))
     begins = np.union1d(first, conditions)

@@ -1,4 +1,4 @@
-"""Decoded rows as text: `Rows` in, pieces of a table, of CSV or of JSON lines out."""
+"""Decoded rows as text: a table, CSV or JSON lines."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from ..traces.decode.event_rows import DETAILS, EVENTS, Rows
 from .bulk_text import BLANK, NONE, Column, Digits, Literal, Numbers, Sparse, Words, numbered, text
 
-MOST_DECIMALS = 12  # where the sample period is no decimal fraction: picoseconds
+MOST_DECIMALS = 12  # if the sample period is no decimal fraction: picoseconds
 GAP = "  "
 
 
@@ -28,7 +28,7 @@ class Clock(NamedTuple):
 
     @staticmethod
     def for_rate(rate: Fraction, length: int = 0) -> Clock:
-        """The clock of positions up to `length`."""
+        """Return the clock for positions up to `length`."""
         period = 1 / rate
         decimals = next((n for n in range(MOST_DECIMALS) if (period * 10**n).denominator == 1), MOST_DECIMALS)
         while decimals and length * period * 10**decimals >= 1 << 63:
@@ -37,7 +37,7 @@ class Clock(NamedTuple):
         return Clock(scaled.numerator, scaled.denominator, decimals)
 
     def units(self, positions: Numbers) -> Numbers:
-        """The nearest number of units; what would not fit 63 bits is done one by one."""
+        """Convert to the nearest number of units; values beyond 63 bits are computed one by one."""
         if self.down == 1 and not self._large(positions):
             return positions * self.up
         if not self._large(positions):
@@ -67,7 +67,7 @@ def in_json(event: str, value: int | None, bits: int, detail: str) -> str:
 
 
 def in_transfer(event: str, value: int | None, bits: int, detail: str) -> str:
-    """As the I2C-bus specification draws it: S, address, W or R, A or N for the answer, Sr, P."""
+    """Format as in the I2C-bus specification: S, address, W or R, A or N for the answer, Sr, P."""
     marks = {"start": "S", "repeated start": "Sr", "ack": "A", "nack": "N", "stop": "P"}
     if value is None:
         return marks.get(event, event)
@@ -82,7 +82,7 @@ def in_transfer(event: str, value: int | None, bits: int, detail: str) -> str:
 
 
 def _value(event: str, value: int | None, bits: int) -> str:
-    """A byte in hexadecimal, a character beside it where a frame holds one; of what was cut off its bits."""
+    """Format a byte in hexadecimal, with a frame's printable character; an incomplete byte as bits."""
     if value is None:
         return ""
     if event == "cut":
@@ -93,13 +93,13 @@ def _value(event: str, value: int | None, bits: int) -> str:
 
 SHOWN: dict[str, Shown] = {"table": in_table, "csv": in_csv, "json": in_json}
 TITLES = {"table": f"{'event':<14}{GAP}value\n", "csv": "event,value,bits,detail\n", "json": ""}
-CLOSED = {"table": "\n", "csv": "\n", "json": '"}\n'}  # how the line of a transfer ends
+CLOSED = {"table": "\n", "csv": "\n", "json": '"}\n'}  # the end of a transfer's line
 
 
 def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool) -> Iterator[bytes]:
-    """A line a row. style: table or csv, under a line of titles; or json, an object a line, without.
+    """Yield a line for each row. style: table or csv, after a line of titles; or json, an object for each line.
 
-    full: in a table, too, where each row ends and positions beside times. clock: None where positions have no time.
+    full: also in a table, the end of each row and positions in addition to times. clock: None without a time base.
     """
     titles, head = _head(rows, buses, clock, style, full)
     yield (titles + TITLES[style]).encode()
@@ -109,7 +109,7 @@ def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, fu
 def transfers(
     rows: Rows, first: Numbers, buses: Sequence[str], clock: Clock | None, style: str, full: bool
 ) -> Iterator[bytes]:
-    """A line for each group of rows, which begin at the rows `first`; the rest as for `events`."""
+    """Yield a line for each group of rows, which begin at the rows `first`; arguments as for `events`."""
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
     titles, head = _head(rows.select(first)._replace(end=ends), buses, clock, style, full)
     if style == "json":
@@ -132,7 +132,7 @@ def transfers(
 
 
 def _head(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool) -> tuple[str, list[Column]]:
-    """The columns that say when and where, and their part of the line of titles."""
+    """Return the columns of time and bus, and their part of the line of titles."""
     columns: list[Column] = []
     if style == "table":
         titles = ""
@@ -160,7 +160,7 @@ def _head(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, ful
 
 
 def _when(rows: Rows, clock: Clock | None, full: bool, pad: bytes) -> list[tuple[str, Digits]]:
-    """Columns of time and position, with their names."""
+    """Return columns of time and position, with their names."""
     columns: list[tuple[str, Digits]] = []
     if clock is not None:
         columns.append(("time_s", Digits(clock.units(rows.at), clock.decimals, pad)))
@@ -178,7 +178,7 @@ def _buses(rows: Rows, buses: Sequence[str], pad: bytes) -> Words:
 
 
 def events_column(rows: Rows, shown: Shown) -> Words:
-    """What happened: few different texts, however many rows."""
+    """Return the column of events: few different texts, however many rows."""
     held = rows.value >= 0
     bits = np.where(held, rows.bits, 0).astype(np.int64)
     values, value = numbered(np.where(held, (bits << 32 | rows.value) + 1, 0))

@@ -24,12 +24,12 @@ EXAMPLE = "periph-sim diff before.sr after.sr --tolerance 1us"
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
 @click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="scl=0,sda=1 or rx=0; a channel by name or index.")
-@click.option("--map-b", metavar="LINE=CHANNEL,...", help="The same of B, where it differs.")
+@click.option("--map-b", metavar="LINE=CHANNEL,...", help="The same for B, if different.")
 @click.option("--uart", metavar="rx=CHANNEL,baud=RATE,format=8n1", help="Compare UART frames, not I2C.")
-@click.option("--rate", metavar="RATE", help="Samples a second of A, where the file does not say: '4 MHz'.")
-@click.option("--rate-b", metavar="RATE", help="The same of B.")
+@click.option("--rate", metavar="RATE", help="Sample rate of A, if the file has none: '4 MHz'.")
+@click.option("--rate-b", metavar="RATE", help="The same for B.")
 @SALVAGE
-@click.option("--tolerance", metavar="TIME", help="Lateness that is no difference: '1us'; else one sample of each.")
+@click.option("--tolerance", metavar="TIME", help="Tolerated lateness: '1us'.  [one sample of each]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 @click.option("--all", "everything", is_flag=True, help="List every event, and every difference.")
 def diff(
@@ -45,9 +45,9 @@ def diff(
     as_json: bool,
     everything: bool,
 ) -> int:
-    """Compare what happened in captures A and B, event by event, and when.
+    """Compare the events of captures A and B, one by one, and their times.
 
-    Exit status 0: the same events at the same times within the tolerance; 1: not so.
+    Exit status 0: the same events at the same times within the tolerance; 1: otherwise.
     """
     from ..replay import BadReplay
     from ..replay.channels import channel_map
@@ -60,7 +60,7 @@ def diff(
     channel, line = (None, None) if uart is None else _line(uart)
     wanted = "sda" if line is None else "rx"
     if channel is not None and mapping is not None:
-        raise click.ClickException("--uart and --map both say which channel is rx; give one of them")
+        raise click.ClickException("--uart and --map both name the channel of rx; give one of them")
     try:
         captures = (
             read_capture(a, rate, salvage),
@@ -81,7 +81,7 @@ def diff(
         raise click.ClickException(str(error)) from None
     if not result.entries:
         what = "I2C transfer" if line is None else "UART frame"
-        raise click.ClickException(f"{a} and {b}: no {what} in either; the lines may be mapped wrongly")
+        raise click.ClickException(f"{a} and {b}: no {what} in either; the mapping may be wrong")
     if as_json:
         print_json("diff", as_dict(result, everything))
     else:
@@ -90,7 +90,7 @@ def diff(
 
 
 def _line(text: str) -> tuple[str | None, Line]:
-    """(channel, line) of `rx=CHANNEL,baud=RATE,format=8n1`; baud must be there."""
+    """Parse `rx=CHANNEL,baud=RATE,format=8n1` to (channel, line); baud is mandatory."""
     from ..core.suggest import did_you_mean
     from ..traces.decode.uart import Line
 

@@ -1,4 +1,4 @@
-"""`periph-sim extremes`: where the arithmetic of the sensor models breaks, and what it costs."""
+"""`periph-sim extremes`: limits and costs of the sensor models' arithmetics."""
 
 from __future__ import annotations
 
@@ -19,12 +19,16 @@ EXAMPLE = "periph-sim extremes --arithmetic q16"
 
 @click.command()
 @click.option("--arithmetic", "names", multiple=True, metavar="NAME", help="float64, float32, q16, q12 saturating, ...")
-@click.option("--only", multiple=True, metavar="EXTREME", help="Leave out all other extremes.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, help="Of the search in the working range.")
-@click.option("--samples", type=click.IntRange(100, 1_000_000), default=1000, help="Of that search; more find more.")
-@click.option("--parameters", metavar="SET", help="Of the sensors, for range and costs: a TOML file or a shipped set.")
+@click.option("--only", multiple=True, metavar="EXTREME", help="Run only these extremes.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, help="Seed of the search in the working range.")
 @click.option(
-    "--tables", type=click.Choice(["RAM", "boot ROM"]), default="RAM", help="Where the libraries' tables are."
+    "--samples", type=click.IntRange(100, 1_000_000), default=1000, help="Samples of that search; more find more."
+)
+@click.option(
+    "--parameters", metavar="SET", help="Sensor parameters for range and costs: a TOML file or a shipped set."
+)
+@click.option(
+    "--tables", type=click.Choice(["RAM", "boot ROM"]), default="RAM", help="Memory of the libraries' tables."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 @click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.svg", help="Draw error against cycles.")
@@ -40,8 +44,8 @@ def extremes(
 ) -> None:
     """Run the sensor models in several arithmetics through every extreme, against float64.
 
-    Says how far each is off in the working range, what it costs in cycles, and from which input on it saturates,
-    wraps, or is no number any more. NAME may be given several times, and EXTREME too.
+    Shows the deviation of each in the working range, its cost in cycles, and the first input at which it saturates,
+    wraps, or becomes NaN. NAME and EXTREME may be given several times.
     """
     from ..reports.extreme_clocks import SCENES
     from ..scene.case.sensor_sets import named

@@ -1,4 +1,4 @@
-"""`periph-sim host-unit PORT`: the host's end of a serial line; a flight or datagrams go in, frames go out at 50 Hz."""
+"""`periph-sim host-unit PORT`: the host's end of a serial line: sends frames of a flight or of datagrams at 50 Hz."""
 
 from __future__ import annotations
 
@@ -20,18 +20,20 @@ if TYPE_CHECKING:
 SECTION = "run"
 EXAMPLE = "periph-sim host-unit /tmp/dsp --flight flight.csv"
 
-WAITS = 5  # seconds that a port may take nothing
+WAITS = 5  # seconds for which a port may accept nothing
 
 
 @click.command()
 @click.argument("port")
 @click.option("--flight", type=click.Path(path_type=Path), metavar="CSV", help="Send a recorded flight, once.")
-@click.option("--udp", metavar="[ADDRESS:]PORT", help="Send the latest values of datagrams, as Simulink sends them.")
-@click.option("--udp-order", type=click.Choice(["little", "big"]), default="little", help="Bytes of --udp.  [little]")
-@click.option("--baud", default=115_200, show_default=True, type=click.IntRange(min=1), help="Of PORT.")
+@click.option("--udp", metavar="[ADDRESS:]PORT", help="Send the latest values of datagrams, as sent by Simulink.")
+@click.option(
+    "--udp-order", type=click.Choice(["little", "big"]), default="little", help="Byte order of --udp.  [little]"
+)
+@click.option("--baud", default=115_200, show_default=True, type=click.IntRange(min=1), help="Rate of PORT.")
 @click.option("--period", default="20 ms", show_default=True, metavar="TIME", help="From one frame to the next.")
-@click.option("--encoding", "settings", multiple=True, metavar="KEY=VALUE", help="As a key of [host.encoding].")
-@click.option("--frames", type=click.IntRange(min=0), metavar="N", help="End after so many; else with Ctrl-C.")
+@click.option("--encoding", "settings", multiple=True, metavar="KEY=VALUE", help="A key of [host.encoding].")
+@click.option("--frames", type=click.IntRange(min=0), metavar="N", help="End after N frames; else with Ctrl-C.")
 def host_unit(
     port: str,
     flight: Path | None,
@@ -42,11 +44,11 @@ def host_unit(
     settings: tuple[str, ...],
     frames: int | None,
 ) -> None:
-    """Send frames of 12 bytes to PORT, 50 a second: what a [host] of a case does, by a program of its own.
+    """Send frames of 12 bytes to PORT, 50 a second, like the [host] of a case.
 
     PORT is any of pyserial's (extra live): /dev/ttyUSB0, the pseudo-terminal of `serve`, rfc2217://127.0.0.1:4000,
     f28335://CASE.toml?port=scia. A flight is a CSV file with columns time, phi, theta, psi, ax, ay, az and their units.
-    A datagram holds the last six of these as doubles or singles, in rad and g, or a frame as it is.
+    A datagram holds the last six of these as doubles or singles, in rad and g, or a whole frame.
     """
     try:
         import serial
@@ -57,7 +59,7 @@ def host_unit(
     from ..outside.live.host_unit import FlightFrames, UdpFrames, pacer_for, send_frames
 
     if (flight is None) == (udp is None):
-        raise click.UsageError("give either --flight or --udp, where the values come from")
+        raise click.UsageError("give either --flight or --udp as the source of values")
     every = time_given("--period", period)
     if not every:
         raise click.UsageError("--period 0 s: expected more than 0")
@@ -69,14 +71,14 @@ def host_unit(
         if udp is not None:
             address, number = address_given("--udp", udp)
             source = UdpFrames(address, number, encoding, udp_order, lambda line: click.echo(line, err=True))
-            click.echo(f"values are taken from UDP port {source.port} of {address}", err=True)
+            click.echo(f"values are read from UDP port {source.port} of {address}", err=True)
         else:
             assert flight is not None
             source = FlightFrames(flight, encoding, every)
         with _opened(serial, port, baud) as line:
             pacer = pacer_for(line)
             sent = send_frames(line, source, every, pacer, frames, lambda: bool(asked))
-    click.echo(f"{sent.frames} frames, {sent.bytes} bytes sent to {port}, {sent.came} came back")
+    click.echo(f"{sent.frames} frames, {sent.bytes} bytes sent to {port}, {sent.came} received")
     if isinstance(source, UdpFrames):
         source.close()
         click.echo(f"{source.held} frames repeated the values before, {source.refused} datagrams refused")
@@ -102,7 +104,7 @@ def _encoding(settings: tuple[str, ...]) -> Encoding:
 
 @contextmanager
 def _mistakes(port: str) -> Iterator[None]:
-    """What is wrong with the port, the file or a setting, as a sentence."""
+    """Turn errors of the port, the file or a setting into one sentence."""
     from serial import SerialException
 
     from ..outside.live.port_errors import in_our_words
@@ -121,13 +123,13 @@ def _mistakes(port: str) -> Iterator[None]:
 
 @contextmanager
 def _until_signal(asked: list[int]) -> Iterator[None]:
-    """Ctrl-C and TERM end it behind the present frame."""
+    """End after the present frame on Ctrl-C or TERM."""
 
-    def told(number: int, _: Any) -> None:
+    def on_signal(number: int, _: Any) -> None:
         asked.append(number)
 
     before: dict[int, Callable[[int, Any], Any] | int | None] = {
-        number: signal.signal(number, told) for number in (signal.SIGINT, signal.SIGTERM)
+        number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)
     }
     try:
         yield

@@ -1,4 +1,4 @@
-"""`periph-sim identify FILE.csv`: bias and noise of a sensor's recording at rest."""
+"""`periph-sim identify FILE.csv`: bias and noise of a sensor recorded at rest."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..traces.formats.unit_csv import Column
 
 PICTURES = (".svg", ".png")
-UNEVEN = 0.01  # of a period, that two recordings may differ in
+UNEVEN = 0.01  # maximum difference of two recordings' periods
 
 SECTION = "sensors"
 EXAMPLE = "periph-sim identify rest.csv --rate '50 Hz' --plot allan.svg"
@@ -27,12 +27,15 @@ EXAMPLE = "periph-sim identify rest.csv --rate '50 Hz' --plot allan.svg"
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.csv")
-@click.option("--rate", metavar="RATE", help="Samples a second, where there is no column 'time [s]': '50 Hz'.")
-@click.option("--expect", multiple=True, metavar="NAME=VALUE", help="What the mean of a column should be; else 0.")
+@click.option("--rate", metavar="RATE", help="Sample rate, if there is no column 'time [s]': '50 Hz'.")
+@click.option("--expect", multiple=True, metavar="NAME=VALUE", help="The true mean of a column.  [0]")
 @click.option(
-    "--undisturbed", type=click.Path(path_type=Path), metavar="FILE.csv", help="Without the disturbance: for hard iron."
+    "--undisturbed",
+    type=click.Path(path_type=Path),
+    metavar="FILE.csv",
+    help="A recording without the disturbance: for hard iron.",
 )
-@click.option("--slow-terms", is_flag=True, help="Bias instability and random walk too.")
+@click.option("--slow-terms", is_flag=True, help="Also identify bias instability and random walk.")
 @click.option(
     "--plot", "picture", type=click.Path(path_type=Path), metavar="FILE", help="The Allan plot, .svg or .png."
 )
@@ -56,7 +59,7 @@ def identify(
     """Find bias and noise density of every column of a recording at rest.
 
     Overlapping Allan deviation; the density is read at 1 s on the slope of -1/2. Every column's
-    title has its unit: 'gyroscope_x [deg/s]'.
+    title contains its unit: 'gyroscope_x [deg/s]'.
     """
     if picture is not None and picture.suffix.casefold() not in PICTURES:
         raise click.ClickException(f"--plot {picture}: its suffix is {picture.suffix!r}; expected .svg or .png")
@@ -98,7 +101,7 @@ def identify(
 def _axes(
     file: Path, rate: str | None, expect: tuple[str, ...], undisturbed: Path | None, slow: bool
 ) -> tuple[list[Axis], float]:
-    """Every column but time, identified, and the sampling period."""
+    """Identify every column except time; return them and the sampling period."""
     from ..sensors.identification.identify import identify as identified
     from ..sensors.identification.text_report import Axis
 
@@ -116,7 +119,9 @@ def _axes(
         plain = None
         if undisturbed is not None:
             if name not in others or others[name].unit != column.unit:
-                raise click.ClickException(f"{undisturbed}: there is no column '{name} [{column.unit}]', as {file} has")
+                raise click.ClickException(
+                    f"{undisturbed}: there is no column '{name} [{column.unit}]', unlike in {file}"
+                )
             plain = others[name].values
         found = identified(name, column.values, period, expected=wanted.get(name, 0.0), undisturbed=plain, slow=slow)
         axes.append(Axis(column.unit, found))
@@ -124,7 +129,7 @@ def _axes(
 
 
 def _recording(file: Path, rate: str | None) -> tuple[dict[str, Column], float]:
-    """The columns but time by name, and the period in seconds."""
+    """Return the columns except time by name, and the period in seconds."""
     import numpy as np
 
     from ..traces.formats.unit_csv import line_of_row, read
@@ -132,22 +137,22 @@ def _recording(file: Path, rate: str | None) -> tuple[dict[str, Column], float]:
     columns = {column.name: column for column in read(file)}
     time = columns.pop("time", None)
     if not columns:
-        raise click.ClickException(f"{file}: there is no column beside time; expected a sensor's, with its unit")
+        raise click.ClickException(f"{file}: the only column is time; expected a sensor's, with its unit")
     if rate is not None:
         return columns, float(1 / rate_given("--rate", rate))
     if time is None or time.unit != "s":
-        raise click.ClickException(f"{file}: there is no column 'time [s]'; say the rate with --rate: '50 Hz'")
+        raise click.ClickException(f"{file}: there is no column 'time [s]'; state the rate with --rate: '50 Hz'")
     count = len(time.values)
     if count < 2:
-        raise click.ClickException(f"{file}: there is one row, so no rate; say it with --rate")
+        raise click.ClickException(f"{file}: there is only one row, so no rate; state it with --rate")
     steps = np.diff(time.values)
     usual = float(np.median(steps))
     uneven = np.flatnonzero(np.abs(steps - usual) > usual / 2)
     if len(uneven) or usual <= 0:
         row = int(uneven[0]) + 1 if len(uneven) else 1
         raise click.ClickException(
-            f"{file}, line {line_of_row(file, row)}: {steps[row - 1]:.6g} s after the sample before, but usually it is "
-            f"{usual:.6g} s; give a recording without gaps, or say the rate with --rate if only the times are wrong"
+            f"{file}, line {line_of_row(file, row)}: {steps[row - 1]:.6g} s after the sample before, but usually  "
+            f"{usual:.6g} s; give a recording without gaps, or state the rate with --rate if only the times are wrong"
         )
     period = float(time.values[-1] - time.values[0]) / (count - 1)
     return columns, period

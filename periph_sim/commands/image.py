@@ -1,4 +1,4 @@
-"""`periph-sim image FILE`: what a linker's output file holds for the F28335."""
+"""`periph-sim image FILE`: the contents of a linker's output file for the F28335."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ EXAMPLE = "periph-sim image firmware.out"
 @click.command()
 @click.argument("image", metavar="FILE", type=click.Path(path_type=Path))
 @click.argument("function", metavar="[FUNCTION]", required=False)
-@click.option("--cycles", is_flag=True, help="Explain the cycles of FUNCTION, an instruction a line.")
-@click.option("-v", "--verbose", is_flag=True, help="List all functions, and where each register is touched.")
+@click.option("--cycles", is_flag=True, help="Explain the cycles of FUNCTION, one instruction a line.")
+@click.option("-v", "--verbose", is_flag=True, help="List all functions, and all accesses to each register.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_json: bool) -> int:
-    """Show what is in FILE, the .out of TI's linker, COFF2 or C28x ELF, or assembly (.asm).
+    """Show the contents of FILE, the .out of TI's linker, COFF2 or C28x ELF, or assembly (.asm).
 
-    Sections, entry, vectors that code stores, registers that it names, functions with their size, and words of code
-    that the F28335 does not know. Exit status 0: all are known; 1: some are not.
+    Sections, entry, vectors that code stores, registers that it accesses, functions with their size, and unknown words
+    of code. Exit status 0: all words are known; 1: some are not.
     """
     if cycles != (function is not None):
         raise click.UsageError("--cycles and FUNCTION belong together: periph-sim image --cycles FILE FUNCTION")
@@ -44,7 +44,7 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
 
 
 def _explain(image: Path, function: str, as_json: bool) -> int:
-    """The cycles of one function."""
+    """Show the cycles of one function."""
     from ..image.function_cycles import function_cycles
     from ..image.program_file import program_in
     from ..image.text_report import cycles_as_json, cycles_text

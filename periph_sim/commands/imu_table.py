@@ -20,22 +20,22 @@ EXAMPLE = "periph-sim imu-table --samples 10000"
 
 @click.command()
 @click.option(
-    "--samples", type=click.IntRange(2, MOST_SAMPLES), default=10_000, show_default=True, help="Of every axis."
+    "--samples", type=click.IntRange(2, MOST_SAMPLES), default=10_000, show_default=True, help="Samples of every axis."
 )
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the noise.")
+@click.option("--seed", type=int, default=1, show_default=True, help="Seed of the noise.")
 @click.option(
     "--parameters",
     metavar="SET",
     help="A TOML file or a shipped set.  [default: table_5_1, which reproduces the table]",
 )
 @click.option("--turn", is_flag=True, help="Derive the earth field and show a turn about z (section 5.2) instead.")
-@click.option("--write", "csv", type=click.Path(path_type=Path), metavar="FILE.csv", help="Write the samples too.")
+@click.option("--write", "csv", type=click.Path(path_type=Path), metavar="FILE.csv", help="Also write the samples.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: Path | None, as_json: bool) -> int:
     """Run the sensor models at rest and print mean, 3 sigma and variance as Table 5.1 does.
 
-    Beside each figure stand the published ones and what the model expects. With the set that reproduces the table, also
-    how it follows from Table 4.1, step by step.
+    Beside each figure are the published ones and the model's expectation. With the set that reproduces the table, also
+    its derivation from Table 4.1, step by step.
     """
     from ..dissertation.at_rest.readings import readings
     from ..dissertation.at_rest.rest import at_rest
@@ -61,11 +61,11 @@ def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: 
             from ..dissertation.at_rest.rest import write
 
             write(found, imu, unfinished)
-        rows, told = static_table(imu, found), readings() if parameters in (None, PUBLISHED) else []
+        rows, found_readings = static_table(imu, found), readings() if parameters in (None, PUBLISHED) else []
     if as_json:
-        explained = [{"says": reading.says, "emulator_mean_off_se": reading.off} for reading in told]
-        rows_told = list(map(asdict, rows))
-        print_json("imu-table", {"samples": samples, "seed": seed, "rows": rows_told, "readings": explained})
+        explained = [{"says": reading.says, "emulator_mean_off_se": reading.off} for reading in found_readings]
+        row_objects = list(map(asdict, rows))
+        print_json("imu-table", {"samples": samples, "seed": seed, "rows": row_objects, "readings": explained})
     else:
-        click.echo(text(imu, rows, told, samples, seed))
+        click.echo(text(imu, rows, found_readings, samples, seed))
     return 0

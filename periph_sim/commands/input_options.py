@@ -1,4 +1,4 @@
-"""What several commands take: a capture, a rate, a time. Texts of options go in, values or one sentence come out."""
+"""Options of several commands, such as a capture, a rate, a time, and their parsing."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ if TYPE_CHECKING:
     from ..scene.project import Project
     from ..traces.capture.capture import Capture
 
-RATE = click.option("--rate", metavar="RATE", help="Samples a second, where the file does not say: '4 MHz'.")
+RATE = click.option("--rate", metavar="RATE", help="Sample rate, if the file has none: '4 MHz'.")
 SALVAGE = click.option(
     "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
 )
 GUARANTEED = click.option(
-    "--guaranteed/--no-guaranteed", default=None, help="Demand proven budgets; refused, since nothing is proven yet."
+    "--guaranteed/--no-guaranteed", default=None, help="Require proven budgets; an error, since nothing is proven yet."
 )
 RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
-SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, where RUN does not show it: '150 MHz'.")
+SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, if RUN does not contain it: '150 MHz'.")
 
 
 def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> Capture:
-    """The capture in a file; BadCapture if it cannot be read. option: how the rate was given, for messages."""
+    """Read the capture in a file; BadCapture if it cannot be read. option: name of the rate's option, for messages."""
     from ..traces import formats
 
     return formats.read(path, None if rate is None else rate_given(option, rate), salvage=salvage)
 
 
 def rate_given(option: str, text: str) -> Fraction:
-    """Samples a second, above 0."""
+    """Parse a rate above 0 in samples a second."""
     from ..traces.capture.capture import rate_of
 
     try:
@@ -49,7 +49,7 @@ def rate_given(option: str, text: str) -> Fraction:
 
 
 def time_given(option: str, text: str) -> Fraction:
-    """Seconds, 0 or more."""
+    """Parse a time to seconds, 0 or more."""
     try:
         length = seconds(text)
     except TimeError as error:
@@ -60,7 +60,7 @@ def time_given(option: str, text: str) -> Fraction:
 
 
 def address_given(option: str, text: str) -> tuple[str, int]:
-    """(address, port) of "[ADDRESS:]PORT": this computer's own where none is given."""
+    """Parse "[ADDRESS:]PORT" to (address, port); the default is this computer."""
     address, _, port = text.rpartition(":")
     if not port.isdecimal() or int(port) > 65535:
         raise click.UsageError(f"{option} {text!r}: expected a port up to 65535, or ADDRESS:PORT; 0 is any free port")
@@ -68,7 +68,7 @@ def address_given(option: str, text: str) -> tuple[str, int]:
 
 
 def pace_given(text: str) -> Fraction:
-    """Simulated seconds a second."""
+    """Parse --pace to simulated seconds a second."""
     try:
         return exact_number(text)
     except ValueError:
@@ -76,7 +76,7 @@ def pace_given(text: str) -> Fraction:
 
 
 def length_given(text: str) -> Fraction:
-    """Seconds to simulate, 0 or more: 10 or '10 s'."""
+    """Parse --seconds to 0 or more: 10 or '10 s'."""
     from ..core.settings import duration
 
     try:
@@ -86,29 +86,29 @@ def length_given(text: str) -> Fraction:
 
 
 def apart(**outputs: Path | None) -> None:
-    """Refuse two options that name one file to be written, where the later one would take the other's place."""
+    """Reject two options that name the same output file."""
     taken: dict[Path, str] = {}
     for option, path in outputs.items():
         if path is not None:
             other = taken.setdefault(path.resolve(), option)
             if other != option:
-                raise click.ClickException(f"--{other} and --{option} both name {path}; give each a file of its own")
+                raise click.ClickException(f"--{other} and --{option} both name {path}; give each its own file")
 
 
 def refuse_guaranteed(asked: bool | None, project: Project | None = None) -> None:
-    """Refuse --guaranteed, and `guaranteed = true` of the project. asked: None where the option is not given."""
+    """Reject --guaranteed, and `guaranteed = true` of the project. asked: None if the option is not given."""
     from ..scene.project import project_of
     from ..timing.verdict import NOTHING_PROVEN
 
     if asked:
-        raise click.ClickException(f"--guaranteed: {NOTHING_PROVEN}; leave the option out")
+        raise click.ClickException(f"--guaranteed: {NOTHING_PROVEN}; remove the option")
     project = project or project_of(Path())
     if asked is None and project.settings.guaranteed:
         raise click.ClickException(f"{project.where('guaranteed')}: {NOTHING_PROVEN}; remove it or use --no-guaranteed")
 
 
 def open_run(path: Path, sysclk: str | None) -> Run:
-    """A recorded run; BadCapture or NotInRun if there is none in the file."""
+    """Open a recorded run; BadCapture or NotInRun if the file contains none."""
     from ..records.run import Run
 
     return Run.read(path, None if sysclk is None else rate_given("--sysclk", sysclk))

@@ -1,4 +1,4 @@
-"""What `--json` prints: a command's answer goes in; one JSON object with its schema and version comes out."""
+"""Output of `--json`: one JSON object with its schema and version."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import click
 
 from .. import form
 
-VERSION = 2  # goes up when a key goes away or means something else; a new key leaves it
+VERSION = 2  # incremented when a key is removed or changes its meaning, not for a new key
 
 
 def print_json(command: str, answer: Mapping[str, object]) -> None:
-    """One object on standard output; `schema` says whose it is, `schema_version` which edition.
+    """Print one object on standard output; `schema` names the command, `schema_version` the edition.
 
-    `form` comes last: which form of the core was at work."""
-    told = {"schema": f"periph-sim {command}", "schema_version": VERSION, **answer, "form": form.running}
-    click.echo(json.dumps(told, indent=2, ensure_ascii=False))
+    `form` comes last: the form of the core that was used."""
+    answer_object = {"schema": f"periph-sim {command}", "schema_version": VERSION, **answer, "form": form.running}
+    click.echo(json.dumps(answer_object, indent=2, ensure_ascii=False))

@@ -1,4 +1,4 @@
-"""`periph-sim lint RUN`: faults in what firmware does with its registers."""
+"""`periph-sim lint RUN`: find faults in firmware's use of its registers."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ EXAMPLE = "periph-sim lint run.psr"
 
 @click.command()
 @RUN_FILE
-@click.option("--bound", metavar="TIME", default="20 ms", show_default=True, help="A wait may take so long.")
+@click.option("--bound", metavar="TIME", default="20 ms", show_default=True, help="Maximum length of a wait.")
 @SYSCLK
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 def lint(run: Path, bound: str, sysclk: str | None, as_json: bool) -> int:
-    """Find faults in what the firmware did in RUN, each with its place and the section that says why.
+    """Find faults in the firmware's actions in RUN, each with its place and the manual's section.
 
-    RUN is what `run --record x.psr` wrote. Exit status 0: nothing found; 1: something is.
+    RUN is the output of `run --record x.psr`. Exit status 0: nothing found; 1: something found.
     """
     from ..records.lint_finding import Options
     from ..records.lint_runner import lint as lint_of

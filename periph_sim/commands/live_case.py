@@ -1,4 +1,4 @@
-"""What `new --live` writes: the log of a session goes in; the case that was live, driven by that log, comes out.
+"""Files of `new --live`: the case of a live session, driven by the session's log.
 
 case file, its changes --+
 log --> wires, duration -+--> case with [outside], and with budgets if it had none
@@ -24,15 +24,15 @@ from .new_files import NAME, Files
 
 Tree = dict[str, Any]
 
-MEASURES = (  # that become budgets where a case has none
+MEASURES = (  # that become budgets if a case has none
     *("overruns", "fifo high-water", "missed rounds", "nacked rounds", "nacked", "stretch", "response", "round"),
 )
 
 
 def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
-    """The case's text by its path, and that path. given: its name; else that of the case that was live, and `_live`.
+    """Return the case's text by its path, and that path. given: its name; default: the live case's name and `_live`.
 
-    ClickException, or BadCase, for a log that is none, or of a case that is in no file or not there any more.
+    ClickException, or BadCase, for an invalid log, or one whose case has no file or a missing one.
     """
     try:
         reader = LogReader(log)
@@ -58,7 +58,7 @@ def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
         click.echo(reader.unfinished, err=True)
     tree |= {
         "name": place.name,
-        "about": f"What was live: {name}, moved from outside as {log.name} says.",
+        "about": f"The live session of {name}, driven from outside by {log.name}.",
         "duration": f"{reader.end / head.ticks_per_second:.12f} s",
         "outside": {"wires": list(head.wires), "log": relpath(log, place.parent)},
     }
@@ -69,7 +69,7 @@ def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
 
 
 def _moved(tree: Tree, before: Path, after: Path) -> None:
-    """Texts that name a file beside the case name it from where the new one is."""
+    """Change texts that name files beside the case to paths relative to the new case."""
     named = {text for text in texts_in(tree) if 0 < len(text) < 200 and (before / text).is_file()}
 
     def moved(value: Any) -> Any:
@@ -84,7 +84,7 @@ def _moved(tree: Tree, before: Path, after: Path) -> None:
 
 @output_muted()
 def _as_seen(tree: Tree, target: Path) -> list[Tree]:
-    """A budget of each measure that the session tells: what it came to is the limit."""
+    """Return a budget for each measure of the session, with the session's result as limit."""
     found: list[Tree] = []
     for measure in MEASURES:
         budget: Tree = {"name": measure, "measure": measure, "max": 0}
@@ -100,12 +100,12 @@ def _as_seen(tree: Tree, target: Path) -> list[Tree]:
     for budget, verdict in zip(found, result.budgets, strict=True):
         if verdict.worst is not None and verdict.verdict != NOT_JUDGED:
             most = f"{verdict.worst} us" if verdict.unit == "us" else verdict.worst
-            budgets.append({**budget, "max": most, "why": "what it came to while it was live"})
+            budgets.append({**budget, "max": most, "why": "the result of the live session"})
     return budgets
 
 
 def toml(tree: Tree) -> str:
-    """A tree of tables as TOML: plain values first, then tables, then lists of tables."""
+    """Format a tree of tables as TOML: plain values first, then tables, then lists of tables."""
     return "\n".join(_tables(tree, ())).strip() + "\n"
 
 

@@ -1,4 +1,4 @@
-"""What `serve` shows while it runs: in the terminal or not, and a page's address, go in; else nothing is made."""
+"""The display of `serve` while it runs, in the terminal or on a page."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 
 
 class Shown:
-    """url: of the page, "" if there is none. OutsideError for a port that is taken. A context manager: threads end."""
+    """url: of the page, or "". OutsideError for a port in use. A context manager, which ends its threads."""
 
     def __init__(self, in_terminal: bool, address: tuple[str, int] | None) -> None:
         self.url = ""
@@ -58,12 +58,12 @@ class Shown:
         self._end()
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
-        """As a Scene calls it."""
+        """Subscribe the wave; called by a Scene."""
         if self._wave is not None:
             self._wave.subscribe(recorder, timebase)
 
     def doors(self, session: Session, line: SerialLine | None, pacer: Pacer, where: str) -> Sequence[Door]:
-        """What is to have its turn in the session's loop."""
+        """Return the doors for the session's loop."""
         if self._board is None:
             return ()
         from ..outside.live.view.door import ViewDoor
@@ -74,7 +74,7 @@ class Shown:
         return (self._door,)
 
     def begin(self) -> None:
-        """All that is printed before the session runs is."""
+        """Begin the display, after all output before the session."""
         if self._in_terminal:
             from .live_view import LiveView
 
@@ -82,14 +82,14 @@ class Shown:
             self._view = LiveView(self._board)
 
     def say(self, sentence: str) -> None:
-        """What a door has to say."""
+        """Display a door's sentence."""
         if self._status is not None:
             self._status.say(sentence)
         if self._view is None:
             click.echo(sentence, err=True)
 
     def close(self) -> None:
-        """The session has run: its last snapshot, while it can be asked."""
+        """End the display with the session's last snapshot."""
         if self._door is not None:
             self._door.close()
         self._end()

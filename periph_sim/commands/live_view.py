@@ -1,6 +1,6 @@
-"""The view of a live session in the terminal: its board goes in; a screen that is updated in place comes out.
+"""The view of a live session in the terminal, updated in place from its board.
 
-A thread of its own prints, so that nobody's simulated time waits for a terminal.
+A separate thread prints, so that simulated time never waits for a terminal.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from ..outside.live.pacing import in_ms
 from ..outside.live.view.board import Board
 from ..outside.live.view.status import BudgetSoFar, Lateness, Snapshot
 
-PATIENCE = 1.0  # seconds without news, after which it asks whether there will be more
+PATIENCE = 1.0  # seconds without news, after which it checks for the end
 BAR = 30  # columns
-TURNS = 0.0005  # seconds after which a thread that prints lets the session go on
+TURNS = 0.0005  # seconds after which the printing thread yields to the session
 
 
 class LiveView:
-    """Prints until its board is closed."""
+    """A screen that prints until its board is closed."""
 
     def __init__(self, board: Board) -> None:
         self._board, self._console = board, Console()
@@ -32,7 +32,7 @@ class LiveView:
         self._thread.start()
 
     def close(self) -> None:
-        """Behind the board, with its last snapshot on the screen."""
+        """Wait for the last snapshot on the screen. Call after closing the board."""
         self._thread.join()
 
     def _run(self) -> None:
@@ -45,39 +45,41 @@ class LiveView:
                     live.update(screen(snapshot, self._console.height), refresh=True)
 
 
-def screen(told: Snapshot, height: int = 100) -> RenderableType:
-    """What is shown: the budgets only as far as there are lines."""
-    rates = told["rates"]
+def screen(status: Snapshot, height: int = 100) -> RenderableType:
+    """Return the screen; budgets only as far as there are lines."""
+    rates = status["rates"]
     pace = f", {rates['pace']:.2f} s a second" if "pace" in rates else ""
-    over = "ended at" if told["over"] else ""
-    head = Text(f"{told['case']}: {over or 'live,'} {told['simulated_s']:.1f} s simulated{pace}", style="bold")
-    parts: list[RenderableType] = [head, _rates(told), *_readings(told)]
-    parts.append(Text(f"flags     {', '.join(told['flags']) or 'none'}"))
-    if told["lateness"] is not None:
-        parts += _late(told["lateness"])
-    parts += [Text(f"          {sentence}") for sentence in told["said"]]
+    over = "ended at" if status["over"] else ""
+    head = Text(f"{status['case']}: {over or 'live,'} {status['simulated_s']:.1f} s simulated{pace}", style="bold")
+    parts: list[RenderableType] = [head, _rates(status), *_readings(status)]
+    parts.append(Text(f"flags     {', '.join(status['flags']) or 'none'}"))
+    if status["lateness"] is not None:
+        parts += _late(status["lateness"])
+    parts += [Text(f"          {sentence}") for sentence in status["said"]]
     left = height - len(parts) - 3
-    budgets = sorted(told["budgets"], key=lambda one: one["state"] != "fail")
+    budgets = sorted(status["budgets"], key=lambda one: one["state"] != "fail")
     if budgets and left > 1:
         parts.append(_budgets(budgets[: left - 1], len(budgets)))
     return Group(*parts)
 
 
-def _rates(told: Snapshot) -> Text:
-    parts = [f"{rate:.0f} {name}" for name, rate in told["rates"].items() if name != "pace" and told["totals"][name]]
-    waiting = told["totals"]["waiting"]
+def _rates(status: Snapshot) -> Text:
+    parts = [
+        f"{rate:.0f} {name}" for name, rate in status["rates"].items() if name != "pace" and status["totals"][name]
+    ]
+    waiting = status["totals"]["waiting"]
     return Text(
         f"rates     {', '.join(parts) or 'nothing yet'} a simulated second" + (f"; {waiting} wait" if waiting else "")
     )
 
 
-def _readings(told: Snapshot) -> list[Text]:
+def _readings(status: Snapshot) -> list[Text]:
     lines = [
         Text(f"{one['chip']:<14}" + "".join(f"{value:>10.3f}" for value in one["values"]) + f"  {one['unit']}")
-        for one in told["readings"]
+        for one in status["readings"]
     ]
-    if told["attitude"] is not None:
-        roll, pitch, yaw = told["attitude"]
+    if status["attitude"] is not None:
+        roll, pitch, yaw = status["attitude"]
         lines.append(Text(f"attitude      roll {roll:7.1f}  pitch {pitch:6.1f}  yaw {yaw:7.1f}  deg"))
     return lines
 

@@ -1,4 +1,4 @@
-"""`periph-sim moving CASE`: one motion through emulator and real sensors into the same filter, beside the truth."""
+"""`periph-sim moving CASE`: one motion through emulator and real sensors into the same filter, compared with truth."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .json_output import print_json
 from .progress import progress
 from .usage_error import running_user_code
 
-DIFFERENT = 1  # the exit status where the wires carried other bytes than were computed
+DIFFERENT = 1  # the exit status if the bytes on the wires differ from the computed ones
 
 SECTION = "sensors"
 EXAMPLE = "periph-sim moving timing/imu_moving.toml --direct"
@@ -23,7 +23,7 @@ EXAMPLE = "periph-sim moving timing/imu_moving.toml --direct"
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--seconds", type=str, help="Run this long instead of the case's duration; 10 or '10 s'.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
-@click.option("--direct", is_flag=True, help="Without wires: compute what would be read. Quick.")
+@click.option("--direct", is_flag=True, help="Without wires: compute the readings. Quick.")
 @click.option(
     "--plot", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Write attitudes.svg and rates.svg."
 )
@@ -45,8 +45,8 @@ def moving(
     with running_user_code(), ExitStack() as outputs:
         subject = subject_of(load(case, list(changes)), None if seconds is None else length_given(seconds))
         pictures = None if folder is None else outputs.enter_context(_pictures(folder))
-        with progress(subject.case.name) as told:
-            outcome = run(subject, not direct, told)
+        with progress(subject.case.name) as on_progress:
+            outcome = run(subject, not direct, on_progress)
         if pictures is not None:
             from ..dissertation.moving import plot
 
@@ -61,7 +61,7 @@ def moving(
 
 @contextmanager
 def _pictures(folder: Path) -> Iterator[list[Path]]:
-    """Where to draw both pictures: they appear in the folder, which is made, when all went well, else neither does."""
+    """Yield the paths of both pictures: they appear in the folder, which is created, on success, else neither does."""
     from ..traces.formats.atomic_write import atomic_write
 
     try:

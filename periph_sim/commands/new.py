@@ -1,5 +1,5 @@
-"""`periph-sim new KIND [NAME]`: a firmware and its case, ready to run; with `--example` a shipped case to change,
-with `--live` what was live as a case.
+"""`periph-sim new KIND [NAME]`: a firmware and its case, ready to run; with `--example` a copy of a shipped case,
+with `--live` a case of a live session.
 """
 
 from __future__ import annotations
@@ -33,10 +33,12 @@ REPLAY = "replay"
     help="Copy a shipped case with its firmware instead: imu_hil.",
 )
 @click.option(
-    "--live", type=click.Path(path_type=Path), metavar="LOG", help="Make a case of what was live: serve --log."
+    "--live", type=click.Path(path_type=Path), metavar="LOG", help="Make a case of a live session: serve --log."
 )
-@click.option("--from", "capture", type=click.Path(path_type=Path), metavar="CAPTURE", help="What replay begins with.")
-@click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="Of --from: scl=0,sda=1, where names do not say it.")
+@click.option("--from", "capture", type=click.Path(path_type=Path), metavar="CAPTURE", help="The capture to replay.")
+@click.option(
+    "--map", "mapping", metavar="LINE=CHANNEL,...", help="Channels of --from: scl=0,sda=1, if not clear by name."
+)
 @RATE
 def new(
     kind: str | None,
@@ -47,20 +49,20 @@ def new(
     mapping: str | None,
     rate: str | None,
 ) -> None:
-    """Write a firmware and its case, ready to run, and say how to go on.
+    """Write a firmware and its case, ready to run, and show the next steps.
 
     \b
     i2c-slave     answers a controller from a few registers
     i2c-master    stores bytes in an EEPROM and reads them back
-    sci-protocol  answers commands that come over SCI
-    sensor        stands in for a sensor whose model runs by a timer
-    replay        answers as a captured target did: --from capture.sr,
+    sci-protocol  answers commands over SCI
+    sensor        emulates a sensor whose model runs by a timer
+    replay        answers like a captured target: --from capture.sr,
                   or a small capture that is written beside it
 
     NAME is that of the files, and may begin with a folder: bench/thermometer. With --example it is
-    the folder that the copy goes to. With --live the case is that which was live, driven by its log
-    instead of its [host], with its budgets; or, where it has none, with what the session came to as
-    budgets. No file that is there already is written over.
+    the folder of the copy. With --live the case is that of the session, driven by its log
+    instead of its [host], with its budgets; if it has none, with the session's results as
+    budgets. Existing files are never overwritten.
     """
     from . import new_files
 
@@ -81,7 +83,7 @@ def new(
         else:
             kind = _known(kind)
             if capture is not None and kind != REPLAY:
-                raise click.UsageError(f"--from goes with replay, not with {kind}")
+                raise click.UsageError(f"--from is for replay, not for {kind}")
             place = Path(name or kind.replace("-", "_"))
             files = new_files.template(kind, place)
             case, following = place.with_name(f"{place.name}.toml"), None
@@ -117,7 +119,7 @@ def _beginning(names: list[str], begun: str) -> list[str]:
 def _known(kind: str | None) -> str:
     kinds = _kinds()
     if kind is None:
-        raise click.UsageError(f"say what to begin with: {', '.join(kinds)}; or --example CASE")
+        raise click.UsageError(f"give a kind: {', '.join(kinds)}; or --example CASE")
     if kind not in kinds:
         raise click.UsageError(f"there is no kind {kind!r}; {did_you_mean(kind, kinds)}")
     return kind
@@ -125,8 +127,8 @@ def _known(kind: str | None) -> str:
 
 def _replay(capture: Path, case: Path, mapping: str | None, rate: str | None) -> str:
     options = [("--map", mapping), ("--rate", rate), ("--tolerance", "2 us")]
-    told = " ".join(f"{option} {quote(value)}" for option, value in options if value is not None)
-    return f"periph-sim replay {quote(str(capture))} --case {quote(str(case))} {told}"
+    given = " ".join(f"{option} {quote(value)}" for option, value in options if value is not None)
+    return f"periph-sim replay {quote(str(capture))} --case {quote(str(case))} {given}"
 
 
 def _go_on(files: Files, case: Path, following: str | None) -> list[str]:

@@ -1,4 +1,4 @@
-"""What `new` writes: a kind of template or a shipped case goes in; texts by their paths come out, and are written."""
+"""Files of `new`: from a template or a shipped case."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..traces.capture.capture import Capture
 TEMPLATES = Path(__file__).parents[1] / "templates"
 NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")
 
-REFUSES = '''"""A slave that answers and refuses as the captured target did, by a shipped program; put your own here."""
+REFUSES = '''"""A slave that answers like the captured target, by a shipped program; replace it by your own."""
 
 from .responder import REPLAY, Settings, main
 
@@ -30,7 +30,7 @@ Files = dict[Path, str]
 
 
 def template(kind: str, place: Path) -> Files:
-    """The files of a template under another name. place: folder and name, without a suffix."""
+    """Return the files of a template under another name. place: folder and name, without a suffix."""
     if not NAME.fullmatch(place.name):
         raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
     stem = kind.replace("-", "_")
@@ -44,7 +44,7 @@ def template(kind: str, place: Path) -> Files:
 
 
 def as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
-    """The files of a replay, for the target that a capture shows; its own capture is left out."""
+    """Return the files of a replay, for the target in a capture, without the template's own capture."""
     from ..replay.channels import channel_map
     from ..replay.i2c_script import most_frequent, turns
     from ..traces.decode import i2c
@@ -58,7 +58,7 @@ def as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
     address = most_frequent(found)
     if address is None:
         raise click.ClickException(
-            f"{capture.path}: no I2C transfer with an address in it; is --map the right way round?"
+            f"{capture.path}: no I2C transfer with an address in it; the lines of --map may be swapped"
         )
     lengths = [len(turn.answer.data) for turn in found if turn.address == address and turn.read and turn.answer.ack]
     refused = any(turn.address == address and not (turn.answer.ack and all(turn.answer.acks)) for turn in found)
@@ -75,7 +75,7 @@ def as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
 
 
 def example(name: str, folder: Path) -> Files:
-    """A shipped case, the firmware that it names with all that imports, and the files beside it that it names."""
+    """Return a shipped case, its firmware with all imports, and the files beside it that it names."""
     cases = {file.stem: file for file in sorted((EXAMPLES / "timing").glob("*.toml"))}
     if name not in cases:
         raise click.ClickException(f"there is no example {name!r}; {did_you_mean(name, cases)}")
@@ -106,7 +106,7 @@ def example(name: str, folder: Path) -> Files:
 
 
 def _with_headers(source: Path) -> list[Path]:
-    """A C file, and the headers beside it that it includes."""
+    """Return a C file, and the headers beside it that it includes."""
     found = [source]
     for file in found:
         names = re.findall(r'^#include "([^"/]+)"', file.read_text(encoding="utf-8"), re.M)
@@ -115,7 +115,7 @@ def _with_headers(source: Path) -> list[Path]:
 
 
 def _imported(program: str) -> list[str]:
-    """A shipped program, and those that it imports from its own folder."""
+    """Return a shipped program, and those that it imports from its own folder."""
     found = [program]
     for name in found:
         for node in ast.walk(ast.parse((SHIPPED / f"{name}.py").read_text(encoding="utf-8"))):
@@ -126,10 +126,10 @@ def _imported(program: str) -> list[str]:
 
 
 def write(files: Files) -> None:
-    """Write all of them, or none where one is there already."""
+    """Write all files, or none if one exists."""
     there = [str(path) for path in files if path.exists() or path.is_symlink()]
     if there:
-        raise click.ClickException(f"{', '.join(there)}: is there already, and nothing was written; give another name")
+        raise click.ClickException(f"{', '.join(there)}: exists already, and nothing was written; give another name")
     written: list[Path] = []
     try:
         for path, text in files.items():

@@ -1,4 +1,4 @@
-"""The classes of options by the names under which commands show them: `i2c`, `sci`, `system`, and the chips' models."""
+"""The classes of options by their names in commands: `i2c`, `sci`, `system`, and the chips' models."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`periph-sim profile CASE`: where the time of a case's images goes, and which lines of their source were executed."""
+"""`periph-sim profile CASE`: time spent in functions of a case's images, and their executed source lines."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def profile(
     """Run CASE and show where its images spent their time, by function.
 
     The file of --speedscope is a flame graph for speedscope.app and for Perfetto; that of --lcov is for genhtml and
-    editors. Exit status 0, whatever the budgets say: `run` judges them.
+    editors. Exit status 0, regardless of budgets: `run` judges them.
     """
     from ..reports.profile.lcov import covered_files, tracefile
     from ..reports.profile.speedscope import speedscope as flame_graph
@@ -52,8 +52,8 @@ def profile(
         length = None if seconds is None else length_given(seconds)
         flames = None if speedscope is None else outputs.enter_context(atomic_write(speedscope))
         lines = None if lcov is None else outputs.enter_context(atomic_write(lcov))
-        with progress(case.stem) as told:
-            run = profiled(load(case, list(changes)), length, told, lines is not None)
+        with progress(case.stem) as on_progress:
+            run = profiled(load(case, list(changes)), length, on_progress, lines is not None)
         if flames is not None:
             stacks = flame_graph(run.profiles, run.ticks_per_second, run.name, run.place_of)
             flames.write_text(json.dumps(stacks), encoding="utf-8")

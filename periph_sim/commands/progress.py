@@ -1,4 +1,4 @@
-"""A progress bar on standard error where that is a terminal; after a long interpreted run, a line how it is quicker.
+"""A progress bar on standard error if that is a terminal; after a long interpreted run, advice how to speed it up.
 
 seconds, form --> "interpreted, in 12 s; compiled, a run takes a fifth to a fourteenth of that: make core", or nothing
 """
@@ -21,7 +21,7 @@ SHARE = "a fifth to a fourteenth"  # of the shipped cases' CPU time, by `python 
 
 @contextmanager
 def progress(name: str) -> Iterator[Callable[[float], None] | None]:
-    """Gives a function to be told the part done, 0 to 1; None where nobody would see the bar."""
+    """Yield a function that receives the part done, 0 to 1; None if the bar would not be visible."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -43,7 +43,7 @@ def progress(name: str) -> Iterator[Callable[[float], None] | None]:
 
 
 def cost_of_form(seconds: float) -> str:
-    """What an interpreted run of `seconds` is told: nothing if it is short, or was told already, or asked for."""
+    """Return advice after an interpreted run of `seconds`; "" if it is short, already noted, or was requested."""
     asked = os.environ.get(form.VARIABLE) == form.INTERPRETED
     if form.running != form.INTERPRETED or form.note or asked or seconds < LONG:
         return ""

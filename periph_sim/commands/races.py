@@ -1,4 +1,4 @@
-"""`periph-sim races RUN`: how near reads of flags came to their changes, and flags lost to read-modify-writes."""
+"""`periph-sim races RUN`: distances of reads of flags from their changes, and flags lost to read-modify-writes."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ EXAMPLE = "periph-sim races run.psr --register I2C-A.I2CSTR"
 @click.command()
 @RUN_FILE
 @click.option("--register", metavar="NAME", help="One register, or one field of it: I2C-A.I2CSTR, I2C-A.I2CSTR.RRDY.")
-@click.option("--least", type=click.IntRange(0), metavar="CYCLES", help="Exit status 1 if a read came nearer.")
+@click.option("--least", type=click.IntRange(0), metavar="CYCLES", help="Exit status 1 if a read was nearer.")
 @click.option("--no-lost", is_flag=True, help="Exit status 1 if a flag was lost to a read-modify-write.")
 @SYSCLK
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def races(run: Path, register: str | None, least: int | None, no_lost: bool, sysclk: str | None, as_json: bool) -> int:
-    """Show how near the reads of status registers in RUN came to changes of their flags.
+    """Show how near reads of status registers in RUN were to changes of their flags.
 
-    RUN is what `run --record x.psr` wrote. Flags that a read-modify-write cleared unmeant are listed too.
+    RUN is the output of `run --record x.psr`. Flags that a read-modify-write cleared unintentionally are listed too.
     """
     from ..records.races import races as races_of
     from ..records.races_text_report import as_json as as_dict

@@ -75,7 +75,7 @@ def reset_of(register: Register) -> str:
 
 
 def show_options(console: Screen, name: str | None) -> None:
-    """An option with its values, the default first, and its question below."""
+    """Show each option with its values, the default first, and its question below."""
     if name is not None and name not in OPTIONS:
         raise click.ClickException(f"there are no options for {name!r}; {did_you_mean(name, OPTIONS)}")
     for group, kind in OPTIONS.items():

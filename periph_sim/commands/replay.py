@@ -1,4 +1,4 @@
-"""`periph-sim replay CAPTURE`: play a capture against a firmware, print where the wires first disagree."""
+"""`periph-sim replay CAPTURE`: replay a capture against a firmware, print the first differences of the wires."""
 
 from __future__ import annotations
 
@@ -54,29 +54,31 @@ EXAMPLE = "periph-sim replay capture.sr --case timing/responder.toml"
     metavar="LINE=CHANNEL,...",
     help="scl=0,sda=1, or rx=0, or all three; a channel by name or index.",
 )
-@click.option("--uart", "serial", metavar="FILE[,rx=CHANNEL]", help="With an I2C capture: what came on RX meanwhile.")
+@click.option(
+    "--uart", "serial", metavar="FILE[,rx=CHANNEL]", help="With an I2C capture: the capture of RX at the same time."
+)
 @click.option(
     "--offset", metavar="TIME", help="From the begin of CAPTURE to that of the --uart file; '-2 ms' if before."
 )
 @RATE
 @SALVAGE
-@click.option("--loop", type=click.Choice(["closed", "open"]), help="I2C: who sets the pace; see above. [closed]")
-@click.option("--as", "role", type=click.Choice(["slave", "master"]), help="I2C: what the F28335 is. [slave]")
-@click.option("--tolerance", metavar="TIME", help="I2C: fail where an event is further off in time: '2 us'.")
-@click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="I2C: an address of the firmware's.")
+@click.option("--loop", type=click.Choice(["closed", "open"]), help="I2C: see above. [closed]")
+@click.option("--as", "role", type=click.Choice(["slave", "master"]), help="I2C: role of the F28335. [slave]")
+@click.option("--tolerance", metavar="TIME", help="I2C: fail if an event is further off in time: '2 us'.")
+@click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="I2C: an address of the firmware.")
 @click.option("--first", type=click.IntRange(min=1), metavar="N", help="I2C: only the first N transfers.")
-@click.option("--longest-low", metavar="TIME", help="I2C: let SCL go after this long: '10 us'; else as captured.")
+@click.option("--longest-low", metavar="TIME", help="I2C: release SCL after this time: '10 us'; else as captured.")
 @click.option(
     "--patience",
     metavar="TIME",
-    help="I2C: end where SCL is held low, or a script stands still, for longer: '1 s'. [200 ms]",
+    help="I2C: end if SCL is held low, or a script makes no progress, for longer: '1 s'. [200 ms]",
 )
 @click.option("--baud", type=click.IntRange(min=1), help="UART: the line's rate; else as the firmware sets it.")
 @click.option("--format", "frame", metavar="FORMAT", help="UART: data bits, parity and stop bits with --baud: 8n1.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--svg", type=click.Path(path_type=Path), help="Draw the first divergence as a timing diagram.")
-@click.option("--strict", is_flag=True, help="Exit status 1 also where something is ambiguous.")
+@click.option("--strict", is_flag=True, help="Exit status 1 also if something is ambiguous.")
 @click.option("-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def replay(
@@ -107,13 +109,14 @@ def replay(
 
     \b
     --loop closed  of an I2C capture the controller's decisions are played, and
-                   the firmware's slave answers and stretches for itself
-    --loop open    every edge of the capture goes to the chip; what it would have
-                   driven is compared with what the capture shows
-    --as master    the captured targets' answers are played, and the firmware asks
+                   the firmware's slave answers and stretches by itself
+    --loop open    every edge of the capture goes to the chip; its outputs are
+                   compared with the capture
+    --as master    the captured targets' answers are played to the firmware's
+                   own requests
 
-    Of a UART capture one line goes into SCI-A, edge by edge. An I2C and a UART capture of one time, from one file or
-    two, are a session: the case's budgets are measured on it.
+    Of a UART capture one line goes into SCI-A, edge by edge. An I2C and a UART capture of the same time, from one file
+    or two, are a session: the case's budgets are measured on it.
 
     Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not, or nothing
     can be judged; 2: it cannot be replayed.
@@ -174,8 +177,8 @@ def replay(
                 player = I2cReplay(
                     case, given, lines["scl"], lines["sda"], own, first, low, subscribe, most, patience=wait
                 )
-            with progress(case.name) as told:
-                report = player.run(told)
+            with progress(case.name) as on_progress:
+                report = player.run(on_progress)
             ended_at(player.kernel.now)
         if svg is not None:
             _draw(svg, player.picture(report))
@@ -189,17 +192,17 @@ def replay(
 def _refuse_in_session(
     session: bool, uart: bool, i2c: bool, loop: str | None, role: str | None, offset: str | None
 ) -> None:
-    """A session is closed loop, slave, and its second file follows an I2C capture."""
+    """Reject options that contradict a session: closed loop, slave, and an I2C capture first."""
     if uart and not i2c:
-        raise click.ClickException("--uart goes with an I2C capture; this one is a UART capture itself")
+        raise click.ClickException("--uart needs an I2C capture; this one is a UART capture itself")
     if offset is not None and not uart:
-        raise click.ClickException("--offset needs --uart; the channels of one file have one time")
+        raise click.ClickException("--offset needs --uart; the channels of one file share one time")
     if session and (loop == "open" or role == "master"):
         raise click.ClickException("an I2C and a UART capture together are for --loop closed --as slave")
 
 
 def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
-    """A file and its channel: `host.sr`, `host.sr,rx=0`, `host.csv,rx=0,rate=4 MHz`."""
+    """Parse a file and its channel: `host.sr`, `host.sr,rx=0`, `host.csv,rx=0,rate=4 MHz`."""
     path, *more = text.split(",")
     rates = [part.partition("=")[2] for part in more if part.strip().startswith("rate=")]
     lines = [part for part in more if not part.strip().startswith("rate=")]
@@ -208,7 +211,7 @@ def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
 
 
 def _offset(text: str) -> Fraction:
-    """Seconds, also before 0."""
+    """Parse --offset to seconds, also negative."""
     text = text.strip()
     return -time_given("--offset", text[1:].strip()) if text.startswith("-") else time_given("--offset", text)
 
@@ -230,7 +233,7 @@ def _refuse_together(
     baud: int | None,
     frame: str | None,
 ) -> None:
-    """Options that contradict each other."""
+    """Reject options that contradict each other."""
     if role == "master":
         slaves = {"--loop open": loop == "open", "--address": own, "--longest-low": low}
         for name, value in slaves.items():
@@ -245,7 +248,7 @@ def _refuse_together(
 
 
 def _refuse(uart: bool, i2c_only: Mapping[str, object], uart_only: Mapping[str, object]) -> None:
-    """Options that would have no effect are mistakes."""
+    """Reject options that would have no effect."""
     for name, value in (i2c_only if uart else uart_only).items():
         if value:
             raise click.ClickException(f"{name} is for {'I2C' if uart else 'UART'} captures; this one is not mapped so")
@@ -269,7 +272,7 @@ def _address(text: str) -> int:
 
 
 def show(console: Screen, report: Report, case: Case, verbose: bool) -> None:
-    """The report as a person reads it. verbose: list what the run assumed."""
+    """Print the report. verbose: list the run's assumptions."""
     say(console, f"{report.case}, {report.capture}: {headline(report)}", style="bold")
     for line in ["", *columns(rows(report), indent=" "), ""]:
         say(console, line)
@@ -286,7 +289,7 @@ def show(console: Screen, report: Report, case: Case, verbose: bool) -> None:
 
 
 def rows(report: Report) -> list[tuple[str, str]]:
-    """Name and value of each line of the table."""
+    """Return name and value of each line of the table."""
     found = [("events as in the capture", f"{report.agreed} of {report.events}")]
     if report.ambiguous:
         found.append(("ambiguous", str(report.ambiguous)))
@@ -313,7 +316,7 @@ def rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _times(report: Report) -> list[tuple[str, str]]:
-    """What an I2C replay says of times; of stretches in the capture where it has any."""
+    """Return lines about times of an I2C replay, and about stretches in the capture, if any."""
     captured = [("longest stretch or pause captured", f"{report.captured_stretch_us:.3f} us")]
     return _replayed_times(report) + (captured if report.captured_stretch_us else [])
 
@@ -337,7 +340,7 @@ def _replayed_times(report: Report) -> list[tuple[str, str]]:
 
 
 def show_history(console: Screen, divergence: Divergence) -> None:
-    """What the chip did around a divergence: the last changes before it, and the first behind it."""
+    """Show the chip's changes around a divergence: the last before it, and the first after it."""
     if not divergence.history:
         return
     at = divergence.replay_s if divergence.replay_s is not None else divergence.history[-1].at_s
@@ -358,7 +361,7 @@ def show_history(console: Screen, divergence: Divergence) -> None:
 
 
 def _polls_as_one(changes: list[Change]) -> list[Change]:
-    """Without reads that give what the read before gave, where nothing else lies between."""
+    """Drop reads with the same result as the read just before."""
     return [
         change
         for before, change in zip([None, *changes], changes, strict=False)

@@ -1,4 +1,4 @@
-"""A result as a person reads it in the terminal: a Result goes in, tables come out."""
+"""A result as tables for the terminal."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from .assumptions import assumptions
 from .tables import PlainTable, Screen, plain_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
-THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}  # counts of them
+THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}  # singular names of counts
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 
 def show(console: Screen, result: Result, case: Case, verbose: bool = False) -> None:
-    """verbose: list what the run assumed, and how much it skipped."""
+    """Print a result. verbose: list the run's assumptions and skipped events."""
     say(console, f"{result.case}: {title(result)}{estimated(result)}", style="bold")
     if result.budgets:
         console.print(budget_table(result.budgets))
     else:
-        say(console, f"no budget says what must hold; put one at the top of the case, for instance:\n{A_BUDGET}")
+        say(console, f"the case has no budget; put one at its top, for instance:\n{A_BUDGET}")
     for line in legend(result.budgets):
         say(console, line)
     say(
@@ -49,13 +49,13 @@ def show(console: Screen, result: Result, case: Case, verbose: bool = False) -> 
 
 
 def _sci_bytes(result: Result) -> str:
-    """ "3 SCI bytes", or "3 SCI bytes to units and 100 from units" where units have sent any."""
+    """ "3 SCI bytes", or "3 SCI bytes to units and 100 from units" if units have sent any."""
     to_units = counted(result.sci_bytes, "SCI byte")
     return f"{to_units} to units and {result.sci_bytes_sent} from units" if result.sci_bytes_sent else to_units
 
 
 def found_lines(budgets: Sequence[Verdict]) -> list[str]:
-    """Return a line for each budget that is not broken and of which there is something to say."""
+    """Return a line for each budget that is not broken and has a finding."""
     return [f"{each.name}: {each.found}" for each in budgets if each.found and not each.broken]
 
 
@@ -86,12 +86,12 @@ def title(result: Result) -> str:
 
 
 def estimated(result: Result) -> str:
-    """What is to be said of times, where code is not the chip's."""
+    """Return a remark on estimated times, for code that is not the chip's."""
     return f"; cycles between accesses of {' and '.join(result.estimated)} are estimated" if result.estimated else ""
 
 
 def budget_table(budgets: Sequence[Verdict]) -> PlainTable:
-    """A row a budget; red where it is broken, yellow where it is not judged. Only names may take two lines."""
+    """Return a table with a row for each budget; broken ones red, not judged yellow. Only names may take two lines."""
     table = plain_table()
     table.add_column("budget")
     for name in FIGURES:
@@ -107,7 +107,7 @@ FIGURES = ("seen", "limit", "margin", "count")
 
 
 def row(verdict: Verdict) -> dict[str, str]:
-    """The figures of a verdict by column."""
+    """Return the figures of a verdict by column."""
     unit = verdict.unit
     return {
         "seen": figure(verdict.worst, unit),
@@ -118,12 +118,12 @@ def row(verdict: Verdict) -> dict[str, str]:
 
 
 def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
-    """A line a broken budget, with its instant."""
+    """Return a line for each broken budget, with its instant."""
     return [f"{each.name}: {broken(each)}" for each in budgets if each.broken]
 
 
 def legend(budgets: Sequence[Verdict]) -> list[str]:
-    """Lines that say what broke and when, and then what the words of this table mean."""
+    """Return lines on broken budgets with their instants, then the meaning of the table's words."""
     lines = broken_lines(budgets)
     if not budgets:
         return []

@@ -42,7 +42,7 @@ EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a report with plots and timelines to this file.")
 @GUARANTEED
-@click.option("--explain", is_flag=True, help="Say of each budget why its worst occurrence was as it was.")
+@click.option("--explain", is_flag=True, help="Explain the worst occurrence of each budget.")
 @click.option(
     "-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed; count skipped polls."
 )
@@ -61,7 +61,7 @@ def run(
     verbose: bool,
     as_json: bool,
 ) -> int:
-    """Run CASE and say whether its budgets hold (exit status 0) or not (1)."""
+    """Run CASE and judge its budgets: exit status 0 if all hold, else 1."""
     apart(record=record, html=html)
     with running_user_code(), ExitStack() as outputs:
         refuse_guaranteed(guaranteed)
@@ -74,9 +74,9 @@ def run(
 
             unfinished = outputs.enter_context(atomic_write(html))
         subscribe, ended_at = outputs.enter_context(if_recorded(record, loaded.recorded_modules))
-        with progress(loaded.name) as told:
+        with progress(loaded.name) as on_progress:
             scene = Scene(loaded, subscribe, keep_values=html is not None)
-            result = scene.run(length, told)
+            result = scene.run(length, on_progress)
         ended_at(scene.kernel.now, clocks_of(scene))
         chains = _chains(scene, result, length) if explain else {}
         if unfinished is not None:
@@ -114,7 +114,7 @@ def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, 
 
 
 def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object]:
-    """The result; if chains are given, `chain` under each budget, null where it has no instant."""
+    """Return the result as an object; with chains, `chain` in each budget, null without an instant."""
     shown = dataclasses.asdict(result)
     if chains is not None:
         from ..explain.text_report import as_json

@@ -1,6 +1,6 @@
-"""`periph-sim serve CASE --pty`: a case in real time, with an SCI as a serial port, or its bus as an I2CDriver's.
+"""`periph-sim serve CASE --pty`: run a case in real time, with an SCI as a serial port, or its bus as an I2CDriver's.
 
-Options go in; the place of the port is printed, then, once it ends, verdicts, and how late it was.
+Prints the port's path, and at the end the verdicts and the lateness.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ EXAMPLE = "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'"
 @click.option(
     "--i2cdriver", "bus", is_flag=False, flag_value="", metavar="[LINK]", help="SDA and SCL, as an I2CDriver."
 )
-@click.option("--sci", default="scia", show_default=True, help="Which SCI: scia, or UNIT.SCI-A.")
-@click.option("--baud", default=115_200, show_default=True, help="Until a client sets another.")
+@click.option("--sci", default="scia", show_default=True, help="The SCI: scia, or UNIT.SCI-A.")
+@click.option("--baud", default=115_200, show_default=True, help="Rate until a client sets another one.")
 @click.option("--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o or e, stop bits.")
 @click.option(
     "--pace", default="1", show_default=True, metavar="N", help="Simulated seconds a second; 0: at full speed."
@@ -52,12 +52,12 @@ EXAMPLE = "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'"
     type=click.Choice(["slip", "catch-up", "stop"]),
     default="slip",
     show_default=True,
-    help="What becomes of more than 50 ms of lateness.",
+    help="Reaction to more than 50 ms of lateness.",
 )
-@click.option("--for", "length", metavar="TIME", help="End after so much simulated time; else with Ctrl-C.")
+@click.option("--for", "length", metavar="TIME", help="End after this simulated time; else with Ctrl-C.")
 @click.option("--warm-up", default="0 s", show_default=True, metavar="TIME", help="Simulated before the clock starts.")
-@click.option("--log", type=click.Path(path_type=Path), help="Write what came from outside, for a replay.")
-@click.option("--view", is_flag=True, help="Show how it stands, updated in place: rates, readings, flags, lateness.")
+@click.option("--log", type=click.Path(path_type=Path), help="Write the input from outside, for a replay.")
+@click.option("--view", is_flag=True, help="Show its status, updated in place: rates, readings, flags, lateness.")
 @click.option(
     "--browser",
     is_flag=False,
@@ -88,8 +88,8 @@ def serve(
 ) -> int:
     """Run CASE in real time, with one of its SCIs as a serial port, or its bus as an I2CDriver.
 
-    Who opens the port replaces the [host] of the case, or its [controller]. Ends with Ctrl-C, and prints the
-    verdicts: exit status 0 where the budgets hold, 1 where not.
+    A program that opens the port replaces the [host] of the case, or its [controller]. Ends with Ctrl-C, and prints the
+    verdicts: exit status 0 if the budgets hold, else 1.
     """
     from ..outside.live.case_for_line import case_for_bus, case_for_line
     from ..outside.live.i2cdriver_door import I2cDriverDoor
@@ -100,7 +100,7 @@ def serve(
     from .tables import terminal
 
     if sum(place is not None for place in (link, real, tcp, bus)) != 1:
-        raise click.UsageError("give one of --pty, --rfc2217, --port and --i2cdriver, where programs find the case")
+        raise click.UsageError("give one of --pty, --rfc2217, --port and --i2cdriver as the place of the port")
     if bus is not None and (serial := _given("sci", "baud", "form")):
         raise click.UsageError(f"{' and '.join(serial)}: for serial ports only; --i2cdriver serves the I2C bus")
     if view and not sys.stdout.isatty():
@@ -158,16 +158,16 @@ def serve(
 
 
 def _given(*names: str) -> list[str]:
-    """Those of these options that are on the command line, as it spells them."""
+    """Return the options that were given on the command line, as spelled there."""
     context = click.get_current_context()
     options = {one.name: one.opts[0] for one in context.command.params}
     return [options[one] for one in names if context.get_parameter_source(one) is ParameterSource.COMMANDLINE]
 
 
 @contextmanager
-def _signals(told: Callable[[int, Any], None]) -> Iterator[None]:
-    """Ctrl-C and TERM are told instead; a shell starts a command in the background with the first one ignored."""
-    before = {number: signal.signal(number, told) for number in (signal.SIGINT, signal.SIGTERM)}
+def _signals(on_signal: Callable[[int, Any], None]) -> Iterator[None]:
+    """Call a function on Ctrl-C and TERM; a shell ignores Ctrl-C for commands in the background."""
+    before = {number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
@@ -176,25 +176,25 @@ def _signals(told: Callable[[int, Any], None]) -> Iterator[None]:
 
 
 def _door(
-    line: SerialLine, places: tuple[str | None, ...], baud: int, form: str, told: Callable[[str], None]
+    line: SerialLine, places: tuple[str | None, ...], baud: int, form: str, notify: Callable[[str], None]
 ) -> PtyDoor | PortDoor | Rfc2217Door:
     link, real, tcp = places
     if real is not None:
         from ..outside.live.port_door import PortDoor
 
-        return PortDoor(line, real, baud, form, told)
+        return PortDoor(line, real, baud, form, notify)
     if tcp is not None:
         from ..outside.live.rfc2217_door import Rfc2217Door
 
         address, port = address_given("--rfc2217", tcp)
-        return Rfc2217Door(line, baud, form, port, address, told)
+        return Rfc2217Door(line, baud, form, port, address, notify)
     from ..outside.live.pty_door import PtyDoor
 
-    return PtyDoor(line, baud, form, Path(link) if link else None, told)
+    return PtyDoor(line, baud, form, Path(link) if link else None, notify)
 
 
 def _not_handed_over(line: SerialLine | None, door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor) -> Iterator[str]:
-    """What there is to say of bytes that waited as it ended, and of those that nobody came for."""
+    """Yield remarks on bytes that waited at the end, and on unread ones."""
     whose = "the I2CDriver" if line is None else "the SCI"
     waiting = door.unread + (0 if line is None else line.waiting)
     if waiting:
@@ -202,11 +202,11 @@ def _not_handed_over(line: SerialLine | None, door: PtyDoor | PortDoor | Rfc2217
     if len(door.back):
         yield f"{len(door.back)} bytes of {whose} were not read"
     if door.back.lost:
-        yield f"{door.back.lost} bytes of {whose} were given up: nobody read them, and a megabyte waited already"
+        yield f"{door.back.lost} bytes of {whose} were discarded unread, since only a megabyte is kept"
 
 
 def _slower(case: Case, result: Result) -> str:
-    """Why simulated time fell behind: it is the simulation that takes so long."""
+    """Return why simulated time fell behind: the speed of the simulation."""
     takes = result.wall_s / result.simulated_s
     images = " and ".join(name for name, unit in case.unit.items() if unit.image)
     why = f": {images} runs an image, instruction by instruction, its polls included" if images else ""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 SECTION = "run"
 EXAMPLE = "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1"
 
-TOLD = 10  # runs that are told one by one
+MAX_LISTED = 10  # runs that are listed one by one
 
 
 @click.command()
@@ -31,12 +31,12 @@ TOLD = 10  # runs that are told one by one
     multiple=True,
     required=True,
     metavar="KEY=VALUES",
-    help="Values of a key: '1, 2, 5' or '0 ms to 20 ms step 10 us'. Of several keys, every combination.",
+    help="Values of a key: '1, 2, 5' or '0 ms to 20 ms step 10 us'. With several keys, every combination.",
 )
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key in every run.")
 @click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
-@click.option("--jobs", type=click.IntRange(min=1), help="Processes at a time; as many as cores. 1: none but this one.")
-@click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write a line a run to this file.")
+@click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
+@click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write a line for each run to this file.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def sweep(
     case: Path,
@@ -47,10 +47,10 @@ def sweep(
     csv_file: Path | None,
     as_json: bool,
 ) -> int:
-    """Run CASE once for each combination of values, and say of each budget which run was nearest to its limit.
+    """Run CASE once for each combination of values, and show for each budget the run nearest to its limit.
 
-    Exit status 0: every run passes; 1: not so; 2: a run could not be made (the others were), or
-    Ctrl-C or SIGTERM stopped the sweep (what was done by then is shown).
+    Exit status 0: every run passes; 1: otherwise; 2: a run could not be made (the others were), or
+    Ctrl-C or SIGTERM stopped the sweep (the finished runs are shown).
     """
     from ..reports.sweep import SweepStopped
     from ..reports.sweep import sweep as swept
@@ -63,14 +63,14 @@ def sweep(
         varied = _varied(vary)
         fixed = {key.strip(): [value.strip()] for key, value in (_parts("--set", change) for change in changes)}
         for key in fixed.keys() & varied.keys():
-            raise click.ClickException(f"--set and --vary both name {key}; leave one of them out")
+            raise click.ClickException(f"--set and --vary both name {key}; remove one of them")
         length = None if seconds is None else length_given(seconds)
         note_inputs([case])
         unfinished = None if csv_file is None else outputs.enter_context(atomic_write(csv_file))
         stopped = ""
-        with progress(case.stem) as told:
+        with progress(case.stem) as on_progress:
             try:
-                came = swept(case, fixed | varied, seconds=length, jobs=jobs, told=told)
+                came = swept(case, fixed | varied, seconds=length, jobs=jobs, told=on_progress)
             except SweepStopped as error:
                 came, stopped = error.finished, str(error)
             except BadCase as error:
@@ -108,7 +108,7 @@ def _varied(vary: tuple[str, ...]) -> dict[str, list[str]]:
 
 
 def _as_varied(sentence: str, varied: Mapping[str, list[str]]) -> str:
-    """An error of a case, which knows changes by --set, in terms of the option that the user gave."""
+    """Rewrite an error of a case, which names --set, with the option that the user gave."""
     for key, values in varied.items():
         if f"--set '{key}=" in sentence:
             sentence = sentence.replace(f"--set '{key}=", f"--vary '{key}=")
@@ -118,7 +118,7 @@ def _as_varied(sentence: str, varied: Mapping[str, list[str]]) -> str:
 
 
 def _write_csv(came: Sweep, file: Path) -> None:
-    """A line a run; what a run has not is empty."""
+    """Write a line for each run; missing values are empty."""
     columns = came.columns()
     with file.open("w", encoding="utf-8", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")
@@ -128,7 +128,7 @@ def _write_csv(came: Sweep, file: Path) -> None:
 
 
 def _object(came: Sweep, stopped: str) -> dict[str, object]:
-    """Return an object for each run, with figures as `run --json` has them. stopped: why runs are missing, or ""."""
+    """Return an object for each run, with figures as in `run --json`. stopped: why runs are missing, or ""."""
     return {
         "case": came.case,
         "runs": [
@@ -171,17 +171,17 @@ def _show(came: Sweep, varied: list[str], stopped: str) -> None:
         console.print(table)
         say(console, "nearest: in the run with the least margin, whose number is in `run`")
     failed = [row for row, verdict in enumerate(verdicts) if verdict != "pass"]
-    told = {*shown, *failed[:TOLD]}
-    for row in sorted(told):
+    listed = {*shown, *failed[:MAX_LISTED]}
+    for row in sorted(listed):
         values = ", ".join(f"{key}={came.changes[key][row]}" for key in varied)
         say(console, f"run {row}: {values}{_why(came, row)}")
-    more = len(set(failed) - told)
+    more = len(set(failed) - listed)
     if more:
         say(console, f"{more} more do not pass; --csv or --json has all")
 
 
 def _why(came: Sweep, row: int) -> str:
-    """What is to be said of a run that does not pass."""
+    """Return why a run does not pass."""
     if came.error[row]:
         return f": error: {came.error[row]}"
     words = {name: str(budget.verdict[row]) for name, budget in came.budgets.items()}
@@ -189,7 +189,7 @@ def _why(came: Sweep, row: int) -> str:
 
 
 def _table(came: Sweep) -> tuple[PlainTable, list[int]]:
-    """A row a budget; and the runs that it names."""
+    """Return a table with a row for each budget, and the runs that it names."""
     import numpy as np
 
     from ..timing.format_value import figure, limit
@@ -217,5 +217,5 @@ def _table(came: Sweep) -> tuple[PlainTable, list[int]]:
 
 
 def _of_unit(value: Any, unit: str) -> float | int:
-    """Counts as whole numbers."""
+    """Convert a value; counts become whole numbers."""
     return float(value) if unit in ("us", "%", "LSB") else int(value)

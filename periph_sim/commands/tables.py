@@ -1,7 +1,7 @@
-"""One style of tables and lines for all commands: titles go in; what fits 80 columns with every word comes out.
+"""The common style of tables and lines of all commands, which fit 80 columns without losing words.
 
 Tables are those of `core.text_table`, as wide as the terminal, with a style for each row. In a pipe or a file, where
-nobody would see styles, the same lines come without rich, which takes longer to import than they to print.
+styles are not visible, the same lines are printed without rich, whose import takes longer than printing them.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 __all__ = ["WIDTH", "Piped", "PlainTable", "Screen", "plain_table", "say", "terminal"]
 
-STYLED = ("FORCE_COLOR", "TTY_COMPATIBLE")  # by these a person may ask rich for styles in a pipe, too
-UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that rich leaves out
+STYLED = ("FORCE_COLOR", "TTY_COMPATIBLE")  # variables that make rich use styles in a pipe
+UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that rich removes
 TAB = 8
 
 
 class Piped:
-    """Standard output that is no terminal."""
+    """Standard output other than a terminal."""
 
     def __init__(self, width: int) -> None:
         self.width = width
@@ -38,14 +38,14 @@ class Piped:
 
     def say(self, text: str) -> None:
         for line in text.split("\n"):
-            click.echo(line.translate(UNSEEN).expandtabs(TAB), color=True)  # True: as it is
+            click.echo(line.translate(UNSEEN).expandtabs(TAB), color=True)  # True: unchanged
 
 
 Screen: TypeAlias = "Console | Piped"
 
 
 def terminal() -> Screen:
-    """Standard output. Below 80 columns the terminal may break lines, but no table loses words."""
+    """Return standard output. Below 80 columns the terminal may break lines, but no table loses words."""
     if not sys.stdout.isatty() and not any(name in os.environ for name in STYLED):
         return Piped(max(_columns(), WIDTH))
     from rich.console import Console
@@ -56,7 +56,7 @@ def terminal() -> Screen:
 
 
 def _columns() -> int:
-    """How wide it is to be: what COLUMNS says, or the terminal that the command was given in; 0 if there is none."""
+    """Return the width: that of COLUMNS, or of the command's terminal; 0 if there is none."""
     said = os.environ.get("COLUMNS", "")
     if said.isdecimal():
         return int(said)
@@ -74,7 +74,7 @@ class PlainTable:
     def __init__(self) -> None:
         self._titles: list[str] = []
         self._right: set[int] = set()
-        self._whole: set[int] = set()  # columns whose cells stay on one line
+        self._whole: set[int] = set()  # columns whose cells are not broken
         self._rows: list[list[str]] = []
         self._styles: list[str] = []
 
@@ -91,7 +91,7 @@ class PlainTable:
         self._styles.append(style)
 
     def lines(self, width: int) -> Iterator[tuple[str, str]]:
-        """Each line with its style."""
+        """Yield each line with its style."""
         lowest = max(title.count("\n") for title in self._titles)
         titles = ["\n" * (lowest - title.count("\n")) + title for title in self._titles]
         head, *rows = table_rows(titles, self._rows, self._right, width)
@@ -117,7 +117,7 @@ def plain_table(*columns: str) -> PlainTable:
 
 
 def say(screen: Screen, line: str, style: str = "") -> None:
-    """One line as it is: whole, so that it can be searched for, and without colours or markup of its own."""
+    """Print one line unchanged: unbroken, so that it can be searched for, without own colours or markup."""
     if isinstance(screen, Piped):
         screen.say(line)
     else:

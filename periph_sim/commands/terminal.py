@@ -1,4 +1,4 @@
-"""`periph-sim terminal CASE`: a case in real time, whose SCI one types to: keys go in, what the SCI sends comes out."""
+"""`periph-sim terminal CASE`: run a case in real time with a terminal at its SCI."""
 
 from __future__ import annotations
 
@@ -20,15 +20,19 @@ SHOWN = ("default", "direct", "nocontrol", "printable", "colorize", "debug")
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option("--sci", default="scia", show_default=True, help="Which SCI: scia, or UNIT.SCI-A.")
-@click.option("--baud", default=115_200, show_default=True, type=click.IntRange(min=1), help="Of the terminal.")
+@click.option("--sci", default="scia", show_default=True, help="The SCI: scia, or UNIT.SCI-A.")
+@click.option("--baud", default=115_200, show_default=True, type=click.IntRange(min=1), help="Rate of the terminal.")
 @click.option("--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o or e, stop bits.")
 @click.option("--pace", default="1", show_default=True, metavar="N", help="Simulated seconds a second.")
-@click.option("--echo", is_flag=True, help="Show what is typed, too.")
-@click.option("--eol", type=click.Choice(["cr", "lf", "crlf"]), default="crlf", show_default=True, help="Of Enter.")
+@click.option("--echo", is_flag=True, help="Also show typed characters.")
+@click.option(
+    "--eol", type=click.Choice(["cr", "lf", "crlf"]), default="crlf", show_default=True, help="Characters of Enter."
+)
 @click.option("--show", type=click.Choice(SHOWN), default="default", show_default=True, help="How bytes are shown.")
-@click.option("--encoding", default="UTF-8", show_default=True, help="Of both ways; hexlify shows and takes hex.")
-@click.option("--log", type=click.Path(path_type=Path), help="Write what came from outside, for a replay.")
+@click.option(
+    "--encoding", default="UTF-8", show_default=True, help="Encoding of both directions; hexlify shows and reads hex."
+)
+@click.option("--log", type=click.Path(path_type=Path), help="Write the input from outside, for a replay.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 def terminal(
     case: Path,
@@ -45,9 +49,9 @@ def terminal(
 ) -> int:
     """Type to an SCI of CASE, which runs in real time.
 
-    pyserial's miniterm (extra live): Ctrl-] ends it, Ctrl-T Ctrl-H lists its keys, a break among them. Who types
-    replaces the [host] of the case. Then the verdicts, as of a run: exit status 0 where the
-    budgets hold, 1 where not.
+    pyserial's miniterm (extra live): Ctrl-] ends it, Ctrl-T Ctrl-H lists its keys, a break among them. The user
+    replaces the [host] of the case. At the end prints the verdicts of the run: exit status 0 if the
+    budgets hold, else 1.
     """
     try:
         from ..outside.live.protocol_f28335 import Serial
@@ -62,7 +66,7 @@ def terminal(
     settings += [] if log is None else [("log", str(log))]
     url = f"f28335://{case}?{urlencode(settings)}"
     if pace_given(pace) == 0:
-        raise click.UsageError("--pace 0: nobody types in simulated time; give more than 0")
+        raise click.UsageError("--pace 0: typing needs real time; give more than 0")
     if not sys.stdin.isatty():
         raise click.ClickException(f"standard input is no terminal; a script opens {url} with pyserial")
     try:

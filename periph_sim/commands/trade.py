@@ -1,4 +1,4 @@
-"""`periph-sim trade CASE`: what each choice that a user has costs, and how far it is off."""
+"""`periph-sim trade CASE`: cost and error of each choice that a user has."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ def _error_given(text: str) -> float:
     metavar="CASE",
     help="Add the units of CASE.",
 )
-@click.option("--row", "--level", "names", multiple=True, metavar="ROW", help="Leave out all other rows but two.")
-@click.option("--max-error", metavar="TIME", help="Recommend a row whose times are off by no more, as '1 us'.")
+@click.option("--row", "--level", "names", multiple=True, metavar="ROW", help="Run only these rows, besides two.")
+@click.option("--max-error", metavar="TIME", help="Recommend a row within this error of times, such as '1 us'.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def trade(
     case: Path,
@@ -58,7 +58,7 @@ def trade(
 
     Rows are firmware of other kinds, an image or C (--firmware), arithmetics of the sensor models, and recordings.
     Errors are against the most accurate row: budgets with the same verdict, and the largest difference of the n-th
-    occurrence of a time, and of the n-th sample that a chip answered. The case as given and the most accurate row are
+    occurrence of a time, and of the n-th sample in a chip's answers. The case as given and the most accurate row are
     always run.
     """
     from ..reports.trade.rows import chosen, rows_of
@@ -76,8 +76,8 @@ def trade(
             return load(case, [*changes, *more])
 
         rows = chosen(rows_of(make, [load(other) for other in others]), names)
-        with progress(loaded.name) as told:
-            found = trade_of(make, rows, length, bound, told)
+        with progress(loaded.name) as on_progress:
+            found = trade_of(make, rows, length, bound, on_progress)
     if as_json:
         print_json("trade", as_dict(found))
     else:

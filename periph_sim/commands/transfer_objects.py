@@ -1,10 +1,10 @@
-"""Decoded transfers as JSON: `Rows` in groups go in, an object a line comes out.
+"""Decoded transfers as JSON, one object a line.
 
     I2C    {..., "messages": [{"address": 83, "direction": "write", "acked": true, "bytes": [...]}], "ended": "stop"}
     UART   {..., "frames": [{"value": 65, ...}]}
     SPI    {..., "words": [{"value": 159, "bits": 8, ...}], "cut": null}
 
-A message is what lies between a START, or repeated START, and the next condition. Lines are put together as text: a
+A message is from a START, or repeated START, to the next condition. Lines are built as text: a
 dense capture has a hundred thousand bytes.
 """
 
@@ -33,7 +33,7 @@ def transfer_lines(
     lows: Sequence[LongLows | None],
     clock: Clock | None,
 ) -> Iterator[bytes]:
-    """A line a transfer or burst, which begin at the rows `first`. lows: of each I2C bus; None of other lines."""
+    """Yield a line for each transfer or burst, which begin at rows `first`. lows: of each I2C bus; None for others."""
     table = _Table(rows, clock)
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
     bounds = [*first.tolist(), len(rows.at)]
@@ -58,9 +58,9 @@ def transfer_lines(
 
 
 class _Stretches:
-    """The long low phases of one bus as JSON, by the row of the byte in which they lie.
+    """The long low phases of one bus as JSON, by the row of their byte.
 
-    `byte` is left open: which of its message a byte is, the message knows.
+    The number of the byte in its message is added later.
     """
 
     def __init__(self, rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> None:
@@ -71,17 +71,17 @@ class _Stretches:
         within = (place >= 0) & (bits <= 9)
         place, bits, lengths = place[within], bits[within], lows.lengths[within]
         falls = lows.rises[lows.which[within]] - lengths
-        self.of: dict[int, list[str]] = {}
+        self.by_row: dict[int, list[str]] = {}
         columns = (own[place], bits, falls, lengths)
-        told = zip(*(column.tolist() for column in columns), _times(falls, clock), _times(lengths, clock), strict=True)
-        for row, bit, fall, length, time, low in told:
+        found = zip(*(column.tolist() for column in columns), _times(falls, clock), _times(lengths, clock), strict=True)
+        for row, bit, fall, length, time, low in found:
             times = f'"time_s": {time}, "low_s": {low}, ' if time else ""
             said = f'{{{times}"position": {fall}, "low": {length}, "bit": {bit}, "byte": '
-            self.of.setdefault(row, []).append(said)
+            self.by_row.setdefault(row, []).append(said)
 
 
 def _times(positions: Numbers, clock: Clock | None) -> list[str]:
-    """Seconds, exact; nothing where positions have no time."""
+    """Format seconds exactly; empty if positions have no time."""
     if clock is None:
         return [""] * len(positions)
     units = clock.units(positions).tolist()
@@ -92,7 +92,7 @@ def _times(positions: Numbers, clock: Clock | None) -> list[str]:
 
 
 class _Table:
-    """Columns as lists, and their rows as JSON."""
+    """Columns as lists, with rows as JSON."""
 
     def __init__(self, rows: Rows, clock: Clock | None) -> None:
         self._at = rows.at.tolist()
@@ -102,19 +102,19 @@ class _Table:
         self._value = rows.value.tolist()
         self._bits = rows.bits.tolist()
         self._detail = rows.detail.tolist()
-        self._said: dict[tuple[int, int, int, int], str] = {}  # few different ones, however many rows
+        self._said: dict[tuple[int, int, int, int], str] = {}  # cache: few different ones, however many rows
 
     def when(self, row: int) -> str:
         time = self._time[row]
         return f'"time_s": {time}, "position": {self._at[row]}' if time else f'"position": {self._at[row]}'
 
     def span(self, row: int, end_time: str, end: int) -> str:
-        """The keys of an event of `--format json`."""
+        """Format the keys of an event of `--format json`."""
         times = f'"time_s": {self._time[row]}, "end_s": {end_time}, ' if end_time else ""
         return f'{times}"position": {self._at[row]}, "end": {end}'
 
     def said(self, row: int) -> str:
-        """The row in the notation of the I2C-bus specification: `S`, `53 W`, `A`."""
+        """Format the row in the notation of the I2C-bus specification: `S`, `53 W`, `A`."""
         key = self._event[row], self._value[row], self._bits[row], self._detail[row]
         if key not in self._said:
             event, value, bits, detail = key
@@ -127,13 +127,13 @@ class _Table:
     def _frame(self, row: int) -> str:
         value = self._value[row] if self._value[row] >= 0 else "null"
         event, faults = EVENTS[self._event[row]], DETAILS[self._detail[row]]
-        told = json.dumps(faults.split(", ") if faults else [])
+        marks = json.dumps(faults.split(", ") if faults else [])
         return (
-            f'{{{self.when(row)}, "event": "{event}", "value": {value}, "bits": {self._bits[row]}, "faults": {told}}}'
+            f'{{{self.when(row)}, "event": "{event}", "value": {value}, "bits": {self._bits[row]}, "faults": {marks}}}'
         )
 
     def words(self, begin: int, end: int) -> str:
-        """The words of one selection, and the bits of the word in which it ended."""
+        """Format the words of one selection, and the bits of an incomplete last word."""
         whole, cut = [], "null"
         for row in range(begin, end):
             value, bits = self._value[row], self._bits[row]
@@ -170,7 +170,7 @@ class _Table:
                 cut = f'"{value:0{self._bits[row]}b}"'
             else:
                 data.append(f'{{{self.when(row)}, "value": {value}, "acked": {answer}}}')
-            held += [f"{said}{byte}}}" for said in stretches.of.get(row, ())]
+            held += [f"{said}{byte}}}" for said in stretches.by_row.get(row, ())]
             byte += 1
         return (
             f'{{{self.when(begin)}, "address": {address}, "address_bits": {bits}, "direction": {direction}, '

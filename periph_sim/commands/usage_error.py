@@ -1,4 +1,4 @@
-"""How a command says no: a mistake of the user's goes in, one sentence and exit status 2 come out."""
+"""Reporting of the user's errors by one sentence and exit status 2."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import click
 
-# Errors that the input is to blame for, by name: a command that cannot raise one need not import it.
+# Errors caused by input, by name: a command that cannot raise one need not import it.
 MISTAKES = {
     "periph_sim.reports.baselines.errors.BadCheck",
     "periph_sim.scene.case.model.BadCase",
@@ -35,7 +35,7 @@ MISTAKES = {
 
 @contextmanager
 def running_user_code() -> Iterator[None]:
-    """As `usage_errors_in_one_sentence`; what user code prints goes to standard error, and not between our output."""
+    """Apply `usage_errors_in_one_sentence`, and redirect user code's output to standard error."""
     from ..processor.user_code import output_aside
 
     with usage_errors_in_one_sentence(), output_aside():
@@ -44,7 +44,7 @@ def running_user_code() -> Iterator[None]:
 
 @contextmanager
 def usage_errors_in_one_sentence() -> Iterator[None]:
-    """Errors that the input is to blame for become one line on standard error and status 2."""
+    """Turn errors caused by input into one line on standard error and status 2."""
     try:
         yield
     except Exception as error:

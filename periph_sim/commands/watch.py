@@ -1,4 +1,4 @@
-"""`periph-sim watch CASE`: run a case again as soon as one of its files changes, and say what that changed."""
+"""`periph-sim watch CASE`: run a case again when one of its files changes, and show the differences."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 SECTION = "run"
 EXAMPLE = "periph-sim watch timing/imu_hil.toml"
 
-PAUSE = 0.3  # seconds between two looks at a dozen files: no library needed, and it works on any file system
+PAUSE = 0.3  # seconds between checks of a dozen files: needs no library, and works on any file system
 
 
 @click.command()
@@ -41,7 +41,7 @@ def watch(case: Path, changes: tuple[str, ...], guaranteed: bool | None) -> int:
 
 
 def _watch(case: Path, changes: tuple[str, ...]) -> None:
-    """Run and wait, for ever."""
+    """Run and wait, endlessly."""
     from ..reports.baselines.outcome import run_case
     from .watched_files import stamps
 
@@ -49,13 +49,13 @@ def _watch(case: Path, changes: tuple[str, ...]) -> None:
     while True:
         seen = stamps(case)
         came = run_case(case, changes)
-        before = _told(came, before)
+        before = _print_run(came, before)
         while stamps(case) == seen:
             time.sleep(PAUSE)
 
 
-def _told(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome | None:
-    """Print a run; what the next one is compared with comes back."""
+def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome | None:
+    """Print a run; return the outcome to compare the next one with."""
     from ..reports.baselines.compare import compare
     from ..reports.baselines.errors import BadCheck
     from ..reports.baselines.files import path_for, read

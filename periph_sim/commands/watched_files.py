@@ -1,4 +1,4 @@
-"""Which files a case is made of, and when each was last written: a case's path goes in, stamps by path come out."""
+"""The files of a case, and the times of their last changes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Stamps = dict[Path, tuple[int, int]]
 
 
 def stamps(case: Path) -> Stamps:
-    """Time and size of each file that is there."""
+    """Return time and size of each existing file."""
     found: Stamps = {}
     for file in {*files_of(case)}:
         try:

@@ -1,4 +1,4 @@
-"""`periph-sim why RUN QUESTION`: why a field, wire, span or interrupt stood as it did at an instant."""
+"""`periph-sim why RUN QUESTION`: why a field, wire, span or interrupt had its state at an instant."""
 
 from __future__ import annotations
 
@@ -17,14 +17,16 @@ EXAMPLE = "periph-sim why run.psr 'I2C-A.I2CSTR.XRDY@12.345 ms'"
 @click.command()
 @RUN_FILE
 @click.argument("question")
-@click.option("--depth", type=click.IntRange(0, 1000), default=8, show_default=True, help="Causes walked back.")
+@click.option(
+    "--depth", type=click.IntRange(0, 1000), default=8, show_default=True, help="Number of causes to trace back."
+)
 @SYSCLK
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 def why(run: Path, question: str, depth: int, sysclk: str | None, as_json: bool) -> None:
-    """Say why 'I2C-A.I2CSTR.XRDY@12.345ms' was as it was in RUN.
+    """Explain why 'I2C-A.I2CSTR.XRDY@12.345ms' had its value in RUN.
 
-    RUN is what `run --record x.psr` wrote. A question is a field, wire, span, interrupt or variable, and a time:
-    'SDA@3 us'. Variables of an image are recorded where a budget names them.
+    RUN is the output of `run --record x.psr`. A question is a field, wire, span, interrupt or variable, and a time:
+    'SDA@3 us'. Variables of an image are recorded if a budget names them.
     """
     from ..records.cause_trace.text_report import as_json as as_dict
     from ..records.cause_trace.text_report import text

@@ -1,4 +1,4 @@
-"""`periph-sim worst CASE [BUDGET]...`: why the worst occurrence of each budget was as it was, with its picture."""
+"""`periph-sim worst CASE [BUDGET]...`: explain the worst occurrence of each budget, with its picture."""
 
 from __future__ import annotations
 
@@ -30,29 +30,29 @@ EXAMPLE = "periph-sim worst timing/imu_hil.toml response"
 @click.argument("budgets", nargs=-1, metavar="[BUDGET]...")
 @click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
-@click.option("--svg", type=click.Path(path_type=Path), help="Write a picture of each into this folder: BUDGET.svg.")
+@click.option("--svg", type=click.Path(path_type=Path), help="Write a picture of each to this folder: BUDGET.svg.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 def worst(
     case: Path, budgets: tuple[str, ...], seconds: str | None, changes: tuple[str, ...], svg: Path | None, as_json: bool
 ) -> int:
-    """Say why the worst occurrence of each budget of CASE was as it was: what led to it, step by step.
+    """Explain the worst occurrence of each budget of CASE, step by step.
 
-    BUDGET names those that are wanted; all if none is named. Exit status as of run: 0 if they hold, 1 if not.
+    BUDGET selects budgets by name; the default is all. Exit status as of run: 0 if they hold, 1 if not.
     """
     from ..explain.explain import explain
     from ..scene.case.load import load
     from ..scene.scene import Scene
 
     if svg is not None and not svg.is_dir():
-        raise click.ClickException(f"--svg: {svg} is no folder; make it, or give another")
+        raise click.ClickException(f"--svg: {svg} is no folder; create it, or give another")
     with running_user_code():
         loaded = load(case, list(changes))
         length = None if seconds is None else length_given(seconds)
         for name in budgets:
             _known(name, [budget.name for budget in loaded.budget], case)
         scene = Scene(loaded)
-        with progress(loaded.name) as told:
-            result = scene.run(length, told)
+        with progress(loaded.name) as on_progress:
+            result = scene.run(length, on_progress)
         verdicts = [verdict for verdict in result.budgets if not budgets or verdict.name in budgets]
         found = explain(loaded, verdicts, scene.typical(), length)
         if svg is not None:
@@ -67,7 +67,7 @@ def worst(
     elif not verdicts:
         click.echo(f"{result.case}: it has no budget, so there is no worst case")
     else:
-        click.echo("\n\n".join("\n".join(_told(verdict, found.get(verdict.name))) for verdict in verdicts))
+        click.echo("\n\n".join("\n".join(_lines(verdict, found.get(verdict.name))) for verdict in verdicts))
     return 0 if all(verdict.passed for verdict in verdicts) else 1
 
 
@@ -78,8 +78,8 @@ def _known(name: str, names: list[str], case: Path) -> None:
         raise click.ClickException(f"{case}: there is no budget {name!r}; {did_you_mean(name, names)}")
 
 
-def _told(verdict: Verdict, one: Explained | None) -> list[str]:
-    """Chain and picture; one line where there is no instant."""
+def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
+    """Return chain and picture; one line if there is no instant."""
     from ..explain.picture import text_picture
     from ..explain.text_report import text
 
@@ -91,12 +91,12 @@ def _told(verdict: Verdict, one: Explained | None) -> list[str]:
 
 
 def _width() -> int:
-    """Columns of a picture: those of the terminal, 80 to 100."""
+    """Return the columns of a picture: those of the terminal, 80 to 100."""
     return min(MOST, max(80, get_terminal_size().columns))
 
 
 def _write(folder: Path, found: dict[str, Explained]) -> None:
-    """A file a budget, all of them or none. BadCapture where that is not possible."""
+    """Write a file for each budget, all of them or none. BadCapture if that is not possible."""
     from ..explain.picture import svg_picture
     from ..traces.formats.atomic_write import atomic_write
 

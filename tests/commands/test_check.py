@@ -198,7 +198,7 @@ def test_a_case_that_others_drive_is_named_and_left_out(periph_sim: Run, cases: 
     came = periph_sim("check", "--jobs", "1", "--update-baseline")
     assert (came.status, came.err) == (0, "") and not (cases / "baselines" / "theirs.json").exists()
     assert "check: 1 of 1 as they should be" in came.out
-    assert "\ntiming/theirs.toml: driven from outside, so it is not run here\n" in came.out
+    assert "\ntiming/theirs.toml: driven from outside, so not run here\n" in came.out
     told = json.loads(periph_sim("check", "--jobs", "1", "--json").out)
     assert told["verdict"] == "pass" and [one["file"] for one in told["driven_from_outside"]] == ["timing/theirs.toml"]
     alone = periph_sim("check", "--jobs", "1", str(theirs))
@@ -247,7 +247,7 @@ def test_the_short_cases_of_the_repository_are_as_their_baselines_say(
 def test_guaranteed_is_refused_since_nothing_is_proven(periph_sim: Run, cases: Path):
     came = periph_sim("check", "--jobs", "1", "--update-baseline", "--guaranteed")
     assert (came.status, came.out) == (2, "") and not (cases / "baselines").exists()
-    assert came.err == f"Error: --guaranteed: {NOTHING_PROVEN}; leave the option out\n"
+    assert came.err == f"Error: --guaranteed: {NOTHING_PROVEN}; remove the option\n"
 
 
 def test_json_and_table_claim_nothing_for_other_timings(periph_sim: Run, cases: Path):

@@ -139,7 +139,7 @@ def test_what_is_not_kept_is_told(periph_sim: Run, desk: Path):
         ),
         (
             [NACK, "x.jsonl", "--window", "0..9"],
-            "x.jsonl: this format holds the records of a run, not a capture; leave out what selects a part\n",
+            "x.jsonl: this format holds the records of a run, not a capture; remove the options that select a part\n",
         ),
         (
             ["none.sr", "x.vcd"],

@@ -60,7 +60,7 @@ def test_a_serial_line_that_cannot_be_guessed_does_not_stop_the_others(periph_si
     path.write_bytes(sr_bytes(["RX", "TX"], "1 MHz", bytes(bit | (n < 300) << 1 for n, bit in enumerate(line))))
     came = periph_sim("decode", str(path))
     assert came.status == 0 and "0x41 'A'" in came.out
-    assert "note: TX is not decoded: " in came.err and "say what it is with --uart" in came.err
+    assert "note: TX is not decoded: " in came.err and "describe it with --uart" in came.err
 
 
 def test_a_guess_in_doubt_is_taken_on_request_only(periph_sim: Run, tmp_path: Path):
@@ -70,7 +70,7 @@ def test_a_guess_in_doubt_is_taken_on_request_only(periph_sim: Run, tmp_path: Pa
     came = periph_sim("decode", str(path))
     assert came.status == 2 and came.out == ""
     assert came.err.startswith("Error: RX is not decoded: in doubt, guessed 100000 baud, 8n1 (")
-    assert "12% sure), which baud=auto would take; say what it is with --uart" in came.err
+    assert "12% sure), which baud=auto would use; describe it with --uart" in came.err
     came = periph_sim("decode", str(path), "--uart", "rx=RX,baud=auto")
     assert came.status == 0 and "0x41 'A'" in came.out
     assert came.err.endswith("12% sure); in doubt, so better state them\n")
@@ -94,9 +94,7 @@ def test_buses_of_one_capture_are_told_apart_by_their_names(periph_sim: Run, tmp
         "i2c Sensor SCL/Sensor SDA    S 53 W A 00 A Sr 53 R A E5 N P",
         "i2c 24LC515 SCL/24LC515 SDA  S 50 W A 10 A Sr 50 R A 77 N P",
     ]
-    assert came.err == (
-        "note: SDA_X is not decoded: which SCL goes with it? say it with --i2c scl=CHANNEL,sda=CHANNEL\n"
-    )
+    assert came.err == ("note: SDA_X is not decoded: which SCL belongs to it? give --i2c scl=CHANNEL,sda=CHANNEL\n")
 
 
 def test_what_nobody_recorded_and_a_rate_that_cannot_be_true_are_notes(periph_sim: Run, tmp_path: Path):
@@ -106,7 +104,7 @@ def test_what_nobody_recorded_and_a_rate_that_cannot_be_true_are_notes(periph_si
     assert came.err.startswith("note: SCL and SDA: 1 span was not recorded, 0.001000000 s in all, 0.001000000 s to ")
     came = periph_sim("decode", str(NACK), "--rate", "1 Hz")
     assert came.status == 0 and "start" in came.out
-    assert "SCL would run at 0.025 Hz; expected 100 Hz to 5 MHz; all times are wrong then, state" in came.err
+    assert "SCL would run at 0.025 Hz; expected 100 Hz to 5 MHz; then all times are wrong; state" in came.err
 
 
 def test_a_glitch_in_samples_of_time_stamps_is_counted_on_their_grid(periph_sim: Run, tmp_path: Path):
@@ -315,7 +313,7 @@ def test_nothing_on_the_bus_is_no_mistake(periph_sim: Run, tmp_path: Path):
         (("--glitch", "1.5"), "--glitch: '1.5' is no time"),
         (("--rate", "quick"), "--rate: 'quick' is no sample rate"),
         (("--format", "xml"), "'xml' is not one of"),
-        (("--format", "csv", "--json"), "--json and --format csv ask for two forms; give one of them"),
+        (("--format", "csv", "--json"), "--json and --format csv are two formats; give one of them"),
     ],
 )
 def test_a_mistake_gets_one_sentence(periph_sim: Run, options: tuple[str, ...], sentence: str):
@@ -329,7 +327,7 @@ def test_channels_that_say_nothing_must_be_named(periph_sim: Run, tmp_path: Path
     path.write_bytes(sr_bytes(["0", "1"], "1 MHz", bytes([3]) * 100))
     came = periph_sim("decode", str(path))
     assert came.status == 2
-    assert "no channels are called scl and sda, rx or tx, it has 0 (index 0), 1 (index 1)" in came.err
+    assert "no channels are named scl and sda, rx or tx, it has 0 (index 0), 1 (index 1)" in came.err
 
 
 def test_a_file_that_is_not_there(periph_sim: Run, tmp_path: Path):

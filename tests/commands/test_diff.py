@@ -143,7 +143,7 @@ def test_our_own_run_with_requests_three_microseconds_apart_more(
         ([HOST_FRAMES, HOST_FRAMES, "--uart", "baud=9600,format=8x1"], "'8x1' is no line format"),
         ([HOST_FRAMES, HOST_FRAMES, "--uart", "rx"], "expected rx=CHANNEL,baud=RATE,format=8n1"),
         ([HOST_FRAMES, HOST_FRAMES, "--uart", "baud=900000"], "samples a bit at 900000 baud; expected at least 2"),
-        ([HOST_FRAMES, HOST_FRAMES, "--uart", "rx=RX,baud=9600", "--map", "rx=0"], "both say which channel is rx"),
+        ([HOST_FRAMES, HOST_FRAMES, "--uart", "rx=RX,baud=9600", "--map", "rx=0"], "both name the channel of rx"),
     ],
 )
 def test_mistakes_are_one_sentence_and_status_2(periph_sim: Run, arguments: list[str], said: str):

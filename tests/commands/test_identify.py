@@ -107,10 +107,10 @@ EVEN = [n * 0.02 for n in range(100)]
 @pytest.mark.parametrize(
     ("text", "arguments", "sentence"),
     [
-        ("x [g]\n1\n2\n", (), "f.csv: there is no column 'time [s]'; say the rate with --rate: '50 Hz'"),
+        ("x [g]\n1\n2\n", (), "f.csv: there is no column 'time [s]'; state the rate with --rate: '50 Hz'"),
         ("x [g]\n1\n2\n", ("--rate", "50 Hz"), "x: 2 samples; expected 32 or more"),
-        ("time [s]\n1\n2\n", (), "f.csv: there is no column beside time; expected a sensor's, with its unit"),
-        ("time [s],x [g]\n1,1\n", (), "f.csv: there is one row, so no rate; say it with --rate"),
+        ("time [s]\n1\n2\n", (), "f.csv: the only column is time; expected a sensor's, with its unit"),
+        ("time [s],x [g]\n1,1\n", (), "f.csv: there is only one row, so no rate; state it with --rate"),
         (
             "x [g]\n1\nnan\n",
             ("--rate", "50 Hz"),
@@ -119,9 +119,9 @@ EVEN = [n * 0.02 for n in range(100)]
         (
             rows(EVEN[:50] + EVEN[51:]),
             (),
-            "f.csv, line 52: 0.04 s after the sample before, but usually it is 0.02 s; give a recording without",
+            "f.csv, line 52: 0.04 s after the sample before, but usually 0.02 s; give a recording without",
         ),
-        (rows(EVEN[::-1]), (), "f.csv, line 3: -0.02 s after the sample before, but usually it is -0.02 s; give a "),
+        (rows(EVEN[::-1]), (), "f.csv, line 3: -0.02 s after the sample before, but usually -0.02 s; give a "),
         (rows(EVEN), ("--expect", "y=1"), "--expect 'y=1': there is no column 'y'; it has x"),
         (rows(EVEN), ("--expect", "x"), "--expect 'x': expected NAME=VALUE"),
         (rows(EVEN), ("--expect", "x=nan"), "--expect 'x=nan': expected a finite number"),

@@ -47,7 +47,7 @@ def test_what_was_live_is_a_case_with_equal_records(periph_sim: Run, tmp_path: P
     assert (made.seed, result.sci_bytes, result.verdict) == (7, 5, "pass")
     assert {budget.name: budget.max for budget in made.budget} == {"overruns": 0}
     assert periph_sim("run", str(case)).status == 0
-    assert "is there already" in periph_sim("new", "--live", str(log), str(tmp_path / "new" / "again.toml")).err
+    assert "exists already" in periph_sim("new", "--live", str(log), str(tmp_path / "new" / "again.toml")).err
 
 
 def test_a_case_keeps_its_budgets_but_those_of_its_host(periph_sim: Run, tmp_path: Path) -> None:

@@ -109,7 +109,7 @@ def test_nothing_is_written_over_and_nothing_half_done(periph_sim: Run, here: Pa
     Path(name).write_text("mine", encoding="utf-8")
     came = periph_sim("new", "--example", "imu_hil")
     assert (came.status, came.out) == (2, "")
-    assert came.err == f"Error: {name}: is there already, and nothing was written; give another name\n"
+    assert came.err == f"Error: {name}: exists already, and nothing was written; give another name\n"
     assert [path.name for path in here.iterdir()] == [name] and Path(name).read_text() == "mine"
 
 
@@ -117,11 +117,11 @@ def test_nothing_is_written_over_and_nothing_half_done(periph_sim: Run, here: Pa
     ("arguments", "sentence"),
     [
         (["sensr"], "there is no kind 'sensr'; did you mean sensor?"),
-        ([], "say what to begin with: i2c-master, i2c-slave,"),
+        ([], "give a kind: i2c-master, i2c-slave,"),
         (["sensor", "a b"], "'a b' is no name for files; expected letters, digits, '_' and '-'"),
         (["--example", "imu_hl"], "there is no example 'imu_hl'; did you mean imu_hil or"),
         (["--example", "imu_hil", "a", "b"], "--example takes at most the folder that the copy goes to"),
-        (["sensor", "--from", "x.sr"], "--from goes with replay, not with sensor"),
+        (["sensor", "--from", "x.sr"], "--from is for replay, not for sensor"),
         (["replay", "--from", "x.sr"], "x.sr, the file: found no such file or directory"),
         (
             ["replay", "--from", str(TRACES / "host_frames.sr")],

@@ -220,7 +220,7 @@ def test_guaranteed_is_refused_in_one_sentence_since_nothing_is_proven(periph_si
     case = str(TIMING / "imu_hil_published.toml")
     came = periph_sim("run", case, "--guaranteed")
     assert (came.status, came.out) == (2, "")
-    assert came.err == f"Error: --guaranteed: {NOTHING_PROVEN}; leave the option out\n"
+    assert came.err == f"Error: --guaranteed: {NOTHING_PROVEN}; remove the option\n"
 
 
 def test_a_pass_says_what_was_seen_and_claims_nothing_for_other_timings(periph_sim: Run):
@@ -295,7 +295,7 @@ def test_a_case_without_budgets_is_told_one_that_it_can_have(periph_sim: Run, tm
     (tmp_path / "prog.py").write_text("def main(dsp, settings):\n    dsp.compute(1500)\n", encoding="utf-8")
     case.write_text(text, encoding="utf-8")
     lines = periph_sim("run", str(case)).out.splitlines()
-    assert lines[0] == "bare: NOT JUDGED" and lines[1].startswith("no budget says what must hold; put one at the top")
+    assert lines[0] == "bare: NOT JUDGED" and lines[1].startswith("the case has no budget; put one at its top")
     case.write_text(f"{lines[2].replace('50 %', '100 %')}\n{text}", encoding="utf-8")
     came = periph_sim("run", str(case))
     assert came.status == 0 and "bare: PASS" in came.out and " CPU load " in came.out

@@ -90,7 +90,7 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
 @pytest.mark.parametrize(
     ("more", "status", "sentence"),
     [
-        ((), 2, "give one of --pty, --rfc2217, --port and --i2cdriver, where programs find the case"),
+        ((), 2, "give one of --pty, --rfc2217, --port and --i2cdriver as the place of the port"),
         (
             ("--i2cdriver", "--sci", "scia", "--format", "8e1"),
             2,

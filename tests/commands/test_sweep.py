@@ -119,7 +119,7 @@ def test_of_many_that_fail_some_are_told_and_the_others_counted(periph_sim: Run)
         (["--vary", "seed"], "--vary 'seed': expected KEY=VALUE, for instance controller.period=10 ms"),
         (["--vary", "seed=1", "--vary", "seed=2"], "--vary seed is given twice; give all its values at once"),
         (["--vary", "seed=1,"], "--vary seed=1,: a value is missing"),
-        (["--vary", "seed=1", "--set", "seed=2"], "--set and --vary both name seed; leave one of them out"),
+        (["--vary", "seed=1", "--set", "seed=2"], "--set and --vary both name seed; remove one of them"),
         (["--vary", "seed=1", "--set", "x"], "--set 'x': expected KEY=VALUE"),
         (["--vary", "seed=1", "--seconds", "x"], "--seconds: "),
         (["--vary", f"{WORK}=x"], f"small.toml, --vary '{WORK}=x': {WORK}: "),

@@ -61,7 +61,7 @@ def test_a_session_that_ends_by_itself_says_so_and_why(tmp_path: Path) -> None:
     ("more", "sentence"),
     [
         ((), "standard input is no terminal; a script opens f28335://{case}?port=scia&pace=1 with pyserial"),
-        (("--pace", "0"), "--pace 0: nobody types in simulated time"),
+        (("--pace", "0"), "--pace 0: typing needs real time"),
         (("--pace", "x"), "--pace 'x': expected a number"),
     ],
 )

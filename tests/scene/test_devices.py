@@ -101,7 +101,7 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             MEMORY,
             f"{MEMORY}\ncontents = 'no.bin'",
-            "no.bin cannot be read (No such file or directory); its path counts from the folder",
+            "no.bin cannot be read (No such file or directory); its path is relative to the folder",
         ),
         (
             MEMORY,
@@ -118,13 +118,13 @@ def refusal(folder: Path, old: str, new: str) -> str:
             'model = "24c16"\n[device.other]\nmodel = "24c02"\naddress = 0x53',
             "line 12: device.other.address: memory has the address 0x53 too",
         ),
-        (MEMORY, 'model = "no.py"\naddress = 0x42', "no.py'; its path counts from the folder of the case"),
+        (MEMORY, 'model = "no.py"\naddress = 0x42', "no.py'; its path is relative to the folder of the case"),
         (MEMORY, 'model = "no.py"', "a device of a file has no address of its own; give it address = 0x42"),
         ("address = 0x48", "address = 0x50", "line 13: device.adc.address: memory has the address 0x50 too"),
         (
             "address = 0x48",
             "",
-            "device.adc.address: a device of registers has no address of its own; give it address = 0x48",
+            "device.adc.address: a device of registers has no default address; give one such as address = 0x48",
         ),
         (
             "address = 0x48",

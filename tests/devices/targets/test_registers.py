@@ -138,9 +138,9 @@ def test_a_number_of_a_register_has_no_more_bits_than_it(width: int, key: str):
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"every": "1 ms"}, "R: every goes with values or step"),
-        ({"values": [1]}, "R: every goes with values or step"),
-        ({"step": 1}, "R: every goes with values or step"),
+        ({"every": "1 ms"}, "R: every needs values or step"),
+        ({"values": [1]}, "R: every needs values or step"),
+        ({"step": 1}, "R: every needs values or step"),
         ({"every": "1 ms", "values": [1], "step": 1}, "R has more than one of updates, values and step; keep one"),
         ({"every": "1 ms", "step": 1, "updates": [["1 ms", 1]]}, "R has more than one of updates, values and step"),
         ({"first": "1 ms"}, "R: first needs every; give every, or remove first"),

@@ -134,7 +134,7 @@ def test_the_end_of_the_run_is_no_reason_where_edges_came(level: int, missing: s
         ({"kind": "edges", "edges": EDGES, "tolerance": "0"}, "tolerance"),
         ({"kind": "blink", "rate": "0 Hz"}, "a frequency is above 0"),
         ({"kind": "blink"}, "watch.led.rate: "),
-        ({"kind": "blink", "rate": "1 Hz", "after": "2 s", "first": "1 s"}, "first comes before after"),
+        ({"kind": "blink", "rate": "1 Hz", "after": "2 s", "first": "1 s"}, "first is before after"),
         ({"edges": EDGES}, "kind"),
     ],
 )

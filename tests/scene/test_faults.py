@@ -120,7 +120,7 @@ def test_a_unit_without_i2c_has_no_module_to_reset():
         ('{kind="spike", at="1 ms", wire="SCL", wdith="1 us"}', "fault.0.wdith", "fault spike has no setting 'wdith'"),
         ('{kind="reset", at="1 ms", unit="dps"}', "fault.0", "there is no unit 'dps'; did you mean dsp?"),
         ('{kind="module_reset", at="1 ms", unit="dps"}', "fault.0", "there is no unit 'dps'; did you mean dsp?"),
-        ('{kind="hold", at="1 ms", wire="SDA"}', "fault.0", "either for a length or for so many clocks"),
+        ('{kind="hold", at="1 ms", wire="SDA"}', "fault.0", "either for a length or for a number of clocks"),
     ],
 )
 def test_a_fault_that_cannot_be_is_told_with_its_place(fault: str, place: str, sentence: str):

@@ -67,8 +67,8 @@ def test_the_region_of_white_noise_ends_where_a_random_walk_begins():
     assert one.density.value == pytest.approx(DENSITY, rel=0.05)
     assert one.bias.drift > 0
     assert one.notes == (
-        f"y: the averages drift by {one.bias.drift:.2g}, more than white noise does; averaging longer does not make "
-        "the bias better known",
+        f"y: the averages drift by {one.bias.drift:.2g}, more than white noise does; averaging longer does not "
+        "improve the bias",
     )
 
 

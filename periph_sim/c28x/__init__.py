@@ -1,4 +1,4 @@
-"""The C28x CPU with its FPU: words of program memory go in; instructions, their text and their effects come out.
+"""The C28x CPU with its FPU: decoding, assembling and executing instructions.
 
-`encodings.toml` is the instruction set as data; everything here derives from it. No chip, no bus and no file format.
+`encodings.toml` is the instruction set as data; everything here derives from it. It knows no chip, bus or file.
 """

@@ -1,7 +1,7 @@
-"""Assemble instructions: one line of source goes in; the form that it is comes out, and its words.
+"""Assemble one line of source: find its form and encode its words.
 
-Every syntax of `encodings.toml` is taken as it stands there, without regard to case, with spaces where one likes them.
-Where several forms fit, the shortest is taken, as TI's assembler does: `MOV @AL,#0` has one word.
+Every syntax of `encodings.toml` is accepted, without regard to case and spaces. If several forms fit, the shortest is
+used, as TI's assembler does: `MOV @AL,#0` has one word.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from .operands import BadOperand, Part, parts_of
 
 
 class BadInstruction(ValueError):
-    """Source that is no instruction, in one sentence."""
+    """Source text is not an instruction; the message is one sentence."""
 
 
 class Parsed(NamedTuple):
-    """A form, and the text of each operand that it reads."""
+    """A form, with the text of each operand."""
 
     encoding: Encoding
     operands: tuple[tuple[Part, str], ...]
 
     def words(self, address: int, symbols: Mapping[str, int]) -> tuple[int, ...]:
-        """The words at an address. BadInstruction where an operand does not fit."""
+        """Encode the instruction for an address. Raise BadInstruction if an operand does not fit."""
         pair = self.encoding.pair(self._values(address, symbols))
         return (pair >> 16, pair & 0xFFFF)[: self.encoding.words]
 
     def fits(self, address: int, symbols: Mapping[str, int]) -> bool:
-        """True if every operand fits its field, as far as it is known already."""
+        """Return True if every operand known so far fits its field."""
         values: dict[str, int] = {}
         for part, text in self.operands:
             assert part.read is not None
@@ -60,7 +60,7 @@ class Parsed(NamedTuple):
 
 
 def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
-    """The shortest form that a line of source is. symbols: those known so far; others are taken to fit."""
+    """Find the shortest form matching a source line. symbols: known so far; unknown ones are assumed to fit."""
     text = " ".join(source.split())
     mnemonic = text.partition(" ")[0].upper()
     forms = _forms().get(mnemonic)
@@ -76,7 +76,7 @@ def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
         if parsed.fits(address, symbols):
             return parsed
         matched.append(parsed)
-    if matched:  # says which operand does not fit
+    if matched:  # raises with the operand that does not fit
         matched[-1].words(address, symbols)
     known = ", ".join(dict.fromkeys(encoding.syntax for encoding in forms))
     raise BadInstruction(f"{text!r} has none of the operands of {mnemonic}: {known}")
@@ -84,9 +84,9 @@ def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
 
 @cache
 def _forms() -> Mapping[str, tuple[Encoding, ...]]:
-    """The forms of OBJMODE 1 by mnemonic, shorter ones first; aliases behind the forms they stand for.
+    """The forms of OBJMODE 1 by mnemonic, shorter ones first; aliases after the forms they stand for.
 
-    Of equal ones those with fewer operands: `MOVL P,ACC` rather than `MOVL loc32,ACC`.
+    If equal, forms with fewer operands come first: `MOVL P,ACC` rather than `MOVL loc32,ACC`.
     """
     forms: dict[str, list[Encoding]] = {}
     for encoding in encodings():
@@ -104,12 +104,12 @@ def _before_others(row: Encoding) -> tuple[int, bool, int]:
 
 @cache
 def _pattern(encoding: Encoding) -> re.Pattern[str]:
-    """What a line of this form looks like, with a group for each operand that is read."""
+    """Return the pattern of a source line of this form, with a group per operand."""
     pieces = [_flexible(part.literal) if part.read is None else f"({part.pattern})" for part in parts_of(encoding)]
     return re.compile(r"\s*".join(pieces), re.IGNORECASE)
 
 
 def _flexible(literal: str) -> str:
-    """The pattern of a literal, with spaces where one likes them."""
+    """Return the pattern of a literal, with optional spaces between tokens."""
     pieces = re.findall(r"\w+|\s+|\|\||<<|\S", literal)
     return r"\s*".join(re.escape(piece) for piece in pieces if piece.strip())

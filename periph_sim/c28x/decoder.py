@@ -1,7 +1,7 @@
-"""Decode program memory: words go in; instructions come out, and what is none.
+"""Decode words of program memory into instructions.
 
-With OBJMODE = 1, AMODE = 0 and PAGE0 = 0, as C code of this chip runs. Words that belong to no form, a 32-bit operand
-@SP and reserved FPU conditions are no instructions [SPRU430F 3.6, Table 5-1; SPRUEO2A].
+For OBJMODE = 1, AMODE = 0 and PAGE0 = 0, the modes of C code on this chip. Words that match no form, a 32-bit operand
+@SP and reserved FPU conditions are not instructions [SPRU430F 3.6, Table 5-1; SPRUEO2A].
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ FPU_CONDITIONS = frozenset((0, 1, 2, 3, 4, 5, 10, 11, 12, 13, 14, 15))
 
 
 class Instruction(NamedTuple):
-    """address: of its first word. pair: first word << 16 | second word, which counts only where it has one."""
+    """address: of its first word. pair: first word << 16 | second word, ignored if the instruction has one word."""
 
     address: int
     pair: int
@@ -34,12 +34,12 @@ class Instruction(NamedTuple):
 
     @property
     def values(self) -> dict[str, int]:
-        """The number in each field of the form."""
+        """The value of each field of the form."""
         return self.encoding.values(self.pair)
 
     @property
     def text(self) -> str:
-        """As the assembler takes it; branches name the address they go to."""
+        """The assembler syntax; branches show their target address."""
         values = self.values
         return "".join(part.show(values, self.address) for part in parts_of(self.encoding)).rstrip()
 
@@ -48,7 +48,7 @@ class Instruction(NamedTuple):
 
 
 def decode(first: int, second: int) -> Encoding | None:
-    """The form that these two words begin with; None if they are no instruction."""
+    """Return the form of the instruction that begins these two words; None if there is none."""
     pair = first << 16 | second
     for encoding in _candidates()[first >> 8]:
         if encoding.matches(pair):
@@ -57,20 +57,20 @@ def decode(first: int, second: int) -> Encoding | None:
 
 
 def other_unit(first: int) -> str:
-    """Which unit of other C28x parts a word is an instruction of that the F28335 does not know; "" if of none."""
+    """Return the unit of other C28x parts whose instruction this word is; "" if none."""
     if first in TMU:
         return "the TMU of an F2837x"
     return "the VCU of an F2806x or F2837x" if first >> 8 in VCU else ""
 
 
 def decode_at(address: int, first: int, second: int) -> Instruction | None:
-    """The instruction that stands at an address; None if these words are none."""
+    """Return the instruction at an address; None if the words are not one."""
     encoding = decode(first, second)
     return None if encoding is None else Instruction(address, first << 16 | second, encoding)
 
 
 def sweep(address: int, words: Sequence[int]) -> Iterator[Instruction | int]:
-    """One instruction behind the other from the first word on; of a word that begins none, its address."""
+    """Yield consecutive instructions; for a word that is not one, its address."""
     at = 0
     while at < len(words):
         second = words[at + 1] if at + 1 < len(words) else 0
@@ -85,7 +85,7 @@ def sweep(address: int, words: Sequence[int]) -> Iterator[Instruction | int]:
 
 @cache
 def _candidates() -> tuple[tuple[Encoding, ...], ...]:
-    """The forms of OBJMODE 1 that may have a first word, by its upper byte; without aliases."""
+    """The forms of OBJMODE 1, without aliases, by the upper byte of the first word."""
     table: list[list[Encoding]] = [[] for _ in range(256)]
     for encoding in encodings():
         if encoding.objmode == "0" or encoding.alias_of:

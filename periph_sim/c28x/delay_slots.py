@@ -1,10 +1,10 @@
-"""Delay slots that a program does not keep: code goes in; sentences about who reads a result too early come out.
+"""Delay slots that a program violates: instructions that read an FPU result too early.
 
-    MPYF32 R0H,R1H,R2H    2p: started in this cycle, its result is there one instruction later
-    NOP                   the delay slot, which nothing protects: the assembler keeps it, not the CPU
+    MPYF32 R0H,R1H,R2H    2p: the result is available one instruction later
+    NOP                   the delay slot; the assembler must keep it, the CPU does not protect it
     ADDF32 R3H,R0H,R4H
 
-LUF and LVF come with the result. Source: SPRUEO2A 3.1, 3.2; the column `latency` of `encodings.toml`.
+LUF and LVF are set with the result. Source: SPRUEO2A 3.1, 3.2; the column `latency` of `encodings.toml`.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ ALL, EVERY = "R0H-R7H", 0xFF
 FLAGS = 1 << 8  # LUF and LVF, beside R0H to R7H
 NAMES = (*(f"R{number}H" for number in range(8)), "LUF and LVF")
 FLAG_BITS = LUF | LVF
-CONDITIONS = (12, 13)  # that look at LUF and LVF
-AT_ONCE = "RaH"  # of a pair "2p/1": what its second half loads
+CONDITIONS = (12, 13)  # that test LUF and LVF
+AT_ONCE = "RaH"  # of a pair "2p/1": the register that its second half loads
 BLOCKS = frozenset(("RPTB_label_RC", "RPTB_label_loc16"))
 
 
 def late_results(instruction: Instruction) -> int:
-    """The FPU registers that it writes one instruction later, as bits, and its flags."""
+    """Return the FPU registers, and FLAGS, written one instruction later, as bits."""
     encoding = instruction.encoding
     if not encoding.latency:
         return 0
@@ -36,7 +36,7 @@ def late_results(instruction: Instruction) -> int:
 
 
 def read_registers(instruction: Instruction) -> int:
-    """The FPU registers that it reads, as bits, and those flags."""
+    """Return the FPU registers, and FLAGS, that are read, as bits."""
     encoding, values = instruction.encoding, instruction.values
     mask = _registers(encoding.reads, values)
     if encoding.id == "MOV32_loc32_ind_0_16":
@@ -54,7 +54,7 @@ def _reads_flags(encoding: Encoding, values: Mapping[str, int]) -> bool:
 
 
 def not_kept(instruction: Instruction, word_at: Callable[[int], int]) -> Iterator[str]:
-    """What is read too early behind this instruction, or around the end of the block that it begins to repeat."""
+    """Yield the early reads after this instruction, or around the end of the block that it repeats."""
     if instruction.encoding.id in BLOCKS:
         yield from _around(instruction, word_at)
     elif late_results(instruction):
@@ -80,7 +80,7 @@ def _between(instruction: Instruction, behind: Instruction) -> Iterator[str]:
         names = " and ".join(name for number, name in enumerate(NAMES) if early >> number & 1)
         where = f"in the delay slot of {instruction.encoding.mnemonic} at {instruction.address:#08x}"
         who = f"{behind.encoding.mnemonic} at {behind.address:#08x}"
-        yield f"{who} reads {names} {where}: fpu_delay_slot says whether it finds the result"
+        yield f"{who} reads {names} {where}: the setting fpu_delay_slot selects whether it gets the new result"
 
 
 def _at(address: int, word_at: Callable[[int], int]) -> Instruction | None:

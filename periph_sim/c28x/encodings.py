@@ -1,12 +1,12 @@
-"""The instruction set as data: `encodings.toml` goes in; patterns with their fields and properties come out.
+"""The instruction set as data: patterns, fields and properties read from `encodings.toml`.
 
     bits    1100110xllllllll cccccccccccccccc      first word first, most significant bit first
-    fields  x = 0, l = 0x41, c = 0x00FF            of a given pair of words
+    fields  x = 0, l = 0x41, c = 0x00FF            in a given pair of words
 
-A pattern of one word is matched against the upper half of (first word << 16 | second word), so that a field lies at the
-same place whatever the length.
+A pattern of one word is matched against the upper half of (first word << 16 | second word), so a field has the same
+position for either length.
 
-Source: SPRU430F chapters 2, 4 to 6; SPRUEO2A. The head of `encodings.toml` says what its columns mean.
+Source: SPRU430F chapters 2, 4 to 6; SPRUEO2A. The head of `encodings.toml` explains its columns.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ CYCLES_WHERE = re.compile(r"(\w) (&|=) (\w+): (\d+)")
 
 
 class BitField(NamedTuple):
-    """Where a field lies within the two words, first word first."""
+    """The position of a field within the two words, first word first."""
 
     shift: int
     mask: int  # at bit 0
@@ -34,7 +34,7 @@ class BitField(NamedTuple):
 
 
 class CyclesWhere(NamedTuple):
-    """Cycles that differ where a field has this value (`exactly`), or any of its bits."""
+    """Cycles that apply if a field has this value (`exactly`), or any of its bits."""
 
     field: str
     exactly: bool
@@ -49,12 +49,12 @@ class CyclesWhere(NamedTuple):
 class Encoding:
     """One form of an instruction.
 
-    mask, value: of the fixed bits within the two words. at_least, at_most: bounds of fields that belong to the pattern.
-    objmode: "1", "0" or "X" for both. kind: core, fpu, c2xlp, c27x, emu or trap. alias_of: the form whose operand field
-    has this one as a value. also: another syntax of it, or "". shift_bias: the shift minus the
-    value of field s. cycles: those it takes alone; see `cycles_of`. repeated: cycles of N + 1 executions after RPT,
-    less N; 0 if it is not repeatable. latency: "2p" of a result that is there one instruction later; "2p/1", "2p/2p"
-    of the halves of a pair; else "". depends: status that decides what it does. flags, op: what it does, for the
+    mask, value: the fixed bits within the two words. at_least, at_most: bounds of fields, part of the pattern.
+    objmode: "1", "0" or "X" for both. kind: core, fpu, c2xlp, c27x, emu or trap. alias_of: the form for which this is
+    a fixed value of the operand field. also: another syntax of it, or "". shift_bias: the shift minus the
+    value of field s. cycles: when executed alone; see `cycles_of`. repeated: cycles of N + 1 executions after RPT,
+    less N; 0 if not repeatable. latency: "2p" if the result is available one instruction later; "2p/1", "2p/2p"
+    for the halves of a pair; else "". depends: status bits that change its effect. flags, op: its effect, for the
     tests of `execution`.
     """
 
@@ -84,7 +84,7 @@ class Encoding:
     op: str
 
     def matches(self, pair: int) -> bool:
-        """True if these two words are this form; the second one counts only where the form has it."""
+        """Return True if the words match this form; the second counts only if the form has two."""
         return (
             pair & self.mask == self.value
             and all(self.fields[name].of(pair) >= least for name, least in self.at_least)
@@ -92,11 +92,11 @@ class Encoding:
         )
 
     def values(self, pair: int) -> dict[str, int]:
-        """The number in each field."""
+        """Return the value of each field."""
         return {name: place.of(pair) for name, place in self.fields.items()}
 
     def pair(self, values: Mapping[str, int]) -> int:
-        """The two words with these numbers in the fields; a bit that may have any value is 0."""
+        """Return the two words with these field values; don't-care bits are 0."""
         pair = self.value
         for name, number in values.items():
             place = self.fields[name]
@@ -106,7 +106,7 @@ class Encoding:
         return pair
 
     def cycles_of(self, values: Mapping[str, int]) -> tuple[int, int]:
-        """Cycles with these numbers in the fields: (taken, not taken), which are equal where it is no branch."""
+        """Return cycles for these field values: (taken, not taken), equal if it is not a branch."""
         for where in self.cycles_where:
             if where.holds(values[where.field]):
                 return where.cycles, where.cycles
@@ -119,7 +119,7 @@ class Encoding:
 
     @property
     def accesses(self) -> str:
-        """What it does at the address of its operand field: "", "r", "w" or "rw"."""
+        """The access at the address of its operand field: "", "r", "w" or "rw"."""
         read = any(place.partition("@")[0] in LOCATIONS for place in self.reads)
         written = any(place.partition("@")[0] in LOCATIONS for place in self.writes)
         return "r" * read + "w" * written
@@ -130,12 +130,12 @@ LOCATIONS = ("loc16", "loc32", "mem16", "mem32")
 
 @cache
 def encodings() -> tuple[Encoding, ...]:
-    """Every form, in the order of the table."""
+    """Return every form, in the order of the table."""
     return read_table(resources.files(__package__).joinpath("encodings.toml").read_text(encoding="utf-8"))
 
 
 def read_table(text: str) -> tuple[Encoding, ...]:
-    """Every form of a table. ValueError if a row has a column that is not read."""
+    """Parse every form of a table. Raise ValueError if a row has an unused column."""
     return tuple(_encoding(row) for row in tomllib.loads(text)["encoding"])
 
 
@@ -145,7 +145,7 @@ def by_id() -> dict[str, Encoding]:
 
 
 class _Row:
-    """A row of the table, whose columns are taken out as they are read."""
+    """A row of the table; columns are removed as they are read."""
 
     def __init__(self, row: Mapping[str, object]) -> None:
         self._left = dict(row)
@@ -162,7 +162,7 @@ class _Row:
         return tuple(str(name) for name in listed)
 
     def ends(self, name: str) -> None:
-        """Raise ValueError if a column was not read, because a fact in the table then has no effect."""
+        """Raise ValueError if a column was not read: it would have no effect."""
         if self._left:
             columns = " and ".join(sorted(self._left))
             raise ValueError(f"encodings.toml: {name}: no code reads {columns}; read the column, or make it a comment")
@@ -204,11 +204,11 @@ def _encoding(columns: Mapping[str, object]) -> Encoding:
 
 
 def _repeated(cycles: str, repeatable: bool) -> int:
-    """The 2 of "N+2"; 0 of what is not repeatable."""
+    """Return the 2 of "N+2"; 0 if not repeatable."""
     if not repeatable:
         return 0
     if not cycles.startswith("N+"):
-        raise ValueError(f"{cycles!r} does not say what N + 1 executions take, as 'N+1' does")
+        raise ValueError(f"{cycles!r} is not the cycles of N + 1 executions, such as 'N+1'")
     return int(cycles[2:])
 
 
@@ -218,7 +218,7 @@ def _cycles_where(where: str) -> tuple[CyclesWhere, ...]:
         return ()
     found = CYCLES_WHERE.fullmatch(where)
     if found is None:
-        raise ValueError(f"{where!r} is no condition on a field with the cycles that follow, as 'k = 15: 4' is")
+        raise ValueError(f"{where!r} is not a field condition with its cycles, such as 'k = 15: 4'")
     return (CyclesWhere(found[1], found[2] == "=", int(found[3], 0), int(found[4])),)
 
 
@@ -233,7 +233,7 @@ def _fields(bits: str) -> dict[str, BitField]:
 
 
 def _bounds(where: str) -> tuple[tuple[tuple[str, int], ...], tuple[tuple[str, int], ...]]:
-    """The bounds that "s >= 1" or "n <= 5" states: (at least, at most)."""
+    """Parse bounds such as "s >= 1" or "n <= 5": (at least, at most)."""
     if not where:
         return (), ()
     name, relation, number = where.split()
@@ -242,4 +242,4 @@ def _bounds(where: str) -> tuple[tuple[tuple[str, int], ...], tuple[tuple[str, i
         return bound, ()
     if relation == "<=":
         return (), bound
-    raise ValueError(f"{where!r} states no bound of a field")
+    raise ValueError(f"{where!r} is not a bound of a field")

@@ -1,4 +1,4 @@
-"""Numbers as assembly source writes them: an expression and what symbols mean go in; an integer comes out.
+"""Integer expressions of assembly source, with symbols.
 
 0x7900 + 2     1F2h     'A'     (table + 4) & 0x3F     $ - 2     ~1
 """
@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 
 HERE = "_here_"
-MOST_BITS = 64  # a shift further than that is a slip
+MOST_BITS = 64  # a longer shift is a mistake
 
 _BINARY: Mapping[type[ast.operator], Callable[[int, int], int]] = {
     ast.Add: operator.add,
@@ -33,22 +33,22 @@ _UNARY: Mapping[type[ast.unaryop], Callable[[int], int]] = {
 
 
 class BadExpression(ValueError):
-    """Text that is no number, in one sentence."""
+    """Text is not a number; the message is one sentence."""
 
 
 class Undefined(BadExpression):
-    """A symbol that is not known, or not yet."""
+    """A symbol is unknown, or not yet defined."""
 
 
 def evaluate(text: str, symbols: Mapping[str, int], here: int) -> int:
-    """The number that an expression stands for. here: what `$` means. BadExpression, Undefined."""
+    """Evaluate an expression. here: the value of `$`. Raise BadExpression or Undefined."""
     source = re.sub(r"'(.)'", lambda found: str(ord(found[1])), text.strip())
     source = re.sub(r"\b(\d[0-9A-Fa-f]*)h\b", r"0x\1", source).replace("/", "//")
     source = re.sub(r"(?<!\w)[A-Za-z_.$][\w.$]*", lambda found: HERE if found[0] == "$" else _quoted(found[0]), source)
     try:
         tree = ast.parse(source, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise BadExpression(f"{text.strip()!r} is no number or expression of numbers") from None
+        raise BadExpression(f"{text.strip()!r} is not a number or an expression") from None
     try:
         return _value(tree, symbols, here)
     except ZeroDivisionError:
@@ -56,7 +56,7 @@ def evaluate(text: str, symbols: Mapping[str, int], here: int) -> int:
 
 
 def _quoted(name: str) -> str:
-    """A symbol as Python may name it; symbols of this assembler may contain `.` and `$`."""
+    """Encode a symbol as a Python identifier; symbols of this assembler may contain `.` and `$`."""
     return "s_" + name.encode().hex()
 
 
@@ -74,8 +74,8 @@ def _value(node: ast.expr, symbols: Mapping[str, int], here: int) -> int:
         case ast.BinOp(left, how, right) if type(how) in _BINARY:
             first, second = _value(left, symbols, here), _value(right, symbols, here)
             if isinstance(how, ast.LShift | ast.RShift) and not 0 <= second <= MOST_BITS:
-                raise BadExpression(f"a shift by {second} bits")
+                raise BadExpression(f"a shift by {second} bits is not possible")
             return _BINARY[type(how)](first, second)
         case ast.UnaryOp(how, operand) if type(how) in _UNARY:
             return _UNARY[type(how)](_value(operand, symbols, here))
-    raise BadExpression("only numbers, symbols, + - * / % & | ^ ~ << >> and brackets make an expression")
+    raise BadExpression("an expression has only numbers, symbols, + - * / % & | ^ ~ << >> and brackets")

@@ -1,10 +1,10 @@
-"""Instructions that have not come yet: addresses as they are executed go in; the cycles that the CPU waits come out.
+"""The instruction fetch queue: cycles that the CPU waits for instructions from memory with wait states.
 
-    program memory --units of 32 or 64 bits, one each so many cycles--> queue of four --> D2
+    program memory --units of 32 or 64 bits, one per `_cycles`--> queue of four --> D2
 
-Fetching goes on while instructions execute, until the queue is full; a discontinuity empties it. Only for memory with
-wait states: without them a unit comes each cycle, which no instruction can outrun. A read of data in the same memory
-may take its turn between two fetches.
+Fetching continues while instructions execute, until the queue is full; a discontinuity empties it. Only for memory with
+wait states: without them one unit arrives per cycle, faster than any instruction needs. A data read in the same memory
+may be inserted between two fetches.
 
 Source: SPRU430F 4.2, 4.3; SPRUFB0D 2.2 (flash).
 """
@@ -15,14 +15,14 @@ from __future__ import annotations
 
 from typing import Annotated, final
 
-DEPTH = 4  # units: the queue's; of flash with its prefetch two of 64 bits, and what the queue holds of a third
+DEPTH = 4  # units in the queue; for flash with prefetch two of 64 bits, and part of a third
 PACKED = 6 + DEPTH
-LONG_AGO = 1 << 7  # cycles: nothing waits for what was then; a full queue takes 4 * 17 at most
+LONG_AGO = 1 << 7  # cycles: older times have no effect; a full queue takes 4 * 17 at most
 
 
 @final
 class FetchQueue:
-    """expected: where the next instruction would stand without a discontinuity."""
+    """expected: address of the next instruction if there is no discontinuity."""
 
     __slots__ = ("_bits", "_consumed", "_cycles", "_issued", "_newest", "_place", "_ready", "expected", "packed_queue")
 
@@ -30,18 +30,18 @@ class FetchQueue:
     _consumed: Annotated[list[int], DEPTH]
 
     def __init__(self) -> None:
-        self._consumed = [0] * DEPTH  # when each unit's place was free again
-        self._place = DEPTH - 1  # bits of a unit's number that name its place
-        self._newest = 0  # the last unit that was needed
-        self._ready = 0  # when that one was there
-        self._bits = 1  # of an address within a unit
-        self._cycles = 1  # that a unit takes
-        self._issued = 0  # when the last instruction was taken out of the queue
+        self._consumed = [0] * DEPTH  # cycle when each unit's slot was free again
+        self._place = DEPTH - 1  # mask: bits of a unit's number that select its slot
+        self._newest = 0  # the last unit needed
+        self._ready = 0  # cycle when that unit was available
+        self._bits = 1  # address bits within a unit
+        self._cycles = 1  # cycles per unit
+        self._issued = 0  # cycle when the last instruction left the queue
         self.expected = -1
         self.packed_queue = [0] * PACKED
 
     def pack(self, cycle: int) -> None:
-        """Write to `packed_queue` what is in the queue, with times counted from this cycle; the past counts no more."""
+        """Write the queue's state to `packed_queue`, with times relative to this cycle."""
         self.packed_queue[0], self.packed_queue[1] = self.expected, self._newest
         self.packed_queue[2], self.packed_queue[3] = self._bits, self._cycles
         self.packed_queue[4] = max(self._ready - cycle, -LONG_AGO)
@@ -50,10 +50,10 @@ class FetchQueue:
             self.packed_queue[6 + place] = max(self._consumed[place] - cycle, -LONG_AGO)
 
     def begin(self, cycle: int, address: int, bits: int, first: int, later: int, depth: int) -> None:
-        """A discontinuity, in memory whose units have 2**bits words. first, later: wait states of the units.
+        """Start after a discontinuity, in memory with 2**bits words per unit. first, later: wait states of the units.
 
-        depth: how many units come ahead, a power of 2. cycle: in which the instruction there would be executed, had its
-        memory no wait states.
+        depth: units fetched ahead, a power of 2. cycle: when the instruction there would execute if the memory had no
+        wait states.
         """
         assert depth in (1, 2, 4)
         self._bits, self._cycles, self._place = bits, later + 1, depth - 1
@@ -64,14 +64,14 @@ class FetchQueue:
             self._consumed[place] = 0
 
     def wait(self, cycle: int, address: int, behind: int) -> int:
-        """The cycles for which the instruction from `address` to `behind` is still to come in this cycle."""
+        """Return the cycles until the instruction from `address` to `behind` (exclusive) is available."""
         ready = self._need(behind - 1 >> self._bits)
         self.expected = behind
         self._issued = ready if ready > cycle else cycle
         return self._issued - cycle
 
     def _need(self, unit: int) -> int:
-        """When a unit is there. What lies before it has been taken out of the queue by then."""
+        """Return the cycle when a unit is available. Earlier units have left the queue by then."""
         place = self._place
         while self._newest < unit:
             if self._consumed[self._newest & place] < self._issued:
@@ -82,9 +82,9 @@ class FetchQueue:
         return self._ready
 
     def read(self, cycle: int, waits: int) -> int:
-        """Data are read from this memory in this cycle: for how long the read waits for a fetch that is under way.
+        """Read data from this memory: return the cycles that the read waits for a fetch in progress.
 
-        waits: its own wait states. The next fetch begins behind it.
+        waits: the read's own wait states. The next fetch begins after it.
         """
         place, ready, unit = self._place, self._ready, self._newest + 1
         while ready <= cycle and unit <= self._newest + place:

@@ -1,4 +1,4 @@
-"""Where instructions go: an instruction goes in; the address it jumps to comes out, and if the next one is reached.
+"""Control flow: the target of an instruction, and whether the next instruction can be reached.
 
 Source: SPRU430F chapter 6; distances count from the address of the branch itself.
 """
@@ -15,17 +15,17 @@ CALLS = frozenset(["LCR", "LC", "FFC", "XCALL"])
 RETURNS = frozenset(["LRETR", "LRET", "LRETE", "IRET"])
 INTERRUPTS = frozenset(["TRAP", "INTR", "ITRAP0", "ITRAP1"])
 RELATIVE = frozenset(["B", "BF", "SB", "SBF", "BANZ", "BAR"])
-CONDITIONAL = frozenset(["SBF", "BANZ", "BAR", "XBANZ"])  # whatever their condition field, if they have one
+CONDITIONAL = frozenset(["SBF", "BANZ", "BAR", "XBANZ"])  # for every condition, and without a condition field
 ENDS = frozenset(["ESTOP0", "ITRAP0", "ITRAP1"])
 
 
 def is_call(instruction: Instruction) -> bool:
-    """True if it goes somewhere and comes back."""
+    """Return True for a call, which returns to the next instruction."""
     return instruction.encoding.mnemonic in CALLS | {"TRAP", "INTR"}
 
 
 def target(instruction: Instruction) -> int | None:
-    """The address that a branch or call goes to; None if it is no branch, or the address is in a register."""
+    """Return the target of a branch or call; None if it is not a branch, or its target is in a register."""
     encoding = instruction.encoding
     if "PC" not in (place.partition("@")[0] for place in encoding.writes) or "c" not in encoding.fields:
         return None
@@ -39,7 +39,7 @@ def target(instruction: Instruction) -> int | None:
 
 
 def goes_on(instruction: Instruction) -> bool:
-    """True if the next instruction may be reached from this one, by itself or as it returns."""
+    """Return True if the next instruction may be reached from this one, directly or by a return."""
     mnemonic = instruction.encoding.mnemonic
     if is_call(instruction):
         return True

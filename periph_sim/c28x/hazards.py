@@ -1,16 +1,16 @@
-"""Registers that a decoded instruction needs early or brings late: a form and its fields go in; two masks come out.
+"""Registers that an instruction needs early or writes late, as two masks.
 
     needs   read, or written, in phase D2: XAR0 to XAR7 as bits 0 to 7, DP 8, SP 9; 10 for XAR(ARP)
-    makes   written in phase E, three phases later, and not yet there when the instruction leaves D2
+    makes   written in phase E, three phases after D2
 
-What needs a register that is still to be written waits: `pipeline` counts.
+An instruction that needs a register still to be written waits: `pipeline` counts the cycles.
 
-An instruction of several cycles makes its last operation in the last of them (PUSH loc16 reads, then writes), with two
-exceptions. A jump or call passes D2 once, in its first cycle; in the others the CPU fetches from where it goes
-[SPRU430F 4.3.2], while what it has pushed goes on to W. And some instructions keep D2 until they have left phase E or W
-themselves, as their cycles show: NORM takes N + 4 for N + 1 passes, which is one a pass and the three phases from D2 to
-E; POP DP:ST1 takes 5, D2 to W, since ST1 counts from the next instruction on; PWRITE takes N + 5, one a pass and the
-four phases to W. Behind these nothing waits.
+An instruction of several cycles does its last operation in the last of them (PUSH loc16 reads, then writes), with two
+exceptions. A jump or call passes D2 once, in its first cycle; in the others the CPU fetches from the target
+[SPRU430F 4.3.2], while the pushed words go on to W. And some instructions stay in D2 until they have left phase E or W
+themselves, as their cycles show: NORM takes N + 4 for N + 1 passes, one per pass and the three phases from D2 to
+E; POP DP:ST1 takes 5, D2 to W, since ST1 applies from the next instruction on; PWRITE takes N + 5, one per pass and the
+four phases to W. After these nothing waits.
 Source: SPRU430F 4.4.2, 5.x; TI wiki "C28x Pipeline Conflicts"; the columns `reads` and `writes` of `encodings.toml`.
 """
 
@@ -33,7 +33,7 @@ BY_ARP_FROM, PUSHES, POPS, CIRCULAR = 0xAE, 0xBD, 0xBE, 0xBF
 
 @cache
 def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
-    """(needs, makes) of an instruction with these numbers in its fields l, n and m, -1 where it has none."""
+    """Return (needs, makes) for the values of fields l, n and m, -1 if absent."""
     numbers = {"n": n, "m": m}
     needs = _in_phase("D2", (*encoding.reads, *encoding.writes), numbers)
     makes = 0 if is_held(encoding) else _in_phase("E", encoding.writes, numbers)
@@ -49,17 +49,17 @@ def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
 
 
 def is_held(encoding: Encoding) -> bool:
-    """True if it keeps D2 until what it writes is there."""
+    """Return True if it stays in D2 until its writes are done."""
     return encoding.mnemonic in HELD or (encoding.mnemonic == "POP" and "ST1@D2" in encoding.writes)
 
 
 def writes_at_once(encoding: Encoding) -> bool:
-    """True if what it writes to memory left D2 in its first cycle, however many follow."""
+    """Return True if its memory write leaves D2 in the first of its cycles."""
     return "PC" in encoding.writes or is_held(encoding)
 
 
 def _in_phase(phase: str, places: Iterable[str], numbers: Mapping[str, int]) -> int:
-    """The registers among these places of the table that are used in a phase."""
+    """Return the registers used in a phase, from places of the table."""
     mask = 0
     for place in places:
         name, _, when = place.partition("@")
@@ -82,7 +82,7 @@ def _operand(places: Iterable[str]) -> bool:
 
 
 def addressing(field: int) -> int:
-    """What the address of an operand is made of [SPRU430F Table 5-1]."""
+    """Return the registers that an operand's address depends on [SPRU430F Table 5-1]."""
     if field < 0x40:
         return DP
     if field < 0x80 or field in (PUSHES, POPS):
@@ -99,7 +99,7 @@ def addressing(field: int) -> int:
 
 
 def _register(field: int) -> int:
-    """The register that a field names, if it is one of those."""
+    """Return the register that a field names, if it is an XAR or SP."""
     if 0xA0 <= field < 0xA8:
         return 1 << (field & 7)
     return SP if field == SP_FIELD else 0

@@ -1,8 +1,8 @@
-"""The 8-bit operand field of loc16, loc32, mem16 and mem32: its value goes in, its text comes out, and back.
+"""The 8-bit operand field of loc16, loc32, mem16 and mem32: conversion to and from text.
 
     0x41  *-SP[1]      0x05  @0x5      0xA9  @AL as loc16, @ACC as loc32      0xC4  *+XAR4[0]
 
-Of AMODE = 0 and PAGE0 = 0. `@0x5` is word 5 of the data page that DP names.
+For AMODE = 0 and PAGE0 = 0. `@0x5` is word 5 of the data page selected by DP.
 
 Source: SPRU430F Table 5-1, section 5; 0xA8 and 0xAA of loc32 as TI's disassembler shows them.
 """
@@ -24,7 +24,7 @@ _LAST = ("*", "*++", "*--", "*0++", "*0--", "*SP++", "*--SP", "*AR6%++")  # 0xB8
 
 @cache
 def show(field: int, wide: bool) -> str:
-    """The text of an operand field. wide: of a 32-bit operand."""
+    """Format an operand field. wide: the operand has 32 bits."""
     number = field & 7
     if field in DIRECT:
         return f"@{field:#x}"
@@ -57,7 +57,7 @@ def is_operand(kind: str, field: int) -> bool:
 
 @cache
 def fixed(wide: bool) -> dict[str, int]:
-    """The field of every text that holds no number of the programmer's: registers and modes of address registers."""
+    """Return the field of every operand text without a number: registers and address register modes."""
     found = {show(field, wide): field for field in range(0x80, 0x100)}
     found.update({f"*XAR{number}": 0xC0 | number for number in range(8)})
     return found

@@ -1,10 +1,10 @@
-"""The text of instructions: a syntax goes in; parts that show and read the numbers of its fields come out.
+"""Operands in assembly text: parts of a syntax that format and parse the fields of a form.
 
     "MOV loc16,#16"  ->  "MOV " | loc16 | "," | "#" number
     show  {l: 0x41, c: 7}  ->  "MOV *-SP[1],#7"
     read  "*-SP[1]" | "7"  ->  {l: 0x41} | {c: 7}
 
-A branch shows and takes the address that it goes to, and its field holds the distance.
+A branch shows and reads its target address; its field holds the distance.
 
 Source: SPRU430F chapter 6, SPRUEO2A chapter 4 (syntax); the operand kinds are those of `encodings.toml`.
 """
@@ -21,7 +21,7 @@ from . import operand_field
 from .encodings import Encoding
 
 Values = Mapping[str, int]
-Evaluate = Callable[[str], int]  # an expression of the programmer's as a number
+Evaluate = Callable[[str], int]  # evaluates an expression of the source
 
 CONDITIONS = ["NEQ", "EQ", "GT", "GEQ", "LT", "LEQ", "HI", "HIS", "LO", "LOS", "NOV", "OV", "NTC", "TC", "NBIO", "UNC"]
 CONDITION_NAMES = {name: code for code, name in enumerate(CONDITIONS)} | {"C": 7, "NC": 8}
@@ -40,19 +40,19 @@ OPERANDS = {
     "mem32": "memory",
     "reg32": "a register of 32 bits",
 }
-FPU_FIRST, FPU_APART = 0x0F12, 4  # addresses of R0H to R7H, for moves that name one
+FPU_FIRST, FPU_APART = 0x0F12, 4  # addresses of R0H to R7H, for moves with an address
 UNCF = 15
 PMA_PAGE = 0x3F_0000  # the program page of C2xLP addresses
-IMMEDIATE = r"#(?:[^,|<]|<<(?!\s*#)|(?<!\|)\|(?!\|))+?"  # `<<` and `|` of an expression, not `#16<<#0..15`, `||`
+IMMEDIATE = r"#(?:[^,|<]|<<(?!\s*#)|(?<!\|)\|(?!\|))+?"  # `<<` and `|` in an expression, not `#16<<#0..15`, `||`
 REGISTER_FIELDS = dict(zip("abcdef", "pqrtuv", strict=True))  # RaH to RfH
 
 
 class BadOperand(ValueError):
-    """Text that is no operand of this kind, in one sentence."""
+    """Text is not an operand of this kind; the message is one sentence."""
 
 
 class Part(NamedTuple):
-    """show: the text, of the fields and the instruction's address. pattern: of what `read` takes, "" for literals."""
+    """show: formats the fields, for an instruction's address. pattern: text that `read` parses, "" for literals."""
 
     show: Callable[[Values, int], str]
     pattern: str
@@ -62,7 +62,7 @@ class Part(NamedTuple):
 
 @cache
 def parts_of(encoding: Encoding) -> tuple[Part, ...]:
-    """The syntax of a form, part by part."""
+    """Return the parts of a form's syntax."""
     parts = [_literal(encoding.mnemonic)]
     rest = encoding.syntax.removeprefix(encoding.mnemonic)
     while rest:
@@ -102,7 +102,7 @@ def _operand(token: str, encoding: Encoding) -> Part:
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
         field = field_of(text, evaluate)
         if not operand_field.is_operand(token, field):
-            raise BadOperand(f"{text!r} is no operand of {encoding.mnemonic}, whose {token} is {OPERANDS[token]}")
+            raise BadOperand(f"{text!r} is not an operand of {encoding.mnemonic}, whose {token} is {OPERANDS[token]}")
         return {"l": field}
 
     def field_of(text: str, evaluate: Evaluate) -> int:
@@ -119,13 +119,13 @@ def _operand(token: str, encoding: Encoding) -> Part:
         indexed = re.fullmatch(r"\*\+XAR([0-7])\[(.+)\]", spaceless, re.I)
         if indexed:
             return 0xC0 | _ranged(evaluate(indexed[2]), 0, 7, text) << 3 | int(indexed[1])
-        raise BadOperand(f"{text!r} is no operand in memory or register")
+        raise BadOperand(f"{text!r} is not an operand in memory or a register")
 
     return Part(lambda values, at: operand_field.show(values["l"], wide), r"\*\s*,\s*ARP[0-7]|[^,|<#]+?", read)
 
 
 def _register_by_address(token: str, encoding: Encoding) -> Part:
-    """R0H to R7H by their addresses, as moves between them and registers of the CPU name them."""
+    """R0H to R7H, encoded by address, in moves between them and CPU registers."""
     return Part(
         lambda values, at: f"R{(values['c'] - FPU_FIRST) // FPU_APART}H",
         "R[0-7]H",
@@ -134,7 +134,7 @@ def _register_by_address(token: str, encoding: Encoding) -> Part:
 
 
 def _optional_operand(token: str, encoding: Encoding) -> Part:
-    """The operand of NOP, which `NOP` alone leaves out."""
+    """The operand of NOP, which may be omitted."""
     inner = _operand("loc16", encoding)
 
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
@@ -145,7 +145,7 @@ def _optional_operand(token: str, encoding: Encoding) -> Part:
 
 
 def _numbered(prefix: str, field: str, suffix: str = "") -> Part:
-    """A register whose name has its number: AR3, ARP3, R3H."""
+    """A numbered register: AR3, ARP3, R3H."""
     return Part(
         lambda values, at: f"{prefix}{values[field]}{suffix}",
         rf"{prefix}[0-7]{suffix}",
@@ -177,7 +177,7 @@ def _fpu_condition(token: str, encoding: Encoding) -> Part:
 
 
 def _optional_fpu_condition(token: str, encoding: Encoding) -> Part:
-    """`,CNDF`, where nothing means UNCF."""
+    """`,CNDF`; if omitted, UNCF."""
     names = "|".join(FPU_CONDITIONS)
     return Part(
         lambda values, at: "" if values["w"] == UNCF else f",{FPU_CONDITION_NAMES[values['w']]}",
@@ -223,7 +223,7 @@ def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
 
 
 def _flags_and_values(token: str, encoding: Encoding) -> Part:
-    """Flags of STF with what they become, "RNDF32=1,TF=0"; other bits by their number, "8=1"."""
+    """Flags of STF with their new values, "RNDF32=1,TF=0"; other bits by number, "8=1"."""
 
     def show(values: Values, at: int) -> str:
         named = {bit: name for name, bit in STF_BITS.items()}
@@ -238,7 +238,7 @@ def _flags_and_values(token: str, encoding: Encoding) -> Part:
             name, equals, number = pair.partition("=")
             one = number.strip().rstrip("?")
             if not equals or one not in ("0", "1"):
-                raise BadOperand(f"{pair!r} is no flag of STF with its value, such as RNDF32=1")
+                raise BadOperand(f"{pair!r} is not a flag of STF with its value, such as RNDF32=1")
             bit = STF_BITS.get(name.strip().upper())
             bit = _ranged(evaluate(name), 0, 10, pair) if bit is None else bit
             mask |= (not number.strip().endswith("?")) << bit
@@ -252,7 +252,7 @@ def _flags_and_values(token: str, encoding: Encoding) -> Part:
 
 
 def _number(token: str, encoding: Encoding) -> Part | None:
-    """An immediate "#16s", "#RC" or "#0..31" of field c; no part of a form without one."""
+    """An immediate "#16s", "#RC" or "#0..31" in field c; None if the form has no field c."""
     if "c" not in encoding.fields:
         return None
     mask = encoding.fields["c"].mask
@@ -266,14 +266,14 @@ def _number(token: str, encoding: Encoding) -> Part | None:
             return f"#{number - mask - 1 if number > mask >> 1 else number}"
         return f"#{number}" if number < 10 else f"#{number:#x}"
 
-    label = r"|[A-Za-z_$][\w$.]*" if encoding.mnemonic in CALLS else ""  # where they jump to needs no #
+    label = r"|[A-Za-z_$][\w$.]*" if encoding.mnemonic in CALLS else ""  # the target needs no #
     return Part(
         show, IMMEDIATE + label, lambda text, at, evaluate: {"c": _immediate(text, evaluate, least, most) & mask}
     )
 
 
 def _shift(token: str, encoding: Encoding) -> Part | None:
-    """A shift "#1..16" or "<<2..8" of field s."""
+    """A shift "#1..16" or "<<2..8" in field s."""
     if "s" not in encoding.fields:
         return None
     prefix = token.rstrip("0123456789.")
@@ -288,7 +288,7 @@ def _shift(token: str, encoding: Encoding) -> Part | None:
 
 
 def _optional_shift(token: str, encoding: Encoding) -> Part | None:
-    """`<<#0..15`, where nothing means 0."""
+    """`<<#0..15`; if omitted, 0."""
     inner = _shift(token.removeprefix("<<"), encoding)
     if inner is None:
         return None
@@ -313,7 +313,7 @@ def _bit(token: str, encoding: Encoding) -> Part:
 
 
 def _half_float(token: str, encoding: Encoding) -> Part:
-    """The upper half of a float32 as a number; as bits, "#0x7FC0h", where it is none."""
+    """The upper half of a float32 as a number; infinities and NaN as bits, "#0x7FC0h"."""
 
     def show(values: Values, at: int) -> str:
         number = float_of(values["i"])
@@ -326,13 +326,13 @@ def _half_float(token: str, encoding: Encoding) -> Part:
 
 
 def float_of(upper: int) -> float:
-    """The float32 whose lower half is 0."""
+    """Return the float32 with this upper half and lower half 0."""
     number: float = struct.unpack("<f", struct.pack("<I", upper << 16))[0]
     return number
 
 
 def half_of(text: str, evaluate: Evaluate) -> int:
-    """The upper half of the float32 that "#2.5" names, or the bits of "#0x4020"."""
+    """Return the upper half of a float32 given as "#2.5", or the bits given as "#0x4020"."""
     inner = text.strip().lstrip("#").strip()
     if re.fullmatch(r"[-+]?(\d+\.\d*|\.\d+|\d+)(e[-+]?\d+)?", inner, re.I) and not re.fullmatch(r"0x.*", inner, re.I):
         try:
@@ -367,7 +367,7 @@ def _ranged(number: int, least: int, most: int, text: str) -> int:
 
 
 def _branch(token: str, encoding: Encoding) -> Part:
-    """off8, off16: the address that a relative branch goes to."""
+    """off8, off16: the target address of a relative branch."""
     mask = encoding.fields["c"].mask
     half = mask + 1 >> 1
 
@@ -384,7 +384,7 @@ def _branch(token: str, encoding: Encoding) -> Part:
 
 
 def _block_end(token: str, encoding: Encoding) -> Part:
-    """label of RPTB: the address behind the block, which begins behind the two words of RPTB."""
+    """label of RPTB: the end address of the block, which begins after the two words of RPTB."""
     return Part(
         lambda values, at: f"{at + 2 + values['z']:#08x}",
         r"[^,|]+?",
@@ -393,7 +393,7 @@ def _block_end(token: str, encoding: Encoding) -> Part:
 
 
 def _address(page: int) -> Callable[[str, Encoding], Part]:
-    """16 bits of an address, whose upper bits are this page's."""
+    """The low 16 bits of an address in this page."""
 
     def make(token: str, encoding: Encoding) -> Part:
         prefix = token.rstrip("16pmaPA")

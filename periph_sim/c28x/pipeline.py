@@ -1,13 +1,13 @@
-"""Stalls between instructions: each one as it enters D2 goes in; the cycles that it waits there come out.
+"""Pipeline stalls: cycles that an instruction waits in D2 for earlier ones.
 
-An instruction writes registers in E, three phases behind D2, and memory in W. Who needs a register in D2 (`hazards`),
-or reads a word, that an earlier one is still to write waits: 3 cycles directly behind it, one less for each cycle
-between. `hazards` says in which of its cycles an instruction of several writes.
+An instruction writes registers in E, three phases after D2, and memory in W. An instruction that needs a register in D2
+(`hazards`), or reads a word, still to be written by an earlier one waits: 3 cycles directly after it, one less for each
+cycle between. `hazards` gives the cycle in which an instruction of several cycles writes.
 
-    pending, 3 lanes of 10 bits    registers that come in 1, 2, 3 cycles more
-    stored                         the last words that were written, and until when a read of them waits
+    pending, 3 lanes of 10 bits    registers written in 1, 2, 3 cycles
+    stored                         the last words written, and until when a read of them waits
 
-Time is counted here without wait states of memory, which stop writer and reader alike.
+Time here excludes wait states of memory, which stop writer and reader alike.
 Source: SPRU430F 4.4.1, 4.4.2 with example 4-5; TI wiki "C28x Pipeline Conflicts".
 """
 
@@ -23,13 +23,13 @@ from .hazards import BY_ARP
 LANE = 10  # bits
 REGISTERS, ONCE_EACH = 0x3FF, 0x100401  # a lane; bit 0 of each
 BEHIND = 3  # cycles that the next instruction waits
-STORES = 4  # that are remembered; a cycle has one, an instruction two at most
+STORES = 4  # stores kept; at most one per cycle, two per instruction
 PACKED = 1 + 3 * STORES
 
 
 @final
 class Pipeline:
-    """clock: cycles that have been issued. until: behind this one no read waits for a word."""
+    """clock: cycles issued. until: from this cycle on no read waits for a word."""
 
     __slots__ = ("_at", "_first", "_last", "_ready", "clock", "enabled", "packed_stores", "pending", "until")
 
@@ -48,12 +48,12 @@ class Pipeline:
         self.drain()
 
     def drain(self) -> None:
-        """Nothing is under way any more: an interrupt, or a return from one."""
+        """Empty the pipeline: at an interrupt, or a return from one."""
         self.pending = 0
         self.until = self.clock
 
     def pack(self) -> None:
-        """Write to `packed_stores` what is under way, with times counted from now."""
+        """Write pending registers and stores to `packed_stores`, with times relative to now."""
         self.packed_stores[0] = self.pending
         place: int = 1
         for at in range(STORES):
@@ -66,7 +66,7 @@ class Pipeline:
             self.packed_stores[rest] = 0
 
     def stall(self, f: Operation, arp: int) -> int:
-        """An instruction enters D2: the cycles that it waits there for registers."""
+        """Return the cycles that an instruction waits in D2 for registers."""
         needs = f.needs & REGISTERS
         if f.needs & BY_ARP:
             needs |= 1 << arp
@@ -83,20 +83,20 @@ class Pipeline:
         return waits
 
     def issued(self, f: Operation, cycles: int) -> None:
-        """It has been in D2 for so many cycles."""
+        """Advance by the cycles that an instruction spent in D2."""
         self._pass(cycles)
         if self.enabled:
             self.pending |= f.makes << 2 * LANE
 
     def wrote(self, address: int, words: int, cycle: int) -> None:
-        """The present instruction writes these words. cycle: which of its cycles, from 1 on, left D2 with them."""
+        """Record words written by the current instruction. cycle: which of its cycles left D2 with them, from 1."""
         if self.enabled:
             at = self._at = self._at + 1 & STORES - 1
             self._first[at], self._last[at] = address, address + words - 1
             self._ready[at] = self.until = self.clock + cycle + BEHIND
 
     def read(self, address: int, words: int) -> int:
-        """The present instruction reads these words: the cycles that it waits for earlier writes of any of them."""
+        """Return the cycles that the current instruction, reading these words, waits for earlier writes."""
         waits = 0
         at: int
         for at in range(STORES):

@@ -59,8 +59,8 @@ def test_what_comes_late_and_what_is_read(source: str, late: str, read: str):
 
 def test_a_slot_is_one_instruction_long():
     assert told(" MPYF32 R0H,R1H,R2H\n MOV32 R3H,R0H") == [
-        "MOV32 at 0x009002 reads R0H in the delay slot of MPYF32 at 0x009000: fpu_delay_slot says whether it finds the "
-        "result"
+        "MOV32 at 0x009002 reads R0H in the delay slot of MPYF32 at 0x009000: the setting "
+        "fpu_delay_slot selects whether it gets the new result"
     ]
     assert told(" MPYF32 R0H,R1H,R2H\n NOP\n MOV32 R3H,R0H") == []
     assert told(" MPYF32 R0H,R1H,R2H\n MOV32 R3H,R4H") == []

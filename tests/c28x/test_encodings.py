@@ -113,7 +113,7 @@ def test_what_a_form_says_of_itself_has_an_effect(name: str):
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
-        ('cycles_where = "y has INTM: 2"', "is no condition on a field"),
+        ('cycles_where = "y has INTM: 2"', "is not a field condition"),
     ],
 )
 def test_what_a_column_cannot_say_is_refused(line: str, sentence: str):
@@ -124,7 +124,7 @@ def test_what_a_column_cannot_say_is_refused(line: str, sentence: str):
 def test_a_repeatable_form_says_what_its_passes_take():
     row = 'id = "X"\nmnemonic = "X"\nsyntax = "X"\nbits = "0000000000000001"\nwords = 1\nobjmode = "1"\n'
     row += 'class = "core"\ncycles = 1\nflags = ""\ndepends = ""\nreads = []\nwrites = []\nop = ""\nrpt = true\n'
-    with pytest.raises(ValueError, match=r"'passes\+3' does not say what N \+ 1 executions take"):
+    with pytest.raises(ValueError, match=r"'passes\+3' is not the cycles of N \+ 1 executions"):
         read_table(f'[[encoding]]\n{row}cycles_rpt = "passes+3"\n')
     (found,) = read_table(f'[[encoding]]\n{row}cycles_rpt = "N+4"\n')
     assert (found.repeated, found.repeatable) == (4, True)

@@ -1,5 +1,5 @@
-"""What C28x instructions do: registers and memory before go in; after, with the cycles of the manual's table, come out.
+"""Execution of C28x instructions: effects on registers and memory, and cycles from the manual's table.
 
-`registers.Cpu` has the registers and how operands are found; `accumulator`, `half_words`, `multiply`, `shifts`,
-`moves`, `stack`, `branches`, `control` and `fpu` have one short function a form, named as in `encodings.toml`.
+`registers.Cpu` has the registers and operand access; `accumulator`, `half_words`, `multiply`, `shifts`,
+`moves`, `stack`, `branches`, `control` and `fpu` have one short function per form, named as in `encodings.toml`.
 """

@@ -13,7 +13,7 @@ __all__ = ("bind",)  # the instructions and what they share are called from C on
 
 
 def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> int:
-    """a + b + carry with C, V, OVC and, where OVM says so, saturation; N and Z of the result."""
+    """Return a + b + carry; set N, Z, C, V, OVC, and saturate if OVM is set."""
     total = a + b + carry
     result = total & M32
     cpu.c = total >> 32
@@ -24,7 +24,7 @@ def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> i
 
 
 def difference32(cpu: Cpu, a: int, b: int, borrow: int = 0, saturates: bool = True) -> int:
-    """a - b - borrow likewise; C is 0 where a borrow was needed."""
+    """Return a - b - borrow likewise; C is 0 after a borrow."""
     total = a - b - borrow
     result = total & M32
     cpu.c = int(total >= 0)
@@ -35,7 +35,7 @@ def difference32(cpu: Cpu, a: int, b: int, borrow: int = 0, saturates: bool = Tr
 
 
 def overflowed(cpu: Cpu, a: int, result: int, saturates: bool) -> int:
-    """What becomes of a result that overflowed in the direction of a's sign."""
+    """Handle an overflow in the direction of a's sign; return the result."""
     cpu.v = 1
     upward = not a & SIGN32
     if not saturates:
@@ -47,21 +47,21 @@ def overflowed(cpu: Cpu, a: int, result: int, saturates: bool) -> int:
 
 
 def sum_ovcu(cpu: Cpu, a: int, b: int) -> int:
-    """Unsigned: OVC counts carries, and nothing saturates."""
+    """Unsigned sum: OVC counts carries up; no saturation."""
     result = sum32(cpu, a, b, 0, False)
     cpu.put_ovc(cpu.ovc + cpu.c)
     return result
 
 
 def difference_ovcu(cpu: Cpu, a: int, b: int) -> int:
-    """Unsigned: OVC counts borrows down, and nothing saturates."""
+    """Unsigned difference: OVC counts borrows down; no saturation."""
     result = difference32(cpu, a, b, 0, False)
     cpu.put_ovc(cpu.ovc - 1 + cpu.c)
     return result
 
 
 def compared32(cpu: Cpu, a: int, b: int) -> None:
-    """Flags of a - b; N is the sign of the exact difference."""
+    """Set flags of a - b; N is the sign of the exact difference."""
     cpu.n, cpu.z, cpu.c = int(s32(a) < s32(b)), int(a == b), int(a >= b)
 
 
@@ -197,7 +197,7 @@ def SUBUL_P_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def SUBCU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    """One step of a division by 16 bits."""
+    """Do one step of a division by 16 bits."""
     shifted = cpu.acc << 1
     rest = shifted - (cpu.read16() << 16)
     cpu.c = int(rest >= 0)
@@ -205,7 +205,7 @@ def SUBCU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def SUBCUL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
-    """One step of a division by 32 bits; the quotient grows in P."""
+    """Do one step of a division by 32 bits; the quotient is built in P."""
     shifted = cpu.acc << 1 | cpu.p >> 31
     rest = shifted - cpu.read32()
     cpu.c = int(rest >= 0)
@@ -247,7 +247,7 @@ def MINL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def MAXCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
-    """The lower half of a 64-bit maximum, behind MAXL of the upper one."""
+    """Lower half of a 64-bit maximum, after MAXL of the upper half."""
     value = cpu.read32()
     if cpu.n and not cpu.z:
         cpu.p = value
@@ -267,7 +267,7 @@ def MINCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def negate(cpu: Cpu, value: int) -> int:
-    """-value; the least one has no counterpart."""
+    """Return -value; the most negative one overflows."""
     if value == SIGN32:
         cpu.v = 1
         return 0x7FFF_FFFF if cpu.ovm else SIGN32
@@ -298,7 +298,7 @@ def NEGTC_ACC(cpu: Cpu, f: Operation) -> None:
 
 def NEG64_ACC_P(cpu: Cpu, f: Operation) -> None:
     cpu.c = int(not cpu.acc | cpu.p)
-    if cpu.acc == SIGN32 and not cpu.p:  # the least one has no counterpart
+    if cpu.acc == SIGN32 and not cpu.p:  # the most negative one overflows
         cpu.v = 1
         if cpu.ovm:
             cpu.acc, cpu.p = 0x7FFF_FFFF, M32
@@ -372,7 +372,7 @@ def NOT_ACC(cpu: Cpu, f: Operation) -> None:
 
 
 def CSB_ACC(cpu: Cpu, f: Operation) -> None:
-    """T counts the sign bits behind the first one."""
+    """Set T to the number of sign bits after the first one."""
     cpu.tc = cpu.acc >> 31
     rest = cpu.acc ^ (M32 if cpu.tc else 0)
     count = 0
@@ -419,5 +419,5 @@ def ZALR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name. KeyError if it is not here."""
+    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
     f.execute = globals()[name]

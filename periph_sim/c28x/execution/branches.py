@@ -1,6 +1,6 @@
 """Branches, calls and returns. Each function is one form of `encodings.toml`, by its id.
 
-One that falls through costs what the table says for that: `cycles` is set here. Source: SPRU430F chapter 6.
+A branch not taken sets `cycles` from the table. Source: SPRU430F chapter 6.
 """
 
 # core: compiled
@@ -164,7 +164,7 @@ def _far(cpu: Cpu, f: Operation, taken: bool) -> None:
 
 
 def _count(cpu: Cpu, f: Operation, step: int) -> None:
-    """XBANZ: go on while AR(ARP) is not 0; XAR(ARP) steps in any case."""
+    """XBANZ: branch while AR(ARP) is not 0; XAR(ARP) always steps."""
     taken = cpu.xar[cpu.arp] & M16 != 0
     cpu.xar[cpu.arp] = cpu.xar[cpu.arp] + step & M32
     _far(cpu, f, taken)
@@ -216,5 +216,5 @@ def XBANZ_pma_ind0dec_ARPn(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name. KeyError if it is not here."""
+    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
     f.execute = globals()[name]

@@ -1,7 +1,7 @@
-"""Status, interrupts, repeats and the rest. Each function is one form of `encodings.toml`, by its id.
+"""Status, interrupts, repeats and others. Each function is one form of `encodings.toml`, by its id.
 
-What stops a program, or enters and leaves a service routine, is `Cpu`'s to do: whoever has time and interrupts replaces
-it. Source: SPRU430F chapters 3 and 6, SPRUEO2A chapter 4 (RPTB).
+Stopping a program and entering or leaving a service routine are methods of `Cpu`, which a chip overrides.
+Source: SPRU430F chapters 3 and 6, SPRUEO2A chapter 4 (RPTB).
 """
 
 # core: compiled
@@ -21,11 +21,11 @@ RSIZE, RE = 23, 16
 
 
 def NOP_indind(cpu: Cpu, f: Operation) -> None:
-    """Only what the operand's mode does to address registers."""
+    """Only the mode's effect on address registers."""
 
 
 def IACK_16(cpu: Cpu, f: Operation) -> None:
-    """A value on the data bus that nothing here looks at."""
+    """No effect: nothing here reads the value from the data bus."""
 
 
 def ESTOP0(cpu: Cpu, f: Operation) -> None:
@@ -33,7 +33,7 @@ def ESTOP0(cpu: Cpu, f: Operation) -> None:
 
 
 def ESTOP1(cpu: Cpu, f: Operation) -> None:
-    """Goes on where no emulator is."""
+    """No effect without an emulator."""
 
 
 def ABORTI(cpu: Cpu, f: Operation) -> None:
@@ -66,7 +66,7 @@ def _status(cpu: Cpu, mask: int, on: int) -> None:
     if mask & 8:
         cpu.c = on
     if mask & 0x40 and on:
-        raise IllegalOperation("SETC PAGE0 asks for an operand mode of the C27x")
+        raise IllegalOperation("SETC PAGE0 selects an operand mode of the C27x")
     if mask >> 4:
         cpu.change_st1(mask >> 4, bool(on))
 
@@ -84,7 +84,7 @@ def CLRC_AMODE(cpu: Cpu, f: Operation) -> None:
 
 
 def SETC_AMODE(cpu: Cpu, f: Operation) -> None:
-    raise IllegalOperation("SETC AMODE asks for the operand modes of the C2xLP")
+    raise IllegalOperation("SETC AMODE selects the operand modes of the C2xLP")
 
 
 def SETC_OBJMODE(cpu: Cpu, f: Operation) -> None:
@@ -92,7 +92,7 @@ def SETC_OBJMODE(cpu: Cpu, f: Operation) -> None:
 
 
 def CLRC_OBJMODE(cpu: Cpu, f: Operation) -> None:
-    raise IllegalOperation("CLRC OBJMODE asks for the instructions of the C27x")
+    raise IllegalOperation("CLRC OBJMODE selects the instructions of the C27x")
 
 
 def SETC_M0M1MAP(cpu: Cpu, f: Operation) -> None:
@@ -100,7 +100,7 @@ def SETC_M0M1MAP(cpu: Cpu, f: Operation) -> None:
 
 
 def CLRC_M0M1MAP(cpu: Cpu, f: Operation) -> None:
-    raise IllegalOperation("CLRC M0M1MAP asks for the memory map of the C27x")
+    raise IllegalOperation("CLRC M0M1MAP selects the memory map of the C27x")
 
 
 def SETC_XF(cpu: Cpu, f: Operation) -> None:
@@ -174,7 +174,7 @@ def RPT_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def _begin_block(cpu: Cpu, f: Operation, count: int) -> None:
-    """RB for a block of z words that stands behind this instruction."""
+    """Set RB for a block of z words after this instruction."""
     end = f.address + 1 + f.z & 0x7F
     cpu.rb = (RA if count else 0) | f.z << RSIZE | end << RE | count
 
@@ -196,13 +196,13 @@ def LOOPNZ_loc16_16(cpu: Cpu, f: Operation) -> None:
 
 
 def _look_again(cpu: Cpu, f: Operation, value: int, until_zero: bool) -> None:
-    """A pass of a loop of one instruction, which an interrupt may cut in."""
+    """Do one pass of LOOPZ or LOOPNZ; an interrupt may come between passes."""
     cpu.nz16(value)
     if (value == 0) != until_zero:
         cpu.pc = f.address
 
 
-# What an F28335 has not ---------------------------------------------------------------------------------------------
+# Not available on the F28335 ---------------------------------------------------------------------------------------
 
 
 def _no_io(f: Operation) -> None:
@@ -222,13 +222,13 @@ def UOUT_ind_PA_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def ITRAP0(cpu: Cpu, f: Operation) -> None:
-    raise IllegalOperation("0x0000 is the illegal instruction: data was reached, or memory that nothing was loaded to")
+    raise IllegalOperation("0x0000 is the illegal instruction: data was executed, or memory that was not loaded")
 
 
 def ITRAP1(cpu: Cpu, f: Operation) -> None:
-    raise IllegalOperation("0xFFFF is the illegal instruction: erased flash was reached")
+    raise IllegalOperation("0xFFFF is the illegal instruction: erased flash was executed")
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name. KeyError if it is not here."""
+    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
     f.execute = globals()[name]

@@ -1,10 +1,10 @@
-"""One C28x as it executes: memory and registers before go in; after one pass of one instruction they come out.
+"""Execute C28x instructions, one pass of one instruction at a time.
 
     fetch --decode, kept by address--> Operation --begin: operand found--> ea --finish: executed--> registers, memory
-                                                       ^--- whoever has a bus waits here for its cycle
+                                                       ^--- a chip with a bus waits here for the access cycle
 
-RPT makes the next instruction several passes with no boundary between them; RPTB takes the program back at a block's
-end. What is written over code is decoded anew. Source: SPRU430F chapters 4 and 6 (RPT), SPRUEO2A (RPTB).
+RPT gives the next instruction several passes with no boundary between them; RPTB jumps back at a block's
+end. Overwritten code is decoded again. Source: SPRU430F chapters 4 and 6 (RPT), SPRUEO2A (RPTB).
 """
 
 # core: compiled
@@ -20,15 +20,15 @@ from .operations import operation
 from .registers import CODE, Cpu, IllegalOperation, Operation
 
 PAGE = 8  # bits of an address within a page of decoded instructions
-GONE = -1  # no place
+GONE = -1  # no address
 PAGES, PAGE_SIZE, IN_PAGE = CODE + 1 >> PAGE, 1 << PAGE, (1 << PAGE) - 1
 
 
 class Engine(Cpu):
     """Executes instructions.
 
-    left: passes that RPT still wants of the instruction at `pc`; 0 between instructions.
-    keeps_decoded: an instruction is decoded once, and again after its words were written; else each time.
+    left: passes still to do for the instruction at `pc` after RPT; 0 between instructions.
+    keeps_decoded: decode an instruction once, and again after its words were written; else each time.
     """
 
     _code: Annotated[list[UInt8], PAGES]
@@ -38,16 +38,16 @@ class Engine(Cpu):
         self.left = 0
         self.keeps_decoded = True
         self._decoded: list[list[Operation | None] | None] = [None] * PAGES
-        self._code = [0] * PAGES  # 1 where something of the page has been decoded
+        self._code = [0] * PAGES  # 1 if a page has decoded instructions
 
     def step(self) -> int:
-        """Execute one instruction, or one pass of a repeated one. Its cycles by the manual's table."""
+        """Execute one instruction, or one pass of a repeated one. Return its cycles from the manual's table."""
         f = self.fetch()
         self.begin(f)
         return self.finish(f)
 
     def fetch(self) -> Operation:
-        """Return the instruction that `pc` points at. IllegalOperation where there is none."""
+        """Return the instruction that `pc` points at. Raise IllegalOperation if there is none."""
         page = self._decoded[self.pc >> PAGE]
         if page is not None and self.keeps_decoded:
             found = page[self.pc & IN_PAGE]
@@ -56,7 +56,7 @@ class Engine(Cpu):
         return self._decode()
 
     def after(self, f: Operation) -> Operation:
-        """Return the instruction that `pc` points at, now that f is executed."""
+        """Return the instruction that `pc` points at after executing f."""
         if not self.keeps_decoded:
             return self.fetch()
         found = f.following
@@ -73,12 +73,12 @@ class Engine(Cpu):
         return found
 
     def begin(self, f: Operation) -> None:
-        """Find its operand, with what the operand's mode does to address registers."""
+        """Find the operand, and apply its mode's effects on address registers."""
         if f.l >= 0:
             self.locate(f)
 
     def finish(self, f: Operation) -> int:
-        """Execute it, now that its operand is found; then `pc` is the next instruction's, or still its own."""
+        """Execute after `begin`; then `pc` is the next instruction's, or unchanged during RPT."""
         repeated = self.left
         self.pc, self.cycles = f.next, f.cycles
         self.written_in = 1 if f.at_once or self.passes else f.cycles
@@ -92,7 +92,7 @@ class Engine(Cpu):
         return self.cycles
 
     def _pass_done(self, f: Operation) -> int:
-        """A pass costs a cycle; the first one of a repeatable instruction what N + 1 passes cost beside N, too."""
+        """Return a pass's cycles: 1; for the first pass what N + 1 passes take less N."""
         cycles = 1 if self.passes else f.repeated or self.cycles
         self.left -= 1
         if self.left:
@@ -105,12 +105,12 @@ class Engine(Cpu):
         return cycles
 
     def _repeat(self) -> None:
-        """RPT: the next instruction has so many passes; one that cannot be repeated has one."""
+        """RPT: set the passes of the next instruction; 1 if it is not repeatable."""
         count, self.repeat = self.repeat, -1
         self.left = count + 1 if self.fetch().repeated else 1
 
     def _at_end_of_block(self, f: Operation) -> None:
-        """Behind the last instruction of a block that RPTB repeats: back to its first one."""
+        """Jump back to the first instruction after the last one of an RPTB block."""
         if f.next - 1 & 0x7F != self.rb >> RE & 0x7F:
             return
         self.pc = f.next - (self.rb >> RSIZE & 0x7F) & CODE
@@ -124,7 +124,7 @@ class Engine(Cpu):
         if found is None:
             other = other_unit(first)
             raise IllegalOperation(
-                f"{first:#06x} {second:#06x} is no instruction of the F28335{f', but of {other}' if other else ''}"
+                f"{first:#06x} {second:#06x} is not an instruction of the F28335{f', but of {other}' if other else ''}"
             )
         page = self._decoded[self.pc >> PAGE]
         if page is None:
@@ -134,7 +134,7 @@ class Engine(Cpu):
         return made
 
     def written(self, address: int) -> None:
-        """A word of memory has changed: what was decoded of it is forgotten."""
+        """Discard the decoded instructions of a memory word that changed."""
         if 0 <= address <= CODE and self._code[address >> PAGE]:
             self._forget(address)
             if address:

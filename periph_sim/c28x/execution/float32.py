@@ -1,8 +1,8 @@
-"""Arithmetic of the FPU: bits of float32 go in; bits of the rounded result come out, with underflow and overflow.
+"""Arithmetic of the FPU on float32 bits, with rounding, underflow and overflow.
 
-Exact integers in between, rounded once, to the nearest even or towards zero. Denormal operands and results are 0, NaN
-counts as infinity; overflow gives infinity. A result is the 32 bits, and above them UNDERFLOW or OVERFLOW. Source:
-SPRUEO2A section 2.3; what it leaves open is chosen so.
+Exact integers are rounded once, to nearest even or towards zero. Denormal operands and results are 0, NaN is
+treated as infinity; overflow gives infinity. A result is the 32 bits, with UNDERFLOW or OVERFLOW above them. Source:
+SPRUEO2A section 2.3; where it is silent, this is our choice.
 """
 
 # core: compiled
@@ -12,10 +12,10 @@ from __future__ import annotations
 SIGN, EXPONENT, FRACTION = 1 << 31, 0xFF, 0x7F_FFFF
 HIDDEN = 1 << 23
 INFINITY = EXPONENT << 23
-BIAS = 150  # of an integer mantissa of 24 bits
+BIAS = 150  # for an integer mantissa of 24 bits
 LARGEST = EXPONENT - BIAS - 1  # exponent of such a mantissa
 MANTISSA_BITS = 24
-APART = 32  # so many bits below a sum's larger part the smaller one is nothing but something that is not 0
+APART = 32  # bits: a summand smaller by this much only affects rounding
 
 BITS = (1 << 32) - 1
 UNDERFLOW, OVERFLOW = 1 << 32, 1 << 33
@@ -31,7 +31,7 @@ def is_infinite(bits: int) -> bool:  # core: noexcept
 
 
 def mantissa_of(bits: int) -> int:  # core: noexcept
-    """Of a finite number: 24 bits and a sign; 0 of zeros and denormals."""
+    """Return the signed 24-bit mantissa of a finite number; 0 for zeros and denormals."""
     if not bits >> 23 & EXPONENT:
         return 0
     mantissa = bits & FRACTION | HIDDEN
@@ -39,12 +39,12 @@ def mantissa_of(bits: int) -> int:  # core: noexcept
 
 
 def exponent_of(bits: int) -> int:  # core: noexcept
-    """The power of two that such a mantissa counts."""
+    """Return the power of two of such a mantissa's bit 0."""
     return (bits >> 23 & EXPONENT) - BIAS
 
 
 def width(value: int) -> int:  # core: noexcept
-    """Bits of a number that is more than 0, up to 63."""
+    """Return the number of bits of a positive number, up to 63."""
     bits = 1
     if value >> 32:
         value, bits = value >> 32, 33
@@ -60,7 +60,7 @@ def width(value: int) -> int:  # core: noexcept
 
 
 def rounded(mantissa: int, exponent: int, to_nearest: bool, sign_of_zero: int = 0) -> int:
-    """mantissa * 2 ** exponent as a float32. The mantissa has up to 62 bits."""
+    """Round mantissa * 2 ** exponent to a float32. The mantissa has up to 62 bits."""
     if mantissa == 0:
         return sign_of_zero
     sign = SIGN if mantissa < 0 else 0
@@ -116,7 +116,7 @@ def from_integer(value: int, to_nearest: bool) -> int:
 
 
 def to_integer(bits: int, least: int, most: int, nearest: bool = False) -> int:
-    """Towards zero or to the nearest even, kept within bounds of up to 32 bits."""
+    """Convert to an integer, towards zero or to nearest even, saturated to bounds of up to 32 bits."""
     exponent = exponent_of(bits)
     if exponent > 8:  # 2 ** 32 and more, infinity
         return least if bits & SIGN else most
@@ -138,7 +138,7 @@ def to_integer(bits: int, least: int, most: int, nearest: bool = False) -> int:
 
 
 def fraction(bits: int) -> int:
-    """What is behind the binary point, with the number's sign."""
+    """Return the fractional part, with the number's sign."""
     if is_infinite(bits):
         return 0
     mantissa, exponent = mantissa_of(bits), exponent_of(bits)
@@ -151,7 +151,7 @@ def fraction(bits: int) -> int:
 
 
 def order(bits: int) -> int:  # core: noexcept
-    """A number that compares as the float does: zeros and denormals alike, NaN as infinity."""
+    """Return an integer that orders like the float; zeros and denormals are equal, NaN is infinity."""
     if is_zero(bits):
         return 0
     size = bits & 0x7FFF_FFFF
@@ -161,7 +161,7 @@ def order(bits: int) -> int:  # core: noexcept
 
 
 def estimate_of_inverse(bits: int) -> int:
-    """1 / x to 8 bits; the bits of TI's table are not published."""
+    """Return 1 / x to 8 bits; TI's table is not published."""
     sign = bits & SIGN
     if is_zero(bits):
         return sign | INFINITY | OVERFLOW
@@ -172,7 +172,7 @@ def estimate_of_inverse(bits: int) -> int:
 
 
 def estimate_of_inverse_root(bits: int) -> int:
-    """1 / sqrt(x) to 8 bits; of a negative number 0."""
+    """Return 1 / sqrt(x) to 8 bits; 0 for a negative number."""
     if is_zero(bits):
         return bits & SIGN | INFINITY | OVERFLOW
     if bits & SIGN:
@@ -186,7 +186,7 @@ def estimate_of_inverse_root(bits: int) -> int:
 
 
 def whole_root(value: int) -> int:
-    """The square root of up to 26 bits, rounded down."""
+    """Return the square root of up to 26 bits, rounded down."""
     root = 0
     bit = 1 << 12
     while bit:

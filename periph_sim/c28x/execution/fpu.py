@@ -1,6 +1,6 @@
 """The FPU. Each function is one form of `encodings.toml`, by its id.
 
-Results are written at once, as a program sees them that keeps the delay slots; `fpu_pipeline` has them late.
+Results are written at once, as a program with correct delay slots sees them; `fpu_pipeline` delays them.
 Source: SPRUEO2A chapter 4.
 """
 
@@ -38,7 +38,7 @@ def nearest(cpu: Cpu) -> bool:
 
 
 def result(cpu: Cpu, number: int, value: int) -> None:
-    """RnH of an operation; LUF and LVF are only set."""
+    """Write RnH and set LUF and LVF from an operation's result."""
     cpu.r[number] = value & BITS
     if value & UNDERFLOW:
         cpu.stf |= LUF
@@ -47,7 +47,7 @@ def result(cpu: Cpu, number: int, value: int) -> None:
 
 
 def moved(cpu: Cpu, number: int, bits: int) -> None:
-    """RnH of a move, with the flags of the value as a float and as an integer."""
+    """Write RnH from a move; set flags of the value as float and as integer."""
     cpu.r[number] = bits
     flags = (NF | NI if bits & SIGN else 0) | (ZF if is_zero(bits) else 0) | (ZI if bits == 0 else 0)
     if flags & ZF:
@@ -56,14 +56,14 @@ def moved(cpu: Cpu, number: int, bits: int) -> None:
 
 
 def compare(cpu: Cpu, a: int, b: int) -> int:
-    """NF and ZF of a - b; returns its sign."""
+    """Set NF and ZF of a - b; return its sign."""
     first, second = order(a), order(b)
     cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if first == second else 0) | (NF if first < second else 0)
     return first - second
 
 
 def condition(cpu: Cpu, code: int) -> bool:
-    """CNDF."""
+    """Evaluate CNDF."""
     zero, negative = bool(cpu.stf & ZF), bool(cpu.stf & NF)
     match code:
         case 0:
@@ -155,7 +155,7 @@ def NEGF32_RaH_RbH_CNDF(cpu: Cpu, f: Operation) -> None:
         cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if zero else NF if bits & SIGN else 0)
 
 
-# In parallel: both halves read what was there before -----------------------------------------------------------------
+# In parallel: both halves read the old values -----------------------------------------------------------------------
 
 
 def _with_load(cpu: Cpu, f: Operation, value: int) -> None:
@@ -207,7 +207,7 @@ def MPYF32_RaH_RbH_RcH_par_SUBF32_RdH_ReH_RfH(cpu: Cpu, f: Operation) -> None:
 
 
 def _accumulate(cpu: Cpu, f: Operation, total: int, product: int) -> None:
-    """total += product before; the next product; a load beside them."""
+    """Add the previous product to the total, compute the next one, and load a register."""
     bits = cpu.read32()
     value = product_of(cpu.r[f.u], cpu.r[f.v], nearest(cpu))
     add(cpu, total, cpu.r[total], cpu.r[product])
@@ -224,7 +224,7 @@ def MACF32_R7H_R6H_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> No
 
 
 def MACF32_R7H_R3H_mem32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
-    """Passes 1, 3, ... sum up in R3H, passes 2, 4, ... in R7H."""
+    """Passes 1, 3, ... accumulate in R3H, passes 2, 4, ... in R7H."""
     total, product = (7, 6) if cpu.passes & 1 else (3, 2)
     address = cpu.xar[7]
     cpu.xar[7] = address + 2 & M32
@@ -249,7 +249,7 @@ def CMPF32_RaH_0_0(cpu: Cpu, f: Operation) -> None:
 
 
 def clean(bits: int) -> int:
-    """As MAXF32 and MINF32 write it: NaN is infinity, a denormal +0."""
+    """Return the value that MAXF32 and MINF32 write: NaN as infinity, a denormal as +0."""
     if is_infinite(bits):
         return bits & SIGN | INFINITY
     return 0 if is_zero(bits) else bits
@@ -353,5 +353,5 @@ def UI32TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name. KeyError if it is not here."""
+    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
     f.execute = globals()[name]

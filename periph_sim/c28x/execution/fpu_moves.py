@@ -13,17 +13,17 @@ from .registers import HIGH16, LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF
 
 __all__ = ("bind",)  # the instructions and what they share are called from C only
 
-WINDOW, WINDOW_END = 0x0F00, 0x0F30  # where R0H to R7H stand for moves that name an address
+WINDOW, WINDOW_END = 0x0F00, 0x0F30  # addresses of R0H to R7H in moves
 MEMORY = -1
 
 
 def register_of(address: int) -> int:
-    """The number of the FPU register that a move's address names; MEMORY for memory."""
+    """Return the number of the FPU register at a move's address; MEMORY for memory."""
     if not WINDOW <= address < WINDOW_END:
         return MEMORY
     number, rest = (address - FPU_FIRST) // FPU_APART, (address - FPU_FIRST) % FPU_APART
     if rest or not 0 <= number < 8:
-        raise IllegalOperation(f"a move names {address:#06x}, where no FPU register is known to stand")
+        raise IllegalOperation(f"a move accesses {address:#06x}, which is not a known FPU register")
     return number
 
 
@@ -109,7 +109,7 @@ def TESTTF_CNDF(cpu: Cpu, f: Operation) -> None:
 
 
 def MOVST0_FLAG(cpu: Cpu, f: Operation) -> None:
-    """Flags of STF into ST0: two that share a bit there are joined."""
+    """Copy flags of STF to ST0: two that share a bit there are ORed."""
     v = (LVF if f.g & 1 else 0) | (LUF if f.g & 2 else 0)
     n = (NF if f.g & 4 else 0) | (NI if f.g & 8 else 0)
     z = (ZF if f.g & 0x10 else 0) | (ZI if f.g & 0x20 else 0)
@@ -144,5 +144,5 @@ def RESTORE(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name. KeyError if it is not here."""
+    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
     f.execute = globals()[name]

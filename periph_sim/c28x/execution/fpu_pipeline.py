@@ -1,10 +1,10 @@
-"""Results of the FPU that come one instruction late, for who wants to see what a program without delay slots reads.
+"""FPU results that are written one instruction late, to show what a program that violates delay slots reads.
 
-    MPYF32 R0H,...   executed: R0H keeps its old value, the product is due
-    the next one     reads R0H as it was; behind it the product is there, whatever it wrote to R0H itself
-    an interrupt     between the two lets the product arrive
+    MPYF32 R0H,...        executed: R0H keeps its old value, the product is pending
+    next instruction      reads the old R0H; after it R0H is the product, even if the instruction wrote R0H itself
+    interrupt             between the two: the product is written first
 
-LUF and LVF come with the result. Operations that nobody has made `delay` write at once. Source: SPRUEO2A 3.1, 3.2.
+LUF and LVF are set with the result. Operations not passed to `delay` write at once. Source: SPRUEO2A 3.1, 3.2.
 """
 
 # core: compiled
@@ -17,13 +17,13 @@ __all__ = ("arrive", "delay")
 
 
 def delay(f: Operation) -> None:
-    """Have this operation, any of a program, heed late results: its own and those of the one before."""
+    """Make this operation model late results: its own and those of the one before."""
     f.plain = f.execute
     f.execute = delayed
 
 
 def delayed(cpu: Cpu, f: Operation) -> None:
-    """Execute an operation; then what is due arrives, and what it writes late is due."""
+    """Execute an operation; then write pending results, and make its own late results pending."""
     late, due, flags = f.late, cpu.due, cpu.due_flags
     if not late and not due and not flags:
         f.plain(cpu, f)
@@ -47,7 +47,7 @@ def delayed(cpu: Cpu, f: Operation) -> None:
 
 
 def arrive(cpu: Cpu) -> None:
-    """What is due arrives: something else than the next instruction comes."""
+    """Write pending results at once, because an interrupt follows and not the next instruction."""
     number: int
     for number in range(8):
         if cpu.due >> number & 1:

@@ -1,6 +1,6 @@
 """AX and 16-bit operands: add, subtract, compare, logic. Each function is one form of `encodings.toml`, by its id.
 
-Source: SPRU430F chapter 6. V is only set here, never cleared, as Table 2-7 says.
+Source: SPRU430F chapter 6. V is only set here, never cleared [Table 2-7].
 """
 
 # core: compiled
@@ -32,18 +32,18 @@ def difference16(cpu: Cpu, a: int, b: int) -> int:
 
 
 def compared16(cpu: Cpu, a: int, b: int) -> None:
-    """Flags of a - b; N is the sign of the exact difference."""
+    """Set flags of a - b; N is the sign of the exact difference."""
     cpu.n, cpu.z, cpu.c = int(s16(a) < s16(b)), int(a == b), int(a >= b)
 
 
 def put(cpu: Cpu, x: int, value: int) -> None:
-    """AX = value, with its flags."""
+    """Write AX and its flags."""
     cpu.put_ax(x, value & M16)
     cpu.nz16(value & M16)
 
 
 def write(cpu: Cpu, value: int) -> None:
-    """The operand = value, with its flags wherever it is."""
+    """Write the operand and its flags, in memory or a register."""
     cpu.write16(value & M16)
     cpu.nz16(value & M16)
 
@@ -215,7 +215,7 @@ def byte_of(cpu: Cpu) -> int:
 
 
 def with_byte(cpu: Cpu, byte: int) -> int:
-    """The operand's word with its byte replaced."""
+    """Return the operand's word with its byte replaced."""
     word = cpu.read16()
     return word & 0xFF | byte << 8 if cpu.high_byte else word & 0xFF00 | byte
 
@@ -237,5 +237,5 @@ def MOVB_loc16_AX_MSB(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name. KeyError if it is not here."""
+    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
     f.execute = globals()[name]

@@ -298,5 +298,5 @@ def XPWRITE_indAL_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name. KeyError if it is not here."""
+    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
     f.execute = globals()[name]

@@ -16,7 +16,7 @@ PMA = 0x3F_0000
 
 
 def product_low(cpu: Cpu, product: int) -> int:
-    """The low 38 bits of a product of 64, shifted by PM, to 32 bits."""
+    """Return the low 38 bits of a 64-bit product, shifted by PM, to 32 bits."""
     return ((product & M32) << 1 if cpu.pm == 0 else product >> cpu.pm - 1) & M32
 
 
@@ -144,7 +144,7 @@ def accumulate(cpu: Cpu, address: int) -> None:
 
 
 def stepping(cpu: Cpu, by: int) -> int:
-    """XAR7 as it points now; then it steps, unless the operand field has changed it."""
+    """Return XAR7, then step it, unless the operand field has changed it."""
     address = cpu.xar[7]
     own = cpu.field in (0x87, 0x8F) or (cpu.arp == 7 and 0xB9 <= cpu.field <= 0xBC)
     if not own:
@@ -174,7 +174,7 @@ def XMACD_P_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
 
 
 def dual(cpu: Cpu, address: int) -> None:
-    """Two products of halves at once: the upper ones into ACC, the lower ones into P."""
+    """Accumulate two products: upper halves into ACC, lower halves into P."""
     cpu.xt = cpu.read32()
     factor = program32(cpu, address)
     upper, lower = s16(cpu.xt >> 16) * s16(factor >> 16), s16(cpu.xt & 0xFFFF) * s16(factor & 0xFFFF)
@@ -286,5 +286,5 @@ def MOVH_loc16_P(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name. KeyError if it is not here."""
+    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
     f.execute = globals()[name]

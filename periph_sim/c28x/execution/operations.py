@@ -1,6 +1,6 @@
-"""Decoded instructions made ready: a form and its words go in; an operation with its function comes out.
+"""Convert decoded instructions to operations ready to execute.
 
-Source: SPRU430F Table 5-1 and section 5.10 (which forms take bytes).
+Source: SPRU430F Table 5-1 and section 5.10 (forms with byte operands).
 """
 
 # core: compiled
@@ -17,14 +17,14 @@ from . import accumulator, branches, control, fpu, fpu_moves, half_words, moves,
 from .registers import READS, WRITES, Operation
 
 FIELDS = "bcghiklmnpqrstuvwxyz"
-OF_ONE_XAR = re.compile(r"(MOVL_(?:loc32_)?XAR)(\d)(.*)")  # eight forms each, whose function is the same
+OF_ONE_XAR = re.compile(r"(MOVL_(?:loc32_)?XAR)(\d)(.*)")  # eight forms each with the same function
 MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
 
 _forms: dict[str, Operation] = {}
 
 
 def operation(instruction: Instruction) -> Operation:
-    """The instruction, ready to be executed."""
+    """Return the operation for an instruction."""
     encoding, values = instruction.encoding, instruction.values
     form = form_of(encoding)
     made = Operation()
@@ -47,7 +47,7 @@ def operation(instruction: Instruction) -> Operation:
 
 
 def form_of(encoding: Encoding) -> Operation:
-    """What all operations of a form have in common. KeyError if no function has its name."""
+    """Return the common part of a form's operations. Raise KeyError if no function has its name."""
     found = _forms.get(encoding.id)
     if found is None:
         found = _forms[encoding.id] = _form_of(encoding)
@@ -74,7 +74,7 @@ def _form_of(encoding: Encoding) -> Operation:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name, of whichever module has it."""
+    """Bind an operation to the function of this name in one of MODULES."""
     for module in MODULES:
         try:
             module.bind(f, name)

@@ -1,8 +1,8 @@
-"""Registers of the C28x, and its operands: an operand field goes in; its address or register, and its value, come out.
+"""Registers of the C28x, and access to the operands that an operand field encodes.
 
-    locate(field)   address of the operand, and what its mode does to address registers, in D2
+    locate(field)   address of the operand, and the mode's effect on address registers, in D2
     read16, write   the operand itself: memory at that address, or the register that the field names
-    load16, store16 memory; whoever has a bus replaces them
+    load16, store16 memory access; a chip with a bus overrides them
 
 Values are unsigned integers of their width. Source: SPRU430F chapters 2 and 5; SPRUEO2A chapter 2.
 """
@@ -41,20 +41,20 @@ Execute = CFunction[["Cpu", "Operation"], None]
 
 
 class IllegalOperation(Exception):
-    """Something that this CPU refuses to execute; the message says what, without the place."""
+    """An operation that this CPU refuses; the message gives the reason, without the address."""
 
 
 class Operation:
-    """One decoded instruction, ready to be executed: the numbers in its fields by the table's letters, -1 if absent.
+    """One decoded instruction, ready to execute: the values of its fields by the table's letters, -1 if absent.
 
-    next: the address after it. cycles, not_taken: of the table; repeated: of N + 1 passes, less N, 0 if it cannot be
-    repeated. wide: its operand has 32 bits. byte: it takes a byte. place: the address, until its words are written
-    over. following, goal: what was executed after it, and where it last jumped to. accesses: READS, WRITES, both or 0,
-    what it does at its operand's address. absolute: likewise at *(0:16). needs, makes: registers early and late,
-    at_once: of memory, see `hazards`. jumps: it may go elsewhere; loops: by a branch. late: registers of the FPU that
-    it writes one instruction later, as bits; plain: what it does, where `execute` heeds that. waited: it is in memory
-    with wait states. tested: the bits of its operand that count, where it names them. block, block_end: addresses of
-    the block of memory that it is in, where it accesses data.
+    next: the address after it. cycles, not_taken: from the table; repeated: of N + 1 passes, less N, 0 if not
+    repeatable. wide: its operand has 32 bits. byte: its operand is a byte. place: its address, until its words are
+    overwritten. following, goal: the operation executed after it, and its last jump target. accesses: READS, WRITES,
+    both or 0, at its operand's address. absolute: likewise at *(0:16). needs, makes: registers needed early and written
+    late, at_once: memory written in the first cycle, see `hazards`. jumps: it may branch; loops: it closes a loop by a
+    branch. late: FPU registers written one instruction later, as bits; plain: the effect alone, if `execute` models
+    that delay. waited: it is in memory with wait states. tested: the bits of its operand that it tests, if it names
+    them. block, block_end: address range of the memory block of its data accesses.
     """
 
     __slots__ = (
@@ -112,11 +112,11 @@ class Operation:
 
 
 class Cpu:
-    """xar: XAR0 to XAR7. ovc: -32 to 31. pm: as in ST0. r: R0H to R7H as bits. pc: of the next instruction.
+    """xar: XAR0 to XAR7. ovc: -32 to 31. pm: as in ST0. r: R0H to R7H as bits. pc: address of the next instruction.
 
-    st1: without ARP, which is `arp`. ea: address of the present operand. high_byte: it is the upper byte there.
-    cycles: of the present instruction; written_in: in which of them, from 1 on, what it writes leaves D2. repeat: how
-    often the next one is repeated, -1 for not. due: see `fpu_pipeline`.
+    st1: without ARP, which is `arp`. ea: address of the current operand. high_byte: it is the upper byte there.
+    cycles: of the current instruction; written_in: in which of them, from 1 on, its writes leave D2. repeat: repeat
+    count of the next one, -1 for none. due: see `fpu_pipeline`.
     """
 
     xar: Annotated[list[int], 8]
@@ -148,9 +148,9 @@ class Cpu:
         self.high_byte = False
         self.cycles = self.written_in = 0
         self.repeat = -1
-        self.passes = 0  # of the present RPT that are behind
+        self.passes = 0  # passes done of the current RPT
 
-    # Memory, as whoever has it ------------------------------------------------------
+    # Memory, overridden by a chip ---------------------------------------------------
 
     def load16(self, address: int) -> int:
         raise NotImplementedError
@@ -168,7 +168,7 @@ class Cpu:
         self.store16(low + 1, value >> 16)
 
     def program16(self, address: int) -> int:
-        """Program space, which shows the same memory."""
+        """Read program space, which is the same memory."""
         return self.load16(address & CODE)
 
     # Status -------------------------------------------------------------------------
@@ -187,7 +187,7 @@ class Cpu:
         return self.st1 & ~ARP_MASK | self.arp << ARP
 
     def put_st1(self, value: int) -> None:
-        """ST1 from memory; LOOP and IDLESTAT are read-only."""
+        """Write ST1; LOOP and IDLESTAT are read-only."""
         self.st1 = value & ~READ_ONLY | self.st1 & READ_ONLY
         self.arp = value >> ARP & 7
 
@@ -211,7 +211,7 @@ class Cpu:
         self.put_ifr(self.ifr & mask)
 
     def put_ovc(self, value: int) -> None:  # core: C only
-        """6 bits, signed."""
+        """Set OVC from 6 bits, signed."""
         self.ovc = ((value & 0x3F) ^ 0x20) - 0x20
 
     def nz16(self, value: int) -> None:  # core: C only
@@ -221,7 +221,7 @@ class Cpu:
         self.n, self.z = value >> 31, int(value == 0)
 
     def condition(self, code: int) -> bool:  # core: C only
-        """COND of the table [SPRU430F Table 2-10]. Testing V clears it."""
+        """Evaluate COND [SPRU430F Table 2-10]. Testing V clears it."""
         match code:
             case 0:
                 return not self.z
@@ -269,24 +269,24 @@ class Cpu:
         self.xt = self.xt & M16 | value << 16
 
     def put_ar(self, n: int, value: int) -> None:  # core: C only
-        """The lower half of XARn; the upper one is kept."""
+        """Write the lower half of XARn; keep the upper one."""
         self.xar[n] = self.xar[n] & HIGH16 | value & M16
 
     def acc_p(self) -> int:
-        """ACC:P, signed."""
+        """Return ACC:P, signed."""
         return s32(self.acc) * ACC_UNIT | self.p
 
     def put_acc_p(self, value: int) -> None:  # core: C only
-        """With its flags. What is beyond 64 bits is left out."""
+        """Write ACC:P and its flags; bits above 63 are dropped."""
         self.acc, self.p = value >> 32 & M32, value & M32
         self.n, self.z = self.acc >> 31, int(not self.acc | self.p)
 
     def x16(self, value: int) -> int:  # core: C only
-        """16 bits extended to 32 as SXM says."""
+        """Extend 16 bits to 32 according to SXM."""
         return value | HIGH16 if self.sxm and value & SIGN16 else value
 
     def psh(self) -> int:  # core: C only
-        """P shifted by PM, to 32 bits."""
+        """Return P shifted by PM, to 32 bits."""
         if self.pm == 0:
             return self.p << 1 & M32
         return s32(self.p) >> self.pm - 1 & M32
@@ -294,7 +294,7 @@ class Cpu:
     # Operands -----------------------------------------------------------------------
 
     def locate(self, f: Operation) -> None:  # core: C only
-        """Find the operand of a field: `ea`, and the effects of its mode [SPRU430F Table 5-1]."""
+        """Set `ea` from the operand field, and apply its mode's effects [SPRU430F Table 5-1]."""
         self.field = field = f.l
         self.high_byte = False
         step = 2 if f.wide else 1
@@ -413,28 +413,28 @@ class Cpu:
             self.xt = value
 
     def beside(self, words: int) -> int:  # core: C only
-        """The address so many words behind the operand's."""
+        """Return the address `words` after the operand's."""
         if self.ea < 0:
-            raise IllegalOperation("an instruction that writes beside its operand has a register there")
+            raise IllegalOperation("the operand is a register, but the instruction also writes the next address")
         return self.ea + words & M32
 
     def move16(self, value: int) -> None:  # core: C only
-        """Write the operand; N and Z where it is AL or AH (nz@AX)."""
+        """Write the operand; set N and Z if it is AL or AH (nz@AX)."""
         self.write16(value)
         if self.ea < 0 and self.field in (0xA8, 0xA9):
             self.nz16(value)
 
     def move32(self, value: int) -> None:  # core: C only
-        """Write the operand; N and Z where it is ACC (nz@ACC)."""
+        """Write the operand; set N and Z if it is ACC (nz@ACC)."""
         self.write32(value)
         if self.ea < 0 and self.field in (0xA8, 0xA9):
             self.nz32(value)
 
-    # Control, as whoever has time and interrupts ------------------------------------
+    # Control, overridden by a chip with time and interrupts -------------------------
 
     def enter(self, vector: int) -> None:
-        """Enter the service routine of a vector number, to come back to `pc`."""
-        raise IllegalOperation(f"vector {vector} is entered, and nobody is there who serves it")
+        """Enter the service routine of a vector number, returning to `pc`."""
+        raise IllegalOperation(f"vector {vector} is entered, but this CPU has no interrupts")
 
     def intr_clears_flag(self, bit: int) -> bool:
         """Return True if INTR clears this bit of IFR."""
@@ -442,14 +442,14 @@ class Cpu:
 
     def leave(self) -> None:
         """Return from a service routine."""
-        raise IllegalOperation("IRET is reached, and nobody is there who serves interrupts")
+        raise IllegalOperation("IRET is reached, but this CPU has no interrupts")
 
     def idle(self) -> None:
         """Sleep until an interrupt."""
-        raise IllegalOperation("IDLE is reached, and nobody is there who wakes this CPU")
+        raise IllegalOperation("IDLE is reached, but nothing can wake this CPU")
 
     def stop(self) -> None:
-        """The program is over."""
+        """Stop the program."""
         raise IllegalOperation("ESTOP0 is reached")
 
     # The stack ----------------------------------------------------------------------
@@ -471,12 +471,12 @@ class Cpu:
         return self.load32(self.sp)
 
     def push_pair(self, low: int, high: int) -> None:  # core: C only
-        """Two words where SP is, whatever its parity."""
+        """Push two words at SP, for either parity."""
         self.push16(low)
         self.push16(high)
 
     def pop_pair(self) -> int:  # core: C only
-        """Two words before SP, whatever its parity, the lower one first."""
+        """Pop two words, for either parity of SP; the first one is the lower half."""
         high = self.pop16()
         return self.pop16() | high << 16
 
@@ -490,13 +490,13 @@ def s32(value: int) -> int:  # core: noexcept
 
 
 def reversed_carry(low: int, index: int, subtract: bool) -> int:  # core: noexcept
-    """16 bits added or subtracted with the carry running from bit 15 to bit 0."""
+    """Add or subtract 16 bits with the carry propagating from bit 15 to bit 0."""
     first, second = mirrored(low), mirrored(index)
     return mirrored((first - second if subtract else first + second) & M16)
 
 
 def mirrored(value: int) -> int:  # core: noexcept
-    """16 bits in the opposite order."""
+    """Reverse the order of 16 bits."""
     value = (value & 0x5555) << 1 | value >> 1 & 0x5555
     value = (value & 0x3333) << 2 | value >> 2 & 0x3333
     value = (value & 0x0F0F) << 4 | value >> 4 & 0x0F0F

@@ -20,7 +20,7 @@ def left(cpu: Cpu, value: int, shift: int, bits: int) -> int:
 
 
 def right(cpu: Cpu, value: int, shift: int) -> int:
-    """A signed value is shifted arithmetically, another one logically."""
+    """Shift right and set C: arithmetically for a signed value, else logically."""
     cpu.c = value >> shift - 1 & 1 if shift else 0
     return value >> shift
 
@@ -90,7 +90,7 @@ def ASR_AX_T(cpu: Cpu, f: Operation) -> None:
 
 
 def left64(cpu: Cpu, shift: int) -> None:
-    """Shift ACC:P to the left, as two halves."""
+    """Shift ACC:P left, as two halves."""
     acc, p = cpu.acc, cpu.p
     cpu.c = 0 if not shift else acc >> 32 - shift & 1 if shift <= 32 else p >> 64 - shift & 1
     if shift < 32:
@@ -109,7 +109,7 @@ def LSL64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
 
 
 def right64(cpu: Cpu, shift: int) -> None:
-    """Logically, as two halves."""
+    """Shift ACC:P right logically, as two halves."""
     acc, p = cpu.acc, cpu.p
     cpu.c = 0 if not shift else p >> shift - 1 & 1 if shift <= 32 else acc >> shift - 33 & 1
     if shift < 32:
@@ -139,7 +139,7 @@ def ASR64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
 
 
 def normalise(cpu: Cpu, n: int, step: int) -> None:
-    """Shift a redundant sign bit out and count it in XARn; TC says that there is none left."""
+    """Shift a redundant sign bit out and count it in XARn; TC is set if none is left."""
     if cpu.acc and cpu.acc >> 31 == cpu.acc >> 30 & 1:
         cpu.acc = cpu.acc << 1 & M32
         cpu.xar[n] = cpu.xar[n] + step & M32
@@ -178,5 +178,5 @@ def NORM_ACC_XARndec(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name. KeyError if it is not here."""
+    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
     f.execute = globals()[name]

@@ -1,6 +1,6 @@
-"""PUSH and POP, and how the stack pointer is aligned. Each function is one form of `encodings.toml`, by its id.
+"""PUSH and POP, and stack pointer alignment. Each function is one form of `encodings.toml`, by its id.
 
-A pair's second name is the lower half. POP ACC, PUSH XAR4 and their like are moves. Source: SPRU430F chapter 6.
+A pair's second name is the lower half. POP ACC, PUSH XAR4 and similar ones are moves. Source: SPRU430F chapter 6.
 """
 
 # core: compiled
@@ -149,7 +149,7 @@ def POP_RB(cpu: Cpu, f: Operation) -> None:
 
 
 def ASP(cpu: Cpu, f: Operation) -> None:
-    """Make SP even, and remember whether it was."""
+    """Make SP even, and record whether it was odd."""
     odd = cpu.sp & 1
     cpu.sp = cpu.sp + odd & M16
     cpu.change_st1(SPA, bool(odd))
@@ -162,5 +162,5 @@ def NASP(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Give an operation the function of this name. KeyError if it is not here."""
+    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
     f.execute = globals()[name]

@@ -336,7 +336,7 @@ def test_code_that_is_written_over_is_decoded_anew():
         ("SETC PAGE0", "C27x"),
         ("OUT *(5),@AL", "I/O space"),
         ("B 0x8000,NBIO", "NBIO"),
-        ("DMOV @AL", "beside its operand"),
+        ("DMOV @AL", "also writes the next address"),
     ],
 )
 def test_what_the_chip_or_this_model_refuses(source: str, sentence: str):
@@ -347,5 +347,5 @@ def test_what_the_chip_or_this_model_refuses(source: str, sentence: str):
 def test_words_that_are_no_instruction():
     cpu = loaded("NOP")
     cpu.memory[0x8000] = 0xE271
-    with pytest.raises(IllegalOperation, match="0xe271 0x0000 is no instruction of the F28335"):
+    with pytest.raises(IllegalOperation, match="0xe271 0x0000 is not an instruction of the F28335"):
         cpu.step()

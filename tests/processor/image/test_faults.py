@@ -28,7 +28,7 @@ TAKEN = " OR IFR,#0x1000\n OR IER,#0x1000\n CLRC INTM\n NOP\n ESTOP0"
             r"SP=0x0400 DP=0x01c0 ST0=0x0000 ST1=0x0a0b IER=0x0000 and 0 in other registers; last jumps: none",
         ),
         (HEAD + " .word 0xE5F0\n ESTOP0", "but of the VCU of an F2806x or F2837x"),
-        (HEAD + " .word 0x7628\n ESTOP0", "0x7628 0x7625 is no instruction of the F28335; at"),
+        (HEAD + " .word 0x7628\n ESTOP0", "0x7628 0x7625 is not an instruction of the F28335; at"),
         (
             HEAD + " MOVL XAR6,#5\n LB #0xA000",
             "nothing was loaded to 0x00a000, or written there; at .* XAR6=0x00000005 RPC",

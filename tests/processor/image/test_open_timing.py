@@ -114,8 +114,8 @@ def test_open_fpu_delay_slot_is_noted_once_a_place():
     loop = "MOVB XAR0,#9 ; again: ; MPYF32 R2H,R0H,R1H ; MOV32 R3H,R2H ; BANZ again,AR0--"
     rig = Rig(HEAD + loop.replace(";", "\n").replace(" again:", "again:") + "\n ESTOP0\n").run()
     assert rig.notes() == [
-        "MOV32 at 0x009009 reads R2H in the delay slot of MPYF32 at 0x009007: fpu_delay_slot says whether it finds the "
-        "result"
+        "MOV32 at 0x009009 reads R2H in the delay slot of MPYF32 at 0x009007: the setting "
+        "fpu_delay_slot selects whether it gets the new result"
     ]
     assert list(rig.dsp.processor.notes.counts.values()) == [1]
     assert "fpu_delay_slot" in rig.dsp.processor.interrupts.core.touched

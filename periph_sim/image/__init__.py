@@ -1,4 +1,4 @@
-"""Firmware as it is flashed: a linker's output file goes in; sections, symbols, lines and what its code does come out.
+"""Firmware images: sections, symbols, source lines and code of a linker's output file.
 
-`load.load` reads a file of either format; `inspection.inspect` says what is in it.
+`load.load` reads a file of either format; `inspection.inspect` summarises its contents.
 """

@@ -1,18 +1,18 @@
-"""Assemble a program: source text goes in; an image comes out, whose sections stand where the source says.
+"""An assembler for C28x source text; the source gives the address of each section.
 
             .sect   ".text", 0x8000      ; name, address; a third number: where it is loaded, if not there
     _main:  MOVW    DP, #0x7900 >> 6
-            MOV     @0x7909, #0x4600     ; of an address the operand takes its word within the data page
+            MOV     @0x7909, #0x4600     ; of an address the operand uses the offset in the data page
     wait:   TBIT    @0x7902, #4
             SB      wait, NTC
             RPT     #9 || NOP
             LRETR
             .reserve ".stack", 0x400, 0x300
 
-.word and .long put numbers, .string characters, .space words of 0; NAME .set EXPRESSION names a number; .align 2 begins
-at an even address; .entry NAME says where the program begins, else at `_c_int00`. .global NAME makes a label a function
-or a variable; other labels are places inside one. .include "FILE" takes the lines of a file beside this one, or of a
-shipped one. One pass finds addresses, one words.
+.word and .long store numbers, .string characters, .space zero words; NAME .set EXPRESSION names a number; .align 2
+aligns to an even address; .entry NAME sets the entry point, else `_c_int00`. .global NAME makes a label a function or a
+variable; other labels are local to their function. .include "FILE" inserts the lines of a file in the same folder
+or of a shipped one. The first pass assigns addresses, the second emits words.
 """
 
 from __future__ import annotations
@@ -33,17 +33,17 @@ from .write_coff2 import write
 from .write_dwarf import Row, debug_sections
 
 ENTRY = "_c_int00"
-MOST_INCLUDES = 8  # one inside the other
+MOST_INCLUDES = 8  # nesting depth
 LABEL = re.compile(r"([A-Za-z_$][\w.$]*)\s*:\s*(.*)")
 SETS = re.compile(r"([A-Za-z_$][\w.$]*)\s+\.set\s+(.+)", re.IGNORECASE)
 INCLUDES = re.compile(r'\s*\.include\s+"([^"]+)"', re.IGNORECASE)
 SHIPPED = EXAMPLES / "firmware" / "c28x"
 NOP = 0x7700
-MOST_WORDS = 0x40_0000  # of a section: program space
+MOST_WORDS = 0x40_0000  # per section: the size of program space
 
 
 class _Place(NamedTuple):
-    """A line of source. included: the name of its file, "" for the source itself. path: of the file."""
+    """A source line. included: the file's name in .include, "" for the main source. path: the file's path."""
 
     path: str
     line: int
@@ -58,7 +58,7 @@ NOWHERE = _Place("", 0, "")
 
 @dataclass
 class _Block:
-    """A section in the making. pieces: what puts words at an address, with the line of source that says so."""
+    """A section being assembled. pieces: functions that emit words at an address, with their source lines."""
 
     name: str
     address: int
@@ -68,23 +68,23 @@ class _Block:
     has_code: bool = False
 
     def rows(self) -> tuple[list[Row], int]:
-        """The file and line of each piece's address, and the address behind the last one."""
+        """Return the address, file and line of each piece, and the end address of the section."""
         return [(at, place.path, place.line) for place, at, _ in self.pieces], self.at
 
 
 class _Source:
-    """The first pass: lines go in; sections with their pieces, and symbols, are kept.
+    """The first pass: collect sections with their pieces, and symbols, from source lines.
 
-    globals: the line of each name that is .global. entry_line: of .entry, NOWHERE where there is none.
+    globals: the line of each .global name. entry_line: the line of .entry, NOWHERE if there is none.
     """
 
     def __init__(self, folder: Path) -> None:
-        self._folders = [folder]  # of the files that are read, the inner ones last
+        self._folders = [folder]  # of the files being read, the innermost last
         self._place = NOWHERE
         self.blocks: list[_Block] = []
         self.reserved: list[Section] = []
         self.symbols: dict[str, int] = {}
-        self.sections: dict[str, str] = {}  # of symbols: the section, "" for numbers
+        self.sections: dict[str, str] = {}  # section of each symbol, "" for numbers
         self.globals: dict[str, _Place] = {}
         self.entry = ENTRY
         self.entry_line = NOWHERE
@@ -92,7 +92,7 @@ class _Source:
     @property
     def here(self) -> _Block:
         if not self.blocks:
-            raise BadInstruction("no section has begun; say .sect NAME, ADDRESS first")
+            raise BadInstruction("no section is open; write .sect NAME, ADDRESS first")
         return self.blocks[-1]
 
     def define(self, name: str, value: int, section: str) -> None:
@@ -105,7 +105,7 @@ class _Source:
         return evaluate(text, self.symbols, self.blocks[-1].at if self.blocks else 0)
 
     def text(self, text: str, path: str, included: str = "") -> None:
-        """All lines of the file at a path. included: the name by which another one includes it."""
+        """Process all lines of a file. included: its name in the .include of another file."""
         for number, line in enumerate(text.splitlines(), 1):
             outer, self._place = self._place, _Place(path, number, included)
             with _Line(self._place):
@@ -174,7 +174,7 @@ class _Source:
         if not re.fullmatch(r'"[^"]+"', rest):
             raise BadInstruction(f'.include {rest} is not .include "FILE"')
         if len(self._folders) > MOST_INCLUDES:
-            raise BadInstruction(f"{rest} is one of more than {MOST_INCLUDES} files that include each other")
+            raise BadInstruction(f"{rest}: .include is nested more than {MOST_INCLUDES} deep")
         path = included(rest.strip('"'), self._folders[-1])
         text = text_of(path)
         self._folders.append(path.parent)
@@ -184,12 +184,12 @@ class _Source:
     def _count(self, rest: str) -> int:
         count = self.number(rest)
         if not 0 <= count <= MOST_WORDS:
-            raise BadInstruction(f"{rest!r} is {count}, no number of words")
+            raise BadInstruction(f"{rest!r} is {count}, which is not a valid number of words")
         return count
 
     def _section(self, directive: str, name: str, places: list[int]) -> None:
         if any(block.name == name for block in self.blocks) or any(one.name == name for one in self.reserved):
-            raise BadInstruction(f"section {name!r} has begun already")
+            raise BadInstruction(f"section {name!r} is defined twice")
         if directive == ".sect":
             self.blocks.append(_Block(name, places[0], places[-1], places[0]))
         else:
@@ -199,7 +199,7 @@ class _Source:
         for operand in _operands(rest):
             if directive == ".string":
                 if not re.fullmatch(r'"[^"]*"', operand):
-                    raise BadInstruction(f"{operand} is no text in double quotes")
+                    raise BadInstruction(f"{operand} is not a text in double quotes")
                 characters = tuple(operand[1:-1].encode("latin-1", "replace"))
                 self._put(len(characters), lambda at, symbols, put=characters: put)  # type: ignore[misc]
             else:
@@ -211,21 +211,21 @@ def _number_of(operand: str, count: int) -> Callable[[int, Mapping[str, int]], t
     def put(at: int, symbols: Mapping[str, int]) -> tuple[int, ...]:
         value = evaluate(operand, symbols, at)
         if not -(1 << 16 * count - 1) <= value < 1 << 16 * count:
-            raise BadInstruction(f"{operand!r} is {value}, which {16 * count} bits do not hold")
+            raise BadInstruction(f"{operand!r} is {value}, which does not fit {16 * count} bits")
         return (value & 0xFFFF, value >> 16 & 0xFFFF)[:count]
 
     return put
 
 
 def _operands(text: str) -> list[str]:
-    """Separated by commas outside of quotes."""
+    """Split a text at commas outside of quotes."""
     return [one.strip() for one in re.findall(r'(?:"[^"]*"|[^,"])+', text)] or [""]
 
 
 def assemble(text: str, path: Path | None = None) -> Image:
-    """The image of a program. BadImage with the line where it is none.
+    """Assemble a program. Raise BadImage with the source line if it is invalid.
 
-    path: of its source, which debug data name and beside which it finds what it includes; None for no debug data.
+    path: of the source, named in debug data; included files are searched beside it. None: no debug data.
     """
     source = _Source(Path() if path is None else path.parent)
     source.text(text, str(path))
@@ -239,7 +239,7 @@ def assemble(text: str, path: Path | None = None) -> Image:
     if source.entry not in source.symbols:
         if source.entry_line is not NOWHERE:
             raise BadImage(f"{source.entry_line}: the entry {source.entry!r} is not defined")
-        raise BadImage(f"its entry {source.entry!r} is not defined; define it, or name another one with .entry")
+        raise BadImage(f"its entry {source.entry!r} is not defined; define it, or set another one with .entry")
     for name, place in source.globals.items():
         if name not in source.symbols:
             raise BadImage(f"{place}: {name!r} is .global, but not defined")
@@ -259,7 +259,7 @@ def _without_comment(line: str) -> str:
 
 
 def sources_of(path: Path) -> list[Path]:
-    """A source and all that it includes. BadImage for one that is not there."""
+    """List a source file and all files it includes. Raise BadImage if one is missing."""
     found = [path]
     for source in found:
         names = (match[1] for match in map(INCLUDES.match, text_of(source).splitlines()) if match)
@@ -268,7 +268,7 @@ def sources_of(path: Path) -> list[Path]:
 
 
 class _Line:
-    """Says in which line of the source something is wrong."""
+    """Context manager that adds the source line to errors."""
 
     def __init__(self, place: _Place) -> None:
         self._place = place
@@ -282,7 +282,7 @@ class _Line:
 
 
 def included(name: str, folder: Path) -> Path:
-    """The file that .include names: beside its source, else a shipped one."""
+    """Return the path that .include names: in the source's folder, else a shipped file."""
     shipped = SHIPPED / name
     return shipped if not (folder / name).exists() and shipped.is_file() else folder / name
 
@@ -293,11 +293,11 @@ def text_of(path: Path) -> str:
     except OSError as error:
         raise BadImage(f"{path}: {error.strerror}; give a source in assembly") from None
     except UnicodeDecodeError:
-        raise BadImage(f"{path}: it is no text in UTF-8") from None
+        raise BadImage(f"{path}: it is not UTF-8 text") from None
 
 
 def assemble_file(path: Path) -> tuple[Image, bytes]:
-    """The image of a source file, and the bytes of its .out. BadImage, which names the file, where it is none."""
+    """Return the image of a source file and the bytes of its .out. Raise BadImage naming the file if it is invalid."""
     text = text_of(path)
     try:
         data = write(assemble(text, path))

@@ -1,11 +1,11 @@
-"""TI COFF2 as the C2000 linker writes it: bytes go in; an image comes out.
+"""Reader for TI COFF2 files as the C2000 linker writes them.
 
     file header 22 | optional header 28 | section headers 48 each | raw data | symbols 18 each | strings
 
-Contents are loaded at a section header's *virtual* address and run at its *physical* one.
+A section header's *virtual* address is the load address, its *physical* one the run address.
 
-Source: SPRAAO8; which sections are loaded, and that COPY sections other than text and data count bytes, as seen in
-linked images.
+Source: SPRAAO8. From linked images: which sections are loaded, and that COPY sections other than text and data have
+their size in bytes.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ SYMBOL_CLASSES = (EXTERNAL, STATIC, LABEL)
 
 
 class SectionHeader(NamedTuple):
-    """run, load: the fields named physical and virtual address."""
+    """run, load: the header's fields for physical and virtual address."""
 
     name: str
     run: int
@@ -64,12 +64,12 @@ class SectionHeader(NamedTuple):
 
 
 def is_coff(data: bytes) -> bool:
-    """True for any version of TI's COFF, of any target."""
+    """Return True for any version of TI COFF, for any target."""
     return len(data) >= 2 and struct.unpack_from("<H", data)[0] in VERSIONS
 
 
 def read(data: bytes) -> Image:
-    """The image in a COFF2 file of a C28x. BadImage where it is none."""
+    """Return the image in a C28x COFF2 file. Raise BadImage if it is not one."""
     version, section_count, _, symbols_at, symbol_count, optional, flags, target = _unpack(
         FILE_HEADER, data, 0, "header"
     )
@@ -110,7 +110,7 @@ def _unpack(layout: struct.Struct, data: bytes, at: int, what: str) -> tuple[Any
 
 
 class _Strings:
-    """Names of more than 8 characters. It begins with its own size."""
+    """The string table: names longer than 8 characters. It begins with its own size."""
 
     def __init__(self, data: bytes, at: int) -> None:
         self._table = b""
@@ -119,13 +119,13 @@ class _Strings:
             self._table = data[at : at + size]
 
     def name(self, field: bytes) -> str:
-        """A name of at most 8 characters, or zero and the place of a longer one."""
+        """Return the name in a field: up to 8 characters, or zero and the offset of a longer one."""
         zero, offset = struct.unpack("<II", field)
         if zero or not offset:
             return field.rstrip(b"\0").decode("latin-1")
         end = self._table.find(b"\0", offset)
         if offset < 4 or end < 0:
-            raise BadImage(f"it is truncated: a name lies at byte {offset} of its string table of {len(self._table)}")
+            raise BadImage(f"it is truncated: a name is at byte {offset} of its string table of {len(self._table)}")
         return self._table[offset:end].decode("latin-1")
 
 
@@ -162,9 +162,9 @@ def _section(header: SectionHeader, data: bytes) -> Section:
 
 
 def _initial(headers: list[SectionHeader], data: bytes) -> Iterator[tuple[int, tuple[int, ...]]]:
-    """The records of a .cinit that the loader applies (--ram_model): (address, words).
+    """Yield the .cinit records that the loader applies (--ram_model): (address, words).
 
-    n words follow one word of address, -n words two, the lower one first; a record of no words is the last.
+    A count n: one address word, then n words; -n: two address words, low one first; 0 ends the list.
     """
     for header in headers:
         if header.name != ".cinit" or not header.size or header.flags & (COPY | DATA) != COPY | DATA:
@@ -176,7 +176,7 @@ def _initial(headers: list[SectionHeader], data: bytes) -> Iterator[tuple[int, t
             first = at + (2 if count > 0 else 3)
             at = first + abs(count)
             if at > len(words):
-                raise BadImage("it is truncated: a record of .cinit ends behind its section")
+                raise BadImage("it is truncated: a record of .cinit ends after its section")
             yield words[first - 1] << 16 | words[first - 2] if count < 0 else words[first - 1], words[first:at]
 
 
@@ -195,6 +195,6 @@ def _symbols(data: bytes, at: int, count: int, headers: list[SectionHeader], str
         where = headers[section - 1].name if section > 0 else ""
         text = strings.name(name)
         if text == where or text.startswith(f"{where}:"):
-            continue  # the section itself, or what one object file gave to it
+            continue  # the section itself, or one object file's part of it
         found.append(Symbol(text, value, where, kind == EXTERNAL, kind == LABEL))
     return found

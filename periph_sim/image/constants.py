@@ -1,10 +1,10 @@
-"""What code addresses by constants: instructions go in, one behind the other; accesses with their addresses come out.
+"""Memory accesses of code whose addresses are constants.
 
     MOVW DP,#0x1C5        DP = 0x1C5
     MOVL XAR4,#0x0085F0   XAR4 = 0x0085F0
     MOVL @0x2,XAR4        write of 0x0085F0 to 0x1C5 << 6 | 2
 
-Followed are DP and XAR0 to XAR7, along one function and over its forward branches, as compilers use them; what comes
+DP and XAR0 to XAR7 are tracked within a function and over its forward branches, as compilers use them; what comes
 from memory, an argument or arithmetic is not known, and accesses by it are not told.
 
 Source: SPRU430F chapter 5 (addresses).
@@ -20,12 +20,12 @@ from ..c28x import flow, operand_field
 from ..c28x.decoder import Instruction
 
 PAGE = 6  # bits of an address within a data page
-FPU_REGISTERS = range(0x0F00, 0x0F30)  # of moves that name an address; not memory
+FPU_REGISTERS = range(0x0F00, 0x0F30)  # addresses in moves that mean FPU registers, not memory
 XAR = re.compile(r"X?AR([0-7])")
 
 
 class Access(NamedTuple):
-    """how: "r", "w" or "rw". value: what is written, where it is a known address register; else None."""
+    """how: "r", "w" or "rw". value: the value written if it is a known address register, else None."""
 
     address: int
     width: int
@@ -35,7 +35,7 @@ class Access(NamedTuple):
 
 
 class _Known:
-    """Constants in registers; None where a value is not known."""
+    """Known constants in registers; None if a value is unknown."""
 
     def __init__(self, dp: int | None = None, xar: Iterable[int | None] = (None,) * 8) -> None:
         self.dp = dp
@@ -46,9 +46,9 @@ class _Known:
 
 
 def accesses(instructions: Iterable[Instruction | int], functions: frozenset[int]) -> Iterator[Access]:
-    """Every access of known address. functions: where one begins, with nothing known."""
+    """Yield every access with a known address. functions: start addresses, where nothing is known."""
     known = _Known()
-    waiting: dict[int, _Known] = {}  # what is known at the target of a forward branch
+    waiting: dict[int, _Known] = {}  # known values at targets of forward branches
     reached = False
     for instruction in instructions:
         if isinstance(instruction, int) or instruction.address in functions:
@@ -86,7 +86,7 @@ def _width(instruction: Instruction) -> int:
 
 
 def _address(field: int, known: _Known, width: int) -> int | None:
-    """The address of an operand field; None where it is a register or is not known."""
+    """Return the address of an operand field; None if it is a register or unknown."""
     if field in operand_field.DIRECT:
         return None if known.dp is None else known.dp << PAGE | field
     if field in operand_field.INDEXED:
@@ -109,7 +109,7 @@ def _stored(instruction: Instruction, known: _Known) -> int | None:
 
 
 def _follow(instruction: Instruction, known: _Known) -> None:
-    """What is known after an instruction."""
+    """Update the known values after an instruction."""
     encoding, values, xar = instruction.encoding, instruction.values, known.xar
     field = values.get("l", -1)
     if field in range(0x80, 0x90):
@@ -138,7 +138,7 @@ def _follow(instruction: Instruction, known: _Known) -> None:
 
 
 def _register(place: str, values: dict[str, int]) -> int | str:
-    """The number of an address register that a form writes; other places by their name."""
+    """Return the number of the address register that a form writes; for other places their name."""
     if place in ("XARn", "ARn"):
         return values["n"]
     found = XAR.fullmatch(place)

@@ -1,6 +1,6 @@
-"""DWARF of an image: an address goes in, file and line come out; functions with their first and last address.
+"""DWARF data of an image: file and line of an address, and address ranges of functions.
 
-TI's compilers write version 2 or 3, with addresses in words, those at which code runs. What cannot be read is absent.
+TI's compilers write version 2 or 3; addresses are run addresses in words. Unreadable data are left out.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ T = TypeVar("T")
 
 
 class SourceLine(NamedTuple):
-    """file: as the compiler was given it."""
+    """file: the path as given to the compiler."""
 
     file: str
     line: int
@@ -34,7 +34,7 @@ class SourceLine(NamedTuple):
 
 
 class FunctionRange(NamedTuple):
-    """name: as in C. end: the address behind its last word."""
+    """name: as in C. end: the address after its last word."""
 
     name: str
     address: int
@@ -42,7 +42,7 @@ class FunctionRange(NamedTuple):
 
 
 class DebugInfo:
-    """damaged: why the debug data could not be read to its end; "" if it was."""
+    """damaged: why the debug data could not be read completely; "" if they were."""
 
     def __init__(self, image: Image) -> None:
         self.damaged = ""
@@ -50,12 +50,12 @@ class DebugInfo:
 
     @cached_property
     def functions(self) -> tuple[FunctionRange, ...]:
-        """Every function of which the compiler told, by address."""
+        """All functions in the debug data, by address."""
         return tuple(sorted(set(self.each(_functions)), key=lambda function: (function.address, function.end)))
 
     @cached_property
     def lines(self) -> tuple[tuple[int, SourceLine | None], ...]:
-        """From which address on a line goes, ascending; None from where no line is told."""
+        """Start addresses of source lines, ascending; None if an address range has no line."""
         found: dict[int, SourceLine | None] = {}
         for address, line in self.each(_lines):
             if line is not None or address not in found:
@@ -63,7 +63,7 @@ class DebugInfo:
         return tuple(sorted(found.items()))
 
     def line_at(self, address: int) -> SourceLine | None:
-        """The source line of the instruction at an address where code runs."""
+        """Return the source line of the instruction at a run address."""
         at = bisect_right(self._starts, address) - 1
         return self.lines[at][1] if at >= 0 else None
 
@@ -71,15 +71,15 @@ class DebugInfo:
     def _starts(self) -> list[int]:
         return [address for address, _ in self.lines]
 
-    def each(self, told: Callable[[DWARFInfo, CompileUnit], Iterator[T]]) -> list[T]:
-        """What each compilation unit tells, up to where the data are damaged."""
+    def each(self, parse: Callable[[DWARFInfo, CompileUnit], Iterator[T]]) -> list[T]:
+        """Return what `parse` yields for each compilation unit, up to damaged data."""
         found: list[T] = []
         if self._dwarf is None:
             return found
         try:
             for unit in self._dwarf.iter_CUs():
-                found.extend(told(self._dwarf, unit))
-        except Exception as error:  # of damaged data the library raises whatever its parts do
+                found.extend(parse(self._dwarf, unit))
+        except Exception as error:  # the library raises many types for damaged data
             self.damaged = f"{type(error).__name__}: {error}"
         return found
 
@@ -118,7 +118,7 @@ def _lines(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[tuple[int, SourceLin
         assert state is not None
         if state.end_sequence:
             yield state.address, None
-        elif after is None or after.end_sequence or after.address != state.address:  # the last line of an address holds
+        elif after is None or after.end_sequence or after.address != state.address:  # the last line of an address wins
             yield state.address, SourceLine(_file(program, state.file), state.line)
 
 

@@ -1,8 +1,8 @@
-"""C28x ELF as the linker writes it for EABI: bytes go in; an image comes out.
+"""Reader for C28x ELF files as the linker writes them for EABI.
 
-Addresses in it count words, sizes bytes. A segment is loaded at its physical address and runs at its virtual one.
+Addresses count words, sizes bytes. A segment's physical address is the load address, its virtual one the run address.
 
-Source: SPRAC71B chapters 4 and 13. Tried with files of our own only: no public F28335 image of this format is known.
+Source: SPRAC71B chapters 4 and 13. Tested with our own files only: no public F28335 image of this format is known.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ C2000 = "EM_TI_C2000"
 
 
 def read(data: bytes) -> Image:
-    """The image in an ELF file of a C28x. BadImage where it is none."""
+    """Return the image in a C28x ELF file. Raise BadImage if it is not one."""
     try:
         return _read(ELFFile(io.BytesIO(data)))
     except BadImage:
         raise
-    except Exception as error:  # of a damaged file the library raises whatever its parts do
+    except Exception as error:  # the library raises many types for a damaged file
         raise BadImage(
             f"its ELF structure is damaged ({type(error).__name__}: {error}); link or fetch it again"
         ) from None
@@ -65,7 +65,7 @@ def _section(section: ElfSection, elf: ELFFile) -> Section:
                 f"it is truncated: section {quoted(section.name)} has {len(raw)} of its {size} bytes; fetch it again"
             )
         if size % 2:
-            raise BadImage(f"section {quoted(section.name)} has {size} bytes, which are no whole words")
+            raise BadImage(f"section {quoted(section.name)} has {size} bytes, which is not a whole number of words")
     return Section(
         name=section.name,
         address=_load_address(section, elf) if has_contents else run,
@@ -78,7 +78,7 @@ def _section(section: ElfSection, elf: ELFFile) -> Section:
 
 
 def _load_address(section: ElfSection, elf: ELFFile) -> int:
-    """Where the segment that holds a section's contents is loaded; BadImage if none does."""
+    """Return the load address of a section's contents; raise BadImage if no segment holds them."""
     begin, end = section["sh_offset"], section["sh_offset"] + section["sh_size"]
     for segment in elf.iter_segments("PT_LOAD"):
         if segment["p_offset"] <= begin and end <= segment["p_offset"] + segment["p_filesz"]:

@@ -1,8 +1,8 @@
-"""A function's cycles, instruction by instruction: an image and a function's name go in; rows with reasons come out.
+"""Cycles of each instruction of a function, with reasons.
 
-From its first instruction to its last as they stand, no branch taken that has a condition: what a jump costs is beside
-it. Stalls are those that registers and words of the instructions above cause; what a pointer reaches, registers of the
-chip, and how fast code comes from memory with wait states is known only in a run.
+Instructions are taken in address order, no conditional branch taken; the cost of a taken branch is shown beside it.
+Counted are stalls that the registers and words of earlier instructions cause; data behind pointers, registers of the
+chip and wait states of memory are known only in a run.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ UNC_BRANCH, UNC = "B_off16_COND", 15
 
 
 class Row(NamedTuple):
-    """published: of the table, "7/4" if taken and if not. stall: cycles by rule. why: of these, and options."""
+    """published: from the table; "7/4" is taken/not taken. stall: cycles by rule. why: their reasons, and options."""
 
     address: int
     text: str
@@ -36,7 +36,7 @@ class Row(NamedTuple):
 
 
 class FunctionCycles(NamedTuple):
-    """least: cycles of all rows together, no condition true."""
+    """least: total cycles of all rows, no condition true."""
 
     function: Function
     rows: tuple[Row, ...]
@@ -44,7 +44,7 @@ class FunctionCycles(NamedTuple):
 
 
 def function_cycles(image: Image, name: str) -> FunctionCycles:
-    """BadImage where no function has this name."""
+    """Return the cycles of a function. Raise BadImage if no function has this name."""
     debug = DebugInfo(image)
     functions = {function.name: function for function in functions_of(image, debug)}
     if name not in functions:
@@ -58,7 +58,7 @@ def function_cycles(image: Image, name: str) -> FunctionCycles:
 
 
 class _Reader:
-    """Goes through a function, with the pipeline as it would be."""
+    """Reads a function and models its pipeline."""
 
     def __init__(self, image: Image, debug: DebugInfo) -> None:
         self.rows: list[Row] = []
@@ -68,14 +68,14 @@ class _Reader:
         self._words = {
             section.run + offset: word for section in image.code for offset, word in enumerate(section.words)
         }
-        self._pages = {DP: 0, SP: 0}  # how often each has changed: the same operand is the same word in between
+        self._pages = {DP: 0, SP: 0}  # how often each changed; between changes an operand is the same word
 
     def read(self, address: int) -> int:
-        """Add the row of an instruction. How many words it has."""
+        """Add the row of an instruction. Return its number of words."""
         first, second = self._words.get(address, 0), self._words.get(address + 1, 0)
         found = decode_at(address, first, second)
         if found is None:
-            self.rows.append(Row(address, f".word {first:#06x}", "", 0, "no instruction", ""))
+            self.rows.append(Row(address, f".word {first:#06x}", "", 0, "not an instruction", ""))
             return 1
         f, pipeline = operation(found), self._pipeline
         f.needs, f.makes = hazards(found.encoding, f.l, f.n, f.m)
@@ -110,7 +110,7 @@ class _Reader:
         return found.words
 
     def _word(self, found: Instruction, wide: bool) -> tuple[int, int] | None:
-        """(address, words) of an operand by DP or SP; two that are equal here are the same word of memory."""
+        """Return (address, words) of an operand relative to DP or SP; equal ones are the same word of memory."""
         field = found.values.get("l", 0xFF)
         if field >= 0x80:
             return None
@@ -120,7 +120,7 @@ class _Reader:
 
 
 def _written_early(found: Instruction) -> int:
-    """DP and SP, if the instruction writes them in D2."""
+    """Return DP and SP as bits, if the instruction writes them in D2."""
     writes = {place.partition("@")[0] for place in found.encoding.writes}
     moved = SP if found.values.get("l", 0) in (0xBD, 0xBE) else 0
     return (DP if "DP" in writes else 0) | (SP if "SP" in writes else 0) | moved

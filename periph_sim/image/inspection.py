@@ -1,7 +1,7 @@
-"""What is in an image: an image goes in; sections, vectors, registers, unknown words and functions come out.
+"""Summary of an image: sections, vectors, registers, unknown words and functions.
 
-Found by reading, not by running: a register that code reaches through a pointer from memory is not among them, nor a
-vector that a loop copies from a table.
+Found by reading the code, not by running it: registers reached through a pointer in memory and vectors copied in a loop
+from a table are missing.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ VECTOR_NAMES = {cpu_vector(number): name for name, number in CPU_VECTORS.items()
 
 
 class Function(NamedTuple):
-    """address: where it runs. size: in words. source: of its first instruction; None where nothing tells it."""
+    """address: run address. size: in words. source: line of its first instruction; None if unknown."""
 
     name: str
     address: int
@@ -35,7 +35,7 @@ class Function(NamedTuple):
 
 
 class Vector(NamedTuple):
-    """What is stored into the PIE's vector table. handler: the function's name, or its address."""
+    """A store into the PIE vector table. handler: the function's name, or its address."""
 
     name: str
     address: int
@@ -44,7 +44,7 @@ class Vector(NamedTuple):
 
 
 class Unknown(NamedTuple):
-    """A word of code that begins no instruction of this CPU."""
+    """A word of code that is not an instruction of this CPU."""
 
     address: int
     word: int
@@ -52,7 +52,7 @@ class Unknown(NamedTuple):
 
 
 class Register(NamedTuple):
-    """A register that code names. how: "r", "w", "rw" in one instruction, or several of them. functions: which do."""
+    """A register that code accesses by its address. reads, writes: counts. functions: which access it."""
 
     module: str
     name: str
@@ -64,7 +64,7 @@ class Register(NamedTuple):
 
 @dataclass(frozen=True)
 class Inspection:
-    """instructions: how many there are in code sections. words: of code."""
+    """instructions, words: counts in code sections."""
 
     image: Image
     functions: tuple[Function, ...]
@@ -76,12 +76,12 @@ class Inspection:
     debug_damaged: str
 
     def function_at(self, address: int) -> str:
-        """The name of the function that runs at an address; the address itself where there is none."""
+        """Return the name of the function at a run address; the address itself if there is none."""
         return _function_at(self.functions, address)
 
 
 def inspect(image: Image) -> Inspection:
-    """Read all code of an image once."""
+    """Decode all code of an image once and summarise it."""
     debug = DebugInfo(image)
     functions = functions_of(image, debug)
     starts = frozenset(function.address for function in functions)
@@ -110,7 +110,7 @@ def inspect(image: Image) -> Inspection:
 
 
 def functions_of(image: Image, debug: DebugInfo) -> tuple[Function, ...]:
-    """Those of the debug data, and in what they leave over those that symbols begin; by address within a section."""
+    """Return functions from debug data, and elsewhere from symbols; by section and address."""
     return tuple(_functions(image, debug))
 
 
@@ -166,7 +166,7 @@ def _registers(named: list[tuple[Access, str]]) -> Iterator[Register]:
 
 
 def contents_of(section: Section) -> str:
-    """What a section is for the chip, in a word."""
+    """Return the kind of a section: code, data, registers, reserved or ""."""
     if section.loaded:
         return "code" if section.code else "data"
     if not section.allocated:

@@ -1,6 +1,6 @@
-"""Load a linker's output file: a path goes in; an image that fits the F28335 comes out, or one sentence why not.
+"""Load a linker's output file as an image that fits the F28335, or raise BadImage with the reason.
 
-Checked: no two loaded sections overlap, each lies in memory that can be loaded, the entry is in loaded code.
+Checked: no two loaded sections overlap, each is in loadable memory, the entry is in loaded code.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from ..f28335.system.address_space import not_loadable
 from . import coff2
 from .model import BadImage, Image, quoted
 
-OTHER_PARTS = {"Cla1": "a part with a CLA (F2803x, F2806x or F2837x)"}  # by how names of sections begin
+OTHER_PARTS = {"Cla1": "a part with a CLA (F2803x, F2806x or F2837x)"}  # by prefix of section names
 ELF_MAGIC = b"\x7fELF"
 WAY_OUT = "give the linker's .out file, or assembly (.asm)"
-LARGEST = 1 << 28  # bytes of a file, most of which are symbols for debuggers
+LARGEST = 1 << 28  # bytes of a file; most are debug symbols
 
 
 def load(path: Path) -> Image:
-    """The image in a file. BadImage, which names the file, where it is none of the F28335."""
+    """Load an image from a file. Raise BadImage naming the file if it is not an F28335 image."""
     try:
         data = read_input(path, LARGEST)
     except OSError as error:
@@ -34,7 +34,7 @@ def load(path: Path) -> Image:
 
 
 def parse(data: bytes) -> Image:
-    """The image in the bytes of a file. BadImage where it is none of the F28335."""
+    """Parse an image from a file's bytes. Raise BadImage if it is not an F28335 image."""
     if coff2.is_coff(data):
         image = coff2.read(data)
     elif data.startswith(ELF_MAGIC):
@@ -51,10 +51,10 @@ def _check(image: Image) -> None:
     for section in image.sections:
         for beginning, part in OTHER_PARTS.items():
             if section.name.startswith(beginning) and section.size:
-                raise BadImage(f"section {quoted(section.name)} is of {part}, not of the F28335")
+                raise BadImage(f"section {quoted(section.name)} belongs to {part}, not to the F28335")
     loaded = sorted(image.loaded, key=lambda section: section.address)
     if not loaded:
-        raise BadImage("no section of it is loaded, so there is nothing to run")
+        raise BadImage("it has no loaded section, so there is nothing to run")
     require_loadable(image, PART)
     for before, after in pairwise(loaded):
         if after.address < before.end:
@@ -63,7 +63,7 @@ def _check(image: Image) -> None:
                 "each word can be loaded once"
             )
     if not any(section.address <= image.entry < section.end for section in image.code):
-        raise BadImage(f"its entry {image.entry:#08x} lies in no loaded code section; link it with an entry point")
+        raise BadImage(f"its entry {image.entry:#08x} is not in a loaded code section; link it with an entry point")
 
 
 def require_loadable(image: Image, part: Part) -> None:

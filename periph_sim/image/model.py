@@ -1,7 +1,7 @@
-"""What a linker's output file holds, whatever its format: sections, symbols, entry, debug data.
+"""The contents of a linker's output file of any format: sections, symbols, entry, debug data.
 
-Addresses count words of 16 bits. Contents are loaded at `Section.address`; code that start-up copies elsewhere runs at
-`Section.run`, and symbols and lines carry run addresses.
+Addresses count words of 16 bits. Contents are loaded at `Section.address`; code copied at start-up runs at
+`Section.run`; symbols and lines use run addresses.
 """
 
 from __future__ import annotations
@@ -12,26 +12,26 @@ from functools import cached_property
 
 from ..core.shorten import shorten
 
-LEAST_STACK = 15  # words that an interrupt takes
+LEAST_STACK = 15  # words that an interrupt pushes
 
 
 LONGEST_NAME = 60
 
 
 def quoted(name: str) -> str:
-    """A name of a file as a message shows it: a damaged one may have any bytes, and any length."""
+    """Quote and shorten a name from a file for messages; in a damaged file it may have any bytes and length."""
     return f"{shorten(name, LONGEST_NAME)!r}"
 
 
 class BadImage(ValueError):
-    """A file that is no image of this chip, in one sentence."""
+    """A file is not an image of this chip; the message is one sentence."""
 
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """size: in words. words: contents that are loaded; empty where memory is only reserved, or nothing is.
+    """size: in words. words: loaded contents; empty if memory is only reserved, or unused.
 
-    allocated: it has its place in the chip's memory. code: it is marked as instructions.
+    allocated: it occupies memory of the chip. code: it is marked as instructions.
     """
 
     name: str
@@ -52,7 +52,7 @@ class Section:
 
     @property
     def copied(self) -> bool:
-        """Start-up code moves it to where it runs."""
+        """True if start-up code copies it to its run address."""
         return self.address != self.run
 
     def runs_at(self, address: int) -> bool:
@@ -61,7 +61,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Symbol:
-    """label: a place inside a function that the compiler named."""
+    """label: a compiler-generated label inside a function."""
 
     name: str
     address: int
@@ -72,9 +72,9 @@ class Symbol:
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """kind: "TI COFF2" or "ELF". initial: what a loader writes into reserved memory, as (address, words).
+    """kind: "TI COFF2" or "ELF". initial: (address, words) that a loader writes into reserved memory.
 
-    debug: DWARF sections by name. tool_version: of the linker, 0 where nothing says it.
+    debug: DWARF sections by name. tool_version: of the linker, 0 if unknown.
     """
 
     kind: str
@@ -95,13 +95,13 @@ class Image:
 
     @property
     def stack(self) -> tuple[int, int]:
-        """From where to where SP may point; anywhere if no section says it, or too small a one."""
+        """The address range of the stack, (begin, end); all of low memory if .stack is absent or too small."""
         of_stack = (one for one in self.sections if one.name == ".stack" and one.size >= LEAST_STACK)
         return next(((one.run, one.run + one.size) for one in of_stack), (0, 0xFFFF))
 
     @cached_property
     def symbol_at(self) -> dict[int, str]:
-        """The name of each address that has one; a function's rather than a label's inside one."""
+        """Names by address; functions are preferred to labels inside them."""
         named: dict[int, str] = {}
         for symbol in sorted(self.symbols, key=lambda symbol: (symbol.label, not symbol.external, symbol.name)):
             if symbol.section:
@@ -109,7 +109,7 @@ class Image:
         return named
 
     def words_at(self, address: int, count: int) -> Iterator[int]:
-        """Words that are loaded from an address on, up to the end of their section."""
+        """Yield up to `count` loaded words from an address on, up to the end of the section."""
         for section in self.loaded:
             if section.address <= address < section.end:
                 start = address - section.address

@@ -1,4 +1,4 @@
-"""A program's file as an image: a path goes in; what a linker wrote is loaded, assembly (.asm) is assembled first."""
+"""Load a program from a linker's output file, or assemble it from a source (.asm)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ SOURCE = ".asm"
 
 
 def program_in(path: Path) -> Image:
-    """The image in a file, or of a source. BadImage, which names the file, where it is none of the F28335."""
+    """Load or assemble the image in a file. Raise BadImage naming the file if it is not an F28335 image."""
     if path.suffix != SOURCE:
         return load(path)
-    from .assemble import assemble_file  # and its table of syntaxes, for sources only
+    from .assemble import assemble_file  # slow import, needed for sources only
 
     return assemble_file(path)[0]

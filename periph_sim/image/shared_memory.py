@@ -1,7 +1,7 @@
-"""Sections that lie over one another in RAM: an image goes in; a sentence for each pair of them comes out.
+"""Sections that overlap in RAM.
 
-Two that are loaded there are refused (`load`). Of memory that is only reserved, or to which code is copied, a linker's
-UNION may mean it.
+Overlapping loaded sections are refused by `load`. Reserved memory, or the run addresses of copied code, may overlap on
+purpose (UNION in the linker's command file).
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from .model import Image
 
 
 def shared_memory(image: Image) -> list[str]:
-    """Where two sections run or lie at the same addresses."""
+    """Return a sentence for each pair of sections that overlap in RAM."""
     in_ram = [section for section in image.sections if section.allocated and section.size and _is_ram(section.run)]
-    told = []
+    notes = []
     for one, other in combinations(sorted(in_ram, key=lambda section: section.run), 2):
         end = min(one.run + one.size, other.run + other.size)
         if other.run < end:
-            told.append(
+            notes.append(
                 f"sections {one.name} and {other.name} share {other.run:#08x} to {end - 1:#08x}: "
-                "unless the linker's UNION is meant, one overwrites the other"
+                "unless this is a UNION in the linker's command file, one overwrites the other"
             )
-    return told
+    return notes
 
 
 def _is_ram(address: int) -> bool:

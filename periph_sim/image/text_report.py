@@ -1,4 +1,4 @@
-"""What is in an image, for people and for programs: an inspection goes in; text or one dictionary comes out."""
+"""The summary of an image as text and as a dictionary for JSON."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .inspection import Function, Inspection, Register, contents_of
 from .model import Section
 from .shared_memory import shared_memory
 
-LONGEST_TEXT = 10  # functions that the text shows unless all are asked for
+LONGEST_TEXT = 10  # number of functions shown without -v
 
 
 def text(found: Inspection, every: bool = False) -> str:
-    """Tables of 80 columns. every: all functions, and where each register is touched."""
+    """Format the summary in 80 columns. every: all functions, and which ones access each register."""
     image = found.image
     version = f", linker {image.tool_version}" if image.tool_version else ""
     lines = [
@@ -24,7 +24,7 @@ def text(found: Inspection, every: bool = False) -> str:
         f"{found.instructions} instructions in {found.words} words of code, {_unknown_count(found)}",
     ]
     if found.debug_damaged:
-        lines += paragraph(f"note: debug data are damaged and read in part ({found.debug_damaged})")
+        lines += paragraph(f"note: debug data are damaged and partly read ({found.debug_damaged})")
     for sentence in shared_memory(image):
         lines += paragraph(f"note: {sentence}")
     lines += ["", *_sections(found), "", *_vectors(found), "", *_registers(found, every), "", *_functions(found, every)]
@@ -39,7 +39,7 @@ def _named(found: Inspection, address: int) -> str:
 
 def _unknown_count(found: Inspection) -> str:
     count = len(found.unknown)
-    return "all known" if not count else f"{count} word{'s' * (count > 1)} of it unknown"
+    return "all known" if not count else f"{count} unknown word{'s' * (count > 1)}"
 
 
 def _shown_sections(found: Inspection) -> list[Section]:
@@ -59,14 +59,14 @@ def _sections(found: Inspection) -> list[str]:
 
 def _vectors(found: Inspection) -> list[str]:
     if not found.vectors:
-        return ["no vector is stored by code that names it"]
+        return ["no vector is stored to a constant address"]
     rows = [(one.name, f"{one.address:#06x}", one.handler, one.stored_in) for one in found.vectors]
     return text_table(("vector", "address", "handler", "stored in"), rows)
 
 
 def _registers(found: Inspection, every: bool) -> list[str]:
     if not found.registers:
-        return ["no register is named by code"]
+        return ["no register is accessed by a constant address"]
     if every:
         rows = [
             (
@@ -94,17 +94,17 @@ def _functions(found: Inspection, every: bool) -> list[str]:
     rows = [(one.name, f"{one.address:#08x}", str(one.size), str(one.source or "")) for one in shown]
     lines = text_table(("function", "address", "words", "source"), rows, right=(2,))
     left_out = len(found.functions) - len(shown)
-    return [*lines, f"and {left_out} smaller ones; -v lists them all"] if left_out else lines
+    return [*lines, f"and {left_out} smaller functions; -v lists all"] if left_out else lines
 
 
 def _unknown(found: Inspection) -> Iterator[str]:
-    yield "words of code that are no instruction of the F28335:"
+    yield "words of code that are not instructions of the F28335:"
     rows = [(f"{one.address:#08x}", f"{one.word:#06x}", one.function, other_unit(one.word)) for one in found.unknown]
     yield from (line.rstrip() for line in columns(rows))
 
 
 def cycles_text(found: FunctionCycles) -> str:
-    """A line an instruction, then what they are together."""
+    """Format one line per instruction, then the total."""
     rows = [
         (f"{row.address:#08x}", row.text, row.published, str(row.stall or ""), row.why, row.line) for row in found.rows
     ]
@@ -115,21 +115,21 @@ def cycles_text(found: FunctionCycles) -> str:
             "",
             *paragraph(
                 f"{found.function.name}: {found.least} cycles with no condition true, {stalls} of them stalls by rule. "
-                "cycles: published, taken/not taken. Not in it: wait states of registers, and what pointers reach."
+                "cycles: published, taken/not taken. Not included: wait states of registers, accesses through pointers."
             ),
         ]
     )
 
 
 def cycles_as_json(found: FunctionCycles) -> dict[str, object]:
-    """The same as one dictionary."""
+    """Return the cycles as a dictionary."""
     function = found.function
     rows = [row._asdict() for row in found.rows]
     return {"function": function.name, "address": function.address, "cycles": found.least, "rows": rows}
 
 
 def as_json(found: Inspection) -> dict[str, object]:
-    """The same as one dictionary; addresses are numbers."""
+    """Return the summary as a dictionary; addresses are numbers."""
     image = found.image
     return {
         "kind": image.kind,

@@ -1,4 +1,4 @@
-"""Write TI COFF2: an image goes in; the bytes of a .out file come out, as `coff2` and TI's tools read them.
+"""Writer for TI COFF2 (.out) files, readable by `coff2` and TI's tools.
 
 Source: SPRAAO8.
 """
@@ -32,7 +32,7 @@ SHORT_NAME = 8
 
 
 def write(image: Image) -> bytes:
-    """The file. Debug sections are COPY sections, whose size counts bytes."""
+    """Return the file's bytes. Debug sections are COPY sections, whose size counts bytes."""
     strings = _Strings()
     contents = [_contents(section) for section in image.sections]
     debug = list(image.debug.items())
@@ -59,13 +59,13 @@ def write(image: Image) -> bytes:
 
 
 class _Strings:
-    """Names of more than 8 characters, by their place in the table."""
+    """The string table, for names longer than 8 characters."""
 
     def __init__(self) -> None:
         self._names = b""
 
     def field(self, name: str) -> bytes:
-        """The 8 bytes of a name: itself, or zero and its place."""
+        """Return the 8 bytes of a name field: the name, or zero and its offset in the table."""
         raw = name.encode("latin-1")
         if len(raw) <= SHORT_NAME:
             return raw.ljust(SHORT_NAME, b"\0")

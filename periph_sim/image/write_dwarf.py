@@ -1,4 +1,4 @@
-"""Lines of source as debug data: which line each address is of goes in; DWARF sections come out, as `debug_info` reads.
+"""Source lines as DWARF debug data, readable by `debug_info`.
 
 Source: DWARF 2, sections 6.2 (line program), 7.5 (abbreviations and entries).
 """
@@ -13,7 +13,7 @@ ADDRESS_BYTES = 4
 COMPILE_UNIT = 0x11
 NAME, STMT_LIST, LANGUAGE, PRODUCER = 0x03, 0x10, 0x13, 0x25  # DW_AT
 STRING, DATA2, DATA4 = 0x08, 0x05, 0x06  # DW_FORM
-ASSEMBLER = 0x8001  # DW_LANG_Mips_Assembler, which other assemblers say, too
+ASSEMBLER = 0x8001  # DW_LANG_Mips_Assembler, which other assemblers write, too
 COPY, ADVANCE_PC, ADVANCE_LINE, SET_FILE = 1, 2, 3, 4  # DW_LNS
 END_SEQUENCE, SET_ADDRESS = 1, 2  # DW_LNE
 OPERANDS = bytes((0, 1, 1, 1, 1, 0, 0, 0, 1))  # of the standard opcodes 1 to 9
@@ -22,7 +22,7 @@ Row = tuple[int, str, int]  # address, file, line
 
 
 def debug_sections(file: str, sequences: Sequence[tuple[Sequence[Row], int]]) -> dict[str, bytes]:
-    """The sections by name. file: of the unit. sequences: rows, ascending, and the address behind the last one."""
+    """Return the sections by name. file: of the unit. sequences: ascending rows, and the address after the last one."""
     abbreviation = bytes(
         (1, COMPILE_UNIT, 0, NAME, STRING, STMT_LIST, DATA4, LANGUAGE, DATA2, PRODUCER, STRING, 0, 0, 0)
     )
@@ -30,7 +30,7 @@ def debug_sections(file: str, sequences: Sequence[tuple[Sequence[Row], int]]) ->
     head = struct.pack("<HIB", VERSION, 0, ADDRESS_BYTES)
     numbers = {file: 1}
     program = b"".join(_sequence(rows, end, numbers) for rows, end in sequences)
-    names = b"".join(_text(name) + b"\0\0\0" for name in numbers)  # folder, time and length are not told
+    names = b"".join(_text(name) + b"\0\0\0" for name in numbers)  # folder, time and length are left 0
     files = b"\0" + names + b"\0"
     rest = struct.pack("<BBbBB", 1, 1, -5, 14, len(OPERANDS) + 1) + OPERANDS + files
     return {
@@ -41,7 +41,7 @@ def debug_sections(file: str, sequences: Sequence[tuple[Sequence[Row], int]]) ->
 
 
 def _sequence(rows: Sequence[Row], end: int, numbers: dict[str, int]) -> bytes:
-    """numbers: of files, in which new ones get theirs."""
+    """Encode one sequence. numbers: of files; new files are added."""
     at, line = rows[0][0], 1
     program = bytes((0, 1 + ADDRESS_BYTES, SET_ADDRESS)) + struct.pack("<I", at)
     for address, file, number in rows:
@@ -64,7 +64,7 @@ def _text(text: str) -> bytes:
 
 
 def _uleb(number: int) -> bytes:
-    """Seven bits a byte, low ones first."""
+    """Encode an unsigned LEB128: seven bits per byte, low ones first."""
     coded = bytearray()
     while True:
         number, low = number >> 7, number & 0x7F
@@ -74,7 +74,7 @@ def _uleb(number: int) -> bytes:
 
 
 def _sleb(number: int) -> bytes:
-    """The same with a sign, which is the last byte's bit 6."""
+    """Encode a signed LEB128: the sign is bit 6 of the last byte."""
     coded = bytearray()
     while True:
         number, low = number >> 7, number & 0x7F

@@ -90,7 +90,7 @@ def test_symbols_that_say_where_something_is():
 @pytest.mark.parametrize(("place", "strings"), [(3, b"abc\0"), (9, b"abc\0"), (4, b"abc")])
 def test_a_name_that_is_not_whole_in_the_table_of_names_is_refused(place: int, strings: bytes):
     said = refused(with_symbols((struct.pack("<II", 0, place), 0x8000, 1, 2, 0), strings=strings))
-    assert said == f"it is truncated: a name lies at byte {place} of its string table of {4 + len(strings)}"
+    assert said == f"it is truncated: a name is at byte {place} of its string table of {4 + len(strings)}"
 
 
 def test_a_file_may_end_with_its_last_section():
@@ -152,7 +152,7 @@ def test_records_of_cinit_may_name_22_bits_of_address_and_end_with_their_section
     """n words behind 16 bits of address, -n words behind 32, the lower word first; 0x8000 are -32768."""
     assert coff2.read(cinit(0xFFFE, 0x9200, 0x31, 5, 6, 1, 0x9100, 7)).initial == ((0x319200, (5, 6)), (0x9100, (7,)))
     for words in ((2, 0x9100, 7), (0xFFFF, 0x9200, 0x31), (0x8000, 0, 0, 1), (0x7FFF, 0, 1)):
-        assert refused(cinit(*words)) == "it is truncated: a record of .cinit ends behind its section"
+        assert refused(cinit(*words)) == "it is truncated: a record of .cinit ends after its section"
     assert refused(cinit(1, 0x7900, 7)) == (
         ".cinit initialises 1 words at 0x007900, over peripheral registers (peripheral frame 2)"
     )
@@ -170,7 +170,7 @@ def test_a_section_begins_behind_another_one_and_an_entry_is_one_of_its_words():
     more = text(address=ENTRY + len(CODE), name=".more")
     found = parse(write(image(text(), more, entry=ENTRY + 2 * len(CODE) - 1)))
     assert [one.name for one in found.sections] == [".text", ".more"]
-    assert "no loaded code" in refused(write(image(text(), entry=ENTRY + len(CODE))))
+    assert "not in a loaded code" in refused(write(image(text(), entry=ENTRY + len(CODE))))
     assert parse(write(image(text(), Section("Cla1Prog", 0x9000, 0x9000, 0)))).entry == ENTRY  # has no contents
 
 

@@ -128,7 +128,7 @@ def test_symbols_with_a_name_and_a_place():
 
 def test_contents_of_an_odd_number_of_bytes_are_refused():
     odd = TEXT._replace(contents=b"abc")
-    with pytest.raises(BadImage, match=r"^section '\.text' has 3 bytes, which are no whole words$"):
+    with pytest.raises(BadImage, match=r"^section '\.text' has 3 bytes, which is not a whole number of words$"):
         read(odd, loads=[Load(0x8000, ".text", ".text")])
 
 

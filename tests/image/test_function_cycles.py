@@ -116,7 +116,7 @@ def test_words_that_are_no_instruction_and_one_that_its_section_cuts_off_have_ro
     """0xE271 is of a TMU; 0x2809 begins MOV loc16,#16bit, whose second word is not there."""
     source = ' .sect "code", 0x8000\n .global _c_int00\n_c_int00: .word 0xE271, 0x7700, 0x2809\n'
     found = function_cycles(assemble(source + " NOP\n .entry _c_int00\n"), "_c_int00")
-    assert found.rows[0] == (0x8000, ".word 0xe271", "", 0, "no instruction", "")
+    assert found.rows[0] == (0x8000, ".word 0xe271", "", 0, "not an instruction", "")
     assert [row.text for row in found.rows] == [".word 0xe271", "NOP", "MOV @0x9,#0x7700"]
     cut = function_cycles(assemble(' .sect "code", 0x8000\n_c_int00: NOP\n .word 0x2809\n'), "_c_int00")
     assert [row.text for row in cut.rows] == ["NOP", "MOV @0x9,#0"]

@@ -74,9 +74,9 @@ def test_status_1_and_the_words_that_are_unknown(periph_sim: Run, tmp_path: Path
     path.write_bytes(write(image(text((0x7700, 0xE271, 0x0006)))))
     came = periph_sim("image", str(path))
     assert came.status == 1
-    assert "2 instructions in 3 words of code, 1 word of it unknown" in came.out
+    assert "2 instructions in 3 words of code, 1 unknown word" in came.out
     lines = came.out.splitlines()
-    heading = lines.index("words of code that are no instruction of the F28335:")
+    heading = lines.index("words of code that are not instructions of the F28335:")
     assert "0x008001  0xe271  0x008001  the TMU of an F2837x" in lines[heading + 1]
 
 

@@ -89,7 +89,7 @@ def test_elf_tells_code_from_data_by_the_flag_of_instructions():
     data = elf()
     flags = data.rindex(struct.pack("<IIII", 1, 1, 2 | 4, ENTRY)) + 8
     assert parse(data).sections[0].code
-    assert "no loaded code" in refused(changed(data, flags, "I", 2))
+    assert "not in a loaded code" in refused(changed(data, flags, "I", 2))
 
 
 def test_elf_section_that_reaches_beyond_its_segment_is_loaded_by_none():
@@ -132,7 +132,7 @@ REFUSED = [
     (changed(GOOD, SECTION_AT + 32, "I", 4), "section '.text' has relocations"),
     (changed(GOOD, SECTION_AT + 16, "I", 0x10000), "truncated: section '.text' ends at byte"),
     (changed(GOOD, 8, "I", 1 << 31), "truncated: its symbol table"),
-    (changed(GOOD, 22 + 16, "I", 0x9000), "entry 0x009000 lies in no loaded code"),
+    (changed(GOOD, 22 + 16, "I", 0x9000), "entry 0x009000 is not in a loaded code"),
     (write(image(text(), text(address=0x8008, name=".text.2"))), "sections '.text' and '.text.2' overlap at 0x008008"),
     (write(image(text(address=0x7900))), "'.text' lies at 0x007900, over peripheral registers (peripheral frame 2)"),
     (write(image(text(address=0xD00))), "over peripheral registers (PIE vectors)"),
@@ -143,8 +143,8 @@ REFUSED = [
     (write(image(text(address=0x3E8000))), "at 0x3e8000, where the F28335 has nothing; an F281x, F280x, F2803x or F2"),
     (write(image(text(address=0x320000, run=0x7900), entry=0x320000)), "'.text' lies at 0x007900"),
     (write(image(Section("Cla1Prog", 0x9000, 0x9000, 1, (1,)))), "a part with a CLA"),
-    (write(image(Section(".econst", 0x9000, 0x9000, 1, (1,)))), "in no loaded code section"),
-    (write(image(Section(".ebss", 0x9000, 0x9000, 1))), "no section of it is loaded"),
+    (write(image(Section(".econst", 0x9000, 0x9000, 1, (1,)))), "not in a loaded code section"),
+    (write(image(Section(".ebss", 0x9000, 0x9000, 1))), "it has no loaded section"),
     (elf(machine=40), "ELF for ARM"),
     (elf(kind=1), "object file"),
     (elf()[:-10], "ELF structure is damaged"),

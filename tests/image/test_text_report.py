@@ -41,7 +41,7 @@ EMPTY = replace(WHOLE, vectors=(), registers=(), unknown=(), functions=FUNCTIONS
 def test_the_whole_text():
     assert text(WHOLE).splitlines() == [
         "TI COFF2, entry 0x008001 (_begin)",
-        "9 instructions in 16 words of code, 2 words of it unknown",
+        "9 instructions in 16 words of code, 2 unknown words",
         "",
         " section          loaded at  runs at   words  contents",
         " ────────────────────────────────────────────────────────────────────────",
@@ -73,9 +73,9 @@ def test_the_whole_text():
         " f0        0x008004      1",
         " f3        0x008007      1",
         " f6        0x00800a      1",
-        "and 1 smaller ones; -v lists them all",
+        "and 1 smaller functions; -v lists all",
         "",
-        "words of code that are no instruction of the F28335:",
+        "words of code that are not instructions of the F28335:",
         "  0x008003  0xe271  main  the TMU of an F2837x",
         "  0x008009  0x0001  f5",
     ]
@@ -98,10 +98,10 @@ def test_what_an_image_has_none_of():
     lines = text(replace(EMPTY, debug_damaged="KeyError: 3", image=replace(IMAGE, tool_version=6, entry=0x8004)))
     assert lines.startswith(
         "TI COFF2, linker 6, entry 0x008004 (f0)\n9 instructions in 16 words of code, all known\n"
-        "note: debug data are damaged and read in part (KeyError: 3)\n"
+        "note: debug data are damaged and partly read (KeyError: 3)\n"
     )
-    assert "\n\nno vector is stored by code that names it\n\nno register is named by code\n\n" in lines
-    assert "smaller ones" not in lines and "no instruction" not in lines
+    assert "\n\nno vector is stored to a constant address\n\nno register is accessed by a constant address\n\n" in lines
+    assert "smaller functions" not in lines and "not instructions" not in lines
 
 
 def test_the_whole_dictionary():
@@ -149,8 +149,8 @@ def test_cycles_of_a_function():
         " 0x008001  SB 4,EQ         7/4      3  waits for SP",
         "",
         "main: 8 cycles with no condition true, 3 of them stalls by rule. cycles:",
-        "  published, taken/not taken. Not in it: wait states of registers, and what",
-        "  pointers reach.",
+        "  published, taken/not taken. Not included: wait states of registers, accesses",
+        "  through pointers.",
     ]
     assert cycles_as_json(found) == {
         "function": "main",

@@ -66,19 +66,19 @@ def test_a_part_has_its_place_and_width(variables: Variables, name: str, address
         ("computed", "the image has no variable 'computed'; "),
         ("stat.count", "the image has no variable 'stat'; did you mean state"),
         ("state.cuont", "state has no member 'cuont'; did you mean count?"),
-        ("state.inner", "state.inner is no number of 16 or 32 bits; name one of its members, sign, gain"),
-        ("state.parts", "state.parts is no number of 16 or 32 bits; name a word by its address, as 0x9042 is"),
-        ("state.parts[1]", "state.parts[1] is no number of 16 or 32 bits"),
-        ("state.low", "state.low is a bit-field; name the word that it is in by its address"),
+        ("state.inner", "state.inner is not a number of 16 or 32 bits; give one of its members, sign, gain"),
+        ("state.parts", "state.parts is not a number of 16 or 32 bits; give the address of a word, for example 0x9042"),
+        ("state.parts[1]", "state.parts[1] is not a number of 16 or 32 bits"),
+        ("state.low", "state.low is a bit-field; give the address of its word"),
         ("words[5]", "'words[5]': words has 5 elements, from 0 on"),
         ("state.parts[1][2]", "'state.parts[1][2]': state.parts[1] has 2 elements, from 0 on"),
         ("pointers[3]", "'pointers[3]': pointers has 3 elements, from 0 on"),
         ("words.x", "words has no members, so none is called 'x'"),
-        ("state[0]", "state is no array, so it has no element [0]"),
+        ("state[0]", "state is not an array, so it has no element [0]"),
         ("words[x]", "'words[x]': '[x]' is neither a member, .NAME, nor an element, [NUMBER]"),
-        ("_plain.x", "no debug data tell what _plain consists of, so '_plain.x' is not known; name a word by"),
-        ("_regs", "_regs is at 0x7900, where no memory is; a register's field is named MODULE.REGISTER.FIELD"),
-        ("0x7900", "0x7900 is at 0x7900, where no memory is"),
+        ("_plain.x", "the debug data do not describe _plain, so '_plain.x' is unknown; give the address of a word"),
+        ("_regs", "_regs is at 0x7900, which is not memory; write a register's field as MODULE.REGISTER.FIELD"),
+        ("0x7900", "0x7900 is at 0x7900, which is not memory"),
     ],
 )  # fmt: skip
 def test_what_is_no_number_is_refused_with_the_way_out(variables: Variables, name: str, sentence: str):
@@ -106,7 +106,7 @@ def test_a_float_takes_any_number_and_other_variables_whole_ones():
     assert (
         Variable("x", 0x9000, 2, "float").bits_of(-2.0) == Variable("x", 0x9000, 2, "float").bits_of(-2) == 0xC000_0000
     )
-    with pytest.raises(BadVariable, match=r"^x is no float, so 1\.0 does not fit; give a whole number$"):
+    with pytest.raises(BadVariable, match=r"^x is not a float, so 1\.0 does not fit; give an integer$"):
         Variable("x", 0x9000, 1, "signed").bits_of(1.0)
 
 

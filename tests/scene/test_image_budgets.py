@@ -133,7 +133,7 @@ def test_a_cpu_in_idle_has_no_load(tmp_path: Path):
         ("level of variable dsq:_count; max = 1", "", "there is no unit 'dsq'; did you mean dsp?"),
         ("calls of _work; max = 9", "memory = { _stpe = 1 }\n", "no variable '_stpe'; did you mean _step?"),
         ("calls of _work; max = 9", "memory = { _step = 65536 }\n", "_step has 16 bits, so 65536 does not fit"),
-        ("calls of _work; max = 9", "memory = { _step = 1.5 }\n", "_step is no float, so 1.5 does not fit"),
+        ("calls of _work; max = 9", "memory = { _step = 1.5 }\n", "_step is not a float, so 1.5 does not fit"),
     ],
 )
 def test_names_and_values_that_an_image_does_not_have(tmp_path: Path, budget: str, unit: str, sentence: str):

@@ -86,7 +86,7 @@ def check(
                 update=update,
                 changes=changes,
                 keep_values=html_file is not None,
-                told=on_progress,
+                on_progress=on_progress,
                 on_refused=refused.append,
             )
         if unfinished is not None:

@@ -70,7 +70,7 @@ def sweep(
         stopped = ""
         with progress(case.stem) as on_progress:
             try:
-                came = swept(case, fixed | varied, seconds=length, jobs=jobs, told=on_progress)
+                came = swept(case, fixed | varied, seconds=length, jobs=jobs, on_progress=on_progress)
             except SweepStopped as error:
                 came, stopped = error.finished, str(error)
             except BadCase as error:

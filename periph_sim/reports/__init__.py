@@ -1,1 +1,1 @@
-"""Reports of runs: baselines with JUnit XML and annotations, and HTML pages."""
+"""Reports of runs: baselines with JUnit XML and annotations, HTML pages, sweeps, profiles and trades."""

@@ -1,6 +1,6 @@
-"""Extremes of crystals in a whole scene: the flagship with clocks 200 000 ppm apart goes in, findings come out.
+"""The flagship scene with crystals 200 000 ppm apart.
 
-The host's bit rate follows the unit's crystal, since an SCI receives nothing at ten percent off. The bytes of each
+The host's bit rate follows the unit's crystal, because an SCI cannot receive at ten percent error. The bytes of each
 round are compared with the frames, and the instant of each round with the exact one.
 """
 
@@ -15,13 +15,13 @@ from ..scene.case.model import Controller
 from ..scene.scene import Scene
 from ..sensors.extremes.finding import EVERY, Finding
 
-PPM = 100_000  # either way, the most that a case may state
+PPM = 100_000  # either way, the largest value that a case accepts
 LENGTH = Fraction(1, 10)  # s
 LEAST_ROUNDS = 4
 
 
 def imu_hil_clocks() -> Iterator[Finding]:
-    """The unit's crystal at one end and the controller's at the other, both ways."""
+    """Yield findings with the crystals of unit and controller at opposite extremes, both ways."""
     for sign in (1, -1):
         unit, controller = sign * PPM, -sign * PPM
         changes = [f"unit.dsp.ppm={unit}", f"controller.ppm={controller}", f"host.error={Fraction(unit, 10_000)}"]

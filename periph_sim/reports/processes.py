@@ -1,12 +1,12 @@
-"""Processes that begin as fresh ones, but with the package imported: a number of workers goes in, a pool comes out.
+"""Pools of worker processes that start fresh, with the package already imported.
 
-    first pool --> server, which imports the package and runs no case --fork--> worker, as if just started
+    first pool --> server, which imports the package and runs no case --fork--> fresh worker
 
-Importing takes as long as many a case. A fork of this process would not do: it has run cases, and may have threads.
-Where there is no such server, on Windows, workers import what they need.
+Importing takes as long as many a case. Forking this process would not work: it has run cases, and may have threads.
+Without such a server, on Windows, workers import what they need.
 
 No worker outlives its use. An error or Ctrl-C in the block of a pool ends its workers at once, `end_workers` those of
-all pools; a worker whose parent process has ended, in whatever way, ends itself, and the server ends with the last one.
+all pools; a worker ends itself when its parent process ends, and the server ends with the last worker.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _pools: set[ProcessPoolExecutor] = set()
 
 @contextmanager
 def processes(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """So many processes, with this one's environment as it is now."""
+    """Yield a pool of `workers` processes with the current environment."""
     context = get_context(SERVER if SERVER in get_all_start_methods() else "spawn")
     if context.get_start_method() == SERVER:
         context.set_forkserver_preload(IMPORTED)
@@ -56,9 +56,9 @@ def _end(pool: ProcessPoolExecutor) -> None:
 
 
 def _begin(environment: Mapping[str, str]) -> None:
-    """In a worker: Ctrl-C ends it without a traceback; what it has imported is never looked through for garbage.
+    """Set up a worker: Ctrl-C ends it without a traceback; imported objects are excluded from garbage collection.
 
-    What user code prints goes to standard error: standard output is the command's.
+    User code prints to standard error: standard output belongs to the command.
     """
     signal(SIGINT, SIG_DFL)
     sys.stdout = sys.stderr

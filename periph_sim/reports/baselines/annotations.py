@@ -1,4 +1,4 @@
-"""Annotations of a check for a CI service: CaseChecks go in, a line a budget that is not as it should be comes out.
+"""GitHub annotations of a check: one line per failing budget.
 
 Source: GitHub's "Workflow commands for GitHub Actions": `::error file=...,line=...::message`, with
 %, carriage return and line feed written as %25, %0D, %0A, and in properties also : and , as %3A, %2C.
@@ -15,11 +15,11 @@ from .outcome import RejectedCase
 
 
 def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> list[str]:
-    """`::error` lines that point at the line of the budget in its case file; `::warning` at what is to blame for it.
+    """Return `::error` lines at the budget's line in its case file, and `::warning` at the blamed firmware line.
 
     refused: cases that could not be run; each is an `::error` line.
 
-    All about a budget is one of them, and all about the case as a whole: GitHub shows ten of a step.
+    All findings of a budget, or of the whole case, share one line: GitHub shows only ten per step.
     """
     lines = []
     for check in checks:
@@ -38,7 +38,7 @@ def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> lis
 
 
 def _cause(budget: str, chain: Chain, title: str) -> list[str]:
-    """A `::warning` line at the place in the firmware that most of the time went into, if it is in this folder."""
+    """Return a `::warning` line at the firmware line that took most of the time, if it is in this folder."""
     part = chain.blamed
     if part is None or part.place is None or part.place.file is None:
         return []

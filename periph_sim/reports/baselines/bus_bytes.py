@@ -1,8 +1,8 @@
-"""The values of all bytes on the I2C bus: records of a run go in as they come, short digests come out.
+"""Digests of the values of all bytes on the I2C bus of a run.
 
-    BUS records of addresses and bytes, with their ACKs --> BLAKE2b, one digest for each PART of them
+    BUS records of addresses and bytes, with their ACKs --> BLAKE2b, one digest per PART bytes
 
-Each digest is of all bytes up to its end, so the first one that differs says where two runs differ first.
+Each digest covers all bytes up to its end, so the first different one shows where two runs first differ.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ DIGEST = 4  # bytes of a digest
 
 
 class BusBytes:
-    """Digests of the bytes so far; times do not count."""
+    """Digests of the bytes so far, without their times."""
 
     def __init__(self, recorder: Recorder) -> None:
         self._hash = blake2b(digest_size=DIGEST)
@@ -34,5 +34,5 @@ class BusBytes:
 
     @property
     def digests(self) -> list[str]:
-        """In hexadecimal digits, of each whole part and of what is left."""
+        """Hexadecimal digests: one per whole part, one for the rest."""
         return [*self._digests, self._hash.hexdigest()] if self._count % PART else [*self._digests]

@@ -1,9 +1,9 @@
-"""Case files go in; each is run in a process of its own and held against its baseline; a CaseCheck each comes out.
+"""Run case files, each in a process of its own, and compare them with their baselines.
 
     paths --> cases --> processes --> outcomes --> compared, explained, judged --> CaseCheck
                                                    or written as new baselines
 
-The results come in the order of the files' names, however many processes there are.
+Results are in the order of the files' names, for any number of processes.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ from .outcome import Chains, Outcome, RejectedCase, occurrence, run_case, run_ch
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
 
-STOPPED = "it was not run to its end, since the check was stopped"
+STOPPED = "it was not run to its end, because the check was stopped"
 
 
 def case_files(paths: Iterable[Path | str]) -> list[Path]:
-    """The case files: a file as it is, of a folder all below it; each once. BadCheck if there are none."""
+    """Return the case files of paths; for a folder all below it; each once. Raise BadCheck if there are none."""
     found: dict[Path, None] = {}
     for path in map(Path, paths):
         if path.is_dir():
             inside = list(cases_below(path))
             if not inside:
                 expected = "expected .toml files with a [unit.NAME], [controller] or [[budget]] table"
-                raise BadCheck(f"{path}: there is no case in it or below it; {expected}")
+                raise BadCheck(f"{path}: it contains no case; {expected}")
             found |= dict.fromkeys(inside)
         elif path.exists():
             found[path] = None
@@ -59,23 +59,23 @@ def check(
     update: bool = False,
     changes: Sequence[str] = (),
     keep_values: bool = False,
-    told: Callable[[float], None] | None = None,
+    on_progress: Callable[[float], None] | None = None,
     on_refused: Callable[[RejectedCase], None] | None = None,
 ) -> list[CaseCheck]:
-    """How each case stands. jobs: processes, as many as there are cores if None; 1 runs all in this one.
+    """Run cases and compare them. jobs: processes, one per core if None; 1 runs all in this process.
 
-    tolerance: cycles by which times may differ. update: the figures become the new baselines, all or none.
-    changes: "key=value" texts applied to every case, to see what they would change. keep_values: in the outcomes.
-    told: the part done, 0 to 1. on_refused: called with each case that cannot be run or compared, or that others drive;
-    the others go on.
-    BadCheck for such cases without it, and in any case where baselines are to be written: all of them or none. A
+    tolerance: cycles by which times may differ. update: write the figures as new baselines, all or none.
+    changes: "key=value" texts applied to every case, to see their effect. keep_values: keep values in the outcomes.
+    on_progress: called with the part done, 0 to 1. on_refused: called with each case that cannot be run or compared, or
+    needs an outside party; the others continue.
+    Raise BadCheck for such cases if on_refused is None, and always if baselines are to be written: all or none. A
     script that calls this with more than one process needs the usual `if __name__ == "__main__":`.
     """
     files = case_files(paths)
     refused: list[RejectedCase] = []
     before = {} if update else _baselines(files, refused)
     ran, stopped = _run_each(
-        files, jobs, changes, keep_values, told, keep_finished=on_refused is not None and not update
+        files, jobs, changes, keep_values, on_progress, keep_finished=on_refused is not None and not update
     )
     refused += [one for one in ran if isinstance(one, RejectedCase)]
     outcomes = [one for one in ran if isinstance(one, Outcome) and (update or one.path in before)]
@@ -104,11 +104,11 @@ def _run_each(
     jobs: int | None,
     changes: Sequence[str],
     keep_values: bool,
-    told: Callable[[float], None] | None,
+    on_progress: Callable[[float], None] | None,
     *,
     keep_finished: bool,
 ) -> tuple[list[Outcome | RejectedCase], bool]:
-    """Run each case; whether Ctrl-C or SIGTERM stopped that, which rejects the cases that were not done.
+    """Run each case. Return the results and whether Ctrl-C or SIGTERM stopped it; unfinished cases are rejected.
 
     keep_finished: False raises KeyboardInterrupt instead.
     """
@@ -121,8 +121,8 @@ def _run_each(
                     came[path] = result()
                 except BadCheck as error:
                     came[path] = RejectedCase(path, str(error))
-                if told is not None:
-                    told(done / len(files))
+                if on_progress is not None:
+                    on_progress(done / len(files))
     except KeyboardInterrupt:
         if not keep_finished:
             raise
@@ -131,7 +131,7 @@ def _run_each(
 
 
 def _baselines(files: Iterable[Path], refused: list[RejectedCase]) -> dict[Path, Baseline | None]:
-    """The baseline of each case; cases whose baseline cannot be read are added to `refused`."""
+    """Read the baseline of each case; add cases whose baseline cannot be read to `refused`."""
     found: dict[Path, Baseline | None] = {}
     for path in files:
         try:
@@ -154,16 +154,16 @@ def _state(changes: list[Change]) -> State:
 
 
 class Start(Protocol):
-    """Starts a call, perhaps in another process; what comes back gives its result."""
+    """Starts a call, perhaps in another process; returns a function that waits for its result."""
 
     def __call__(self, work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]: ...
 
 
 def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int) -> None:
-    """Second runs, for the chains that say why a figure changed, and which access moved though none did.
+    """Run again to find the chains that explain changed figures, and accesses that moved without changing one.
 
-    They end behind the last occurrence that a budget's baseline tells of. Where figures and digest are the baseline's,
-    nothing can have moved, and none is made.
+    A run ends after the last occurrence in the baseline's budgets. If figures and digest equal the baseline's,
+    nothing can have moved, and the run is skipped.
     """
     runs: list[Callable[[], Chains] | None] = []
     for one in checks:
@@ -192,7 +192,7 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
 
 
 def _find_causes(checks: list[CaseCheck], start: Start) -> None:
-    """Second runs, only of cases with budgets that broke and must not, for what led to that."""
+    """Run cases with unexpectedly broken budgets again, to find the causes."""
     runs = []
     for one in checks:
         outcome = one.outcome
@@ -207,7 +207,7 @@ def _is_worst(change: Change, figures: Figures | None) -> bool:
 
 
 def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
-    """New baselines, written once all are complete."""
+    """Write new baselines, once all are complete."""
     runs = []
     for outcome in outcomes:
         baseline = _old(path_for(outcome.path))
@@ -237,7 +237,7 @@ def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
 
 
 def _old(path: Path) -> Baseline | None:
-    """The baseline that is being replaced; None if there is none, or one of another version, or a damaged one."""
+    """Read the baseline to be replaced; None if it is missing, damaged or of another version."""
     try:
         return read(path)
     except BadCheck:
@@ -270,7 +270,7 @@ def _lines(chains: dict[str, EventLine]) -> dict[str, list[str]]:
 
 @contextmanager
 def workers(jobs: int | None, calls: int) -> Iterator[Start]:
-    """A way to start so many calls, `jobs` at a time, each in a process of its own; as many as there are cores if None.
+    """Yield a function that starts calls, `jobs` at a time (None: one per core), each in a process of its own.
 
     One job, or a single call: in this process.
     """
@@ -281,7 +281,7 @@ def workers(jobs: int | None, calls: int) -> Iterator[Start]:
 
         yield here
         return
-    gc.collect()  # firmware of earlier runs is stopped by the thread that ran it, not by one of these
+    gc.collect()  # firmware of earlier runs must be stopped by the thread that ran it, not by one of these
     with ThreadPoolExecutor(min(jobs or os.cpu_count() or 1, calls)) as threads:
 
         def there(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
@@ -289,17 +289,17 @@ def workers(jobs: int | None, calls: int) -> Iterator[Start]:
 
         try:
             yield there
-        except BaseException:  # a case that cannot be run, or Ctrl-C: the rest need not be
+        except BaseException:  # a case that cannot be run, or Ctrl-C: cancel the rest
             threads.shutdown(wait=False, cancel_futures=True)
             end_workers()
             raise
 
 
 def _apart(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> T:
-    """The call in a fresh process, so that no case sees what the firmware of another left behind."""
+    """Make the call in a fresh process, so that firmware of one case cannot affect another."""
     with processes(1) as process:
         try:
             return process.submit(work, path, *rest).result()
         except BrokenProcessPool:
-            what = "its process died before it was done; periph-sim run shows how far it comes"
+            what = "its process died before it finished; periph-sim run shows how far it gets"
             raise BadCheck(f"{path}: {what}") from None

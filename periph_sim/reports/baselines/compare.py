@@ -1,8 +1,8 @@
-"""A baseline and a run now go in; what changed comes out, a line a figure.
+"""Compare a baseline with a run: one change per figure.
 
 Exact unless a tolerance is given. With one, times may differ by that much, and instants, which move with them, are not
-compared. Counts of simulated events and of skipped polls say something of the simulation and nothing of the firmware:
-they are told as notes, and fail nobody.
+compared. Counts of simulated events and of skipped polls describe the simulation, not the firmware: their changes
+are notes and cannot fail.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from .figures import Baseline, Figures
 NOTES = ("events", "polls_skipped")
 CHAIN = "chain"
 BUS_BYTES = "bus bytes"
-MOST_MOVED = 3  # accesses that moved, told of a case
-SAME = Fraction(1, 1000)  # seconds by which an occurrence may move and be the same
+MOST_MOVED = 3  # moved accesses shown per case
+SAME = Fraction(1, 1000)  # seconds by which an occurrence may move and still be the same
 VALUES = ("worst", "least")
 INSTANTS = ("worst_at", "least_at")
 
 
 @dataclass
 class Change:
-    """A figure that is another one now. budget: None for one of the case as a whole. why: "" or what explains it.
+    """A figure that changed. budget: None for a figure of the whole case. why: an explanation, or "".
 
-    note: it is told and fails nobody.
+    note: it is shown and cannot fail.
     """
 
     budget: str | None
@@ -44,7 +44,7 @@ class Change:
 
 
 def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]:
-    """What changed, in the order of the case's budgets; chains only explain. tolerance: in cycles, of times."""
+    """Return the changes in the order of the case's budgets, without chains. tolerance: for times, in cycles."""
     changes = []
     for figure in ("case", "simulated", "ticks_per_second", "ticks_per_cycle"):
         old, new = getattr(before, figure), getattr(now, figure)
@@ -55,7 +55,7 @@ def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]
         if old_one is None:
             changes.append(Change(name, "budget", None, name, f"{name}: a new budget, not in the baseline"))
         elif new_one is None:
-            changes.append(Change(name, "budget", name, None, f"{name}: in the baseline, but no budget of the case"))
+            changes.append(Change(name, "budget", name, None, f"{name}: in the baseline, but not a budget of the case"))
         else:
             changes += _budget(name, before, old_one, now, new_one, tolerance)
     counts = {"events": (before.events, now.events)}
@@ -73,14 +73,14 @@ def _bus_bytes(before: list[str], now: list[str]) -> list[Change]:
     if before == now:
         return []
     if not before:
-        text = "the baseline holds no bytes of the bus, so their values are not compared; --update-baseline adds them"
+        text = "the baseline has no bus bytes, so their values are not compared; --update-baseline adds them"
         return [Change(None, BUS_BYTES, None, now[0], text, note=True)]
     part = next((n for n, (was, came) in enumerate(zip(before, now, strict=False)) if was != came), None)
     if part is None:
         part = min(len(before), len(now))
     was, came = (digests[part] if part < len(digests) else "none" for digests in (before, now))
     where = f"first among bytes {part * PART + 1} to {(part + 1) * PART} of the run"
-    return [Change(None, BUS_BYTES, was, came, f"bytes on the bus are other ones than in the baseline, {where}")]
+    return [Change(None, BUS_BYTES, was, came, f"bytes on the bus differ from the baseline, {where}")]
 
 
 def _budget(name: str, before: Baseline, old: Figures, now: Baseline, new: Figures, tolerance: int) -> list[Change]:
@@ -111,7 +111,7 @@ def _budget(name: str, before: Baseline, old: Figures, now: Baseline, new: Figur
 
 
 def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
-    """Those that say something of their own: where one number is kept, largest, smallest and count are the same."""
+    """Return the figures to compare: if only one number was kept, largest, smallest and count are equal."""
     one = [f.unit != "time" and (f.worst, f.worst_at) == (f.least, f.least_at) for f in (old, new)]
     if not all(one):
         return (*VALUES, *INSTANTS, "count")
@@ -121,7 +121,7 @@ def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
 
 
 def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong: str) -> None:
-    """Put in words why a worst value is another one: how its chain parts from the baseline's."""
+    """Add the reason for changed worst values: where their chain differs from the baseline's."""
     for change in changes:
         if change.budget is None or change.budget not in before.budgets or change.budget not in now.budgets:
             continue
@@ -134,13 +134,13 @@ def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong:
         elif old.chain and new.chain and old.chain_of == new.chain_of:
             change.why = first_divergence(old.chain, new.chain, now.cycles) or "no event of its chain moved"
         elif at is not None and not old.chain:
-            change.why = f"first at {_ms(now, at)}, where there was none"
+            change.why = f"first at {_ms(now, at)}; in the baseline there was none"
 
 
 def moved_accesses(
     before: Baseline, now: Baseline, chains: Mapping[str, EventLine], tolerance: int = 0
 ) -> list[Change]:
-    """What moved in the chains of budgets whose figures did not change, each once. tolerance: in cycles."""
+    """Return accesses that moved in chains of unchanged budgets, each once. tolerance: in cycles."""
     found: dict[str, Change] = {}
     for name, chain in chains.items():
         old, new = before.budgets.get(name), now.budgets.get(name)
@@ -153,7 +153,7 @@ def moved_accesses(
 
 
 def _same_occurrence(old: Figures, new: Figures, now: Baseline) -> bool:
-    """Whether a chain is of the occurrence that the baseline's is of."""
+    """Return True if the chain is of the same occurrence as the baseline's."""
     then_at, now_at = (f.worst_at if f.chain_of == "worst" else f.least_at for f in (old, new))
     if old.measure != new.measure or old.chain_of != new.chain_of or then_at is None or now_at is None:
         return False
@@ -169,7 +169,7 @@ def _cycles(of: Baseline, ticks: int | None, nothing: str) -> str:
 
 
 def _counted(value: int | None, unit: str) -> str:
-    """A number that is no time: a part of the time and LSB, which are kept in millionths, as people say them."""
+    """Format a number that is not a time; percent and LSB are kept in millionths."""
     if value is None:
         return "none"
     if unit == "%":

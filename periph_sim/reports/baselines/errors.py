@@ -1,7 +1,7 @@
-"""What `check` refuses: a sentence or several go in, an error the user is to blame for comes out."""
+"""Errors of `check` that the user can correct."""
 
 from __future__ import annotations
 
 
 class BadCheck(ValueError):
-    """Cases or baselines that cannot be checked; one sentence each, a line each."""
+    """Cases or baselines cannot be checked; one sentence per line."""

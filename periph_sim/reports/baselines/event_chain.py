@@ -1,10 +1,10 @@
-"""The chain of events of an occurrence: records of a short second run go in, "TICKS EVENT" lines come out.
+"""The chain of events of an occurrence, as "TICKS EVENT" lines, from a short second run.
 
     case, wanted instants --> Scene, recorded --> records around each --> chain
-    chain of the baseline, chain now --> the event that moved most, and the first that differs
+    chain of the baseline, chain now --> the event that moved most, and the first difference
 
-Reads are left out: how often a flag is polled is not what one looks for. So are values: a
-worst case that moves to another round carries other data.
+Reads are left out: how often a flag is polled does not matter. So are values: a
+worst case that moves to another round has other data.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from ...scene.case.model import Case
 from ...scene.scene import Scene
 
 LONGEST = 32  # events of a chain
-AROUND = Fraction(5, 1000)  # seconds looked through for a START before and a STOP behind
+AROUND = Fraction(5, 1000)  # seconds searched for a START before and a STOP after
 KINDS = (Kind.BUS, Kind.ACCESS, Kind.IRQ, Kind.SPAN)
 COARSE = ("START", "repeated START", "STOP")
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """An occurrence of a measure: when (ticks from the run's begin), and how long where it is a time, else 0."""
+    """An occurrence of a measure. at: ticks from the run's begin. length: ticks of a time, else 0."""
 
     measure: str
     at: int
@@ -38,7 +38,7 @@ class Wanted:
 
 
 class EventLine(NamedTuple):
-    """A chain, and beside each of its lines the place in the firmware; "" where it has none."""
+    """A chain, and the firmware location of each line, or ""."""
 
     lines: list[str]
     places: list[str]
@@ -46,7 +46,7 @@ class EventLine(NamedTuple):
 
 @output_muted()
 def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
-    """The chain of each occurrence: one more run of the case, which ends behind the last of them."""
+    """Run the case again until the last occurrence, and return the chain of each."""
     if not wanted:
         return {}
     kept: list[Record] = []
@@ -67,7 +67,7 @@ def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
 
 
 def _around(records: list[Record], at: int, wanted: Wanted, margin: int) -> list[Record]:
-    """The records, which are in order of time, that a chain can be made of."""
+    """Return the records, in time order, from which a chain can be made."""
     begin = bisect_left(records, at - max(wanted.length, margin), key=lambda r: r.tick)
     return records[begin : bisect_right(records, at + wanted.length + margin, key=lambda r: r.tick)]
 
@@ -86,7 +86,7 @@ def _chain(records: list[Record], at: int, wanted: Wanted, margin: int) -> Event
     elif not wanted.measure.startswith("span:"):
         stops = [r.tick for r in records if r.kind is Kind.BUS and r.what == "STOP" and at <= r.tick <= at + margin]
         end = min(stops, default=at + margin)
-    events = [(r.tick, told(r), _place(r)) for r in records if begin <= r.tick <= end and _counts(r, coarse)]
+    events = [(r.tick, description(r), _place(r)) for r in records if begin <= r.tick <= end and _counts(r, coarse)]
     if wanted.measure == "response":
         events = [*events[: LONGEST - 1], (end, "SCL rise of the first data bit", "")]
     shown = events[:LONGEST]
@@ -104,8 +104,8 @@ def _counts(record: Record, coarse: bool) -> bool:
     return record.kind is not Kind.BUS or not coarse or record.what in COARSE
 
 
-def told(record: Record) -> str:
-    """An event as a phrase."""
+def description(record: Record) -> str:
+    """Return an event as a phrase."""
     if record.kind is Kind.ACCESS:
         return f"{record.what.removeprefix('W ')} written by {record.where}"
     if record.kind is Kind.IRQ:
@@ -116,11 +116,11 @@ def told(record: Record) -> str:
 
 
 def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], str]) -> str:
-    """How two chains part, as a phrase; "" if they do not. cycles: ticks as cycles.
+    """Describe how two chains differ, as a phrase; "" if they do not. cycles: formats ticks as cycles.
 
-    Told first is the event that moved most, then the first one that differs, if that is another: two
+    First the event that moved most, then the first one that differs, if it is another: two
     occurrences at different times may differ by a poll before they differ by what matters. The n-th
-    event of a name is held against the n-th of that name, so that one that moves past another is told as late.
+    event of a name is compared with the n-th of that name, so an event that moves past another counts as late.
     """
     then_at, now_at = _times(before), _times(now)
     apart = [key for key in {**then_at, **now_at} if then_at.get(key) != now_at.get(key)]
@@ -129,14 +129,14 @@ def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], 
     first = min(apart, key=lambda key: min(at[key] for at in (then_at, now_at) if key in at))
     moved = [key for key in apart if key in then_at and key in now_at]
     most = max(moved, key=lambda key: abs(now_at[key] - then_at[key]), default=first)
-    told = [_moved(key[0], then_at.get(key), now_at.get(key), cycles) for key in dict.fromkeys((most, first))]
-    return "; first to differ: ".join(told)
+    differences = [_moved(key[0], then_at.get(key), now_at.get(key), cycles) for key in dict.fromkeys((most, first))]
+    return "; first to differ: ".join(differences)
 
 
 def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str], tolerance: int) -> str:
-    """The first event of a chain that moved by more than so many ticks, as a phrase with its place; "" if none did.
+    """Describe the first event of a chain that moved by more than `tolerance` ticks, with its place; "" if none.
 
-    An event that is new, or gone, moved by more than any tolerance.
+    A new or missing event counts as moved.
     """
     then_at, now_at = _times(before), _times(now.lines)
     far = [
@@ -153,14 +153,14 @@ def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str],
 
 def _moved(event: str, then: int | None, now: int | None, cycles: Callable[[int], str]) -> str:
     if now is None:
-        return f"no more {event}, which was after {_length(cycles(then or 0))}"
+        return f"{event} is missing, which was after {_length(cycles(then or 0))}"
     if then is None:
         return f"{event} after {_length(cycles(now))}, which is new"
     return f"{event} {_length(cycles(abs(now - then)))} {'later' if now > then else 'earlier'}"
 
 
 def _times(chain: list[str]) -> dict[tuple[str, int], int]:
-    """When each event was; the number says which of that name it is."""
+    """Return the tick of each event; the number counts events of the same name."""
     times: dict[tuple[str, int], int] = {}
     seen: Counter[str] = Counter()
     for line in chain:

@@ -1,8 +1,8 @@
-"""One number for all that chains are made of: records of a run go in as they come, a digest of their times comes out.
+"""A digest of the times of all events that chains are made of.
 
-    BUS, ACCESS, IRQ, SPAN of a run --> "TICKS EVENT" lines, as chains have them --> BLAKE2b
+    BUS, ACCESS, IRQ, SPAN of a run --> "TICKS EVENT" lines, as in chains --> BLAKE2b
 
-Two runs with one digest have equal chains, so the second run that makes them is not needed where nothing changed.
+Two runs with one digest have equal chains, so no second run is needed if nothing changed.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from __future__ import annotations
 from hashlib import blake2b
 
 from ...core.records import Kind, Record, Recorder
-from .event_chain import KINDS, told
+from .event_chain import KINDS, description
 
 BYTES = 16
 
 
 class EventDigest:
-    """start: the tick at which the run begins; times are counted from it."""
+    """start: the run's first tick, origin of its times."""
 
     def __init__(self, recorder: Recorder, start: int) -> None:
         self._start = start
@@ -25,9 +25,9 @@ class EventDigest:
 
     def _add(self, record: Record) -> None:
         if record.kind is not Kind.ACCESS or record.what.startswith("W "):
-            self._hash.update(f"{record.tick - self._start} {told(record)}\n".encode())
+            self._hash.update(f"{record.tick - self._start} {description(record)}\n".encode())
 
     @property
     def text(self) -> str:
-        """Of all that happened so far, in hexadecimal digits."""
+        """The digest of all events so far, in hexadecimal."""
         return self._hash.hexdigest()

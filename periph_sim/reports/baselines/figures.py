@@ -1,4 +1,4 @@
-"""The figures of a case that a baseline keeps: exact integers, so that two runs can be compared for equality.
+"""The figures of a case that a baseline keeps: exact integers, so two runs can be compared for equality.
 
     a run's measures --> Baseline <--> timing/baselines/NAME.json
 
@@ -14,13 +14,13 @@ from typing import Literal
 
 from ...core.table import Table
 
-SCHEMA: Literal[1] = 1  # of the file; another one is refused
+SCHEMA: Literal[1] = 1  # of the file; other versions are refused
 
 
 class Figures(Table, frozen=True, kw_only=True):
-    """Of one budget. unit: "time" (ticks) or what is counted. None: nothing was measured, or it has no instant.
+    """Figures of one budget. unit: "time" (ticks) or what is counted. None: not measured, or no instant.
 
-    chain: the worst occurrence, an event a line: "TICKS EVENT", TICKS from its begin (see `chain`).
+    chain: the worst occurrence, one event per line: "TICKS EVENT", TICKS from its begin (see `chain`).
     """
 
     measure: str
@@ -35,9 +35,9 @@ class Figures(Table, frozen=True, kw_only=True):
 
 
 class Baseline(Table, frozen=True, kw_only=True):
-    """Of one case. counts: everything else of a run that is counted.
+    """The baseline of one case. counts: all other counts of a run.
 
-    digest: of the times of all events that chains are made of (see `event_digest`); "" in files of an earlier version.
+    digest: of the times of all chain events (see `event_digest`); "" in files of an earlier version.
     bus_bytes: digests of the values of all bytes on the I2C bus (see `bus_bytes`); none in files of an earlier version.
     """
 
@@ -53,20 +53,20 @@ class Baseline(Table, frozen=True, kw_only=True):
     bus_bytes: list[str] = []
 
     def with_chains(self, lines: Mapping[str, list[str]]) -> Baseline:
-        """The same figures, with these chains by budget."""
+        """Return the same figures with these chains, by budget."""
         budgets = {n: f.model_copy(update={"chain": lines.get(n, f.chain)}) for n, f in self.budgets.items()}
         return self.model_copy(update={"budgets": budgets})
 
     def chains_of(self, other: Baseline) -> dict[str, list[str]] | None:
-        """The other's chains, where they must be those of this run, too: equal figures, and equal times of all events.
+        """Return the other's chains if this run's must equal them: equal figures, and equal times of all events.
 
-        None where a run has to tell.
+        None if a run is needed.
         """
         chains = {name: one.chain for name, one in other.budgets.items()}
         same = self.digest and self.digest == other.digest and self.with_chains(chains).budgets == other.budgets
         return chains if same else None
 
     def cycles(self, ticks: int) -> str:
-        """Ticks as cycles for people: exact where they are whole, else rounded to hundredths."""
+        """Format ticks as cycles: exact if whole, else rounded to hundredths."""
         value = Fraction(ticks, self.ticks_per_cycle)
         return f"{value.numerator}" if value.denominator == 1 else f"{float(value):.2f}"

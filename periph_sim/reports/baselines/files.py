@@ -1,6 +1,6 @@
-"""Baseline files: a Baseline goes in, sorted JSON with one figure a line comes out, and the other way round.
+"""Baseline files: sorted JSON with one figure per line.
 
-A file is written whole or not at all, and several files are written together once every one is complete.
+A file is written completely or not at all; several files are written together once all are complete.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ FOLDER = "baselines"
 
 
 def path_for(case: Path) -> Path:
-    """Where the baseline of a case file stands: where its project says, else baselines/NAME.json beside it."""
+    """Return the baseline's path: from the project's settings, else baselines/NAME.json beside the case."""
     return project_of(case.parent).baseline(case) or case.parent / FOLDER / f"{case.stem}.json"
 
 
 def text_of(baseline: Baseline) -> str:
-    """What stands in the file: JSON, keys sorted, a figure a line."""
+    """Format a baseline as JSON with sorted keys, one figure per line."""
     return json.dumps(msgspec.to_builtins(baseline), indent=2, sort_keys=True, ensure_ascii=False) + "\n"
 
 
 def read(path: Path) -> Baseline | None:
-    """The baseline in a file, None if there is no such file. BadCheck if it is not one of this schema version."""
+    """Read a baseline; None if there is no such file. Raise BadCheck if it is not of this schema version."""
     try:
         data = read_regular(path)
     except FileNotFoundError:
@@ -60,16 +60,16 @@ def read(path: Path) -> Baseline | None:
         raise BadCheck(f"{path}: {key}: {complaint(error.first)}; {RENEW}") from None
 
 
-RENEW = "write it anew with --update-baseline"
+RENEW = "write it again with --update-baseline"
 
 
 def write_all(texts: Mapping[Path, str]) -> None:
-    """Write each text at its path, all of them or none. BadCheck where that is not possible."""
+    """Write each text to its path, all or none. Raise BadCheck if that fails."""
     try:
         for folder in {path.parent for path in texts}:
             folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise BadCheck(f"{error.filename}: no folder can be made there ({error.strerror})") from None
+        raise BadCheck(f"{error.filename}: the folder cannot be created ({error.strerror})") from None
     try:
         with ExitStack() as together:
             for path, text in texts.items():

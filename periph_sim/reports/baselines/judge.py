@@ -1,4 +1,4 @@
-"""What is not as it should be with a case: its outcome and changes go in, findings with their lines come out."""
+"""Findings of a case: everything that makes `check` fail, with lines."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ class Finding:
 
 @dataclass
 class CaseCheck:
-    """How a case stands. state: of its baseline. diff: what `--update-baseline` changed, as a unified diff.
+    """The result of checking a case. state: of its baseline. diff: the change by `--update-baseline`, unified.
 
-    causes: of budgets that broke and must not, why the worst occurrence was as it was.
+    causes: for budgets that broke unexpectedly, the explanation of the worst occurrence.
     """
 
     outcome: Outcome
@@ -41,7 +41,7 @@ class CaseCheck:
 
     @property
     def broken(self) -> list[Verdict]:
-        """The budgets that broke and must not."""
+        """Budgets that broke unexpectedly."""
         outcome = self.outcome
         return [v for v in outcome.verdicts if v.broken and v.name not in outcome.breaks]
 
@@ -51,7 +51,7 @@ class CaseCheck:
 
 
 def judge(check: CaseCheck) -> list[Finding]:
-    """Everything that is not as it should be, budgets first."""
+    """Return all findings, budgets first."""
     outcome = check.outcome
     top = outcome.name_line or 1
     findings = []
@@ -65,7 +65,7 @@ def judge(check: CaseCheck) -> list[Finding]:
             findings.append(Finding(verdict.name, line, f"{verdict.name} is not judged: {lacking(verdict)}"))
         elif must:
             line = outcome.breaks_line or line
-            text = f"{verdict.name} holds, but breaks says that it must break; take it out there if the bug is mended"
+            text = f"{verdict.name} holds, but is listed in breaks; remove it there if the bug is fixed"
             findings.append(Finding(verdict.name, line, text))
     findings += [Finding(None, top, text) for text in outcome.trouble]
     if check.state == "missing":
@@ -80,5 +80,5 @@ def judge(check: CaseCheck) -> list[Finding]:
 
 
 def lacking(verdict: Verdict) -> str:
-    """Why a budget is not judged, as a phrase."""
+    """Return why a budget is not judged, as a phrase."""
     return verdict.found or f"nothing was measured by {verdict.measure!r}"

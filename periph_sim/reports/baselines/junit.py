@@ -1,7 +1,7 @@
-"""JUnit XML of a check: CaseChecks go in, the text of a file comes out.
+"""JUnit XML of a check.
 
-A test suite a case, a test case a budget, and one more, "the case", for what concerns the case
-as a whole. Properties carry the figures. A budget that must break and does has passed.
+One test suite per case, one test case per budget, and one more, "the case", for findings of the whole case.
+Properties hold the figures. A budget that must break and does has passed.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ WHOLE = "the case"
 
 
 def junit(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> str:
-    """The XML, with its declaration. Text that XML cannot hold is replaced by U+FFFD.
+    """Return the XML, with its declaration. Characters not allowed in XML become U+FFFD.
 
     refused: cases that could not be run; each is a suite with one test that is an error.
     """
@@ -51,7 +51,7 @@ def _suite(root: xml.Element, check: CaseCheck) -> None:
 
 
 def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, said: dict[str, str]) -> None:
-    """One test case; all that is wrong with it is one failure, a line each."""
+    """Add one test case; its findings are lines of one failure."""
     where = _safe(check.outcome.path.as_posix())
     name = WHOLE if budget is None else _safe(budget)
     case = _safe(check.outcome.figures.case)
@@ -74,7 +74,7 @@ def _refused(root: xml.Element, refused: RejectedCase) -> None:
 
 
 def _sums(parent: xml.Element, tests: list[xml.Element]) -> None:
-    """tests, failures and errors of what is below."""
+    """Set the counts of tests, failures and errors below an element."""
     if parent.tag == "testsuite":
         sums = {"tests": len(tests)}
         for key in ("failure", "error"):
@@ -86,7 +86,7 @@ def _sums(parent: xml.Element, tests: list[xml.Element]) -> None:
 
 
 def _figures(figures: Baseline, budget: str) -> dict[str, str]:
-    """A budget's figures by name: times and instants in cycles of SYSCLKOUT, the rest as counted."""
+    """Return a budget's figures by name: times and instants in cycles of SYSCLKOUT, others as counts."""
     of = figures.budgets[budget]
     shown = {"measure": of.measure, "count": str(of.count)}
     for key, value, in_cycles in (
@@ -101,7 +101,7 @@ def _figures(figures: Baseline, budget: str) -> dict[str, str]:
 
 
 def _safe(text: str) -> str:
-    """The text without characters that XML 1.0 has no way to write."""
+    """Replace characters that XML 1.0 does not allow."""
     return "".join(
         c if c in "\t\n\r" or " " <= c <= "\ud7ff" or "\ue000" <= c <= "\ufffd" or c > "\uffff" else "\ufffd"
         for c in text

@@ -1,6 +1,6 @@
-"""One case run once: a case file goes in, an Outcome comes out that can be sent from one process to another.
+"""One run of a case, with an Outcome that can be sent between processes.
 
-Needs no terminal, command line or table: this is what a worker process runs.
+It needs no terminal, command line or table: worker processes run this.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
 
 @dataclass
 class Outcome:
-    """What a run of a case file came to. lines: where budgets and their joined conditions stand in the file; 0 if
-    nobody knows.
+    """The result of running a case file. lines: of budgets and their joined conditions in the file; 0 if
+    unknown.
 
-    changes: the "key=value" texts applied to the case. typical: what its budgets measured furthest from their limits.
-    trouble: sentences about firmware that waits for ever. values: of each budget, where any were kept.
+    changes: the "key=value" texts applied to the case. typical: the least critical values of its budgets.
+    trouble: sentences about firmware that waits forever. values: of each budget, if kept.
     """
 
     path: Path
@@ -69,7 +69,7 @@ class Outcome:
 
 @dataclass
 class RejectedCase:
-    """A case that cannot be run: one sentence, for the user. outside: others drive it, so that nothing is wrong."""
+    """A case that cannot be run. why: one sentence for the user. outside: it needs an outside party; not an error."""
 
     path: Path
     why: str
@@ -96,17 +96,17 @@ def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = Fals
 
 
 def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> Chains:
-    """Run a case once more, as far as needed, for the chains of these budgets."""
+    """Run a case again, as far as needed, and return the chains of these budgets."""
     try:
         return Chains(path, chains(load(path, list(changes)), wanted))
-    except REFUSED as error:  # it ran a moment ago: the file or its firmware was changed meanwhile
+    except REFUSED as error:  # it ran before: the file or its firmware was changed meanwhile
         raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
 
 
 def run_explained(
     path: Path, changes: tuple[str, ...], verdicts: list[Verdict], typical: list[Verdict]
 ) -> dict[str, Chain]:
-    """Run a case once more, as far as needed, for why these worst occurrences were as they were; by budget."""
+    """Run a case again, as far as needed, and explain these worst occurrences; by budget."""
     try:
         return {name: one.chain for name, one in explain(load(path, list(changes)), verdicts, typical).items()}
     except REFUSED as error:
@@ -147,7 +147,7 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
 
 
 def baseline_of(scene: Scene, result: Result) -> Baseline:
-    """The figures of a scene that has run, without chains, digest and bytes."""
+    """Return the figures of a scene after its run, without chains, digest and bytes."""
     case = scene.case
     clocks = [int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()]
     return Baseline(
@@ -187,7 +187,7 @@ def _figures(limit: BudgetJudge, start: int) -> Figures:
 
 
 def occurrence(figures: Figures) -> Wanted | None:
-    """What a budget's chain is the chain of; None where nothing happened or nobody knows when."""
+    """Return the occurrence that a budget's chain describes; None if there is none or its time is unknown."""
     least = figures.chain_of == "least"
     value, at = (figures.least, figures.least_at) if least else (figures.worst, figures.worst_at)
     if value is None or at is None:

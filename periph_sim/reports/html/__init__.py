@@ -4,7 +4,7 @@
                      +--case_report--> CaseReport --page--> HTML that needs no network and no other file
     case --windows---+
 
-Equal runs give equal text, but for the wall time, which stands in elements of the class `wall`.
+Equal runs give equal text, except the wall time in elements of class `wall`.
 """
 
 from __future__ import annotations

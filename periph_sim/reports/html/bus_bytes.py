@@ -1,4 +1,4 @@
-"""What is on the I2C bus, as boxes of a timeline: decoded transfers go in; begin, end, label, text of each."""
+"""Bytes on the I2C bus as boxes of a timeline: begin, end, label and text."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Box = tuple[int, int, str, str]  # begin, end (positions of the transfers), labe
 
 
 def bytes_of(transfers: Iterable[i2c.Transfer], end: int) -> Iterator[Box]:
-    """Each condition, byte and ACK slot. end: where what was not over when it was lost out of sight ends."""
+    """Yield each condition, byte and ACK slot. end: end position for incomplete ones."""
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases):
             start = phase.start

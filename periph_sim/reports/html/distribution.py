@@ -1,6 +1,6 @@
-"""How measured values are spread: Values go in, bins with their counts, limits and quantiles come out.
+"""The distribution of measured values: bins with counts, limits and quantiles.
 
-Bins are equally wide and begin at whole multiples of their width, so that two runs can be laid one over the other.
+Bins have equal width and begin at whole multiples of it, so the bins of two runs coincide.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ UNITS = (("ns", 1), ("us", 10**3), ("ms", 10**6), ("s", 10**9))
 
 @dataclass(frozen=True)
 class Bin:
-    """Values from begin up to, not including, end."""
+    """Values from begin up to but excluding end."""
 
     begin: float
     end: float
@@ -29,9 +29,9 @@ class Bin:
 
 @dataclass(frozen=True)
 class Distribution:
-    """All in `unit`, which suits the values. limits: by their keys. quantiles: name and value (nearest rank).
+    """All values in `unit`, chosen by size. limits: key and value. quantiles: name and value (nearest rank).
 
-    counted: the values are counts, so that a bin of width 1 is that of its begin alone.
+    counted: the values are counts, so a bin of width 1 holds one value.
     """
 
     unit: str
@@ -48,7 +48,7 @@ class Distribution:
 
 
 def distribution(values: Values, per_ns: int) -> Distribution:
-    """per_ns: ticks a nanosecond, where the values are times."""
+    """Return the distribution. per_ns: ticks per nanosecond, for times."""
     data = np.sort(values.values)
     least, worst = int(data[0]), int(data[-1])
     unit, size, grain = scale_of(values.unit, max(abs(least), abs(worst)), per_ns)
@@ -70,12 +70,12 @@ def distribution(values: Values, per_ns: int) -> Distribution:
 
 
 def _width(spread: int, grain: int) -> int:
-    """1, 2 or 5 times a power of ten of grains, so that at most MOST bins are needed."""
+    """Return 1, 2 or 5 times a power of ten of grains, so at most MOST bins are needed."""
     return grain * max(1, round(nice_step(spread / grain, MOST - 1))) if spread > grain else grain
 
 
 def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
-    """The unit to show, how many of the values' own units it has, and the least width of a bin in these."""
+    """Return the unit to show, its size in units of the values, and the minimum bin width."""
     if unit == "time":
         return *_unit(largest, per_ns), per_ns
     if unit == "LSB":
@@ -84,5 +84,5 @@ def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
 
 
 def _unit(largest: int, per_ns: int) -> tuple[str, int]:
-    """The unit in which this many ticks are at least 1 and below 1000, and its ticks."""
+    """Return the unit in which `largest` ticks are below 1000, and its ticks."""
     return next(((unit, ns * per_ns) for unit, ns in UNITS if largest < 1000 * ns * per_ns), ("s", 10**9 * per_ns))

@@ -1,4 +1,4 @@
-"""Why a worst occurrence was as it was, in texts for the page: a Chain goes in; steps and shares come out."""
+"""Text of the explanation of a worst occurrence for the page: steps and shares of a Chain."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ NOTHING = figure(0.0, "us")
 
 @dataclass(frozen=True)
 class Step:
-    """tick, at: from the begin of the occurrence; length: "" of an instant; place: in the firmware, "" if not known."""
+    """tick, at: from the occurrence's begin; length: "" for an instant; place: in the firmware, "" if unknown."""
 
     tick: int
     at: str
@@ -24,7 +24,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Share:
-    """What a part of the time went into. percent: of the occurrence; more: than in the typical occurrence, or ""."""
+    """A part of the time. percent: of the occurrence; more: the excess over the typical occurrence, or ""."""
 
     what: str
     length: str
@@ -35,7 +35,7 @@ class Share:
 
 @dataclass(frozen=True)
 class Explanation:
-    """typical: the length of the least critical occurrence, "" where it is not known."""
+    """typical: the length of the least critical occurrence, "" if unknown."""
 
     steps: tuple[Step, ...]
     shares: tuple[Share, ...]

@@ -1,4 +1,4 @@
-"""What failed and why, in plain sentences: a Verdict, its Chain and its values go in, a Failure comes out.
+"""What failed and why, in plain sentences, from a Verdict, its Chain and its values.
 
 response is broken: 97.953 us, at most 50.000 us allowed (47.953 us too much), at 0.105195 s.
 3 of 1500 occurrences are beyond the limit, the first at 0.055195 s.
@@ -20,7 +20,7 @@ ALLOWED = {"max": "at most", "min": "at least", "exactly": "exactly"}
 
 @dataclass(frozen=True)
 class Failure:
-    """Sentences, "" where there is nothing to say. place: in the firmware, which `why` ends with."""
+    """Sentences, or "". place: the firmware location at the end of `why`."""
 
     what: str
     count: str = ""
@@ -31,7 +31,7 @@ class Failure:
 def failure(
     verdict: Verdict, must_break: bool, chain: Chain | None, over: OverTime | None, per_second: int
 ) -> Failure | None:
-    """None of a budget that is as it should be."""
+    """Describe a budget's failure; None if it is as expected."""
     if must_break and verdict.passed:
         return Failure(f"holds ({in_words(verdict.worst or 0, verdict.unit)}), but the case says that it must break")
     if must_break and verdict.broken:
@@ -89,7 +89,7 @@ def _why(verdict: Verdict, chain: Chain) -> tuple[str, str]:
 
 
 def _blame(part: Part, chain: Chain) -> str:
-    """The part as the cause, with its time where it has one."""
+    """Describe the part as the cause, with its time if it has one."""
     if not part.length or part is chain.blame:
         return f"Cause: {part}"
     length = figure(abs(float(chain.us(part.length))), "us")

@@ -1,4 +1,4 @@
-"""All that a report says of a case: a run's Result and Values go in, one more run shows the worst occurrences.
+"""Collect a case's report from a run's Result and Values, and one more run for the worst occurrences.
 
 case, Result, typical --explain--> timelines, explanations        --> CaseReport
 Result, Values --------------------> distributions, limits, facts --^
@@ -29,8 +29,8 @@ from .over_time import OverTime, over_time, shown_violations
 from .provenance import commit_of
 from .timeline import Timeline, only_chosen
 
-MOST_OF_PASSED = 3_000  # events of the timeline of a budget that is as it should be
-MOST_OF_OTHERS = 1_500  # of each further occurrence beyond a limit
+MOST_OF_PASSED = 3_000  # events in the timeline of a budget without failure
+MOST_OF_OTHERS = 1_500  # for each further occurrence beyond a limit
 
 
 def case_report(
@@ -43,11 +43,11 @@ def case_report(
     changes: Sequence[str] = (),
     findings: Sequence[str] | None = None,
 ) -> CaseReport:
-    """What the page says of a case that was run for `length` seconds (None: its own duration).
+    """Return the report of a case that was run for `length` seconds (None: its own duration).
 
     result, values, typical: of that run; values in the order of its budgets, typical as `Scene.typical` gives it.
-    per_second: ticks. changes: "key=value" texts that the case was read with. findings: all that is not as it should
-    be, where that was judged: the case passes if there are none. None takes the run's own verdict. Raises what a Scene
+    per_second: ticks. changes: "key=value" texts that the case was read with. findings: everything wrong,
+    if it was judged: the case passes if there are none. None uses the run's own verdict. Raises what a Scene
     and its run may raise.
     """
     run = _Run(case, per_second, _ticks(result.simulated_s, per_second))
@@ -89,7 +89,7 @@ def report_of_file(
     per_second: int,
     findings: Sequence[str],
 ) -> CaseReport:
-    """The report of a case file that was run for its own duration; can be called in a process of its own."""
+    """Return the report of a case file run for its own duration; can be called in another process."""
     return case_report(load(path, list(changes)), result, values, typical, per_second, None, changes, findings)
 
 
@@ -117,7 +117,7 @@ class _Run:
     end: int
 
     def others(self, verdicts: Sequence[Verdict], overs: Sequence[OverTime | None]) -> list[Verdict]:
-        """More occurrences beyond a limit, as verdicts, of budgets that are not as they should be."""
+        """Return more occurrences beyond a limit, as verdicts, for failed budgets."""
         found = []
         for verdict, over in zip(verdicts, overs, strict=True):
             if over is None or not verdict.broken or verdict.name in self.case.breaks or verdict.at_s is None:
@@ -127,13 +127,13 @@ class _Run:
         return found
 
     def _value(self, verdict: Verdict, value: int) -> float:
-        """In the verdict's unit."""
+        """Convert a value to the verdict's unit."""
         return value * {"us": 1_000_000 / self.per_second, "LSB": 1e-6}.get(verdict.unit, 1)
 
     def budget(
         self, budget: Budget, verdict: Verdict, values: Values | None, over: OverTime | None, found: list[Explained]
     ) -> BudgetReport:
-        """found: the worst occurrence, then others."""
+        """Return a budget's report. found: the worst occurrence, then others."""
         must_break = verdict.name in self.case.breaks
         worst, others = (found[0] if found else None), found[1:]
         wrong = failure(verdict, must_break, None if worst is None else worst.chain, over, self.per_second)
@@ -167,7 +167,7 @@ def _ticks(seconds: float | None, per_second: int) -> int:
 
 
 def _limits(budget: Budget, verdict: Verdict) -> list[tuple[str, str]]:
-    """Each limit as the case has it, those of joined conditions with their measures; the nearest one as compared."""
+    """Return each limit as in the case, with the measure for joined conditions; the nearest one as compared."""
     found = []
     parts: list[Budget | Condition] = [budget, *budget.also]
     for part in parts:
@@ -190,14 +190,14 @@ def _found(result: Result) -> list[str]:
 
 
 def _beside_failures(findings: Sequence[str], budgets: Sequence[BudgetReport]) -> list[str]:
-    """The findings that no budget's `failure` tells."""
+    """Return the findings not covered by a budget's `failure`."""
     names = [one.verdict.name for one in budgets if one.failure is not None]
-    told = tuple(f"{name}{rest}" for name in names for rest in (" breaks: ", " is not judged: ", " holds, but ", ": "))
-    return [text for text in findings if not text.startswith(told)]
+    known = tuple(f"{name}{rest}" for name in names for rest in (" breaks: ", " is not judged: ", " holds, but ", ": "))
+    return [text for text in findings if not text.startswith(known)]
 
 
 def _devices_first(case: Case, notes: Sequence[str]) -> list[str]:
-    """The notes, those of chips and devices before those of units: the page folds away all but the first few."""
+    """Return the notes, those of chips and devices before those of units: the page shows only the first few."""
     devices = tuple(f"{name}, " for name in (*case.chip, *case.device))
     return sorted(notes, key=lambda note: not note.startswith(devices))
 

@@ -1,7 +1,7 @@
-"""Which lanes an explanation is about: a Window with what its chain says goes in, yes or no for a lane comes out.
+"""Choose the lanes that an explanation is about.
 
-wires           named by the chain, or those of the bus that it tells of (SCL and SDA of an address, RX of a frame)
-fields          those that the chain names or the measure is about
+wires           named by the chain, or of the bus it mentions (SCL and SDA for an address, RX for a frame)
+fields          those named by the chain or measured
 service routines, spans, waits      those within the picture
 registers       accesses that the chain names
 """
@@ -33,7 +33,7 @@ class LaneChoice:
 
     @cached_property
     def bus(self) -> bool:
-        """Of I2C, also where nothing says what the occurrence is about."""
+        """True for I2C, and if nothing shows what the occurrence is about."""
         return bool(BUS.search(self._text)) or not (self.serial or self.window.chain_texts)
 
     @cached_property
@@ -48,5 +48,5 @@ class LaneChoice:
         return (where, what) in self._flags
 
     def within(self, begin: int, end: int) -> bool:
-        """True if the picture has a part of what lasts from one tick to another."""
+        """True if a range of ticks overlaps the picture."""
         return begin < self.window.drawn.end and end >= self.window.drawn.begin

@@ -1,10 +1,10 @@
-"""What there was around a worst occurrence, as lanes: a Window goes in, a Timeline comes out.
+"""Lanes of a timeline around a worst occurrence, from a Window.
 
 edges     --decoder--> SCL, SDA, bytes; RX, TX; named pins; rows of the protocol table
 BUS, FRAME -----------> transfers of the controller, frames of the host
-FLAG      -----------> a lane a register field that changed
-SPAN, WAIT, IRQ ------> stretches of firmware, its waits with what they poll, service routines
-ACCESS    -----------> a lane a register: reads and writes with their place in the firmware
+FLAG      -----------> one lane per register field that changed
+SPAN, WAIT, IRQ ------> spans of firmware, its waits with the polled field, service routines
+ACCESS    -----------> one lane per register: reads and writes with their firmware location
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from .timeline import Boxes, Lane, Marks, SpanLabel, Timeline, Wave
 
 BUS = ("SCL", "SDA")
 SERIAL = ("RX", "TX")
-MOST = 24_000  # events of a timeline; what is farther from the occurrence is left out
-FRAME_BITS = 10  # of the host's frames: start, 8 data, stop
+MOST = 24_000  # events of a timeline; events farther from the occurrence are left out
+FRAME_BITS = 10  # of the host's characters: start, 8 data, stop
 STRETCHES = (
     (Kind.SPAN, "span", "span"),
     (Kind.WAIT, "wait", "waits for"),
@@ -35,8 +35,8 @@ STRETCHES = (
 
 
 def timeline(window: Window, cycles: dict[str, float], frame_bit: int = 0, most: int = MOST) -> Timeline:
-    """cycles: ticks of a SYSCLKOUT cycle, by unit. frame_bit: ticks of a bit of the host, 0 without a host. most:
-    events that it may have."""
+    """Build the timeline. cycles: ticks per SYSCLKOUT cycle, by unit. frame_bit: ticks per host bit, 0 without host.
+    most: maximum number of events."""
     return _Lanes(window, cycles, frame_bit, most).timeline()
 
 
@@ -82,7 +82,7 @@ class _Lanes:
     # Lines --------------------------------------------------------------------------
 
     def _wave(self, wire: str) -> Wave | None:
-        """A wire; None if it never moved."""
+        """Return the wave of a wire; None if it never changed."""
         channel = self.window.edges.channel(wire)
         first = self.before.get((Kind.EDGE, wire, "level"))
         edges = [r for r in self.records if r.kind is Kind.EDGE and r.where == wire]
@@ -111,7 +111,7 @@ class _Lanes:
         return [*wires, bytes_, *self._transfers()]
 
     def _transfers(self) -> list[Lane]:
-        """What the controller of the scene is at, by the name of its request."""
+        """Return the controller's transfers, by the name of its request."""
         lane = Boxes("transfer", "", chosen=self.choice.bus)
         open_: Record | None = None
         for record in [*sorted(self.before.values(), key=lambda r: r.tick), *self.records]:
@@ -123,7 +123,7 @@ class _Lanes:
                 self._transfer(lane, open_, record.tick, record.what)
                 open_ = None
         if open_ is not None:
-            self._transfer(lane, open_, self.kept[-1].end, "goes on behind what was kept")
+            self._transfer(lane, open_, self.kept[-1].end, "continues after the recorded range")
         return [lane] if lane.at else []
 
     def _transfer(self, lane: Boxes, began: Record, end: int, how: str) -> None:
@@ -186,7 +186,7 @@ class _Lanes:
         return boxes
 
     def _because(self, record: Record) -> str:
-        """The record that made a change in the same cycle; farther back a record's cause is a guess, and left out."""
+        """Describe the record that caused a change in the same cycle; earlier causes are uncertain and left out."""
         cause = self.by_number.get(record.cause)
         unit = record.where.partition(".")[0]
         if cause is None or record.tick - cause.tick > self.cycles.get(unit, 0):
@@ -216,7 +216,7 @@ class _Lanes:
         return lanes
 
     def _stretches(self, kind: Kind, unit: str) -> Iterator[tuple[int, int, Record]]:
-        """From begin to end, what was begun before and what goes on behind included."""
+        """Yield begin and end of spans, including those that begin before or end after the records."""
         open_: dict[str, Record] = {
             r.what: r for r in self.before.values() if r.kind is kind and r.where == unit and r.value
         }
@@ -270,7 +270,7 @@ class _Lanes:
 
 
 def _within_reach(window: Window, most: int) -> tuple[Span, ...]:
-    """What was kept, cut so that at most `most` events are within: around the occurrence, or behind its begin."""
+    """Return the recorded ranges, cut to at most `most` events around the occurrence, or after its begin."""
     if len(window.records) <= most:
         return window.kept
     inside = [r.tick for r in window.records if window.begin <= r.tick <= window.end]

@@ -1,4 +1,4 @@
-"""What a report says of a case: plain data that can be sent from one process to another."""
+"""The data of a case's report: plain data that can be sent between processes."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Standing = Literal["good", "known", "bad"]
 
 @dataclass(frozen=True)
 class BudgetReport:
-    """One budget. distribution: None of what is one number a run. timeline: None where it has no instant.
+    """One budget. distribution: None if it has one number per run. timeline: None if it has no instant.
 
-    limits: key and text of each. must_break: the case says so. explanation: how the worst came about. failure: what is
-    not as it should be, and why. over_time: the values over the run, None of what is one number a run. others: around
-    more occurrences beyond a limit, in order of time, their instants (ticks from the run's begin) and timelines.
+    limits: key and text of each. must_break: from the case. explanation: how the worst value came about. failure: what
+    failed, and why. over_time: the values over the run, None if one number per run. others: more occurrences
+    beyond a limit, in order of time: instant (ticks from the run's begin) and timeline.
     """
 
     verdict: Verdict
@@ -43,11 +43,11 @@ class BudgetReport:
 
 @dataclass(frozen=True)
 class CaseReport:
-    """One case. standing: "known" is a failure that the case says must be.
+    """One case. standing: "known" is a failure that the case expects.
 
     commit: of its repository, "" if there is none.
-    clocks: unit and its SYSCLKOUT as text. findings: what is not as it should be, beyond the verdicts. options: answers
-    to open questions that the run came to, UNIT.GROUP.NAME. counts: everything else that was counted.
+    clocks: unit and its SYSCLKOUT as text. findings: what is wrong beyond the verdicts. options: options for
+    undocumented behaviour that the run used, UNIT.GROUP.NAME. counts: all other counts.
     """
 
     name: str
@@ -67,5 +67,5 @@ class CaseReport:
 
     @property
     def failed_first(self) -> list[tuple[int, BudgetReport]]:
-        """The budgets with their places, from 1; those that are not as they should be first."""
+        """The budgets with their numbers, from 1; failed ones first."""
         return sorted(enumerate(self.budgets, 1), key=lambda one: (one[1].as_it_should_be, one[1].verdict.passed))

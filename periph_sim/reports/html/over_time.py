@@ -1,8 +1,8 @@
-"""The values of a budget over the whole run: Values and limits go in, an OverTime comes out, thinned to what a screen
-shows; every value beyond a limit is kept with its instant, up to MOST.
+"""The values of a budget over the run, reduced to the resolution of a screen; up to MOST values beyond a limit are kept
+with their instants.
 
     columns   | .   .      |          a column has the least and the greatest value of its part of the run,
-              |   .   : .  | .        so that the one value in ten thousand is seen
+              |   .   : .  | .        so a single outlier is visible
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from ...timing.verdict import Verdict
 
 COLUMNS = 240
 MOST = 2_000  # violations with their instants
-SHOWN = 6  # violations beside the worst that get their waves
+SHOWN = 6  # violations besides the worst that get waves
 PARTS = SHOWN - SHOWN // 2
 
 
 @dataclass(frozen=True)
 class Column:
-    """at: ticks from the run's begin. low, high: of the values in this part of it. beyond: some are beyond a limit."""
+    """at: ticks from the run's begin. low, high: of the values in this part. beyond: some are beyond a limit."""
 
     at: int
     low: int
@@ -34,7 +34,7 @@ class Column:
 
 @dataclass(frozen=True)
 class OverTime:
-    """Values in `unit`, that of Values. end: of the run, ticks.
+    """Values in `unit` of Values. end: of the run, in ticks.
 
     violations: instant and value, in order of time, the first MOST of `violation_count`. which: the verdict's limit.
     """
@@ -50,7 +50,7 @@ class OverTime:
 
 
 def over_time(values: Values, verdict: Verdict, end: int) -> OverTime:
-    """end: of the run, ticks from its begin."""
+    """Return the values over time. end: of the run, in ticks from its begin."""
     order = np.argsort(values.at, kind="stable")
     at, data = values.at[order], values.values[order]
     beyond = _beyond(data, verdict, values.limits)
@@ -68,7 +68,7 @@ def over_time(values: Values, verdict: Verdict, end: int) -> OverTime:
 
 
 def _beyond(data: NDArray[np.int64], verdict: Verdict, limits: Mapping[str, int]) -> NDArray[np.bool_]:
-    """Which values are beyond a limit; beyond that of a percentile, of which some may be, only if it is broken."""
+    """Mark values beyond a limit; for a percentile's limit only if it is broken."""
     found = np.zeros(len(data), bool)
     for key, limit in limits.items():
         if key == "min":
@@ -93,8 +93,8 @@ def _columns(at: NDArray[np.int64], data: NDArray[np.int64], beyond: NDArray[np.
 
 
 def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ...]:
-    """Of which violations beside the worst the waves are kept: the first ones, then the worst of each part of the rest,
-    SHOWN in all, in order of time."""
+    """Choose the violations besides the worst to show with waves: the first ones, then the worst of each part of the
+    rest, SHOWN in all, in order of time."""
     others = [one for one in over.violations if one[0] != worst_at]
     first, rest = others[: SHOWN // 2], others[SHOWN // 2 :]
     parts = [rest[n * len(rest) // PARTS : (n + 1) * len(rest) // PARTS] for n in range(PARTS)]

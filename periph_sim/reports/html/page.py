@@ -1,8 +1,8 @@
-"""The page: reports of cases go in, the text of one HTML file comes out.
+"""The HTML page with the reports of cases.
 
     CaseReports --jinja2--> assets/report.html, with assets/*.css and assets/*.js inside
 
-Every text of a case is escaped: the template engine does it for HTML, `_data` for JSON within it.
+Every text of a case is escaped: by the template engine in HTML, by `_data` in JSON.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .provenance import versions
 from .time_plot import time_plot
 
 STYLES = ("report.css", "budget.css", "timeline.css")
-SCRIPTS = (  # in the order in which they need each other
+SCRIPTS = (  # in order of dependency
     "times.js",
     "lanes.js",
     "tooltip.js",
@@ -38,16 +38,16 @@ SCRIPTS = (  # in the order in which they need each other
     "table.js",
     "folds.js",
 )
-STANDINGS = ("bad", "known", "good")  # in the order in which cases stand on the page
-MOST_FAILURES = 5  # told at the head of the page
+STANDINGS = ("bad", "known", "good")  # in the order on the page
+MOST_FAILURES = 5  # shown at the head of the page
 
 Row = tuple[int, CaseReport, int, BudgetReport]
 
 
 def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
-    """HTML without any reference to another file. title: of the page, and of its overview where there are several.
+    """Return HTML without references to other files. title: of the page, and of its overview if it has several cases.
 
-    command: that made it, as it was typed."""
+    command: the command line that made it."""
     rows = _worst_first(cases)
     return _template().render(
         cases=cases,
@@ -90,19 +90,19 @@ def _joined(names: Sequence[str]) -> Markup:
 
 
 def _data(value: object) -> Markup:
-    """Compact JSON that can stand in a script element: no `<` in it, so none that ends it."""
+    """Return compact JSON for a script element: `<` is escaped, so it cannot end the element."""
     return Markup(json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c"))
 
 
 def _standing(one: BudgetReport) -> str:
-    """How a budget stands, in words."""
+    """Return the result of a budget in words."""
     if one.must_break:
         return "broken, as it must" if one.verdict.broken else f"{one.verdict.word}, but must break"
     return one.verdict.word
 
 
 def _share(one: BudgetReport) -> float | None:
-    """What part of a `max` the worst came to, in percent; None where there is no such part."""
+    """Return the worst value in percent of a `max` limit; None if there is no such limit."""
     verdict = one.verdict
     if verdict.worst is None or verdict.which == "min" or verdict.limit <= 0 or verdict.worst < 0:
         return None
@@ -120,14 +120,14 @@ def _time_plot(one: BudgetReport) -> object:
 
 
 def _unit(over: OverTime, per_second: int) -> tuple[str, int]:
-    """What the values are shown in, and how many of their own units that is."""
+    """Return the unit to show, and its size in units of the values."""
     largest = max(max(abs(c.low), abs(c.high)) for c in over.columns)
     unit, size, _ = scale_of(over.unit, largest, per_second // 10**9)
     return "" if unit == "value" else unit, size
 
 
 def _instants(one: BudgetReport) -> dict[str, object]:
-    """For the script: instants in seconds of the worst value, of those beyond a limit, of those that have waves."""
+    """Return instants in seconds for the script: worst value, values beyond a limit, values with waves."""
     over, rate = one.over_time, one.per_second
     assert over is not None
     unit, size = _unit(over, rate)
@@ -158,7 +158,7 @@ def _allowed(verdict: Verdict) -> str:
 
 
 def _worst_first(cases: Sequence[CaseReport]) -> list[Row]:
-    """All budgets with the places of case and budget: first what is not as it should be, then what else is broken."""
+    """Return all budgets with the numbers of case and budget: failed ones first, then others that broke."""
     rows = [
         (place, case, number, one) for place, case in enumerate(cases, 1) for number, one in enumerate(case.budgets, 1)
     ]

@@ -1,11 +1,11 @@
-"""A distribution on paper: bins, limits and the worst value go in; places for the page's template come out.
+"""Layout of a distribution plot: positions for the page's template.
 
     counts   |    _        :            :
     (log)    |  _| |_      :      //    :
              |_|_____|_____v______//____:__
-              least ... worst         limit far off, behind a break of the axis
+              least ... worst         limit far off, after a break of the axis
 
-Counts are drawn on a logarithmic scale: the one value in ten thousand is what one looks for.
+Counts are drawn on a logarithmic scale, so a single outlier is visible.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from .distribution import Bin, Distribution
 
 WIDTH, HEIGHT = 560, 244
 LEFT, RIGHT, TOP, BOTTOM = 46, 18, 58, 40
-BREAK = 78  # width of the part behind a break
-REACH = 1.5  # a limit is within sight up to so many widths of the values
-ROWS = 2  # of limits' texts
-CHARACTER = 6.6  # width of one
-LEAST = 24  # bins for which there is room: one value alone is a bar, not a wall
+BREAK = 78  # width of the part after a break
+REACH = 1.5  # a limit is on scale up to this many widths of the values
+ROWS = 2  # of texts of limits
+CHARACTER = 6.6  # width of a character
+LEAST = 24  # minimum bins of the axis, so a single value is a narrow bar
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Rule:
-    """A vertical line with its text. anchor: where the text stands at the line. row: of the text, from below."""
+    """A vertical line with its text. anchor: the text's alignment at the line. row: of the text, from below."""
 
     x: float
     text: str
@@ -46,7 +46,7 @@ class Rule:
 
 @dataclass(frozen=True)
 class Plot:
-    """width, height: of the paper; left, right, top, bottom: of the axes' box on it."""
+    """width, height: of the drawing; left, right, top, bottom: of the axes' box in it."""
 
     bars: tuple[Bar, ...]
     limits: tuple[Rule, ...]
@@ -65,7 +65,7 @@ class Plot:
 
 
 def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
-    """least_is_worst: the budget's nearest limit is a `min`, so the least value is marked."""
+    """Lay out a distribution. least_is_worst: the nearest limit is a `min`, so the least value is marked."""
     scale = _Scale(spread)
     bottom = HEIGHT - BOTTOM
     most = max(max(one.count for one in spread.bins), 9)
@@ -87,11 +87,11 @@ def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
 
 
 class _Scale:
-    """Where values are on paper."""
+    """The horizontal scale of the drawing."""
 
     def __init__(self, spread: Distribution) -> None:
         self._spread = spread
-        self._shift = 0.5 if spread.counted else 0.0  # the bin of a count stands around it
+        self._shift = 0.5 if spread.counted else 0.0  # the bin of a count is centred on it
         low, high = spread.bins[0].begin - self._shift, spread.bins[-1].end - self._shift
         lacking = LEAST * (spread.bins[0].end - spread.bins[0].begin) - (high - low)
         if lacking > 0:
@@ -110,7 +110,7 @@ class _Scale:
         )
 
     def place(self, value: float) -> float:
-        """Of what is out of sight: behind the break."""
+        """Return the x position; off-scale values are after the break."""
         if value < self.begin:
             return LEFT + BREAK / 3
         if value > self.end:
@@ -132,13 +132,13 @@ class _Scale:
 
 
 def _rises(most: int) -> list[int]:
-    """Counts that get a line: powers of ten, and 2 and 5 times them where there is room."""
+    """Return counts that get a grid line: powers of ten, and 2 and 5 times them if there is room."""
     factors = (1, 2, 5) if most < 100 else (1,)
     return [f * 10**n for n in range(floor(log10(most)) + 1) for f in factors if f * 10**n <= most]
 
 
 def _rules(spread: Distribution, scale: _Scale) -> tuple[Rule, ...]:
-    """The limits, from left to right; texts that would touch stand one above the other."""
+    """Return the limits from left to right; texts that would overlap are stacked."""
     rules: list[Rule] = []
     free = [float("-inf")] * ROWS
     for key, value in sorted(spread.limits, key=lambda one: one[1]):
@@ -155,7 +155,7 @@ def _with_unit(name: str, value: float, unit: str) -> str:
 
 
 def number(value: float, step: float | None = None) -> str:
-    """With three decimals at most, or as many as a step of the axis needs; no zeros at the end."""
+    """Format with at most three decimals, or as many as a step of the axis needs; no trailing zeros."""
     decimals = 3 if step is None else max(0, -floor(log10(step) + 1e-9))
     text = f"{value:.{decimals}f}"
     text = text.rstrip("0").rstrip(".") if "." in text and step is None else text

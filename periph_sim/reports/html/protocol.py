@@ -1,8 +1,8 @@
-"""What was said on the wires around an occurrence, as protocol analysers list it: a Window goes in, Rows come out.
+"""The protocol table around an occurrence, in the style of protocol analysers.
 
  time    bus      what
  0.0 us  I2C      START 0x68 R ACK  12 ACK  34 NACK  STOP
-80.0 us  RX       01 00 7F ...                                frames without a pause between them are one row
+80.0 us  RX       01 00 7F ...                                characters without a pause between them are one row
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from ...core.records import Kind, Record
 from ...explain.window import Window
 from ...traces.decode import i2c
 
-LONGEST = 24  # bytes of a row of frames
+LONGEST = 24  # bytes per row of characters
 
 
 @dataclass(frozen=True)
 class Row:
-    """at, end: ticks from the run's begin or from any other origin. bus: "I2C", or the wire of SCI frames.
+    """at, end: ticks from the run's begin or another origin. bus: "I2C", or the wire of SCI characters.
 
-    start: "START", "Sr" (repeated), "" of frames. address: "0x68". way: "R" or "W". ack: "ACK", "NACK" or "".
-    data: each byte in hex with "ACK", "NACK", or "" where there is none; "error" of a frame that was not whole.
+    start: "START", "Sr" (repeated), "" for characters. address: "0x68". way: "R" or "W". ack: "ACK", "NACK" or "".
+    data: each byte in hex with "ACK", "NACK" or ""; "error" for an incomplete character.
     """
 
     at: int
@@ -42,7 +42,7 @@ class Row:
 
 
 def rows(window: Window, seen: Callable[[int, int], bool], zero: int) -> list[Row]:
-    """In order of time. seen: whether anything between two ticks is kept. zero: the tick that times count from."""
+    """Return rows in time order. seen: if a range of ticks is shown. zero: origin of their times, in ticks."""
     names = {channel.name for channel in window.edges.channels}
     found = [*_i2c_rows(window)] if {"SCL", "SDA"} <= names else []
     found += _frame_rows(window)
@@ -78,7 +78,7 @@ def _ack(acked: bool | None) -> str:
 
 
 def _frame_rows(window: Window) -> list[Row]:
-    """Frames of each wire; those that follow each other within the time of one are a row."""
+    """Return rows of characters of each wire; gaps shorter than a character do not start a new row."""
     found: list[Row] = []
     begun: dict[str, int] = {}
     for record in window.records:

@@ -1,4 +1,4 @@
-"""Where a report comes from: the commit of a case's repository, the versions and the form of the core that ran it."""
+"""The origin of a report: commit of the case's repository, versions, and form of the core."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ LONGEST = 5  # seconds that git may take
 
 
 def commit_of(folder: Path) -> str:
-    """ "1a2b3c4d5e6f", with ", and uncommitted changes" if tracked files differ; "" where there is no repository,
-    no commit or no git."""
+    """ "1a2b3c4d5e6f", with ", and uncommitted changes" if tracked files differ; "" without a repository,
+    commit or git."""
     commit = _git(folder, "rev-parse", "--short=12", "HEAD")
     if not commit:
         return ""

@@ -1,6 +1,6 @@
-"""An OverTime on paper: places in percent of the plot's field come out, so that the page may be of any width.
+"""Layout of an OverTime plot: positions in percent of the field, for any page width.
 
-5.1 us |- - - - - - - - - - - -  max      a dot or a stroke a column, limits across,
+5.1 us |- - - - - - - - - - - -  max      a dot or a stroke per column, limits across,
        |  .  .  | .  .   . |              values beyond a limit drawn again on top
    0 us |__________________________
        0 s         5 s         10 s
@@ -16,9 +16,9 @@ from ...traces.drawing.svg_diagram import nice_step
 from .over_time import OverTime
 from .plot import number
 
-WIDTH, HEIGHT = 1000, 100  # of the field, in which the paths are
-NEAR = 1.5  # a limit is drawn if it is within so many spreads of the values
-ROOM = 0.08  # of the field above and below what is drawn
+WIDTH, HEIGHT = 1000, 100  # of the field, for the paths
+NEAR = 1.5  # a limit is drawn if it is within this many spreads of the values
+ROOM = 0.08  # margin above and below, as a part of the field
 
 
 Place = Callable[[float], float]
@@ -26,7 +26,7 @@ Place = Callable[[float], float]
 
 @dataclass(frozen=True)
 class Line:
-    """A limit across the field. y: percent from above; None where it lies far above or below."""
+    """A limit across the field. y: percent from the top; None if it is off scale."""
 
     text: str
     y: float | None
@@ -35,7 +35,7 @@ class Line:
 
 @dataclass(frozen=True)
 class TimePlot:
-    """up, across: places in percent with their texts. values, broken: SVG paths. summary: for who cannot see it."""
+    """up, across: positions in percent with texts. values, broken: SVG paths. summary: for screen readers."""
 
     up: tuple[tuple[float, str], ...]
     across: tuple[tuple[float, str], ...]
@@ -46,7 +46,7 @@ class TimePlot:
 
 
 def time_plot(over: OverTime, unit: str, size: int, per_second: int) -> TimePlot:
-    """unit, size: what values are shown in, and how many of their own units that is."""
+    """Lay out the plot. unit, size: the unit to show, and its size in units of the values."""
     seen = [*(c.low for c in over.columns), *(c.high for c in over.columns)]
     lines = [(key.replace("_", "."), value) for key, value in over.limits]
     least, most = min(seen), max(seen)

@@ -1,8 +1,8 @@
-"""A timeline as the page's script draws it: lanes with their events in ticks; compact JSON comes out.
+"""A timeline for the page's script: lanes with events in ticks, as compact JSON.
 
-Times are ticks from `origin` on, each event's as the distance to the one before, so that most are short numbers.
-A lane is `chosen` if the explanation is about it: it is drawn at first.
-What an event says in its tooltip is a place in `says`, since most events say the same as many others.
+Times are ticks from `origin` on, each as the distance to the one before, so most are short numbers.
+A lane is `chosen` if the explanation is about it: only these are drawn at first.
+Texts of events are indices into `says`, since many events share a text.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class SpanLabel:
 
 @dataclass
 class Wave:
-    """A line of two levels. initial: before the first of `at`, at each of which it turns over; says: of each edge."""
+    """A binary signal. initial: level before the first edge; at: ticks of its edges; says: text of each edge."""
 
     name: str
     unit: str
@@ -43,7 +43,7 @@ class Wave:
 
 @dataclass
 class Boxes:
-    """Stretches of time with a label each; begins in order."""
+    """Time ranges with labels, in order of begin."""
 
     name: str
     unit: str
@@ -66,9 +66,9 @@ class Boxes:
 
 @dataclass
 class Marks:
-    """Instants with a label each. strong: drawn as more important than the others (a write among reads).
+    """Labelled instants. strong: drawn as more important than the others (a write among reads).
 
-    places: where in the firmware each was, or empty where that is not known.
+    places: the firmware location of each, or empty if unknown.
     """
 
     name: str
@@ -92,10 +92,10 @@ Lane = Wave | Boxes | Marks
 class Timeline:
     """Around one worst occurrence.
 
-    origin: tick of 0, from the run's begin on; begin, end: of the occurrence, as all other ticks from `origin` on.
-    per_second: ticks. cycles: ticks of a SYSCLKOUT cycle by unit, the first unit's for lines that are nobody's own.
-    shown: at first; kept: what there is, one range or two. groups: a name and its lanes.
-    rows: of the protocol table, in order of time.
+    origin: tick of time 0, from the run's begin; begin, end: of the occurrence; other ticks are relative to `origin`.
+    per_second: ticks. cycles: ticks per SYSCLKOUT cycle by unit; the first unit's for lanes without a unit.
+    shown: the initial range; kept: the available ranges, one or two. groups: a name and its lanes.
+    rows: of the protocol table, in time order.
     """
 
     origin: int
@@ -111,7 +111,7 @@ class Timeline:
 
     def json(self) -> dict[str, Any]:
         return {
-            "origin": str(self.origin),  # may be beyond what a double holds
+            "origin": str(self.origin),  # may exceed a double's integer range
             "begin": self.begin,
             "end": self.end,
             "perSecond": self.per_second,
@@ -127,7 +127,7 @@ class Timeline:
 
 
 def only_chosen(timeline: Timeline) -> Timeline:
-    """The same without lanes that are not chosen, and without what only they say."""
+    """Return the timeline with chosen lanes only, and only their texts."""
     says = SpanLabel()
 
     def moved(places: list[int]) -> list[int]:
@@ -149,7 +149,7 @@ def _head(lane: Lane) -> dict[str, Any]:
 
 
 def _steps(at: Iterable[int]) -> list[int]:
-    """Each as the distance from the one before; the first from 0."""
+    """Return each as the distance from the one before; the first from 0."""
     before = 0
     steps = []
     for tick in at:

@@ -1,1 +1,1 @@
-"""What an image's program did with its time and its lines: a run goes in; a table, a flame graph, lcov come out."""
+"""Profile of an image's program: time by function, flame graph and line coverage (lcov)."""

@@ -1,9 +1,9 @@
-"""Coverage of an image by its source: counts by address go in; an lcov tracefile, as genhtml reads it, comes out.
+"""Line coverage of an image's sources as an lcov tracefile for genhtml.
 
-    address --line--> DA: executed so often         BRDA: a conditional branch went on, or jumped
-    function -------> FN, FNDA: how often its first instruction was executed
+    address --line--> DA: execution count         BRDA: not taken, taken counts
+    function -------> FN, FNDA: execution count of its first instruction
 
-A line counts as often as the instruction of it that was executed most. Source: geninfo(1), "TRACEFILE FORMAT".
+The count of a line is the highest count of its instructions. Source: geninfo(1), "TRACEFILE FORMAT".
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ...processor.image.function_map import FunctionMap
 
 
 class FileCoverage:
-    """lines: by number, how often. branches: (line, address) -> went on, jumped. functions: name -> line, how often."""
+    """lines: number -> count. branches: (line, address) -> not taken, taken. functions: name -> line, count."""
 
     def __init__(self) -> None:
         self.lines: dict[int, int] = {}
@@ -27,7 +27,7 @@ class FileCoverage:
         self.functions: dict[str, tuple[int, int]] = {}
 
     def add(self, other: FileCoverage) -> None:
-        """Count what another unit executed of the same file, too."""
+        """Add the counts of another unit for the same file."""
         for line, count in other.lines.items():
             self.lines[line] = self.lines.get(line, 0) + count
         for branch, (on, jumped) in other.branches.items():
@@ -41,7 +41,7 @@ Covered = tuple[Image, FunctionMap, Coverage]
 
 
 def covered_files(programs: Iterable[Covered]) -> dict[str, FileCoverage]:
-    """Every source file that images tell lines of, with all lines that have code, executed or not; units summed up."""
+    """Return coverage by source file, for all lines with code; counts of units are added."""
     found: dict[str, FileCoverage] = defaultdict(FileCoverage)
     for image, functions, counts in programs:
         for file, of_file in _files(image, functions, counts).items():
@@ -68,7 +68,7 @@ def _files(image: Image, functions: FunctionMap, counts: Coverage) -> dict[str, 
 
 
 def is_conditional(instruction: Instruction) -> bool:
-    """True if the instruction behind it, or another one, may be next."""
+    """Return True for a conditional branch."""
     return target(instruction) is not None and goes_on(instruction) and not is_call(instruction)
 
 
@@ -80,7 +80,7 @@ def _instructions(image: Image) -> Iterator[Instruction]:
 
 
 def tracefile(files: dict[str, FileCoverage], name: str) -> str:
-    """The tracefile's text. name: of the test."""
+    """Return the tracefile's text. name: of the test."""
     return "".join(f"{line}\n" for file, of_file in files.items() for line in _record(file, of_file, name))
 
 

@@ -1,4 +1,4 @@
-"""A profile as a flame graph: stacks with their times go in; a file comes out that speedscope and Perfetto open.
+"""A profile as a flame graph file for speedscope and Perfetto.
 
 Source: speedscope's file-format-schema.json (sampled profiles).
 """
@@ -12,15 +12,15 @@ from ...processor.image.profile import Profile
 SCHEMA = "https://www.speedscope.app/file-format-schema.json"
 
 
-Frame = tuple[str, str, int]  # function, file, line; "" and 0 where nobody knows
+Frame = tuple[str, str, int]  # function, file, line; "" and 0 if unknown
 
 
 def speedscope(
     profiles: Mapping[str, Profile], ticks_per_second: int, name: str, place_of: Callable[[str, str], str]
 ) -> dict[str, object]:
-    """The file's JSON: for each unit its stacks, in alphabetical order, weighted with their seconds.
+    """Return the file's JSON: each unit's stacks in alphabetical order, weighted with their seconds.
 
-    place_of: of the first instruction of a unit's function.
+    place_of: returns the location of the first instruction of a unit's function.
     """
     frames: dict[Frame, int] = {}
 

@@ -1,4 +1,4 @@
-"""A profile for people and for programs: time by function goes in; a table, or one dictionary, comes out."""
+"""A profile as text or JSON: time by function."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from ...core.text_table import paragraph, text_table
 from ...processor.image.profile import Profile
 from ...processor.instruction_location import parsed
 
-LONGEST_TEXT = 20  # functions that the text shows unless all are asked for
-FINE = 1000  # us: shorter times are told to the nanosecond
-PlaceOf = Callable[[str, str], str]  # of the first instruction of a unit's function
+LONGEST_TEXT = 20  # functions shown without -v
+FINE = 1000  # us: shorter times are shown to the nanosecond
+PlaceOf = Callable[[str, str], str]  # location of the first instruction of a unit's function
 
 
 def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: PlaceOf, every: bool = False) -> str:
-    """A table of 80 columns for each unit. every: all functions that were called."""
+    """Format a table of 80 columns for each unit. every: show all functions called."""
     lines: list[str] = []
     for unit, profile in profiles.items():
         found = profile.functions()
@@ -37,19 +37,19 @@ def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: Place
         head = ("function", "self us", "%", "total", "waits", "calls", "begins at")
         lines += text_table(head, rows, right=(1, 2, 3, 4, 5), names=(0,))
         if len(found) > len(shown):
-            lines.append(f"and {len(found) - len(shown)} with less; -v lists them all")
+            lines.append(f"and {len(found) - len(shown)} with less; -v lists all")
         lines.append("")
-    note = "self: in its own code, waits included; total: with what it called, and with interrupts in between"
-    return "\n".join([*lines, *paragraph(note), *paragraph("waits: asleep in IDLE, or in polls that were skipped")])
+    note = "self: in its own code, with waits; total: with called functions and interrupts"
+    return "\n".join([*lines, *paragraph(note), *paragraph("waits: in IDLE, or in skipped polls")])
 
 
 def _us(time: float) -> str:
-    """Six digits or so."""
+    """Format with about six digits."""
     return f"{time:.3f}" if time < FINE else f"{time:.1f}"
 
 
 def _begins_at(place: str) -> str:
-    """File and line; the address where nobody knows them."""
+    """Return file and line; the address if they are unknown."""
     at = parsed(place)
     if at is None:
         return ""
@@ -65,7 +65,7 @@ def _json_place(place: str) -> dict[str, object]:
 
 
 def as_json(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: PlaceOf) -> dict[str, object]:
-    """The same as one dictionary; times in seconds."""
+    """Return the profile as a dictionary; times in seconds."""
     return {
         "units": {
             unit: [

@@ -1,8 +1,8 @@
-"""Sweeps: one case run many times with other values; a column for each figure comes out.
+"""Sweeps: run one case many times with different values; one column per figure.
 
 case, {key: values} --plan--> changes of each run --workers--> Row each --columns--> Sweep
 
-Rows stand in the order in which the changes do, whoever runs them and however many at a time.
+Rows are in the order of the changes, for any number of workers.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The figures of a sweep as arrays: rows go in, in their order; a column for each figure comes out."""
+"""The figures of a sweep as arrays: one column per figure."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BudgetColumns:
-    """A budget's figures, an entry a run; as of a `Verdict`. NaN and "" where a run has none, -1 for its count.
+    """A budget's figures, one entry per run, as in a `Verdict`. If a run has none: NaN, "", and -1 for the count.
 
     unit: of worst, limit and margin: "us", "%", "LSB", or what is counted. verdict: "pass", "broken", "not judged".
     """
@@ -35,12 +35,12 @@ class BudgetColumns:
 
 @dataclass(frozen=True)
 class Sweep:
-    """What a sweep came to: arrays with an entry for each run, in the order of the changes.
+    """The result of a sweep: arrays with one entry per run, in the order of the changes.
 
-    changes: by key, what each run set; "" where it left the case's own. verdict: "pass", "fail", "not judged", or
-    "error" where a run could not be made, and `error` says why.
+    changes: by key, the value set in each run; "" if unchanged. verdict: "pass", "fail", "not judged", or
+    "error" if a run failed, with the reason in `error`.
     wire_bytes: on the I2C bus. sci_bytes: sent to SCIs of units; sci_bytes_sent: sent by them.
-    budgets: by name. counts: by name, -1 in runs that have none.
+    budgets: by name. counts: by name, -1 in runs without it.
     """
 
     case: str
@@ -64,7 +64,7 @@ class Sweep:
         return {name: budget.worst for name, budget in self.budgets.items()}
 
     def columns(self) -> dict[str, Column]:
-        """All of it as one table, by the names of its columns: what pandas.DataFrame takes, or a file of CSV."""
+        """Return one table by column name, for example for pandas.DataFrame or a CSV file."""
         table: dict[str, Column] = {**self.changes, "verdict": self.verdict, "error": self.error}
         for name, budget in self.budgets.items():
             figures = {one.name: getattr(budget, one.name) for one in fields(budget)[2:]}
@@ -75,7 +75,7 @@ class Sweep:
 
 
 def sweep_of(case: str, runs: Sequence[Mapping[str, object]], rows: Sequence[Row]) -> Sweep:
-    """The columns of the rows that these runs came to."""
+    """Build the columns from the rows of these runs."""
     keys = dict.fromkeys(key for run in runs for key in run)
     names = dict.fromkeys(verdict.name for row in rows for verdict in row.budgets)
     counts = dict.fromkeys(name for row in rows for name in row.counts)
@@ -127,7 +127,7 @@ def _whole(values: Any) -> NDArray[np.int64]:
 
 
 def _values(values: list[object]) -> Column:
-    """Numbers as numbers where all of them are, else texts."""
+    """Return numbers if all values are numbers, else texts."""
     plain = [value.item() if hasattr(value, "item") else value for value in values]
     kinds = {type(value) for value in plain}
     if kinds <= {int, float} or kinds == {bool}:

@@ -1,6 +1,6 @@
-"""One run of a sweep: a file and its changes go in; its figures, or why it could not be run, come out.
+"""One run of a sweep, for worker processes: its figures, or why it could not be run.
 
-Both can be sent from one process to another: this is what workers call.
+Job and Row can be sent between processes.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from ...scene.prepared import PreparedScene
 from ...timing.verdict import Verdict
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
-ERROR = "error"  # the verdict of a run that could not be made
+ERROR = "error"  # verdict of a run that failed
 
 
 @dataclass(frozen=True)
 class Job:
-    """What all runs of a sweep have in common. shown: the file as the caller named it, for messages.
+    """Common data of all runs of a sweep. shown: the file as the caller named it, for messages.
 
     length: instead of the case's own duration, in seconds.
     """
@@ -40,7 +40,7 @@ class Job:
 
 @dataclass
 class Row:
-    """The figures of a run, named as in a `Result`. verdict: "error" if `error` says why there was none."""
+    """The figures of a run, named as in a `Result`. verdict: "error" if `error` says why the run failed."""
 
     verdict: str
     error: str = ""
@@ -83,6 +83,6 @@ def _row(job: Job, changes: Sequence[str]) -> Row:
 
 
 def _as_named(job: Job, text: str) -> str:
-    """The message with paths as the caller wrote them."""
+    """Return the message with paths as the caller wrote them."""
     folder, shown = (str(Path(path).parent) for path in (job.file, job.shown))
     return text.replace(job.file, job.shown).replace(f"{folder}{os.sep}", "" if shown == "." else f"{shown}{os.sep}")

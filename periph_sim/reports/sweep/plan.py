@@ -1,8 +1,8 @@
-"""Which values each run of a sweep has: keys and values, or a list of runs, go in; `key=value` texts come out.
+"""The values of each run of a sweep, as `key=value` texts.
 
 {"seed": (1, 2), "host.jitter": ("0 us", "50 us")}  --> every combination, the last key changing first
-[{"seed": 1}, {"seed": 2, "start": "1 ms"}]         --> as they stand
-["seed=1", ["seed=2", "start=1 ms"]]                --> as `--set` has them
+[{"seed": 1}, {"seed": 2, "start": "1 ms"}]         --> unchanged
+["seed=1", ["seed=2", "start=1 ms"]]                --> as for `--set`
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from typing import TypeAlias
 
 from ...scene.case.model import BadCase
 
-Value: TypeAlias = object  # a number, a truth value, a text as `--set` has it behind "=", a list or a table of those
+Value: TypeAlias = object  # a number, a truth value, a text as for `--set` after "=", a list or a table of those
 Run: TypeAlias = Mapping[str, Value]
 Changes: TypeAlias = Mapping[str, Iterable[Value]] | Iterable[Run | str | Sequence[str]]
 
 
 def runs_of(changes: Changes) -> list[dict[str, Value]]:
-    """What each run sets, by key. BadCase where that is no change of a key, or there is no run."""
+    """Return the values of each run, by key. Raise BadCase if a change is invalid or there is no run."""
     if isinstance(changes, str):
         raise BadCase(f"changes={changes!r}: give a list of runs, or a table of keys and their values")
     if isinstance(changes, Mapping):
@@ -29,19 +29,19 @@ def runs_of(changes: Changes) -> list[dict[str, Value]]:
     else:
         runs = [_one(run, number) for number, run in enumerate(changes)]
     if not runs:
-        raise BadCase("changes: there is no run in them; give each key at least one value")
+        raise BadCase("changes: they contain no run; give each key at least one value")
     return runs
 
 
 def texts_of(run: Run) -> list[str]:
-    """A run's changes as `--set` has them. BadCase for a value that a case cannot have."""
+    """Return a run's changes as for `--set`. Raise BadCase for a value that a case cannot have."""
     return [f"{key}={_text(key, value)}" for key, value in run.items()]
 
 
 def _combinations(changes: Mapping[str, Iterable[Value]]) -> list[dict[str, Value]]:
     for key, values in changes.items():
         if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-            raise BadCase(f"changes: {key!r} has {values!r}; give a list of the values that it shall take")
+            raise BadCase(f"changes: {key!r} has {values!r}; give a list of its values")
     return [dict(zip(changes, values, strict=True)) for values in product(*changes.values())] if changes else []
 
 
@@ -60,10 +60,10 @@ def _one(run: Run | str | Sequence[str], number: int) -> dict[str, Value]:
 
 
 def _text(key: str, value: Value) -> str:
-    """A value as TOML, or the text that stands for it."""
+    """Format a value as TOML, or return its text."""
     if isinstance(value, str):
         return value
-    plain = value.item() if hasattr(value, "item") else value  # of numpy's numbers
+    plain = value.item() if hasattr(value, "item") else value  # for numpy's numbers
     if isinstance(plain, bool | int | float | str | list | tuple):
         try:
             return json.dumps(plain)

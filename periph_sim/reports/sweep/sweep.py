@@ -1,8 +1,8 @@
-"""Runs a case many times: its file and changes go in; the figures of all runs come out, as arrays.
+"""Run a case many times with changes and return the figures of all runs as arrays.
 
     runs --some at a time--> Executor --> Rows, in the order of the runs --> Sweep
 
-Any `concurrent.futures.Executor` serves: threads, processes, those of a cluster; without one, processes of our own.
+Any `concurrent.futures.Executor` works: threads, processes, a cluster; by default our own processes.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from .columns import Sweep, sweep_of
 from .one_run import ERROR, Job, Row, rows_of
 from .plan import Changes, runs_of, texts_of
 
-AT_A_TIME = 8  # runs that a worker is given together: sending them costs as much as a short one
-FEW = 64  # runs that are sent one by one, so that all workers have some
+AT_A_TIME = 8  # runs sent to a worker together: sending costs as much as a short run
+FEW = 64  # up to this many runs are sent one by one, so all workers get some
 
 Program = Callable[[Any, Any], None]
 
 
 class SweepStopped(KeyboardInterrupt):
-    """Ctrl-C or SIGTERM in a sweep. finished: the runs that were done, of `runs` in all."""
+    """A sweep was stopped by Ctrl-C or SIGTERM. finished: the completed runs, of `runs` in all."""
 
     def __init__(self, finished: Sweep, runs: int) -> None:
         super().__init__(f"the sweep was stopped after {len(finished)} of {runs} runs")
@@ -51,26 +51,26 @@ def sweep(
     programs: Mapping[str, Program | Firmware] | None = None,
     jobs: int | None = None,
     executor: Executor | None = None,
-    told: Callable[[float], None] | None = None,
+    on_progress: Callable[[float], None] | None = None,
 ) -> Sweep:
-    """Run a case once for each of many changes; a column for each figure comes back, an entry a run.
+    """Run a case once for each change. Return one column per figure, one entry per run.
 
     case: its file. changes: `{key: values}` for every combination, or a list of runs: `{key: value}` or "key=value"
-    texts as `--set` has them. seconds: instead of the case's own duration. programs: firmware given as functions, by
+    texts as for `--set`. seconds: instead of the case's own duration. programs: firmware given as functions, by
     unit; workers import them by name, so they must be in a module.
 
-    jobs: processes of our own, as many as there are cores if None; 1: all in this one. executor: any of
+    jobs: processes of our own, one per core if None; 1: all in this process. executor: any of
     `concurrent.futures` instead, which stays open; its workers see the case under the same path. Rows, their order and
-    their figures are the same whichever it is. told: the part done, 0 to 1, in this thread.
+    their figures are the same for any choice. on_progress: called with the part done, 0 to 1, in this thread.
 
-    BadCase for a change that names no key, and where not one run could be made; else a run that cannot be made says
-    why in its row. SweepStopped, a KeyboardInterrupt, has the runs that were done as Ctrl-C or SIGTERM came. A script
+    Raise BadCase for a change that names no key, and if no run succeeded; else the row of a failed run says
+    why. SweepStopped, a KeyboardInterrupt, has the runs completed before Ctrl-C or SIGTERM. A script
     that calls this with more than one process needs the usual `if __name__ == "__main__":`.
     """
     if isinstance(case, Case):
         raise BadCase("a sweep changes keys of a file; give the path of the case, or write one")
     if executor is not None and jobs is not None:
-        raise BadCase(f"jobs={jobs} with an executor, which has workers of its own; leave one of them out")
+        raise BadCase(f"jobs={jobs} with an executor, which has its own workers; give only one of them")
     if jobs is not None and jobs < 1:
         raise BadCase(f"jobs={jobs}: expected 1 or more")
     try:
@@ -89,8 +89,8 @@ def sweep(
     try:
         for some in _made(job, texts, executor, workers):
             rows += some
-            if told is not None:
-                told(len(rows) / len(runs))
+            if on_progress is not None:
+                on_progress(len(rows) / len(runs))
     except KeyboardInterrupt:
         if not rows:
             raise
@@ -101,7 +101,7 @@ def sweep(
 
 
 def _check(file: Path, texts: Texts, programs: Iterable[str]) -> str:
-    """The case's name. BadCase if a key or a unit is none of it; what is wrong with a value, its row will say."""
+    """Return the case's name. Raise BadCase for an unknown key or unit; a wrong value is reported in its row."""
     case = load(file)
     for unit in programs:
         if unit not in case.unit:
@@ -121,17 +121,17 @@ def _check(file: Path, texts: Texts, programs: Iterable[str]) -> str:
 
 
 def _check_sent(firmware: Mapping[str, Firmware]) -> None:
-    """BadCase for functions that other processes cannot import by their name."""
+    """Raise BadCase for functions that other processes cannot import by name."""
     for unit, program in firmware.items():
         try:
             pickle.dumps(program)
         except Exception as error:
             what = "define it in a module, not in another function, or give jobs=1"
-            raise BadCase(f"programs: that of {unit!r} cannot be sent to another process; {what} ({error})") from None
+            raise BadCase(f"programs: {unit!r} cannot be sent to another process; {what} ({error})") from None
 
 
 def _made(job: Job, texts: Texts, executor: Executor | None, jobs: int) -> Iterator[list[Row]]:
-    """The rows, some at a time, in the order of the texts."""
+    """Yield the rows, several at a time, in the order of the texts."""
     size = AT_A_TIME if len(texts) > FEW else 1
     parts = [texts[first : first + size] for first in range(0, len(texts), size)]
     if executor is not None:
@@ -148,14 +148,14 @@ def _by(executor: Executor, job: Job, parts: Sequence[Texts]) -> Iterator[list[R
     try:
         for future in waiting:
             yield future.result()
-    except BaseException:  # Ctrl-C, or a worker that died: nobody waits for the rest
+    except BaseException:  # Ctrl-C, or a worker that died: cancel the rest
         for future in waiting:
             future.cancel()
         raise
 
 
 def _by_processes(job: Job, parts: Sequence[Texts], jobs: int) -> Iterator[list[Row]]:
-    """As `_by`, in processes of our own. Where one dies, the part that was waited for is made again, each run apart."""
+    """As `_by`, in our own processes. If one dies, the runs it was doing are repeated one by one."""
     done = 0
     while done < len(parts):
         with processes(jobs) as pool:
@@ -180,7 +180,7 @@ def _apart(job: Job, text: list[str]) -> list[Row]:
 
 
 def _begins() -> bool:
-    """Whether a process can do anything: it imports the script that runs here, which may begin all over again."""
+    """Return True if a process can start: it imports the running script, which may start itself again."""
     with processes(1) as pool:
         try:
             return pool.submit(os.getpid).result() > 0
@@ -188,7 +188,7 @@ def _begins() -> bool:
             return False
 
 
-DIED = "its process died before it was done; periph-sim run shows how far it comes"
+DIED = "its process died before it finished; periph-sim run shows how far it gets"
 NO_WORKER = (
     "no process can be started for the runs: a script that calls sweep needs `if __name__ == '__main__':` around what "
     "it does, since each process imports it; or give jobs=1"

@@ -1,4 +1,4 @@
-"""Values of a key as one text: "1, 2, 5" or "0 ms to 20 ms step 10 us" goes in; the texts of the values come out.
+"""The values of a key in one text: "1, 2, 5" or "0 ms to 20 ms step 10 us".
 
 A range ends with its last value if a step falls on it. Its values are exact, in the unit of the step.
 """
@@ -14,11 +14,11 @@ from ...scene.case.model import BadCase
 
 RANGE = re.compile(r"(?P<first>.+?)\s+to\s+(?P<last>.+?)\s+step\s+(?P<step>.+)")
 NUMBER = re.compile(r"(-?\d+(?:\.\d+)?)\s*([a-zA-Z%]*)")
-MOST = 1_000_000  # values of a range: a step in the wrong unit
+MOST = 1_000_000  # values of a range; more means a step in the wrong unit
 
 
 def values_of(key: str, text: str) -> list[str]:
-    """The values. BadCase if there are none, or for a range that is none."""
+    """Return the values. Raise BadCase if there are none, or for an invalid range."""
     found = RANGE.fullmatch(text.strip())
     if found is not None:
         return _range(key, *found.group("first", "last", "step"))
@@ -33,14 +33,14 @@ def _range(key: str, *texts: str) -> list[str]:
     (first, of_first), (last, of_last), (step, unit) = (_number(key, text, shown) for text in texts)
     scales = _scales(unit)
     if not {of_first, of_last} <= scales.keys():
-        what = f"its units {of_first or 'none'}, {of_last or 'none'} and {unit or 'none'} do not fit each other"
+        what = f"its units {of_first or 'none'}, {of_last or 'none'} and {unit or 'none'} do not match"
         raise BadCase(f"--vary {key}={shown}: {what}")
     first, last = first * scales[of_first] / scales[unit], last * scales[of_last] / scales[unit]
     if step <= 0 or last < first:
-        raise BadCase(f"--vary {key}={shown}: there is no value in it; the step is above 0, the last above the first")
+        raise BadCase(f"--vary {key}={shown}: it has no values; the step must be above 0, the last above the first")
     count = int((last - first) / step) + 1
     if count > MOST:
-        raise BadCase(f"--vary {key}={shown}: these are {count} values; give a longer step")
+        raise BadCase(f"--vary {key}={shown}: it has {count} values; give a larger step")
     return [f"{_decimal(first + place * step)} {unit}".strip() for place in range(count)]
 
 
@@ -48,13 +48,13 @@ def _number(key: str, text: str, shown: str) -> tuple[Fraction, str]:
     found = NUMBER.fullmatch(text.strip())
     if found is None:
         raise BadCase(
-            f"--vary {key}={shown}: {text!r} is no number with a unit; write for instance 0 ms to 1 ms step 5 us"
+            f"--vary {key}={shown}: {text!r} is not a number with a unit; write for instance 0 ms to 1 ms step 5 us"
         )
     return Fraction(found[1]), found[2]
 
 
 def _scales(unit: str) -> dict[str, Fraction]:
-    """Units that are a power of ten of this one, and what each is."""
+    """Return the units related to this one by powers of ten, with their sizes."""
     for units in ({name: UNITS[name] for name in ("ns", "us", "ms", "s")}, HERTZ):
         if unit in units:
             return {name: Fraction(size) for name, size in units.items()}
@@ -62,7 +62,7 @@ def _scales(unit: str) -> dict[str, Fraction]:
 
 
 def _decimal(value: Fraction) -> str:
-    """As a decimal number, exactly: numbers and units are decimal, so there always is one."""
+    """Format exactly as a decimal number; it always exists, as numbers and units are decimal."""
     digits = 0
     while value.denominator != 1:
         value, digits = value * 10, digits + 1
@@ -73,7 +73,7 @@ def _decimal(value: Fraction) -> str:
 
 
 def _apart(text: str) -> list[str]:
-    """The parts between commas that stand in no brackets, braces or quotes."""
+    """Split at commas outside brackets, braces and quotes."""
     parts, depth, quote = [""], 0, ""
     for sign in text:
         if quote:

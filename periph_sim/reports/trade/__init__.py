@@ -1,5 +1,5 @@
-"""Speed against accuracy: what a user can choose for one scene, how far each choice is off, and what it costs.
+"""Speed against accuracy: the choices for one scene, with the error and the cost of each.
 
 rows --> runs --> budgets and values, against the most accurate row --> one table, JSON
-          '-----> CPU time behind the start, repeated -----------------'
+          '-----> CPU time after the start, repeated -----------------'
 """

@@ -1,4 +1,4 @@
-"""CPU time of rows behind the start of their scenes, measured again and again until the rows can be told apart."""
+"""CPU time of rows after the start of their scenes, repeated until the rows differ significantly."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ...scene.case.model import Case
 from .observe import built
 
 FEWEST, MOST = 5, 15  # runs of each row
-PATIENCE = 20.0  # seconds of CPU time, after which nothing is repeated
+PATIENCE = 20.0  # seconds of CPU time after which repeating stops
 
 
 @dataclass(frozen=True)
 class Cost:
-    """cpu_s: processor seconds of a simulated second, the median of all runs. spread_s: the distance of their quartiles
-    by the root of their number, about a standard error of that median.
+    """cpu_s: CPU seconds per simulated second, the median of all runs. spread_s: the interquartile range
+    divided by the root of their number, about a standard error of that median.
     """
 
     cpu_s: float
@@ -29,14 +29,14 @@ class Cost:
     runs: int
 
     def is_below(self, other: Cost) -> bool:
-        """True if the spreads of the two leave no doubt that this one is the cheaper one."""
+        """True if this one is cheaper by more than both spreads."""
         return other.cpu_s - self.cpu_s > self.spread_s + other.spread_s
 
 
 def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Fraction) -> dict[str, Cost]:
     """Return the cost of each row, a case and the suffix of its recording. Rows take turns.
 
-    start: seconds of the scene that are simulated before, and not counted. length: seconds that are.
+    start: seconds simulated before, not counted. length: seconds counted.
     """
     seconds: dict[str, list[float]] = {name: [] for name in rows}
     began = process_time()
@@ -51,7 +51,7 @@ def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Frac
 
 
 def are_apart(costs: Sequence[Cost]) -> bool:
-    """True if each two of them differ by more than their spreads."""
+    """Return True if any two differ by more than their spreads."""
     return all(one.is_below(other) for one, other in pairwise(sorted(costs, key=lambda cost: cost.cpu_s)))
 
 

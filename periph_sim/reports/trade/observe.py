@@ -1,4 +1,4 @@
-"""One run of a row and its errors: verdicts and occurrences of budgets, and what was read on the I2C bus."""
+"""One run of a row, and its errors: verdicts and occurrences of budgets, and data read on the I2C bus."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from ...timing.verdict import NOT_JUDGED
 
 SAMPLE = 6  # bytes of a read that carries a whole sample
 UNITS = ("s", 1), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)
-DIGITS = 13  # of seconds: what differs behind them comes of dividing ticks
+DIGITS = 13  # of seconds; further digits are rounding of ticks
 
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """verdicts: of the budgets that this run can measure, by name. times: occurrences of budgets on times, in seconds.
+    """verdicts: of the budgets that this run can measure, by name. times: occurrences of time budgets, in seconds.
 
-    samples: codes of each chip of the controller's order, int64[n, 3]. others: bytes of other reads, by address.
+    samples: codes of each chip in the controller's order, int64[n, 3]. others: bytes of other reads, by address.
     """
 
     verdicts: dict[str, str]
@@ -42,14 +42,14 @@ class Observed:
 
     @property
     def is_empty(self) -> bool:
-        """True if nothing occurred that two runs could be compared by."""
+        """True if there is nothing to compare two runs by."""
         occurred = [*self.times.values(), *self.samples.values(), *self.others.values()]
         return not any(map(len, occurred)) and set(self.verdicts.values()) <= {NOT_JUDGED}
 
 
 @dataclass(frozen=True, order=True)
 class Error:
-    """The largest of some differences. amount: infinite where one of the runs has more. place: a budget or chip."""
+    """The largest of several differences. amount: infinite if the counts differ. place: a budget or chip."""
 
     amount: float
     unit: str
@@ -57,7 +57,7 @@ class Error:
 
     @property
     def text(self) -> str:
-        """`none`, `12.3 us`, `2 LSB`, or `other count` where one of the runs has more occurrences."""
+        """`none`, `12.3 us`, `2 LSB`, or `other count` if the numbers of occurrences differ."""
         if not self.amount:
             return "none"
         if isinf(self.amount):
@@ -70,8 +70,8 @@ class Error:
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of a run against the reference. differ: which of the budgets that the reference judges have another
-    verdict. value: in LSB of what the chips answered; in bytes that differ if only other reads do.
+    """Errors of a run against the reference. differ: budgets judged by the reference that have another
+    verdict. value: in LSB of the chips' data; in bytes that differ if only other reads do.
     """
 
     judged: int
@@ -97,7 +97,7 @@ def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterato
 
 
 def observe(case: Case, length: Fraction, record: str = "") -> Observed:
-    """Run `case` for `length` seconds. BadCase and its like if it cannot be run."""
+    """Run `case` for `length` seconds. Raise BadCase or one of REFUSED if it cannot be run."""
     order = () if case.controller is None else case.controller.order
     chips = {CHIPS[name].address: name for name in order}
     samples: dict[str, list[Sequence[int]]] = {}
@@ -154,7 +154,7 @@ def _largest(
 
 
 def _measurable(case: Case) -> Case:
-    """Return the case with those of its budgets that its units can have: others belong to other firmware."""
+    """Return the case with the budgets that its units can have; others belong to other firmware."""
     try:
         Scene(case)
     except BadCase:

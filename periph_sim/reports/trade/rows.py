@@ -1,7 +1,7 @@
-"""Choices that a user has for a scene, each as a row, the most accurate first.
+"""The choices for a scene, one row each, the most accurate first.
 
-firmware     an image, C sources or Python with stated costs: the units of other cases in this scene
-arithmetic   what the sensor models of Python firmware compute in, at the cost that the case states
+firmware     an image, C sources or Python with stated costs: from other cases, used in this scene
+arithmetic   number format of sensor models in Python firmware, at the cost stated in the case
 recording    none, .psr or .vcd
 """
 
@@ -17,16 +17,16 @@ from ...scene.firmware_loader import BadFirmware, BadSetting, load_firmware, set
 KINDS = ("image", "C", "Python")  # of firmware: cycles of instructions, cycles estimated from C, stated cycles
 ARITHMETICS = ("float64", "float32", "q16")
 RECORDINGS = (".psr", ".vcd")
-BYTES = "bytes"  # firmware that computes no models
+BYTES = "bytes"  # firmware without models
 AS_GIVEN = "as given"
 Make = Callable[[Sequence[str]], Case]
 
 
 @dataclass(frozen=True)
 class Row:
-    """changes: of the case, as `--set` takes them. units: the case whose units run here; None: the case's own.
+    """changes: of the case, as for `--set`. units: the case whose units are used; None: the case's own.
 
-    record: the suffix of the recording that is written, "" for none.
+    record: the suffix of the recording to write, "" for none.
     """
 
     name: str
@@ -35,13 +35,13 @@ class Row:
     record: str = ""
 
     def case(self, make: Make) -> Case:
-        """Return the case to run. BadCase if the changes do not fit it."""
+        """Return the case to run. Raise BadCase if the changes do not fit it."""
         case = make(self.changes)
         return case if self.units is None else case.model_copy(update={"unit": self.units.unit})
 
 
 def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
-    """Return all rows of a case. others: cases whose units are rows, too."""
+    """Return all rows of a case. others: cases whose units give rows, too."""
     case = make(())
     given = Row(AS_GIVEN)
     firmware = [(kind_of(case), [*_arithmetics(case, given)])]
@@ -53,7 +53,7 @@ def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
 def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
     """Return the most accurate row, the case as given and the rows of these names; all if none is named.
 
-    BadCase for a name that no row has.
+    Raise BadCase for a name that no row has.
     """
     known = [row.name for row in rows]
     for name in names:
@@ -69,7 +69,7 @@ def kind_of(case: Case) -> str:
 
 
 def _arithmetics(case: Case, given: Row) -> Iterator[Row]:
-    """Yield the case as given among its other arithmetics, the most accurate first."""
+    """Yield the case as given and with other number formats, the most accurate first."""
     settings = {name: _settings(unit) for name, unit in case.unit.items() if unit.firmware}
     computing = {name: one for name, one in settings.items() if getattr(one, "arithmetic", BYTES) != BYTES}
     present = {getattr(one, "arithmetic", BYTES) for one in computing.values()}
@@ -93,7 +93,7 @@ def _settings(unit: Unit) -> object:
 
 
 def _computed_in(arithmetic: str, unit: str, settings: object) -> Iterator[str]:
-    """Yield the changes that replace the arithmetic of a unit but not the time that its models take."""
+    """Yield the changes that replace a unit's number format but keep its models' time."""
     yield f"unit.{unit}.settings.arithmetic={arithmetic}"
     if getattr(settings, "model_cost", None) == "estimate":
         yield f"unit.{unit}.settings.model_cost={getattr(settings, 'run_cost', '')}"

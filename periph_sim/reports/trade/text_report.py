@@ -1,4 +1,4 @@
-"""A trade as one table for people, and as JSON."""
+"""A trade as a table and as JSON."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TITLES = ("row", "budgets agree", "time error", "value error", "CPU s/s", "sprea
 
 
 def text(found: Trade) -> str:
-    """Return the header, the table, what it cannot show, and the row to take."""
+    """Return the header, the table, notes, and the recommended row."""
     return "\n".join(_lines(found))
 
 
@@ -27,13 +27,13 @@ def _lines(found: Trade) -> Iterator[str]:
     runs = reference.cost.runs
     yield from paragraph(
         f"{found.case}: {ran}, n-th occurrence and value against n-th of {reference.row.name}; {settled}; CPU time of "
-        f"{runs} runs of {duration_text(found.timed_s)} behind the first {duration_text(found.start_s)}"
+        f"{runs} runs of {duration_text(found.timed_s)} after the first {duration_text(found.start_s)}"
     )
     yield ""
     yield from text_table(TITLES, [_row(outcome, outcome is reference) for outcome in found.outcomes], range(1, 6))
     for outcome in found.outcomes:
         if outcome.errors.differ:
-            yield from paragraph(f"{outcome.row.name} judges otherwise: {', '.join(outcome.errors.differ)}")
+            yield from paragraph(f"{outcome.row.name} judges differently: {', '.join(outcome.errors.differ)}")
     worst = [
         f"{outcome.row.name} in {outcome.errors.time.place}"
         for outcome in found.outcomes
@@ -46,7 +46,7 @@ def _lines(found: Trade) -> Iterator[str]:
     in_order = sorted(found.outcomes, key=lambda outcome: outcome.cost.cpu_s)
     same = [f"{one.row.name} and {two.row.name}" for one, two in pairwise(in_order) if not one.cost.is_below(two.cost)]
     if same:
-        yield from paragraph(f"cost the same within their spread: {', '.join(same)}")
+        yield from paragraph(f"same cost within their spread: {', '.join(same)}")
     yield from paragraph(f"recommended: {found.best.row.name}: {found.why}")
 
 

@@ -1,4 +1,4 @@
-"""All rows of one scene: the errors of each against the most accurate one, its CPU time, and which one to take."""
+"""All rows of one scene: their errors against the most accurate one, CPU time, and the recommended row."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .observe import Errors, Observed, compare, observe
 from .rows import AS_GIVEN, Make, Row
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
-START, TIMED = Fraction(1, 10), Fraction(1)  # seconds of the scene that CPU time leaves out, and that it counts
+START, TIMED = Fraction(1, 10), Fraction(1)  # seconds of the scene excluded from and included in CPU time
 
 
 @dataclass(frozen=True)
@@ -31,18 +31,18 @@ class Outcome:
     cost: Cost
 
     def fits(self, max_error_s: float) -> bool:
-        """True if the row judges as the reference does, and is off by no more than what is allowed."""
+        """True if the row's verdicts equal the reference's and its errors are within the limit."""
         within = self.errors.time.amount <= max_error_s and (isinf(max_error_s) or not self.errors.value.amount)
         return not self.row.record and not self.errors.differ and within
 
 
 @dataclass(frozen=True)
 class Trade:
-    """Outcomes of all rows that run, the reference first. refused: why the others cannot be run, by name.
+    """Outcomes of all rows that ran, the reference first. refused: why the others cannot be run, by name.
 
-    ran_s: seconds of the scene that errors are measured over; half of them gives the same rows but for `changed`.
-    start_s, timed_s: seconds of the scene that CPU times leave out, and those behind them that they count.
-    best: the row to take; why: the reason, as a phrase.
+    ran_s: seconds of the scene over which errors are measured; half of them gives the same rows except `changed`.
+    start_s, timed_s: seconds of the scene excluded from CPU times, and those after them included.
+    best: the recommended row; why: the reason, as a phrase.
     """
 
     case: str
@@ -61,12 +61,12 @@ def trade(
     rows: Sequence[Row],
     length: Fraction,
     max_error_s: float = inf,
-    told: Callable[[float], None] | None = None,
+    on_progress: Callable[[float], None] | None = None,
 ) -> Trade:
-    """Run all rows for half of `length` seconds, for `length` and, where that changes a row, for twice as long.
+    """Run all rows for half of `length` seconds, for `length` and, if that changes a row, for twice as long.
 
-    max_error_s: how far the times of the row to take may be off. BadCase and its like where the most accurate row
-    cannot be run, or where nothing occurs in it.
+    max_error_s: maximum error of the recommended row's times. Raise BadCase or one of REFUSED if the most accurate
+    row cannot be run, or nothing occurs in it.
     """
     runs = _Runs(make, rows)
     changed: list[str] = []
@@ -74,8 +74,8 @@ def trade(
     with output_muted():
         errors = runs.errors(ran, may_be_empty=True)
         for step, ran in enumerate((length, 2 * length), 2):
-            if told is not None:
-                told(step / 5)
+            if on_progress is not None:
+                on_progress(step / 5)
             before, errors = errors, runs.errors(ran)
             changed = [name for name, one in errors.items() if name in before and one.cells != before[name].cells]
             if not changed:
@@ -90,7 +90,7 @@ def trade(
 
 
 class _Runs:
-    """The cases of all rows. refused: why a row cannot be run, by its name."""
+    """The cases of all rows. refused: why a row cannot be run, by name."""
 
     def __init__(self, make: Make, rows: Sequence[Row]) -> None:
         self.rows = rows
@@ -105,7 +105,7 @@ class _Runs:
         return [row for row in self.rows if row.name not in self.refused]
 
     def errors(self, length: Fraction, may_be_empty: bool = False) -> dict[str, Errors]:
-        """Return the errors of all rows without a recording, by name. BadCase if nothing occurs in the first row."""
+        """Return the errors of all rows without a recording, by name. BadCase if nothing occurs in the first one."""
         found: dict[str, Errors] = {}
         reference: Observed | None = None
         for row in self.running:
@@ -117,7 +117,7 @@ class _Runs:
         return found
 
     def errors_of_recorded(self, length: Fraction, unrecorded: Errors) -> dict[str, Errors]:
-        """Return the errors of the rows with a recording: `unrecorded` where it changes nothing in `length` seconds."""
+        """Return the errors of rows with a recording: `unrecorded` if recording changes nothing in `length` seconds."""
         found: dict[str, Errors] = {}
         for row in self.running:
             if row.record:
@@ -139,7 +139,7 @@ class _Runs:
 
     @contextmanager
     def _refusing(self, row: Row) -> Iterator[None]:
-        """Note why a row cannot be run. The errors of the most accurate row, and of the case as given, are raised."""
+        """Record why a row cannot be run; raise for the most accurate row and the case as given."""
         try:
             yield
         except REFUSED as error:
@@ -149,7 +149,7 @@ class _Runs:
 
 
 def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str]:
-    """Return the cheapest row that fits, the most accurate one of those that cost the same, and the reason."""
+    """Return the cheapest row that fits (of equal cost: the most accurate), and the reason."""
     reference = outcomes[0]
     fitting = [one for one in outcomes if one.fits(max_error_s)]
     cheapest = min(fitting, key=lambda one: one.cost.cpu_s)
@@ -158,5 +158,5 @@ def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str
         return best, "it is the most accurate row, and no row whose budgets all agree with it is cheaper"
     errors = f"errors of times: {best.errors.time.text}, of values: {best.errors.value.text}"
     share = best.cost.cpu_s / reference.cost.cpu_s
-    told = f"it takes {share:.0%} of the CPU time of {reference.row.name}"
-    return best, f"its budgets agree with the most accurate row, and {told}; {errors}"
+    share_text = f"it takes {share:.0%} of the CPU time of {reference.row.name}"
+    return best, f"its budgets agree with the most accurate row, and {share_text}; {errors}"

@@ -48,7 +48,7 @@ def test_the_part_with_the_first_other_byte_is_named(place: int):
     (change,) = compare(baseline(values), baseline(other))
     first = place // PART * PART
     where = f"first among bytes {first + 1} to {first + PART} of the run"
-    assert str(change) == f"bytes on the bus are other ones than in the baseline, {where}" and not change.note
+    assert str(change) == f"bytes on the bus differ from the baseline, {where}" and not change.note
 
 
 def test_bytes_that_are_more_or_fewer_are_a_change():
@@ -74,6 +74,6 @@ def test_a_check_of_two_dsps_finds_data_that_are_other_ones_and_right(change: st
     assert isinstance(outcome, Outcome) and outcome.result.verdict == "pass"
     changes = [str(found) for found in compare(kept, outcome.figures) if not found.note]
     where = "first among bytes 1 to 64 of the run"
-    expected = [f"bytes on the bus are other ones than in the baseline, {where}"]
+    expected = [f"bytes on the bus differ from the baseline, {where}"]
     assert changes == ([] if change is None else expected)
     assert outcome.figures.digest == kept.digest  # of times alone

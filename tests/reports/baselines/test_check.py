@@ -235,13 +235,13 @@ BREAKS = [
     ('breaks = ["wrong bytes"]\n', []),
     (
         'breaks = ["wrong bytes", "model"]\n',
-        ["model holds, but breaks says that it must break; take it out there if the bug is mended"],
+        ["model holds, but is listed in breaks; remove it there if the bug is fixed"],
     ),
     (
         'breaks = ["model"]\n',
         [
             "wrong bytes breaks: 12 bytes is over its limit of 0 bytes, at 0.005195 s",
-            "model holds, but breaks says that it must break; take it out there if the bug is mended",
+            "model holds, but is listed in breaks; remove it there if the bug is fixed",
         ],
     ),
 ]
@@ -352,7 +352,7 @@ def test_two_budgets_of_one_name_are_refused(cases: Path):
 
 def test_a_file_given_twice_is_run_once(cases: Path):
     parts: list[float] = []
-    assert len(check([cases, cases / "small.toml"], jobs=1, told=parts.append)) == 1
+    assert len(check([cases, cases / "small.toml"], jobs=1, on_progress=parts.append)) == 1
     assert parts == [1.0]
 
 
@@ -362,8 +362,7 @@ def test_a_file_given_twice_is_run_once(cases: Path):
         ("nowhere", "nowhere: there is no such file or folder; give case files, or folders of them"),
         (
             "empty",
-            "empty: there is no case in it or below it; expected .toml files with a [unit.NAME], [controller] or "
-            "[[budget]] table",
+            "empty: it contains no case; expected .toml files with a [unit.NAME], [controller] or [[budget]] table",
         ),
     ],
 )
@@ -380,6 +379,6 @@ def test_a_budget_that_came_and_one_that_went_are_told(cases: Path):
     (one,) = check([path], jobs=1)
     assert texts(one) == [
         "models: a new budget, not in the baseline",
-        "model: in the baseline, but no budget of the case",
+        "model: in the baseline, but not a budget of the case",
     ]
     assert read(one.baseline) is not None

@@ -80,7 +80,7 @@ def test_a_count_that_is_gone_is_0_now():
 
 
 def test_budgets_that_came_and_went():
-    told = ["new: a new budget, not in the baseline", "gone: in the baseline, but no budget of the case"]
+    told = ["new: a new budget, not in the baseline", "gone: in the baseline, but not a budget of the case"]
     assert changed(case({"gone": {}, "same": {}}), case({"new": {}, "same": {}})) == told
 
 
@@ -175,11 +175,11 @@ LATER, MOVED = ["0 START", "140 W"], "W 2 cycles later"
         ),
         ({"chain": CHAIN, "chain_of": "least"}, {"worst": 240, "chain": LATER}, {"worst": ""}),
         ({"chain": CHAIN}, {"worst": 240}, {"worst": ""}),
-        ({}, {"worst": 240, "chain": CHAIN}, {"worst": "first at 0.000020 ms, where there was none"}),
+        ({}, {"worst": 240, "chain": CHAIN}, {"worst": "first at 0.000020 ms; in the baseline there was none"}),
         (
             {"chain_of": "least"},
             {"least": 80, "chain": CHAIN, "chain_of": "least"},
-            {"least": "first at 0.000030 ms, where there was none"},
+            {"least": "first at 0.000030 ms; in the baseline there was none"},
         ),
         ({"worst_at": None}, {"worst": 240, "worst_at": None, "chain": CHAIN}, {"worst": ""}),
     ],

@@ -54,14 +54,14 @@ def test_what_is_written_is_read(baseline: Baseline):
     [
         ("{", "it is not JSON ("),
         ("\xff", "it is not JSON ("),
-        ("[]", "it has no schema_version, expected 1; write it anew with --update-baseline"),
-        ("{}", "it has no schema_version, expected 1; write it anew with --update-baseline"),
+        ("[]", "it has no schema_version, expected 1; write it again with --update-baseline"),
+        ("{}", "it has no schema_version, expected 1; write it again with --update-baseline"),
         (
             '{"schema_version": 2}',
             "schema_version is 2, expected 1: another version of periph-sim wrote it; compare with that version, "
-            "or write it anew with --update-baseline",
+            "or write it again with --update-baseline",
         ),
-        ('{"schema_version": 1}', "case: it is missing; write it anew with --update-baseline"),
+        ('{"schema_version": 1}', "case: it is missing; write it again with --update-baseline"),
     ],
 )
 def test_another_file_is_refused_with_what_to_do_and_an_update_replaces_it(cases: Path, text: str, sentence: str):

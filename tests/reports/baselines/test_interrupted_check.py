@@ -30,7 +30,7 @@ def test_the_part_done_is_told_after_each_case(cases: Path):
     for name in ("y", "z"):
         put(cases, name)
     parts: list[float] = []
-    check([cases], jobs=1, told=parts.append, update=True)
+    check([cases], jobs=1, on_progress=parts.append, update=True)
     assert parts == [1 / 3, 2 / 3, 1]
 
 
@@ -39,7 +39,7 @@ def test_cases_that_ran_before_a_check_was_stopped_are_judged_without_second_run
     put(cases, sdir_wait=False)
     late = put(cases, "z")
     refused: list[RejectedCase] = []
-    (one,) = check([cases], jobs=1, told=stops_after(1 / 2), on_refused=refused.append)
+    (one,) = check([cases], jobs=1, on_progress=stops_after(1 / 2), on_refused=refused.append)
     assert (one.outcome.path, one.state, one.causes) == (cases / "small.toml", "changed", {})
     assert "wrong bytes worst 0 -> 12 bytes" in [finding.text for finding in one.findings]
     assert refused == [RejectedCase(late, f"{late}: {STOPPED}")]
@@ -50,7 +50,7 @@ def test_a_check_without_reports_of_single_cases_and_an_update_stop_at_once(case
     before = path_for(put(cases, wait=3000)).read_bytes()
     for on_refused in (None, pytest.fail) if update else (None,):
         with pytest.raises(KeyboardInterrupt):
-            check([cases], jobs=1, told=stops_after(1), update=update, on_refused=on_refused)
+            check([cases], jobs=1, on_progress=stops_after(1), update=update, on_refused=on_refused)
     assert path_for(cases / "small.toml").read_bytes() == before
 
 

@@ -23,8 +23,8 @@ START, WRITE, ENTER = "START gyroscope on the bus", "I2C-A.I2CDXR written by dsp
         ("S0 W5", "S0 I3 W9", f"{WRITE} 4 cycles later; first to differ: {ENTER} after 3 cycles, which is new"),
         ("S1 W5 I9", "W6 S12 I30", f"{ENTER} 21 cycles later; first to differ: {START} 11 cycles later"),
         ("S0 W5", "S0 W5 W8", f"{WRITE} after 8 cycles, which is new"),
-        ("S0 W5", "S0", f"no more {WRITE}, which was after 5 cycles"),
-        ("S0 W0", "S0", f"no more {WRITE}, which was after 0 cycles"),
+        ("S0 W5", "S0", f"{WRITE} is missing, which was after 5 cycles"),
+        ("S0 W0", "S0", f"{WRITE} is missing, which was after 0 cycles"),
     ],
 )
 def test_what_is_told(before: str, now: str, told: str):
@@ -48,7 +48,7 @@ def lines(drawn: str) -> list[str]:
         ("S0 W5 W6", "S0 W6 W10", f"{WRITE} 4 cycles later [f:2]"),
         ("S0 W5", "S0 W5 W6", f"{WRITE} after 6 cycles, which is new [f:2]"),
         ("S0 W5", "S0 W5 W6 W7", f"{WRITE} after 6 cycles, which is new [f:2]"),
-        ("S0 W5 I6", "S0 W5", f"no more {ENTER}, which was after 6 cycles"),
+        ("S0 W5 I6", "S0 W5", f"{ENTER} is missing, which was after 6 cycles"),
     ],
 )
 def test_the_first_that_moved_beyond_the_tolerance_is_told_with_its_place(before: str, now: str, told: str):

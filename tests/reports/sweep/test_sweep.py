@@ -134,7 +134,7 @@ def figures(came: Sweep) -> dict[str, list[object]]:
 
 def test_a_column_for_each_figure_and_an_entry_for_each_run(case: Path) -> None:
     parts: list[float] = []
-    came = sweep(case, {WORK: LENGTHS}, jobs=1, told=parts.append)
+    came = sweep(case, {WORK: LENGTHS}, jobs=1, on_progress=parts.append)
     assert len(came) == 4 and came.case == "small"
     assert parts == [0.25, 0.5, 0.75, 1.0]
     assert came.changes[WORK].tolist() == LENGTHS
@@ -290,8 +290,8 @@ def test_firmware_that_waits_for_ever_ends_in_the_thread_that_ran_it(case: Path)
             lambda case: sweep(case, {"host.jitter": ["1 parsec"]}, jobs=1),
             "host.jitter: '1 parsec': unit 'parsec' is none of",
         ),
-        (lambda case: sweep(case, {}), "changes: there is no run in them; give each key at least one value"),
-        (lambda case: sweep(case, {"seed": []}), "changes: there is no run in them"),
+        (lambda case: sweep(case, {}), "changes: they contain no run; give each key at least one value"),
+        (lambda case: sweep(case, {"seed": []}), "changes: they contain no run"),
         (lambda case: sweep(case, "seed=1"), "changes='seed=1': give a list of runs, or a table of keys"),
         (lambda case: sweep(case, ["seed"]), "changes, run 0: 'seed': expected key=value"),
         (lambda case: sweep(case, {"seed": "12"}), "'seed' has '12'; give a list of the values"),

@@ -39,13 +39,13 @@ def test_values(text: str, values: list[str]) -> None:
     [
         ("1,,2", "--vary key=1,,2: a value is missing; write for instance key=1, 2, 5 or 0 to 10 step 2"),
         ("", "--vary key=: a value is missing"),
-        ("0 ms to 1 ms step 5", "its units ms, ms and none do not fit each other"),
-        ("0 to 1 ms step 5 us", "its units none, ms and us do not fit each other"),
-        ("0 s to 1 h step 1 s", "its units s, h and s do not fit each other"),
-        ("0 to 10 step 0", "there is no value in it; the step is above 0, the last above the first"),
-        ("10 to 0 step 1", "there is no value in it"),
-        ("a to 10 step 1", "'a' is no number with a unit; write for instance 0 ms to 1 ms step 5 us"),
-        ("0 s to 1 s step 1 ns", "these are 1000000001 values; give a longer step"),
+        ("0 ms to 1 ms step 5", "its units ms, ms and none do not match"),
+        ("0 to 1 ms step 5 us", "its units none, ms and us do not match"),
+        ("0 s to 1 h step 1 s", "its units s, h and s do not match"),
+        ("0 to 10 step 0", "it has no values; the step must be above 0, the last above the first"),
+        ("10 to 0 step 1", "it has no values"),
+        ("a to 10 step 1", "'a' is not a number with a unit; write for instance 0 ms to 1 ms step 5 us"),
+        ("0 s to 1 s step 1 ns", "it has 1000000001 values; give a larger step"),
     ],
 )
 def test_a_mistake_is_a_sentence(text: str, sentence: str) -> None:

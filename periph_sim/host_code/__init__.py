@@ -1,5 +1,5 @@
-"""Firmware's C sources on the host: gcc compiles them, volatile accesses are hooked, registers are those of the models.
+"""C sources of firmware compiled by gcc for the host, with register accesses simulated.
 
-For debugging logic with gdb and UBSan. Numbers have the host's sizes, and the time between accesses is estimated: what
-is timed to the cycle is an image.
+For debugging logic with gdb and UBSan. Numbers have the host's sizes, and the time between accesses is estimated; use
+an image for cycle-accurate timing.
 """

@@ -1,4 +1,4 @@
-"""Compiles C sources for the host: files and what they need go in; a shared library, or gcc's complaint, comes out.
+"""Compile C sources for the host into a shared library.
 
 sources --gcc -O0, thread-sanitizer hooks--> objects --+--> library, register structures at absolute addresses
 runtime.c --gcc, no hooks----------------------------'
@@ -34,11 +34,11 @@ OWN_DECLARATIONS = "void c28x_assembly(const char *);"
 
 
 class BadSources(ValueError):
-    """C sources that cannot be compiled for the host; one sentence."""
+    """C sources cannot be compiled for the host; the message is one sentence."""
 
 
 class MissingHeader(BadSources):
-    """name: as it is included."""
+    """A header is missing. name: as in the include."""
 
     def __init__(self, sentence: str, name: str) -> None:
         super().__init__(sentence)
@@ -46,7 +46,7 @@ class MissingHeader(BadSources):
 
 
 class Sources(Struct, frozen=True):
-    """folders: of headers. defines: macros with their values. undefined: with UBSan, which tells on standard error."""
+    """folders: of headers. defines: macros with their values. undefined: with UBSan, which reports to stderr."""
 
     files: tuple[Path, ...]
     folders: tuple[Path, ...] = ()
@@ -55,7 +55,7 @@ class Sources(Struct, frozen=True):
 
 
 class Objects(Struct, frozen=True):
-    """What is compiled and not linked yet."""
+    """Compiled objects before linking."""
 
     compiler: str
     files: tuple[str, ...]
@@ -63,10 +63,10 @@ class Objects(Struct, frozen=True):
 
 
 def compiled(sources: Sources, folder: Path) -> Objects:
-    """The sources as objects, in `folder`. BadSources where gcc refuses them."""
+    """Compile the sources to objects in `folder`. Raise BadSources if gcc fails."""
     compiler = shutil.which("gcc")
     if compiler is None:
-        raise BadSources("gcc is not found, which compiles C sources for the host; install it, or run an image")
+        raise BadSources("gcc, which compiles C sources for the host, is not found; install it, or run an image")
     for file in sources.files:
         if not note_input(file).is_file():
             what = f"{str(file)!r} is not a regular file" if file.exists() else f"there is no source file {str(file)!r}"
@@ -104,20 +104,20 @@ def compiled(sources: Sources, folder: Path) -> Objects:
 
 
 def linked(objects: Objects, base: int, library: Path) -> Path:
-    """The library, at this path. base: the host's address of the chip's word 0. BadSources if something is missing."""
+    """Link the library. base: host address of the chip's word 0. Raise BadSources if something is missing."""
     places = [f"-Wl,--defsym={name}={address:#x}" for name, address in _places(SYMBOLS, base).items()]
     places += [f"-Wl,--defsym={name}=0" for name in COPIED]
     replaced = [f"-Wl,--wrap={name}" for name in ENDING]
     checked = ["-fsanitize=undefined"] if objects.undefined else []
     listed = library.with_suffix(".list")
-    listed.write_text(f"{{ {'; '.join(SYMBOLS)}; }};\n", encoding="utf-8")  # bound as it is loaded, so that they stay
+    listed.write_text(f"{{ {'; '.join(SYMBOLS)}; }};\n", encoding="utf-8")  # bound at load time, so they stay
     shared = ["-shared", f"-Wl,--dynamic-list={listed}", "-Wl,--no-relax", "-Wl,-z,defs", *replaced, *checked]
     _run([objects.compiler, *shared, *places, *objects.files, "-o", str(library), "-lm"])
     return library
 
 
 def _compile(command: Sequence[str], folders: Sequence[Path], aliases: Path) -> None:
-    """Run gcc; a header that is there in letters of another case, as good where the sources are from, gets an alias."""
+    """Run gcc; a header whose name differs only in case (fine on Windows) gets an alias."""
     while True:
         try:
             _run(command)

@@ -1,10 +1,10 @@
-"""C sources as firmware of a unit: what they read, write and wait for goes in; the unit's CPU makes these accesses.
+"""C sources as firmware of a unit: the unit's CPU makes their register accesses.
 
     main() in the library --runtime.c: access, piece of code, asm--> HostFirmware --> Cpu, as for Python firmware
                         <-- the register's value, in memory --------'
     service routine    <-- called as its vector is taken -----------'
 
-The time between accesses is estimated: `BLOCK_CYCLES` for each piece of code without a branch, beside an access's own.
+The time between accesses is estimated: `BLOCK_CYCLES` for each basic block, besides an access's own.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ from .library import (
 from .register_layout import LARGEST, WORD, BadLayout, Place, RegisterLayout
 from .register_symbols import BYTES_A_WORD, IER, IFR, VECTORS
 
-FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000  # of registers: one place for each program that runs
-BLOCK_CYCLES = 6  # of a piece of code without a branch: some three statements' loads, operations and stores
-BLOCKS_AT_ONCE = 64  # so many pass before time is looked at, in code without any access
-LOOP_CYCLES = 1_000_000  # at once, of a loop without anything in it; service routines cut in
-DELAY_PASS, DELAY_CALL = 5, 9  # DSP28x_usDelay: cycles of a pass, and of the call
+FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000  # of registers: one address for each running program
+BLOCK_CYCLES = 6  # of a basic block: about three statements with loads, operations and stores
+BLOCKS_AT_ONCE = 64  # blocks between time updates in code without any access
+LOOP_CYCLES = 1_000_000  # at once, for an empty loop; service routines may interrupt it
+DELAY_PASS, DELAY_CALL = 5, 9  # DSP28x_usDelay: cycles per pass, and of the call
 ROUTINES = 0x31_0000  # code addresses of functions whose pointers are stored as vectors
 _taken: set[int] = set()
 POINTER = 8  # bytes, on the host
@@ -57,10 +57,10 @@ RPT_NOP = re.compile(r"rpt\s+#(\d+)\s*\|\|\s*nop", re.IGNORECASE)
 
 
 class HostFirmware:
-    """The program of a unit: each call of `main` is a run from its beginning on, with variables as they begin."""
+    """The program of a unit: each call of `main` runs it from the beginning with initialised variables."""
 
     def __init__(self, dsp: Dsp, sources: Sources) -> None:
-        """BadSources where they cannot be compiled and linked."""
+        """Raise BadSources if they cannot be compiled and linked."""
         self._dsp = dsp
         self._folder = TemporaryDirectory(prefix="periph_sim_", ignore_cleanup_errors=True)
         self._objects = compiled(sources, Path(self._folder.name))
@@ -72,7 +72,7 @@ class HostFirmware:
             raise BadSources(str(error)) from None
 
     def main(self) -> None:
-        """Run main to its end. FirmwareError without one; FirmwareLost where it cannot go on."""
+        """Run main to its end. Raise FirmwareError if there is none, FirmwareLost if it cannot continue."""
         self._begun += 1
         base = next(base for base in count(FIRST_BASE, ROOM) if base not in _taken)
         _taken.add(base)
@@ -84,17 +84,17 @@ class HostFirmware:
 
 
 class _Run:
-    """One run. path: of a library that nobody else loads, so that its variables are its own."""
+    """One run. path: of a library loaded only here, so its variables are not shared."""
 
     def __init__(self, dsp: Dsp, path: Path, base: int, layout: RegisterLayout) -> None:
         self._dsp = dsp
         self._layout = layout
-        self._place = 0  # the host's address of the access that is made
+        self._place = 0  # host address of the current access
         self._raised: BaseException | None = None
         self._routines: dict[int, int] = {}  # code address by function pointer
-        self._places: list[Place] = []  # written so far; runtime.c has their numbers, which begin behind PROTECTED
+        self._places: list[Place] = []  # written so far; runtime.c uses their numbers, which begin after PROTECTED
         self._numbers: dict[Place, int] = {}
-        self._stores: dict[int, tuple[int, int]] = {}  # what follows an announced write: `RegisterLayout.stored`, by pc
+        self._stores: dict[int, tuple[int, int]] = {}  # after an announced write: `RegisterLayout.stored`, by pc
         self._elsewhere = Elsewhere(dsp.core, dsp.processor.notes)
         self._elsewhere.set_part(dsp.plan.part)
         cpu = dsp.cpu
@@ -123,7 +123,7 @@ class _Run:
             self._library.close(len(_taken) == 1)
 
     def place(self) -> SourceLocation | None:
-        """The statement that is executed."""
+        """Return the current statement."""
         function, file, line = self._library.place_of(self._place)
         if not function:
             return None
@@ -132,7 +132,7 @@ class _Run:
         return found
 
     def _call(self, address: int) -> None:
-        """Run a function of the firmware to its end. FirmwareLost for a fault of the host's processor."""
+        """Run a function of the firmware to its end. Raise FirmwareLost for a fault of the host's processor."""
         enter_c()
         how = self._library.run(address)
         raised, self._raised = self._raised, None
@@ -145,16 +145,14 @@ class _Run:
             self._place = self._library.fault_pc or self._place
             name, at = signal.strsignal(self._library.signal), self._library.fault_at
             hint = (
-                "; a register is found by its structure's name, not by its address"
-                if at < BYTES // BYTES_A_WORD
-                else ""
+                "; access a register by its structure's name, not by its address" if at < BYTES // BYTES_A_WORD else ""
             )
             raise FirmwareLost(f"{self._dsp.name}: {name} at {self.place()}, the host's address {at:#x}{hint}")
 
-    # What runtime.c asks ----------------------------------------------------------------
+    # Requests of runtime.c --------------------------------------------------------------
 
     def _asked(self, what: int, at: int, size: int, detail: int, blocks: int, pc: int) -> int:
-        """UNWINDS for leaving the firmware's functions, where `_call` raises what was raised here."""
+        """Handle a request. Return UNWINDS to leave the firmware's functions; `_call` then raises the exception."""
         said = NO_PLACE
         try:
             leave_c()
@@ -178,7 +176,7 @@ class _Run:
                 how = (ctypes.c_char_p(detail).value or b"").decode("utf-8", "replace")
                 raise FirmwareLost(f"{self._dsp.name}: {how} at {self.place()}; firmware on the chip cannot end")
             enter_c()
-        except BaseException as raised:  # nothing may pass through C: it goes on in `_call`
+        except BaseException as raised:  # exceptions cannot pass through C: `_call` raises it
             self._raised = raised
             return UNWINDS
         return said
@@ -203,7 +201,7 @@ class _Run:
         return number
 
     def _stored(self, at: int, size: int) -> Place:
-        """The place that the store behind an announced write writes."""
+        """Return the place written by the store after an announced write."""
         further, stored = self._stores[self._place]
         if stored > LARGEST:
             raise FirmwareLost(
@@ -216,7 +214,7 @@ class _Run:
         return place
 
     def _begin_write(self, place: Place) -> int:
-        """The number of a place that is written next. A bit field is put into the word that is read for it."""
+        """Return the number of the place written next. For a bit field, read its word first."""
         if place.partial:
             self._load(place)
         number = self._numbers.get(place)
@@ -227,7 +225,7 @@ class _Run:
 
     def _no_member(self, at: int, size: int) -> FirmwareLost:
         return FirmwareLost(
-            f"{self._dsp.name}: an access of {size} bytes at {self.place()} is no register's, {at % BYTES_A_WORD} "
+            f"{self._dsp.name}: an access of {size} bytes at {self.place()} is not a register's, {at % BYTES_A_WORD} "
             f"bytes into word {at // BYTES_A_WORD:#06x}; access a register by the member of its structure"
         )
 
@@ -252,7 +250,7 @@ class _Run:
         self._library.memory[place.at : place.at + place.size] = value.to_bytes(place.size, "little")
 
     def _write(self, place: Place) -> None:
-        """A place in memory has been written: write the register."""
+        """Write the register of a place written in memory."""
         cpu, word = self._dsp.cpu, place.word
         value = int.from_bytes(self._library.memory[place.at : place.at + place.size], "little")
         if word in VECTORS:
@@ -279,10 +277,10 @@ class _Run:
             cpu.nop()
 
     def _vector(self, place: Place, pointer: int) -> None:
-        """A pointer has been stored: the CPU's table gets a code address for it."""
+        """Store a code address for a function pointer in the CPU's vector table."""
         program = self._dsp.cpu.program
         if place.size != POINTER or place.width != 2 * WORD:
-            raise FirmwareLost(f"{self._dsp.name}: {self.place()} stores a vector that is no pointer to a function")
+            raise FirmwareLost(f"{self._dsp.name}: {self.place()} stores a vector that is not a function pointer")
         code = self._routines.get(pointer)
         if code is None and pointer:
             code = self._routines[pointer] = ROUTINES + len(self._routines)
@@ -290,7 +288,7 @@ class _Run:
         self._dsp.cpu.store(place.word, code or 0, 2 * WORD)
 
     def _assembled(self, text: str) -> None:
-        """asm("...") of the sources. FirmwareLost for what nobody knows here."""
+        """Execute asm("...") of the sources. Raise FirmwareLost if it is unknown."""
         said = " ".join(text.lower().split())
         repeated = RPT_NOP.fullmatch(said)
         if repeated:

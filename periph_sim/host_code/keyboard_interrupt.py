@@ -1,7 +1,7 @@
-"""Ctrl-C while C code runs: SIGINT goes in; KeyboardInterrupt comes out where Python may raise it.
+"""Ctrl-C while C code runs: SIGINT is deferred until Python may raise KeyboardInterrupt.
 
-Python calls its handler as a function begins, so as C calls back: an exception raised there, before the function's
-`try`, would be printed and dropped by ctypes. In C code SIGINT is therefore kept, and raised by `raise_if_kept`.
+Python calls its handler when a function begins, so also when C calls back: an exception raised there, before the
+function's `try`, would be printed and dropped by ctypes. During C code SIGINT is kept, and raised by `raise_if_kept`.
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from threading import current_thread, main_thread
 from types import FrameType
 
 _in_c = _kept = False
-_programs = 0  # within `kept_in_c`
+_programs = 0  # programs within `kept_in_c`
 _before: Callable[[int, FrameType | None], object] = signal.default_int_handler
 
 
 def enter_c() -> None:
-    """C code runs from here on."""
+    """Mark that C code runs."""
     global _in_c
     _in_c = True
 
 
 def leave_c() -> None:
-    """Python code runs again. KeyboardInterrupt if SIGINT came meanwhile."""
+    """Mark that Python code runs. Raise KeyboardInterrupt if SIGINT came meanwhile."""
     global _in_c, _kept
     _in_c = False
     if _kept:
@@ -34,7 +34,7 @@ def leave_c() -> None:
 
 @contextmanager
 def kept_in_c() -> Iterator[None]:
-    """Within the block SIGINT is kept while C code runs; nothing changes outside of the main thread."""
+    """Defer SIGINT in C code within the block; no effect outside the main thread."""
     global _programs, _before
     before = signal.getsignal(signal.SIGINT)
     if current_thread() is not main_thread() or not callable(before):

@@ -1,4 +1,4 @@
-"""A compiled library in this process: a file goes in; its functions, registers and places come out."""
+"""A compiled library loaded in this process: functions, registers and source lines."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from elftools.elf.sections import SymbolTableSection
 from .register_layout import LARGEST
 
 BYTES = 0x4_0000  # of registers: 2 ** 16 words
-READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY, ENDS = range(8)  # what runtime.c asks
-UNWINDS, NO_PLACE, PROTECTED = -1, 0, 1  # what it is answered; larger numbers are places that are written
+READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY, ENDS = range(8)  # requests of runtime.c
+UNWINDS, NO_PLACE, PROTECTED = -1, 0, 1  # replies; larger numbers are places written
 ENDED, UNWOUND, FAULT, LOOPS = range(4)  # how a function ended
 
 Asked = Callable[[int, int, int, int, int, int], int]
@@ -31,21 +31,21 @@ ASKED = ctypes.CFUNCTYPE(
 
 
 class Library:
-    """path: of the file, which nobody else loads. base: the host's address of the chip's word 0."""
+    """path: of the file, loaded only here. base: host address of the chip's word 0."""
 
     def __init__(self, path: Path, base: int, asked: Asked, blocks_at_once: int) -> None:
         self._path = path
         self._library = ctypes.CDLL(str(path))
-        self._asked = ASKED(asked)  # held, since C does not hold it
+        self._asked = ASKED(asked)  # kept alive here, because C does not
         self._library.c28x_begin.argtypes = (ctypes.c_uint64, ASKED, ctypes.c_uint64)
         self._library.c28x_run.argtypes = (ctypes.c_void_p,)
         if self._library.c28x_begin(base, self._asked, blocks_at_once):
-            raise OSError(f"the host has no room for registers at {base:#x}")
+            raise OSError(f"the host cannot map registers at {base:#x}")
         self.memory = memoryview((ctypes.c_ubyte * BYTES).from_address(base)).cast("B")
         self._numbers = (ctypes.c_int * (BYTES * (LARGEST + 1))).in_dll(self._library, "c28x_numbers")
 
     def write_as_announced(self, at: int, size: int, place: int) -> None:
-        """Take each write that is announced for these bytes as a write of this place, without a call of Python."""
+        """Handle each write announced for these bytes as a write of this place, without calling Python."""
         self._numbers[at * (LARGEST + 1) + size] = place
 
     def run(self, address: int) -> int:
@@ -55,26 +55,26 @@ class Library:
 
     @property
     def signal(self) -> int:
-        """By which signal it ended in a FAULT."""
+        """The signal of a FAULT."""
         return ctypes.c_int.in_dll(self._library, "c28x_signal").value
 
     @property
     def fault_at(self) -> int:
-        """The host's address that the fault was about."""
+        """The host address accessed in the fault."""
         return ctypes.c_uint64.in_dll(self._library, "c28x_fault_at").value
 
     @property
     def fault_pc(self) -> int:
-        """The host's address of the instruction that did it; 0 where the host does not tell."""
+        """The host address of the faulting instruction; 0 if unknown."""
         return ctypes.c_uint64.in_dll(self._library, "c28x_fault_pc").value
 
     def address_of(self, name: str) -> int | None:
-        """The host's address of a function; None where the sources have none of this name."""
+        """Return the host address of a function; None if there is none of this name."""
         found = self._functions.get(name)
         return None if found is None else self._loaded_at + found
 
     def place_of(self, address: int) -> tuple[str, str, int]:
-        """(function, file, line) of an instruction at a host's address; empty and 0 where nothing tells them."""
+        """Return (function, file, line) of an instruction at a host address; empty and 0 if unknown."""
         at = address - self._loaded_at
         rows, starts = self._lines
         row = bisect_right(starts, at) - 1
@@ -84,10 +84,10 @@ class Library:
         return by_address[place][1] if place >= 0 else "", file, line
 
     def close(self, last: bool) -> None:
-        """Registers give back their place. last: no other library runs. What is loaded stays, as the process lasts."""
+        """Free the registers' memory. last: no other library runs. The library stays loaded until the process ends."""
         self._library.c28x_end(int(last))
 
-    # Where things are ---------------------------------------------------------------
+    # Addresses ----------------------------------------------------------------------
 
     @cached_property
     def _loaded_at(self) -> int:
@@ -112,7 +112,7 @@ class Library:
 
     @cached_property
     def _lines(self) -> tuple[list[tuple[str, int]], list[int]]:
-        """(file, line) by address, and the addresses."""
+        """Source lines (file, line) sorted by address, and the addresses."""
         found: dict[int, tuple[str, int]] = {}
         with self._path.open("rb") as file:
             dwarf = ELFFile(file).get_dwarf_info()

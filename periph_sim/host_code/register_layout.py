@@ -1,4 +1,4 @@
-"""Places of the members of register structures: a library's debug information goes in; addresses on the chip come out.
+"""Addresses on the chip of the members of register structures, from a library's debug information.
 
     extern volatile struct SCI_REGS SciaRegs --DWARF--> RegisterLayout: offset and size on the host --> Place
 
@@ -7,7 +7,7 @@ positions: the one on the host, which DWARF states, and the one on the chip, whi
 whose two positions cannot be matched is refused. Offsets are bytes from the host's address of the chip's word 0.
 
 Source: SPRU514Z sections 6.4 (sizes of types) and 7.1.7 (structures); SPRAC71B section 2.8 (bit fields: the access may
-be narrower than the declared type; here it is always the 16-bit word that the field lies in).
+be narrower than the declared type; here it is always the 16-bit word with the field).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from msgspec import Struct
 from .register_symbols import BYTES_A_WORD, SYMBOLS
 
 WORD = 16  # bits
-CHIP_BITS = {  # what is not here has 16 bits
+CHIP_BITS = {  # other types have 16 bits
     **dict.fromkeys(("float", "long int", "long unsigned int"), 32),
     **dict.fromkeys(("double", "long double", "long long int", "long long unsigned int", "__int128"), 64),
 }
@@ -33,12 +33,12 @@ QUALIFIERS = ("DW_TAG_const_type", "DW_TAG_volatile_type", "DW_TAG_restrict_type
 SIGNED = (5, 6)  # DW_ATE_signed, DW_ATE_signed_char
 COMPOUND = ("DW_TAG_structure_type", "DW_TAG_union_type")
 LARGEST = 8  # bytes of an access
-STORES_ARE_DECODED = platform.machine() == "x86_64"  # by runtime.c
+STORES_ARE_DECODED = platform.machine() == "x86_64"  # in runtime.c
 NO_REGISTER = "no register has this type; declare 16 bits as unsigned int or uint16_t, 32 as unsigned long or uint32_t"
 
 
 class BadLayout(ValueError):
-    """A register structure has a member without a certain place on the chip. One sentence, with file and line."""
+    """A register structure has a member without a known place on the chip. One sentence, with file and line."""
 
 
 class Place(Struct, frozen=True):
@@ -62,7 +62,7 @@ class RegisterLayout:
     """Places of all members of the structures in `SYMBOLS` that the sources use."""
 
     def __init__(self, library: Path) -> None:
-        """BadLayout where a member has no certain place."""
+        """Raise BadLayout if a member has no certain place."""
         self._numbers: dict[tuple[int, int], Place] = {}  # by offset and size
         self._fields: dict[int, Place] = {}  # by offset of each byte that has bits of a field
         self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # answers of `read`
@@ -81,7 +81,7 @@ class RegisterLayout:
             )
 
     def read(self, at: int, size: int) -> tuple[Place, ...]:
-        """Places that a read of these bytes reads. Empty if the bytes are no member."""
+        """Return the places read by an access of these bytes; empty if they are not a member."""
         places = self._read.get((at, size))
         if places is None:
             number = self._numbers.get((at, size))
@@ -91,25 +91,25 @@ class RegisterLayout:
         return places
 
     def may_write(self, at: int, size: int) -> bool:
-        """True if a write announced for these bytes can be one of a member."""
+        """Return True if a write announced for these bytes can be one to a member."""
         return (at, size) in self._numbers or (size <= LARGEST and bool(self._words(at, size)))
 
     def announced(self, at: int, size: int) -> Place | None:
-        """The place that a write announced for these bytes writes. None if only the store tells (`stored`)."""
+        """Return the place of an announced write; None if only the store shows it (`stored`)."""
         number, words = self._numbers.get((at, size)), self._words(at, size)
         if number is not None:
             return number if not words or not self._is_ambiguous(number) else None
         return words[0] if len(words) == 1 and size <= words[0].size else None
 
     def stored(self, announced: tuple[int, int], at: int, size: int) -> Place | None:
-        """The place that is written. at, size: of the store; or of the first byte of a bit field, and 0."""
+        """Return the place written. at, size: of the store; or of the first byte of a bit field, and 0."""
         if (at, size) == announced and announced in self._numbers:
             return self._numbers[announced]
         place = self._fields.get(at)
         return place if place is not None and place.at <= at and at + size <= place.at + place.size else None
 
     def _is_ambiguous(self, number: Place) -> bool:
-        """True if gcc announces a write of the number like one of the bit fields beside it."""
+        """Return True if gcc announces a write of the number like one of adjacent bit fields."""
         return number.size <= self._announced.get(number.at, 0)
 
     def add_run(self, at: int, size: int) -> None:
@@ -139,10 +139,10 @@ class _Structures:
 
     def __init__(self, layout: RegisterLayout, variable: DIE) -> None:
         self._layout = layout
-        self._path = [variable]  # and the members on the way to the one that is looked at
+        self._path = [variable]  # and the members on the path to the current one
 
     def add(self, member: DIE, at: int, word: int) -> int:
-        """Add a member that is no bit field, and return its words on the chip. at, word: where it begins."""
+        """Add a member that is not a bit field, and return its words on the chip. at, word: its begin."""
         kind = _stripped(member)
         if kind.tag == "DW_TAG_array_type":
             words, stride = 0, _size(_stripped(kind))
@@ -174,7 +174,7 @@ class _Structures:
                 offset, align = _value(member, "DW_AT_data_member_location"), self._alignment(member)
                 first = -(-bit // WORD // align) * align
                 if begin < host_bit and not self._is_certain(member, bit // WORD, host_bit):
-                    raise self._refusal("unnamed bits may be before it; put the bit fields in a structure of their own")
+                    raise self._refusal("unnamed bits may be before it; put the bit fields in a separate structure")
                 bit = WORD * (first + self.add(member, at + offset, word + first))
                 host_bit = begin = 8 * (offset + _size(_stripped(member)))
             self._path.pop()
@@ -204,7 +204,7 @@ class _Structures:
         else:
             first = bit + host - host_bit
             if (first - 1) // WORD != bit // WORD:
-                raise self._refusal("unnamed bits before it go on in another word; name them, word by word")
+                raise self._refusal("unnamed bits before it continue in another word; name them, word by word")
         last, host = first + width - 1, 8 * at + host
         host_last = host + width - 1
         if first // WORD != last // WORD or host // WORD != host_last // WORD or first % 8 != host % 8:
@@ -217,7 +217,7 @@ class _Structures:
         return last + 1, host_last + 1 - 8 * at
 
     def _alignment(self, member: DIE) -> int:
-        """Words of whose multiple the address of the member is."""
+        """Return the member's alignment on the chip, in words."""
         kind = _stripped(member)
         if kind.tag in COMPOUND:
             return self._alignment_of_members(kind)
@@ -232,7 +232,7 @@ class _Structures:
         return align
 
     def _bits(self, member: DIE) -> int:
-        """Bits that the type of a number has on the chip."""
+        """Return the bits of a numeric type on the chip."""
         names, kind = _names_of_type(member), _stripped(member)
         if kind.tag == "DW_TAG_pointer_type":
             return 2 * WORD
@@ -240,18 +240,18 @@ class _Structures:
         for name in names:
             fixed = FIXED_WIDTH.fullmatch(name)
             if fixed and max(int(fixed[1]), WORD) != bits:
-                if f"__{name}" not in names:  # the name that glibc declares it by
+                if f"__{name}" not in names:  # the name in glibc's declaration
                     raise self._refusal(f"{name} is declared as {_name(kind)}, which has {bits} bits on the chip")
                 return max(int(fixed[1]), WORD)
         return bits
 
     def _refusal(self, why: str) -> BadLayout:
         path = ".".join(filter(None, map(_name, self._path)))
-        return BadLayout(f"{_declared_at(self._path[-1])}: {path} is no register's: {why}")
+        return BadLayout(f"{_declared_at(self._path[-1])}: {path} is not a register's: {why}")
 
 
 def _aligned(bit: int, width: int, container: int) -> int:
-    """The first bit of a field that begins at `bit` or, where it would leave its container, in the next container."""
+    """Return the first bit of a field at `bit`, or in the next container if it would cross this one's end."""
     return bit if bit % container + width <= container else -(-bit // container) * container
 
 
@@ -270,7 +270,7 @@ def _members(compound: DIE) -> list[DIE]:
 
 
 def _names_of_type(member: DIE) -> list[str]:
-    """Names of the typedefs that a member is declared by."""
+    """Return the names of the typedefs in a member's declaration."""
     names, die = [], member
     while "DW_AT_type" in die.attributes and die.tag in (member.tag, "DW_TAG_typedef", *QUALIFIERS):
         die = die.get_DIE_from_attribute("DW_AT_type")
@@ -280,7 +280,7 @@ def _names_of_type(member: DIE) -> list[str]:
 
 
 def _stripped(member: DIE) -> DIE:
-    """The type of a member, or of the elements of an array, without typedefs and qualifiers."""
+    """Return the type of a member or of array elements, without typedefs and qualifiers."""
     die = member.get_DIE_from_attribute("DW_AT_type")
     while die.tag == "DW_TAG_typedef" or die.tag in QUALIFIERS:
         die = die.get_DIE_from_attribute("DW_AT_type")
@@ -288,14 +288,14 @@ def _stripped(member: DIE) -> DIE:
 
 
 def _size(kind: DIE) -> int:
-    """Bytes on the host."""
+    """Return the size on the host, in bytes."""
     if kind.tag == "DW_TAG_array_type":
         return _length(kind) * _size(_stripped(kind))
     return _value(kind, "DW_AT_byte_size")
 
 
 def _host_alignment(member: DIE) -> int:
-    """Bytes of whose multiple the host's address of a member is."""
+    """Return the member's alignment on the host, in bytes."""
     kind = _stripped(member)
     if kind.tag in COMPOUND:
         return max(map(_host_alignment, _members(kind)), default=1)
@@ -303,7 +303,7 @@ def _host_alignment(member: DIE) -> int:
 
 
 def _length(array: DIE) -> int:
-    """Elements of all dimensions. 0 if the declaration leaves it open."""
+    """Return the number of elements in all dimensions; 0 if the declaration leaves it open."""
     length = 1
     for dimension in array.iter_children():
         if "DW_AT_count" in dimension.attributes:
@@ -318,7 +318,7 @@ def _is_signed(kind: DIE) -> bool:
 
 
 def _declared_at(member: DIE) -> str:
-    """`file, line N` of a declaration."""
+    """Return `file, line N` of a declaration."""
     assert isinstance(member.cu, CompileUnit)
     program = member.dwarfinfo.line_program_for_CU(member.cu)
     number, line = _value(member, "DW_AT_decl_file"), _value(member, "DW_AT_decl_line")

@@ -1,4 +1,4 @@
-"""Where register structures of C headers lie: their names, as TI's headers declare them, and their addresses.
+"""Addresses of register structures, by their names in TI's headers.
 
 Source: SPRS439M Tables 3-8 to 3-11; the names of the linker command files that TI ships with its headers.
 """
@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from ..f28335.parts.f28335 import PART
 
-BYTES_A_WORD = 4  # on the host, of the chip's address space: as many as an unsigned int has
-IER, IFR = 0x0F00, 0x0F04  # registers of the CPU, in place of addresses that nothing has
+BYTES_A_WORD = 4  # on the host, per word of the chip: the size of an unsigned int
+IER, IFR = 0x0F00, 0x0F04  # CPU registers, at addresses unused on the chip
 VECTORS = range(0x0D00, 0x0E00)
 
 SYMBOLS: dict[str, int] = {
@@ -35,5 +35,5 @@ SYMBOLS: dict[str, int] = {
     "EQep2Regs": 0x6B40,
     "AdcRegs": 0x7100,
 }
-# Of code that start-up copies into RAM: nothing is to be copied here.
+# Symbols of code copied to RAM at start-up: nothing is copied here.
 COPIED = ("RamfuncsLoadStart", "RamfuncsLoadEnd", "RamfuncsRunStart", "RamfuncsLoadSize")

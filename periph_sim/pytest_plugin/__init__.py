@@ -1,11 +1,11 @@
-"""The pytest plugin: case files and test functions go in; verdicts, figures for JUnit and a table come out.
+"""The pytest plugin: case files as tests, fixtures for runs, figures for JUnit and a summary table.
 
-    periph_sim_cases = timing  --> one test a budget of each case file (collect.py)
-    scene(...), @mark.case     --> a run that a test looks at (fixtures.py, runs.py)
-    figures of what was judged --> user_properties --> JUnit XML, terminal summary (figures.py)
+    periph_sim_cases = timing  --> one test per budget of each case file (collect.py)
+    scene(...), @mark.case     --> a run for a test (fixtures.py, runs.py)
+    figures of judged budgets --> user_properties --> JUnit XML, terminal summary (figures.py)
 
-pytest loads this in every project in which periph_sim is installed, so nothing but pytest is imported here: chips,
-boards and numpy come with the first case. `-p no:periph-sim` turns it off.
+pytest loads this wherever periph_sim is installed, so only pytest is imported here: chips,
+boards and numpy are imported with the first case. `-p no:periph-sim` turns it off.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .runs import Run
 
 
-_in_tests: list[pytest.Item] = []  # that run now; several where a test runs a session of its own
+_in_tests: list[pytest.Item] = []  # running now; several if a test runs its own session
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -44,7 +44,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]:
-    """A session that runs cases is one in its own process (whole_session.py) from before its conftest.py on."""
+    """Start the separate process of a session with cases (whole_session.py) before its conftest.py."""
     if not _in_tests and early_config.getini(CASES) and "PYTEST_XDIST_WORKER" not in os.environ:
         from .whole_session import begin
 
@@ -54,7 +54,7 @@ def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, int | None]:
-    """The same where that was too early: pytest-xdist starts sessions that are none of its workers, too."""
+    """Do the same if that was too early: pytest-xdist also starts sessions that are not workers."""
     if _in_tests:
         return (yield)
     if config.getini(CASES):
@@ -62,7 +62,7 @@ def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, in
 
         begin(config)
     status = yield
-    if f"{__name__}.whole_session" in sys.modules:  # it began
+    if f"{__name__}.whole_session" in sys.modules:  # it was started
         from .whole_session import end
 
         return end(int(status or 0))
@@ -71,7 +71,7 @@ def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, in
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> Iterator[None]:
-    """Begin the guard of the whole session, too, if a collected test asks for runs."""
+    """Start the session's separate process also if a collected test uses runs."""
     if not _in_tests and asks_for_runs(session.items):
         from .whole_session import begin
 
@@ -89,7 +89,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """Whose figures are told meanwhile: runs may come from fixtures of any scope, and outlive a test."""
+    """Record the test that gets figures meanwhile: runs may come from fixtures of any scope, and outlive a test."""
     item.config.stash[current] = item
     _in_tests.append(item)
     try:
@@ -120,7 +120,7 @@ def scene(pytestconfig: pytest.Config) -> SceneFactory:
 
 @pytest.fixture
 def case_run(request: pytest.FixtureRequest, scene: SceneFactory) -> Run:
-    """The run of the case that the nearest mark `case` names."""
+    """Run the case named in the nearest mark `case`."""
     mark = request.node.get_closest_marker("case")
     if mark is None:
         pytest.fail('fixture case_run: the test has no mark; add @pytest.mark.case("timing/mine.toml")', pytrace=False)

@@ -1,10 +1,10 @@
-"""Case files as tests: a TOML file under a folder of `periph_sim_cases` goes in; a test a budget comes out.
+"""Collect case files as tests: one test per budget of each TOML file in a folder of `periph_sim_cases`.
 
-    timing/mine.toml --> timing/mine.toml::hangs nowhere    nothing is stuck for good
-                         timing/mine.toml::response         a budget of that name holds
+    timing/mine.toml --> timing/mine.toml::hangs nowhere    nothing is stuck forever
+                         timing/mine.toml::response         the budget holds
 
-The case runs once a process, when the first of its tests does; the others look at the same run. A budget that the case
-says breaks (`breaks`) is a test that is to fail, by a broken limit: one that is not judged fails all the same.
+The case runs once per process, with the first of its tests; the others use the same run. A budget that the case
+lists in `breaks` is a test expected to fail, by a broken limit: one that is not judged fails all the same.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ KNOWN = "known to break"
 
 
 def case_file(path: Path, parent: pytest.Collector) -> CaseFile | None:
-    """The collector of a case file; None if it is no case, or under none of the folders of the ini option."""
+    """Return the collector of a case file; None if it is not a case, or outside the ini option's folders."""
     wanted = [place.resolve() for place in parent.config.getini(CASES)]
     if not any(path.resolve().is_relative_to(place) for place in wanted) or not is_case(path):
         return None
@@ -34,7 +34,7 @@ class CaseFile(pytest.File):
     """Collects a case's budgets, and runs it once."""
 
     def collect(self) -> Iterable[pytest.Item]:
-        """The tests. CollectError in one sentence if the case cannot be built."""
+        """Return the tests. Raise CollectError in one sentence if the case cannot be built."""
 
         try:
             self._plan = self._planned()
@@ -53,7 +53,7 @@ class CaseFile(pytest.File):
             yield item
 
     def _planned(self) -> Any:
-        """The plan of a case that can be built: units, firmware, measures and all."""
+        """Return the plan of the case, after checking that it can be built."""
         from ..processor.user_code import output_muted
         from ..scene.case.load import load
         from .runs import Plan
@@ -64,7 +64,7 @@ class CaseFile(pytest.File):
         return plan
 
     def run(self) -> Any:
-        """The run of the case, the same for all who ask; or the error that it ended with."""
+        """Run the case once and return the same run for all tests; or raise its error again."""
         from .runs import run_plan
 
         if self._failed is not None:
@@ -87,7 +87,7 @@ class CaseItem(pytest.Item):
         self._line = line
 
     def runtest(self) -> None:
-        from .figures import told
+        from .figures import add_properties
 
         assert isinstance(self.parent, CaseFile)
         run = self.parent.run()
@@ -95,13 +95,13 @@ class CaseItem(pytest.Item):
             run.assert_not_stuck()
             return
         verdict = run.result.budgets[self._number]
-        told(self.user_properties, run.result.case, [verdict])
+        add_properties(self.user_properties, run.result.case, [verdict])
         if not verdict.passed and not verdict.broken and self.get_closest_marker("xfail") is not None:
-            pytest.fail(f"{verdict.name} is not judged, so nobody knows that it breaks: {verdict.found}", pytrace=False)
+            pytest.fail(f"{verdict.name} is not judged, so it is unknown if it breaks: {verdict.found}", pytrace=False)
         run.assert_verdict(self._number)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:
-        """What was broken, or one sentence; a traceback only of faults of our own."""
+        """Return what was broken, or one sentence; a traceback only for internal errors."""
         if isinstance(excinfo.value, AssertionError) or of_the_user(excinfo.value):
             return f"{excinfo.value}\n\n{self.nodeid.partition('::')[0]}:{self._line}"
         return super().repr_failure(excinfo, *args, **more)
@@ -111,7 +111,7 @@ class CaseItem(pytest.Item):
 
 
 def of_the_user(error: BaseException) -> bool:
-    """Whether the input is to blame for it, and its text is a sentence."""
+    """Return True if the user's input caused the error; then its text is a sentence."""
     from ..commands.usage_error import MISTAKES
 
     return not MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__)

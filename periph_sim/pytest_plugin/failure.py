@@ -1,4 +1,4 @@
-"""The text of budgets that do not pass: a run and its verdicts go in; a table, causes and timing diagrams come out.
+"""The text of failed budgets: a table, causes and timing diagrams.
 
 verdicts --> budget, worst, limit, margin, when, why
 worst occurrences --> windows (of a second, short run, or of the run's own records) --> chain and diagram, in text
@@ -25,7 +25,7 @@ MOST = 3  # worst occurrences explained
 
 
 def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
-    """Several lines; the first says which budgets, and of a single one by how much."""
+    """Return several lines; the first names the budgets, and for a single one by how much."""
     head = f"{len(broken)} of {judged} budgets {_worst_word(broken)}: {', '.join(verdict.name for verdict in broken)}"
     if len(broken) == 1:
         one = broken[0]
@@ -43,12 +43,12 @@ def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
         lines += ["", *_picture(window, chain)]
     if len(happened) > MOST:
         left = ", ".join(verdict.name for verdict in happened[MOST:])
-        lines += ["", f"(no picture of {left}; one that is asserted alone has one)"]
+        lines += ["", f"(no picture of {left}; assert one alone to get it)"]
     return "\n".join(lines)
 
 
 def _worst_word(verdicts: Sequence[Verdict]) -> str:
-    """What they all are: broken, not judged, or some of each."""
+    """Return "broken", "not judged", or both."""
     words = ["broken"] * any(verdict.broken for verdict in verdicts)
     return " or ".join([*words, *["not judged"] * any(not verdict.broken for verdict in verdicts)])
 
@@ -56,18 +56,18 @@ def _worst_word(verdicts: Sequence[Verdict]) -> str:
 def _picture(window: Window, chain: Chain | None) -> list[str]:
     verdict = window.verdict
     title = f"{verdict.name}, {figure(verdict.worst, verdict.unit)} at {instant(verdict.at_s)}:"
-    told = [title] if chain is None else text(chain)
+    shown = [title] if chain is None else text(chain)
     drawn = text_picture(window, WIDTH)
     if not drawn:
-        return [*told[:-1], f"{told[-1]} no wire moves around it"] if chain is None else told
-    return [*told, *drawn] if chain is None else [*told, "", *drawn]
+        return [*shown[:-1], f"{shown[-1]} no wire moves around it"] if chain is None else shown
+    return [*shown, *drawn] if chain is None else [*shown, "", *drawn]
 
 
 def _table(verdicts: Sequence[Verdict]) -> list[str]:
     rows: list[tuple[str, ...]] = []
     for verdict in verdicts:
         worst, margin = (figure(value, verdict.unit) for value in (verdict.worst, verdict.margin))
-        why = verdict.why if verdict.worst is not None else "nothing was measured, which is no pass"
+        why = verdict.why if verdict.worst is not None else "nothing was measured, which is not a pass"
         why = verdict.found or why
         rows.append((verdict.name, worst, _limit(verdict), margin, instant(verdict.at_s), why))
     return text_table(("budget", "seen", "limit", "margin", "when", "why"), rows, range(1, 5), WIDTH)

@@ -1,10 +1,10 @@
-"""Figures of budgets, as they travel: verdicts go in, properties of a test come out; and back, as lines of a table.
+"""Figures of budgets as test properties, and back as a table.
 
     Verdict --properties--> ("periph-sim/CASE/BUDGET/worst_us", 5.0) in user_properties --> JUnit XML
                                     |  (through pytest-xdist, too)
                                     '--table--> the terminal summary
 
-What runs cases is not imported: the process that shows the table need not be the one that ran them.
+The code that runs cases is not imported: another process may have run them.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from ..timing.verdict import Verdict
 
 HEAD = "periph-sim/"
-FIRST = "verdict"  # the figure that each budget's begin with
-UNBROKEN = 10_000  # columns of a table with names of tests, which are paths to copy
+FIRST = "verdict"  # the first figure of each budget
+UNBROKEN = 10_000  # columns of a table with names of tests, so their paths can be copied
 VALUES = ("worst", "limit", "margin")
 
 Property = tuple[str, object]
 
 
 def properties(case: str, verdict: Verdict) -> list[Property]:
-    """verdict, unit, worst, limit, margin (microseconds with `_us` in their names), which, count, measured, occasions,
-    at_s; "" for none.
+    """Return verdict, unit, worst, limit, margin (with `_us` in their names for microseconds), which, count, measured,
+    occasions, at_s; "" for none.
     """
     tail = "_us" if verdict.unit == "us" else ""
     figures: dict[str, object] = {FIRST: verdict.verdict, "unit": verdict.unit}
@@ -48,7 +48,7 @@ class Judged:
 
     label: str  # case/budget
     test: str
-    expected: bool  # the test was to fail
+    expected: bool  # the test was expected to fail
     figures: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -65,9 +65,9 @@ class Judged:
 
 
 def judged(reports: Iterable[Any]) -> list[Judged]:
-    """The budgets of all reports of tests, test by test; a test's last report has all of its.
+    """Return the budgets in reports of tests, by test; a test's last report has all of its budgets.
 
-    What a test judged several times with the same figures comes once.
+    Budgets judged several times with the same figures appear once.
     """
     longest: dict[str, Sequence[Property]] = {}
     expected: set[str] = set()
@@ -91,7 +91,7 @@ def judged(reports: Iterable[Any]) -> list[Judged]:
 
 
 def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
-    """Lines of the terminal summary, and whether each is a good one. Empty where no budget was judged."""
+    """Return lines of the terminal summary, and whether each is good. Empty if no budget was judged."""
     budgets = judged(reports)
     if not budgets:
         return []
@@ -114,7 +114,7 @@ def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
     ]
 
 
-def told(into: list[Property], case: str, verdicts: Sequence[Verdict]) -> None:
-    """Put the figures of verdicts into a test's properties."""
+def add_properties(into: list[Property], case: str, verdicts: Sequence[Verdict]) -> None:
+    """Add the figures of verdicts to a test's properties."""
     for verdict in verdicts:
         into.extend(properties(case, verdict))

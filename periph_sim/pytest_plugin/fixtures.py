@@ -1,4 +1,4 @@
-"""The fixture `scene`: a case file or a firmware function with changes goes in; a Run comes out.
+"""The fixture `scene`: runs a case file or a firmware function with changes.
 
 scene("timing/mine.toml", "controller.period=10 ms", seconds=2)  --> Run
 scene(firmware, modules=["I2C-A"], controller={...}, budget=[...], seconds=2)  --> Run
@@ -22,13 +22,13 @@ from ..scene.case.model import BadCase, Case
 from ..scene.case.origin import Source
 from ..scene.firmware_loader import Firmware
 from ..timing.verdict import Verdict
-from .figures import told
+from .figures import add_properties
 from .keys import current
 from .runs import Plan, Run, run_plan
 
 Program = Callable[[Any, Any], None]
 Length = float | str | Fraction | None
-UNIT = "dsp"  # of scenes given in Python
+UNIT = "dsp"  # name of the unit of scenes given in Python
 
 
 class SceneFactory:
@@ -51,16 +51,16 @@ class SceneFactory:
         unit: dict[str, Any] | None = None,
         **tables: Any,
     ) -> Run:
-        """The run of a case.
+        """Run a case and return its Run.
 
         what: a case file, relative to the test's file or pytest's rootdir; or firmware as a function (dsp, settings).
-        changes: KEY=VALUE, as `periph-sim run --set` takes them. seconds: instead of the case's own duration; a text
+        changes: KEY=VALUE, as for `periph-sim run --set`. seconds: instead of the case's own duration; a text
         has a unit ("500 ms"). record: keep all records and edges.
 
-        Of a function only: modules, pins and whatever else a unit has (`unit`), settings, which it is handed as they
-        are, and the other tables of a case (controller, host, budget, ...) under their names.
+        For a function only: modules, pins and other keys of a unit (`unit`), settings, which it receives unchanged,
+        and the other tables of a case (controller, host, budget, ...) under their names.
 
-        BadCase in one sentence if the case cannot be run.
+        Raise BadCase in one sentence if the case cannot be run.
         """
         __tracebackhide__ = True
         try:
@@ -71,18 +71,18 @@ class SceneFactory:
             else:
                 given = {"settings": settings, "modules": modules, "unit": unit, **tables}
                 plan = self._of_file(Path(what), changes, seconds, [name for name in given if given[name]])
-            return run_plan(plan, self._told, keep_edges=callable(what), record=record)
+            return run_plan(plan, self._add_properties, keep_edges=callable(what), record=record)
         except BadCase as error:
-            raise error.with_traceback(None) from None  # the sentence says it; the way to it is ours
+            raise error.with_traceback(None) from None  # the message is enough; the traceback is internal
 
     def _of_file(self, path: Path, changes: Sequence[str], seconds: Length, given: Sequence[str]) -> Plan:
         if given:
-            raise BadCase(f"{path}: {given[0]}= goes with firmware given as a function; change a file by 'key=value'")
+            raise BadCase(f"{path}: {given[0]}= is for firmware given as a function; change a file by 'key=value'")
         found = self._found(path)
         return Plan(load(found, list(changes)), _length(seconds))
 
     def _found(self, path: Path) -> Path:
-        """The case file, beside the test or under rootdir."""
+        """Return the case file, beside the test or under rootdir."""
         root = self._config.rootpath
         item = self._config.stash.get(current, None)
         folders = [root] if item is None else [item.path.parent, root]
@@ -98,15 +98,15 @@ class SceneFactory:
             f"{path}: there is no such case file beside the test or in {root}; {did_you_mean(path.as_posix(), there)}"
         )
 
-    def _told(self, run: Run, verdicts: Sequence[Verdict]) -> None:
-        """To the test that asserts now, which may be another one than that which made the run."""
+    def _add_properties(self, run: Run, verdicts: Sequence[Verdict]) -> None:
+        """Add figures to the test that asserts now, which need not be the one that made the run."""
         item = self._config.stash.get(current, None)
         if item is not None:
-            told(item.user_properties, run.result.case, verdicts)
+            add_properties(item.user_properties, run.result.case, verdicts)
 
 
 def _length(given: Length) -> Fraction | None:
-    """Seconds, above 0."""
+    """Parse a length in seconds, above 0."""
     if given is None:
         return None
     try:
@@ -129,7 +129,7 @@ def _of_function(
     length = _length(seconds)
     name = getattr(program, "__name__", type(program).__name__)
     if length is None and "duration" not in tables:
-        raise BadCase(f"scene({name}): how long it is to run is missing; give seconds=")
+        raise BadCase(f"scene({name}): its duration is missing; give seconds=")
     tree: dict[str, Any] = {"name": name, "unit": {UNIT: {"firmware": name, **unit}}, **tables}
     if length is not None:
         tree["duration"] = length

@@ -1,4 +1,4 @@
-"""A case that was run, as a test looks at it.
+"""A run of a case for a test.
 
 Plan (case, programs, length) --run_plan--> Run: result, budgets, transfers, edges(), records
                                              assert_budgets(...) --> nothing, or AssertionError with a picture
@@ -30,11 +30,11 @@ from ..timing.verdict import NOTHING_PROVEN, Verdict
 from ..traces.capture.capture import Capture
 from ..traces.formats.record_table import Columns, RecordTable
 
-Told = Callable[["Run", Sequence[Verdict]], None]
+OnJudged = Callable[["Run", Sequence[Verdict]], None]
 
 
 class NoSuchBudget(KeyError):
-    """A budget that the case does not have; one sentence."""
+    """The case has no such budget; the message is one sentence."""
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -42,29 +42,29 @@ class NoSuchBudget(KeyError):
 
 @dataclass(frozen=True)
 class Plan:
-    """What is to be run. seconds: None for the case's own duration. programs: firmware given as functions, by unit."""
+    """What to run. seconds: None for the case's own duration. programs: firmware given as functions, by unit."""
 
     case: Case
     seconds: Fraction | None = None
     programs: Mapping[str, Firmware] = field(default_factory=dict)
 
     def scene(self, subscribe: Callable[[Recorder, Timebase], None] | None = None) -> Scene:
-        """Return a new scene, not yet run. BadCase if it cannot be built."""
+        """Return a new scene, not yet run. Raise BadCase if it cannot be built."""
         return self._prepared.scene((), subscribe, self.programs)
 
     @cached_property
     def _prepared(self) -> PreparedScene:
-        """What all scenes of this plan have in common: a run, and one more for the edges of its wires."""
+        """The prepared case, shared by the run and a second one for the edges of its wires."""
         return PreparedScene(self.case)
 
     @property
     def length(self) -> Fraction:
-        """Seconds."""
+        """The length of the run in seconds."""
         return self.case.duration if self.seconds is None else self.seconds
 
 
 class Budgets(dict[str, Verdict]):
-    """Verdicts by the name of their budget. NoSuchBudget, a KeyError, names the nearest right ones."""
+    """Verdicts by budget name. An unknown name raises NoSuchBudget, a KeyError, with similar names."""
 
     def __init__(self, case: str, verdicts: Sequence[Verdict]) -> None:
         super().__init__((verdict.name, verdict) for verdict in verdicts)
@@ -77,9 +77,9 @@ class Budgets(dict[str, Verdict]):
 
 @dataclass(repr=False)
 class Run:
-    """A run that is over.
+    """A finished run.
 
-    result: as `periph-sim run` shows it. budgets: verdicts by name. records: the table of all records if asked for
+    result: as shown by `periph-sim run`. budgets: verdicts by name. records: the table of all records if asked for
     with `record=True`, else None.
     """
 
@@ -89,11 +89,11 @@ class Run:
     timebase: Timebase
     start: int  # tick
     records: RecordTable | None
-    hangs: tuple[str, ...]  # what is stuck for good, a sentence each
+    hangs: tuple[str, ...]  # what is stuck forever, one sentence each
     _transfers: list[Transfer]
     _edges: Capture | None
     _typical: list[Verdict]
-    _told: Told
+    _on_judged: OnJudged
 
     def __repr__(self) -> str:
         return f"<run of {self.result.case}, {self.result.simulated_s:g} s: {self.result.verdict}>"
@@ -105,14 +105,14 @@ class Run:
         if self.plan.case.controller is None:
             raise LookupError(
                 f"case {self.result.case} has no controller; "
-                "periph_sim.traces.decode.i2c.transfers(run.edges()) gives what was on its wires"
+                "periph_sim.traces.decode.i2c.transfers(run.edges()) returns the transfers on its wires"
             )
         return self._transfers
 
     def edges(self) -> Capture:
-        """Every wire of the scene; positions are ticks. The case is run a second time for them, once.
+        """Return the edges of all wires; positions are ticks. The first call runs the case a second time.
 
-        Not so where they were kept: with `record=True`, and where the firmware is a function of the test's.
+        Not if they were kept: with `record=True`, or if the firmware is a function of the test.
         """
         if self._edges is None:
             with output_muted():
@@ -124,14 +124,14 @@ class Run:
 
     @property
     def end(self) -> int:
-        """The tick at which it was over."""
+        """The tick at its end."""
         return self.start + self.timebase.ticks(self.plan.length, "nearest")
 
     def explained(self, verdicts: Sequence[Verdict]) -> list[tuple[Window, Chain | None]]:
-        """The surroundings of each worst occurrence, and why it was so; of verdicts that have an instant.
+        """Return window and explanation of each worst occurrence, for verdicts that have an instant.
 
-        The case is run once more for them. A function of the test's is not: its records tell, if they were kept; else
-        its wires are all there is, and no Chain.
+        The case is run once more for them, except firmware given as a function: its records are used if they were
+        kept; else only its wires, without Chain.
         """
         case = self.plan.case
         if not self.plan.programs:
@@ -145,12 +145,12 @@ class Run:
     def assert_budgets(self, *names: str, guaranteed: bool = False) -> None:
         """Raise AssertionError, with a table and a diagram, if any of these budgets does not hold.
 
-        guaranteed: fails, since nothing is proven yet. NoSuchBudget if the case has none of such a name; ValueError if
-        none is named.
+        guaranteed: fails, since nothing is proven yet. NoSuchBudget if the case has no budget of a name; ValueError if
+        no name is given.
         """
         __tracebackhide__ = True
         if not names:
-            raise ValueError("assert_budgets: name at least one budget; assert_all() judges all of the case")
+            raise ValueError("assert_budgets: give at least one budget; assert_all() judges all budgets of the case")
         for name in names:
             if name not in self.budgets:
                 raise NoSuchBudget(
@@ -159,27 +159,27 @@ class Run:
         self._judge([verdict for verdict in self.result.budgets if verdict.name in names], guaranteed)
 
     def assert_all(self, *, guaranteed: bool = False) -> None:
-        """As `assert_budgets` of all that the case has; and nothing is stuck for good. ValueError if it has none."""
+        """As `assert_budgets` for all budgets, and `assert_not_stuck`. ValueError if the case has no budgets."""
         __tracebackhide__ = True
         if not self.budgets:
-            raise ValueError(f"case {self.result.case} has no budgets, so nothing would be judged; give it some")
+            raise ValueError(f"case {self.result.case} has no budgets, so nothing would be judged; add some")
         self._judge(self.result.budgets, guaranteed)
         self.assert_not_stuck()
 
     def assert_not_stuck(self) -> None:
-        """Nothing, unless a line is held for good or firmware waits for what cannot come: AssertionError says which."""
+        """Raise AssertionError if a line is held forever, or firmware waits for an event that cannot come."""
         __tracebackhide__ = True
         if self.hangs:
             raise AssertionError("\n".join([f"{self.result.case} hangs:", *self.hangs]))
 
     def assert_verdict(self, number: int) -> None:
-        """As `assert_budgets` of the case's budget of this number, counted from 0."""
+        """As `assert_budgets` for the case's budget of this number, from 0."""
         __tracebackhide__ = True
         self._judge(self.result.budgets[number : number + 1])
 
     def _judge(self, verdicts: Sequence[Verdict], guaranteed: bool = False) -> None:
         __tracebackhide__ = True
-        self._told(self, verdicts)
+        self._on_judged(self, verdicts)
         broken = [verdict for verdict in verdicts if not verdict.passed]
         if broken:
             from .failure import failure_text
@@ -189,8 +189,8 @@ class Run:
             raise AssertionError(f"{self.result.case}: guaranteed=True: {NOTHING_PROVEN}; leave guaranteed out")
 
 
-def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool = False) -> Run:
-    """Build and run. told: hears of the verdicts that a test asserts. BadCase if the case cannot be built."""
+def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, record: bool = False) -> Run:
+    """Build and run. on_judged: called with the verdicts that a test asserts. Raise BadCase if it cannot be built."""
     columns = Columns()
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
@@ -214,7 +214,7 @@ def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool =
         _transfers=transfers,
         _edges=None if log is None else _named(log.capture(scene.timebase, now), result.case),
         _typical=scene.typical(),
-        _told=told,
+        _on_judged=on_judged,
     )
 
 

@@ -1,8 +1,8 @@
-"""A session that runs user code runs in a process that another one waits for, as commands do.
+"""Run a session with user code in a separate process, as commands do.
 
 Firmware that ends its process, by `os._exit(0)` for instance, would end the session with status 0: all tests passed.
-Here such a session has status 3, pytest's own for an internal error. It begins before cases are collected, or before
-the first test if only tests ask for runs. A worker of pytest-xdist needs none: its session fails if it ends.
+Here such a session has status 3, pytest's own for an internal error. The process starts before cases are collected, or
+before the first test if only tests use runs. A worker of pytest-xdist needs none: its session fails if it ends.
 """
 
 from __future__ import annotations
@@ -11,18 +11,18 @@ import pytest
 
 from ..supervisor import NO_VERDICT, Completion, can_fork, split
 
-_completion: Completion | None = None  # of the session that runs in this process
+_completion: Completion | None = None  # of the session running in this process
 
 
 def begin(config: pytest.Config) -> None:
-    """Go on in a process that another one waits for, if this process is none yet."""
+    """Continue in a child process that this one waits for, unless already done."""
     global _completion
     if _completion is None and can_fork and not hasattr(config, "workerinput"):
         _completion = split("pytest", strict=False)
 
 
 def end(status: int) -> int:
-    """The exit status of a session that has said all."""
+    """Return the exit status of a finished session."""
     global _completion
     if _completion is None:
         return status

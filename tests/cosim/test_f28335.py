@@ -98,7 +98,7 @@ def test_what_cannot_be_is_refused_in_a_sentence(benches: Path) -> None:
     assert said["no signal"] == "SDA: bus has no signal 'dsp_sdb'; did you mean dsp_sda or dsp_scl?"
     assert "there is no wire 'SDC'; did you mean SDA or SCL?" in said["no wire"]
     assert said["no file"] == "/nowhere/log.jsonl: No such file or directory; give the log another place"
-    assert said["one file"] == "/nowhere/a: log and record are one file; give each a file of its own"
+    assert said["one file"] == "/nowhere/a: log and record are the same file; give different files"
     assert said["x"].startswith("bus.rx (line RX) is x at the beginning: two drivers disagree, or one has no value yet")
     assert said["z"].startswith("bus.rx (line RX) is z at the beginning: nothing drives it; give it a pull-up")
     assert said["I2C-A.I2CSTR.SCD"] == "0"

@@ -14,7 +14,7 @@ def test_a_simulator_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch)
     pytest.importorskip("cocotb_tools")
     monkeypatch.setenv("PATH", "/nowhere")
     assert missing() == "iverilog, vvp is not on the path; install the simulator icarus"
-    assert missing("spice").startswith("simulator 'spice' is not known here; it is one of icarus, verilator")
+    assert missing("spice").startswith("simulator 'spice' is unknown; it is one of icarus, verilator")
     with pytest.raises(OutsideError, match="iverilog, vvp is not on the path"):
         simulate(["bus.v"], "bus", "test_bus", folder="nowhere")
 
@@ -22,7 +22,7 @@ def test_a_simulator_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch)
 def test_sources_that_are_not_there_or_wrong(tmp_path: Path) -> None:
     if missing():
         pytest.skip(missing())
-    with pytest.raises(OutsideError, match=r"nowhere.v: there is no such source"):
+    with pytest.raises(OutsideError, match=r"nowhere.v: the source file does not exist"):
         simulate(["nowhere.v"], "bus", "test_bus", folder=tmp_path)
     source = tmp_path / "wrong.v"
     source.write_text("module bus; wire wire; endmodule\n")

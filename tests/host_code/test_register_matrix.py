@@ -173,30 +173,39 @@ def test_a_field_of_a_32_bit_register_is_an_access_of_its_half(tmp_path: Path):
     [
         (
             "unsigned a : 14; unsigned b : 4; } bit;",
-            "bit.b is no register's: with the fields before it, its 4 bits cross",
+            "bit.b is not a register's: with the fields before it, its 4 bits cross",
         ),
-        ("uint32_t a : 10; uint32_t b : 12; } bit;", "bit.b is no register's: with the fields before it, its 12 bits"),
+        (
+            "uint32_t a : 10; uint32_t b : 12; } bit;",
+            "bit.b is not a register's: with the fields before it, its 12 bits",
+        ),
         (
             "unsigned a : 8; unsigned : 16; unsigned b : 4; } bit;",
-            "bit.b is no register's: unnamed bits before it go on",
+            "bit.b is not a register's: unnamed bits before it go on",
         ),
         (
             "unsigned char a : 5; unsigned char b : 5; } bit;",
-            "bit.b is no register's: with the fields before it, its 5",
+            "bit.b is not a register's: with the fields before it, its 5",
         ),
-        ("unsigned a : 8; unsigned b; } bit;", "bit.b is no register's: bit fields before it end within a word"),
-        ("unsigned a : 16; unsigned : 16; unsigned b; } bit;", "bit.b is no register's: unnamed bits may be before it"),
-        ("uint16_t a : 16; uint16_t : 9; uint16_t b; } bit;", "bit.b is no register's: unnamed bits may be before it"),
-        ("uint64_t a; } bit;", "bit.a is no register's: no register has this type"),
-        ("double a[2]; } bit;", "bit.a is no register's: no register has this type"),
+        ("unsigned a : 8; unsigned b; } bit;", "bit.b is not a register's: bit fields before it end within a word"),
+        (
+            "unsigned a : 16; unsigned : 16; unsigned b; } bit;",
+            "bit.b is not a register's: unnamed bits may be before it",
+        ),
+        (
+            "uint16_t a : 16; uint16_t : 9; uint16_t b; } bit;",
+            "bit.b is not a register's: unnamed bits may be before it",
+        ),
+        ("uint64_t a; } bit;", "bit.a is not a register's: no register has this type"),
+        ("double a[2]; } bit;", "bit.a is not a register's: no register has this type"),
         (
             "uint_fast16_t a; } bit;",
-            "bit.a is no register's: uint_fast16_t is declared as long unsigned int, which has 32",
+            "bit.a is not a register's: uint_fast16_t is declared as long unsigned int, which has 32",
         ),
-        ("unsigned long long a : 4; } bit;", "bit.a is no register's: no register has this type"),
+        ("unsigned long long a : 4; } bit;", "bit.a is not a register's: no register has this type"),
         (
             "union { int a; unsigned b; } c; } bit;",
-            "bit.c.b is no register's: another declaration of it has another type",
+            "bit.c.b is not a register's: another declaration of it has another type",
         ),
     ],
 )

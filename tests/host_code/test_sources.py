@@ -193,14 +193,14 @@ def test_time_passes_in_loops_without_any_access(folder: Path):
     [
         (
             "*(int *)0 = 1;",
-            "Segmentation fault at main:2, the host's address 0x0; a register is found by its structure's name",
+            "Segmentation fault at main:2, the host's address 0x0; access a register by its structure's name",
         ),
         ("volatile int zero = 0; return 7 / zero;", "Floating point exception at main:2"),
         ('asm(" ITRAP0");', "asm(' ITRAP0') is not known on the host"),
         ('asm(" ESTOP0");', "ESTOP0 is reached at main:2"),
         (
             "((volatile unsigned short *)&SciaRegs)[1] = 3;",
-            "an access of 2 bytes at main:2 is no register's, 2 bytes into word 0x7050; access a register by the "
+            "an access of 2 bytes at main:2 is not a register's, 2 bytes into word 0x7050; access a register by the "
             "member of its structure",
         ),
         ("void exit(int); exit(0);", "exit(0) is called at main:2; firmware on the chip cannot end"),
@@ -219,8 +219,8 @@ def test_what_firmware_must_not_do_ends_the_run_with_its_place(folder: Path, bod
             "int deeper(int i) { int big[4096]; return deeper(i) + 1; } deeper(0);",
             "the stack has more than 1 MB at deeper.0:2",
         ),
-        ("struct SCI_REGS copy = SciaRegs;", "an access of 64 bytes at main:2 is no register's"),
-        ("*(volatile Uint32 *)&SciaRegs = 1;", "an access of 8 bytes at main:2 is no register's"),
+        ("struct SCI_REGS copy = SciaRegs;", "an access of 64 bytes at main:2 is not a register's"),
+        ("*(volatile Uint32 *)&SciaRegs = 1;", "an access of 8 bytes at main:2 is not a register's"),
     ],
 )
 def test_what_the_host_has_replaced_ends_the_run_with_its_place(folder: Path, body: str, sentence: str):

@@ -146,18 +146,18 @@ SMALL_RUN = 'scene("timing/small.toml")'
 MISTAKES = {
     f'{SMALL_RUN}.assert_budgets("respons")': "case small has no budget 'respons'; did you mean response?",
     f'{SMALL_RUN}.budgets["wrong"]': "case small has no budget 'wrong'; did you mean wrong bytes?",
-    f"{SMALL_RUN}.assert_budgets()": "assert_budgets: name at least one budget; assert_all() judges all of the case",
+    f"{SMALL_RUN}.assert_budgets()": "assert_budgets: give at least one budget; assert_all() judges *",
     f'{SMALL_RUN}.assert_budgets("response", guaranteed=True)': f"small: guaranteed=True: {NOTHING_PROVEN}; leave *",
     f"{SMALL_RUN}.assert_all(guaranteed=True)": f"small: guaranteed=True: {NOTHING_PROVEN}; leave guaranteed out",
     'scene("timing/smal.toml")': "timing/smal.toml: there is no such case file * did you mean timing/small.toml?",
     'scene("timing/small.toml", "controler.rate=1 kHz")': "*: there is no key 'controler'; did you mean controller?",
     'scene("timing/small.toml", seconds="7")': "seconds='7': *",
     'scene("timing/small.toml", seconds=0)': "seconds=0: expected more than 0",
-    'scene("timing/small.toml", modules=["GPIO"])': "*: modules= goes with firmware given as a function; *",
-    'scene(idle, modules=["GPIO"])': "scene(idle): how long it is to run is missing; give seconds=",
+    'scene("timing/small.toml", modules=["GPIO"])': "*: modules= is for firmware given as a function; *",
+    'scene(idle, modules=["GPIO"])': "scene(idle): its duration is missing; give seconds=",
     'scene(idle, modules=["GPOI"], seconds=1)': "scene(idle): *: there is no module 'GPOI'; did you mean GPIO?",
     "scene(idle, hosts={}, seconds=1)": "scene(idle): there is no key 'hosts'; did you mean host?",
-    'scene(idle, seconds="1 ms").assert_all()': "case idle has no budgets, so nothing would be judged; give it some",
+    'scene(idle, seconds="1 ms").assert_all()': "case idle has no budgets, so nothing would be judged; add some",
     'scene(idle, seconds="1 ms").transfers': "case idle has no controller; *edges()*",
 }
 

@@ -1,4 +1,4 @@
-"""Budgets whose measure has missed occasions: too few measured is not judged, which is no pass anywhere."""
+"""Budgets whose measure has missed occasions: too few measured is not judged, which is not a pass anywhere."""
 
 from __future__ import annotations
 

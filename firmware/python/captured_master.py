@@ -1,11 +1,11 @@
-"""A master that executes a list of transfers, such as those of a captured controller, with TI's registers.
+"""A master that executes a list of transfers, such as captured ones, with TI's registers.
 
     "50 W 00 Sr 50 R 6"  -->  START, address, bytes, repeated START, address, bytes, STOP  -->  the bus
 
-Each transfer is a text as the I2C specification draws it: a 7-bit address in hexadecimal, W with the bytes to write or
-R with how many to read, Sr between the parts; START and STOP are understood. `R 6 ACK` acknowledges also the last byte.
-A transfer begins `pauses[n]` after the STOP before it. What the targets refuse is ended with STP, as the application
-notes do it, or goes on with the next part.
+Each transfer is a text as in the I2C specification: a 7-bit address in hexadecimal, W with the bytes to write or
+R with the number of bytes to read, Sr between the parts; START and STOP are implied. `R 6 ACK` also acknowledges the
+last byte. A transfer begins `pauses[n]` after the previous STOP. After a NACK the transfer ends with STP, as in the
+application notes, or continues with the next part.
 
 Non-repeat mode (RM = 0) counts the bytes with I2CCNT; an address without data needs RM = 1, since I2CCNT = 0
 means 65536.
@@ -25,12 +25,12 @@ from periph_sim.processor.dsp import Dsp
 
 FREE, STT, STP, MST, TRX, RM, IRS = 0x4000, 0x2000, 0x0800, 0x0400, 0x0200, 0x0080, 0x0020  # I2CMDR
 FLAGS = 0x0026  # of I2CSTR, cleared by writing ones: SCD, ARDY, NACK
-REPLAY = ("script", "pauses", "low", "high")  # settings that a replay fills in from the capture
+REPLAY = ("script", "pauses", "low", "high")  # settings that a replay sets from the capture
 
 
 @dataclass(frozen=True)
 class Part:
-    """From a START to the next, or to the STOP. count: bytes to read; None for a write."""
+    """A part of a transfer, from one START to the next or to the STOP. count: bytes to read; None for a write."""
 
     address: int
     data: bytes = b""
@@ -39,7 +39,7 @@ class Part:
 
 
 def parts(transfer: str) -> list[Part]:
-    """The parts of a transfer. ValueError says what is wrong with it."""
+    """Parse the parts of a transfer. Raise ValueError if it is invalid."""
     return [_part(text) for text in transfer.split(" Sr ")]
 
 
@@ -52,7 +52,7 @@ def _part(text: str) -> Part:
             return Part(int(address, 16), count=int(rest[0]), ack_last=bool(rest[1:]))
     except (ValueError, IndexError):
         pass
-    raise ValueError(f"{text!r} is no part of a transfer; expected for instance '50 W 00 1f' or '50 R 6'")
+    raise ValueError(f"{text!r} is not a part of a transfer; expected for example '50 W 00 1f' or '50 R 6'")
 
 
 def _readable(transfer: str) -> str:
@@ -62,7 +62,7 @@ def _readable(transfer: str) -> str:
 
 @dataclass
 class Settings:
-    """What a case may change."""
+    """Settings of a case."""
 
     script: tuple[Annotated[str, After(_readable)], ...] = ("50 W 00 Sr 50 R 6",)
     pauses: tuple[Duration, ...] = ()
@@ -79,14 +79,14 @@ class Master:
         self.i2c = dsp.module("I2C-A")
         self.got: list[bytearray] = []
 
-    def transfer(self, of: list[Part]) -> None:
+    def transfer(self, steps: list[Part]) -> None:
         i2c, dsp = self.i2c, self.dsp
         dsp.spin(lambda: i2c.I2CMDR.STP == 0)
         dsp.spin(lambda: i2c.I2CSTR.BB == 0)
-        for number, part in enumerate(of):
+        for number, part in enumerate(steps):
             i2c.I2CSTR.all = FLAGS
             i2c.I2CSAR.all = part.address
-            last = number + 1 == len(of)
+            last = number + 1 == len(steps)
             if part.count:
                 self.read(part, part.count, last)
             elif part.data:
@@ -108,7 +108,7 @@ class Master:
 
     def read(self, part: Part, count: int, last: bool) -> None:
         i2c, dsp = self.i2c, self.dsp
-        by_command = last and part.ack_last  # the STOP is asked for when the bytes are there, so that none is refused
+        by_command = last and part.ack_last  # the STOP is requested once all bytes are received and acknowledged
         i2c.I2CCNT.all = count
         i2c.I2CMDR.all = FREE | STT | MST | IRS | (STP if last and not by_command else 0)
         got = bytearray()
@@ -126,7 +126,7 @@ class Master:
             self.end(last)
 
     def call(self, part: Part, last: bool) -> None:
-        """An address without data."""
+        """Send an address without data."""
         i2c, dsp = self.i2c, self.dsp
         direction = TRX if part.count is None else 0
         i2c.I2CMDR.all = FREE | STT | MST | direction | RM | IRS
@@ -136,7 +136,7 @@ class Master:
         self.end(last)
 
     def end(self, last: bool) -> None:
-        """Wait until the part is over: the STOP is out, or the module waits for the next START."""
+        """Wait for the end of a part: the STOP was sent, or the module waits for the next START."""
         i2c, dsp = self.i2c, self.dsp
         if last:
             if dsp.spin_either(lambda: i2c.I2CSTR.SCD == 1, lambda: i2c.I2CSTR.NACK == 1):

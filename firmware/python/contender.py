@@ -1,6 +1,6 @@
-"""A second master on the bus: it writes one byte every period, and begins in the instant in which another one does.
+"""A second master on the bus: it writes one byte every period, at the same instant as another master.
 
-    other master  START 0x50 ...                     the lower address wins; the loser sees AL, has let go of both
+    other master  START 0x50 ...                     the lower address wins; the loser sees AL, releases both
     this one      START 0x57 ...  AL                 lines, and tries again when the bus is free
 
 Source: SPRUG03B section 2.8 (arbitration), Table 10 (AL).
@@ -20,12 +20,12 @@ AL, NACK, ARDY, SCD = 0x01, 0x02, 0x04, 0x20  # of I2CSTR, cleared by writing on
 
 @dataclass
 class Settings:
-    """What a case may change."""
+    """Settings of a case."""
 
     address: int = 0x57
     byte: int = 0x77
-    begin: Duration = Fraction(1, 1000)  # from the end of its start-up to the write of STT
-    period: Duration = Fraction(2, 1000)  # from one to the next
+    begin: Duration = Fraction(1, 1000)  # from the end of start-up to the write of STT
+    period: Duration = Fraction(2, 1000)  # between writes
     low: int = 45  # I2CCLKL: with 10 MHz and d = 5 the bus runs at 100 kHz
     high: int = 45
 

@@ -1,11 +1,11 @@
-"""A master that keeps a record in an EEPROM: page by page, asking whether it is stored, then read back.
+"""A master that stores a record in an EEPROM page by page, polls until each is stored, and reads it back.
 
     every period:  START, address, word address, bytes of one page, STOP     --> each part of the record
                    START, address, STOP                                      --> until the EEPROM acknowledges
                    START, address, word address, repeated START, read, STOP  --> the record
 
-With page = 0 the record goes out in one write, wherever its pages end. Bytes through I2CDXR and XRDY; a NACK is
-answered with STP, as the application notes do it.
+With page = 0 the record is sent in one write, across page boundaries. Bytes are sent by I2CDXR and XRDY; after a NACK
+STP is set, as in the application notes.
 
 Source: SPRUG03B Table 6 (RM, STT, STP), section 2.5.4; Microchip DS20001189 sections 6 and 7 (page write, polling).
 """
@@ -25,7 +25,7 @@ FLAGS = 0x0026  # of I2CSTR, cleared by writing ones: SCD, ARDY, NACK
 
 @dataclass
 class Settings:
-    """What a case may change."""
+    """Settings of a case."""
 
     address: int = 0x50
     record_at: int = 0x0038  # word address
@@ -41,15 +41,15 @@ class Log:
         self.dsp = dsp
         self.settings = settings
         self.i2c = dsp.module("I2C-A")
-        self.due = 0  # records beyond the first
+        self.due = 0  # records due after the first
 
     def tick(self) -> None:
-        """TINT0: the next record is due."""
+        """TINT0: a record is due."""
         self.due += 1
         self.dsp.module("PIE").PIEACK.all = 1
 
     def parts(self) -> Iterator[tuple[int, bytes]]:
-        """Word addresses and bytes of the writes: none of them goes over the end of a page."""
+        """Yield word addresses and bytes of writes; none crosses the end of a page."""
         at, left = self.settings.record_at, self.settings.record
         while left:
             room = len(left) if self.settings.page == 0 else self.settings.page - at % self.settings.page
@@ -74,7 +74,7 @@ class Log:
             i2c.I2CDXR.all = byte
 
     def end(self) -> None:
-        """Wait for the STOP; after a NACK it has to be asked for."""
+        """Wait for the STOP; after a NACK, set STP first."""
         i2c = self.i2c
         if self.dsp.spin_either(lambda: i2c.I2CSTR.SCD == 1, lambda: i2c.I2CSTR.NACK == 1):
             i2c.I2CMDR.STP = 1
@@ -86,7 +86,7 @@ class Log:
         self.end()
 
     def is_ready(self) -> bool:
-        """The EEPROM acknowledges its address: it writes no more."""
+        """Return True if the EEPROM acknowledges its address: its write is complete."""
         i2c = self.i2c
         self.begin(TRX | RM)
         self.dsp.spin(lambda: i2c.I2CMDR.STT == 0)

@@ -1,14 +1,14 @@
-"""The IMU emulator whose sensors are asked in any order, or not at all: what the dissertation left for later (6.2).
+"""The IMU emulator with sensors that can be read in any order, or not at all: left to future work in section 6.2.
 
     SCI FIFO interrupt --> frame --> models (GPIO high to low) --> data registers of three chips
-    SDA, SCL edges ------> slave by software: three addresses --> the chip that is asked, its pointer and registers
+    SDA, SCL edges ------> software slave: three addresses --> the addressed chip, its pointer and registers
 
 bus = "pins": one unit, without I2C module; slave_pins.py has the three addresses. bus = "module": the unit's I2C-A has
 one address, and three units are the three chips.
 
-Each chip has its registers, with a pointer that counts on; its identification is what the real one says. All six data
-bytes are those of one run of the models: a read sends what they were when its address came, as the chips do. The models
-run on each frame, and once more when every chip was read since, so that noise stays alive where no frame comes.
+Each chip has registers, with an auto-incremented pointer, and the real chip's identification. All six data
+bytes are from one run of the models: a read sends the values at the time of its address, as the chips do. The models
+run on each frame, and once more when every chip was read since, so noise continues without frames.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ GROUP_9 = 0x100  # PIEACK
 
 @dataclass
 class Settings(ModelSettings):
-    """What a case may change besides the models: who answers, on what, and what the service routines do.
+    """Settings of a case besides the models: addresses, bus, and behaviour of service routines.
 
     nested: edges of the bus may interrupt the SCI's service routine.
     """
@@ -46,7 +46,7 @@ class Settings(ModelSettings):
     bus: Literal["pins", "module"] = "pins"
     addresses: tuple[int, ...] = CHIPS
     models_run: Literal["round", "frame"] = "frame"
-    frame_cost: Duration = Fraction(0)  # of what the SCI service routine makes of a frame
+    frame_cost: Duration = Fraction(0)  # of the SCI service routine's handling of a frame
     nested: bool = True
     brr: int = 40
     pin: int = 34  # high while the models run
@@ -60,11 +60,11 @@ class Settings(ModelSettings):
         if self.bus == "module" and len(self.addresses) != 1:
             raise ValueError(f"an I2C module has one own address, and addresses has {len(self.addresses)}")
         if self.models_run == "round":
-            raise ValueError("nobody knows a round where any order may come; leave models_run out")
+            raise ValueError("a round is undefined if any order is possible; leave models_run out")
 
 
 class Chip(Registers):
-    """One sensor. latched: its registers as they were when the present read began. was_read: since the models ran."""
+    """One sensor. latched: its registers when the current read began. was_read: since the last model run."""
 
     def __init__(self, address: int) -> None:
         super().__init__(b"", REGISTERS)
@@ -73,7 +73,7 @@ class Chip(Registers):
         self.registers[at : at + len(name)] = name
         self.latched = bytes(self.registers)
         self.was_read = False
-        self._reads = False  # the present transfer
+        self._reads = False  # the current transfer is a read
 
     def show(self, codes: bytes) -> None:
         self.registers[self._data_at : self._data_at + len(codes)] = codes
@@ -93,20 +93,20 @@ class Chip(Registers):
 
 
 class Emulator:
-    """The firmware's memory: the last whole frame, and the chips."""
+    """The firmware's state: the last complete frame, and the chips."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp
         self.settings = settings
         self.frame = NO_FRAME
-        self.frame_waits = False  # for the models
+        self.frame_waits = False  # a frame waits for the models
         self.chips = {address: Chip(address) for address in settings.addresses}
         self.pie = dsp.module("PIE")
         self.sci = dsp.module("SCI-A") if dsp.has("SCI-A") else None
         self.cost, self.models = settings.run_cost, models_of(settings, dsp)
 
     def sci_received(self) -> None:
-        """SCIRXINTA: the FIFO holds a whole frame."""
+        """SCIRXINTA: the FIFO holds a complete frame."""
         dsp, sci = self.dsp, self.sci
         assert sci is not None
         if self.settings.nested:
@@ -155,7 +155,7 @@ class Emulator:
             handlers |= {"SCIRXINTA": self.sci_received}
         start_pie(dsp, handlers)
         while True:
-            dsp.dint()  # an interrupt between the question and IDLE ends IDLE at once, and is served behind EINT
+            dsp.dint()  # an interrupt between this check and IDLE ends IDLE at once, and is served after EINT
             if self.models_are_due():
                 dsp.eint()
                 self.model()

@@ -1,15 +1,15 @@
-"""The IMU emulator's firmware: host frames in over SCI, three sensor chips out over I2C.
+"""The IMU emulator's firmware: receives host frames over SCI and emulates three sensor chips on I2C.
 
     SCI FIFO interrupt --> frame --> models (GPIO high to low) --> data of three chips
     request of the sensor head --> own address, pointer byte, SDIR, I2CDXR/XRDY, SCD
 
-Step by step as the dissertation describes it (Figs. A.2 and A.4, sections 3.4 and 4.3.5),
-field by field: each assignment to a field is a read and a write of the whole register.
+Step by step as in the dissertation (Figs. A.2 and A.4, sections 3.4 and 4.3.5),
+field by field: each assignment to a field reads and writes the whole register.
 
 A frame is six signed 16-bit values, low byte first: roll, pitch, yaw, then acceleration x, y, z. With arithmetic =
-"bytes" the chips show these values, so that a byte on the bus tells its frame: the gyroscope the angles, the
+"bytes" the chips show these values, so a byte on the bus identifies its frame: the gyroscope the angles, the
 accelerometer the accelerations, the magnetometer the angles again, each in its chip's byte order. With any other
-arithmetic ("float64", "float32", "q16", ...) they show what the sensor models make of them.
+arithmetic ("float64", "float32", "q16", ...) they show the output of the sensor models.
 """
 
 from __future__ import annotations
@@ -30,27 +30,27 @@ GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 
 @dataclass
 class Settings(ModelSettings):
-    """What a case may change besides the models: the SDIR wait, interrupts during a read, order of service, data."""
+    """Settings of a case besides the models: the SDIR wait, interrupts during a read, order of service, data."""
 
-    frame_cost: Duration = Fraction(0)  # of what the SCI service routine makes of a frame
+    frame_cost: Duration = Fraction(0)  # of the SCI service routine's handling of a frame
     sdir_wait: bool = True
-    mask_during_i2c: bool = False  # INTM set from own address to the end of the read
+    mask_during_i2c: bool = False  # INTM is set from own address to the end of the read
     order: tuple[int, ...] = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
     count: int = 6
     brr: int = 40
-    fifo_level: int = FRAME_BYTES  # words in the receive FIFO at which it asks for service
+    fifo_level: int = FRAME_BYTES  # receive FIFO level that causes an interrupt
     pin: int = 34  # high while the models run
     table: dict[str, HexBytes] = field(default_factory=dict)  # chip -> bytes served instead of the models' output
 
 
 class Emulator:
-    """The firmware's memory: the last frame, and the bytes of each chip."""
+    """The firmware's state: the last frame, and the bytes of each chip."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp
         self.settings = settings
         self.frame = NO_FRAME
-        self.frame_waits = False  # for the models
+        self.frame_waits = False  # a frame waits for the models
         self.data = {address: bytes(6) for address in (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)}
         self.i2c = dsp.module("I2C-A")
         self.cost, self.models = settings.run_cost, models_of(settings, dsp)
@@ -60,7 +60,7 @@ class Emulator:
     # SCI ---------------------------------------------------------------------
 
     def sci_received(self) -> None:
-        """SCIRXINTA: the FIFO holds a whole frame."""
+        """SCIRXINTA: the FIFO holds a complete frame."""
         sci, pie = self.sci, self.pie
         assert sci is not None and pie is not None
         self.frame = bytes(sci.SCIRXBUF.all & 0xFF for _ in range(FRAME_BYTES))
@@ -95,7 +95,7 @@ class Emulator:
         i2c.I2CMDR.IRS = 1
 
     def batch_read(self, data: bytes) -> int:
-        """i2cBatchRead (Fig. A.4): serve one read; returns the NACK flag at its end."""
+        """i2cBatchRead (Fig. A.4): serve one read; return the NACK flag at its end."""
         i2c, dsp = self.i2c, self.dsp
         dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
         if self.settings.mask_during_i2c:
@@ -135,7 +135,7 @@ class Emulator:
                 self.batch_read(self.data[address])
 
     def serve_frame_by_frame(self) -> None:
-        """The models run as soon as a frame is whole, between two rounds; behind a round, if none came before it."""
+        """Run the models when a frame is complete, between two rounds; after a round without a frame before it."""
         dsp, i2c = self.dsp, self.i2c
         first, *others = self.settings.order
         self.model()
@@ -154,7 +154,7 @@ class Emulator:
 
 
 def endless(data: bytes) -> Iterator[int]:
-    """The bytes behind a pointer that C would move past the end of its buffer: zeros follow."""
+    """Yield the bytes at a pointer that C would move past the end of its buffer: zeros follow."""
     yield from data
     while True:
         yield 0

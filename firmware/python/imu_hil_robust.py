@@ -1,19 +1,19 @@
-"""The IMU emulator as a careful engineer would ship it: the work of imu_hil, and a way on from whatever goes wrong.
+"""A robust version of the IMU emulator imu_hil, which recovers from every fault.
 
     SCI FIFO interrupt --> frame, if no character of it is broken   RX idle with characters left: receiver restarted
-    frame whole ---------> models, unless a round is near           no frame since the last round: models behind it
-    request -------------> own address, pointer, SDIR, I2CDXR/XRDY  a wait that is too long: back to the first chip
+    frame complete ------> models, unless a round is near           no frame since the last round: models after it
+    request -------------> own address, pointer, SDIR, I2CDXR/XRDY  a wait timed out: back to the first chip
 
-What it does otherwise than imu_hil, and why:
+Differences to imu_hil, and reasons:
 
-* Every wait is bounded by TIMER1 (`patience`): a request that breaks off costs its round and no more.
-* It never reads I2CSTR to write it back: SCD is cleared by a write of that bit alone, so no other flag is lost. Flags
-  of a request that is over go with IRS = 0.
-* I2CDRR is read, so that a second byte behind the pointer (a driver's set-up) does not hold SCL.
-* A frame ends where RX is idle: characters that wait while none come are the rest of a broken frame, and are thrown
-  away. So a lost character costs one frame and not all that follow.
-* The models run when a frame arrives, so that a read carries the last frame and not the last but one. Within `guard` of
-  the next round, which TIMER0 tells from the last, they wait until it is over.
+* Every wait is limited by TIMER1 (`patience`): an aborted request costs only its round.
+* It never writes I2CSTR back after reading it: SCD is cleared by writing that bit alone, so no flag is lost. Flags
+  of an aborted request are cleared by IRS = 0.
+* I2CDRR is read, so a second byte after the pointer (a driver's set-up) does not stretch SCL.
+* A frame ends when RX is idle: characters left in the FIFO without new ones belong to a broken frame, and are
+  discarded. So a lost character costs one frame, not all later ones.
+* The models run when a frame arrives, so a read has the last frame and not the one before. Within `guard` before
+  the next round, predicted by TIMER0 from the last, they wait until it is over.
 
 Source: dissertation section 3.4 (work to be done); SPRUG03B (W1C flags, IRS), SPRUFZ5A (FIFO), SPRUFB0D 5.5 (timers).
 """
@@ -43,15 +43,15 @@ SYSCLKOUT = 150_000_000
 
 @dataclass
 class Settings(ModelSettings):
-    """What a case may change besides the models: order of service, and times of its own.
+    """Settings of a case besides the models: order of service, and times.
 
-    period: of the sensor head's rounds. guard: before a round in which no models begin; longer than they take, the
-    round's jitter and what the clocks differ by in a period. patience: the longest wait. Inside a round that is from
-    the last I2CDXR write to the STOP, two bytes; outside of one, RX is idle if no character comes for so long.
+    period: of the sensor head's rounds. guard: time before a round in which no models start; longer than they take, the
+    round's jitter and the clock difference in a period. patience: the longest wait. In a round it covers the time from
+    the last I2CDXR write to the STOP, two bytes; outside, RX is idle if no character comes for this long.
     """
 
     models_run: Literal["round", "frame"] = "frame"
-    frame_cost: Duration = Fraction(0)  # of what the SCI service routine makes of a frame
+    frame_cost: Duration = Fraction(0)  # of the SCI service routine's handling of a frame
     order: tuple[int, ...] = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
     brr: int = 40
     pin: int = 34  # high while the models run
@@ -62,19 +62,19 @@ class Settings(ModelSettings):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not self.run_cost.most < self.guard < self.period:
-            raise ValueError("guard must be longer than the models take, and shorter than period")
+            raise ValueError("guard must be longer than the model run, and shorter than period")
 
 
 class Emulator:
-    """The firmware's memory: the last whole frame, and the bytes of each chip."""
+    """The firmware's state: the last complete frame, and the bytes of each chip."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp
         self.settings = settings
         self.frame = NO_FRAME
-        self.frame_waits = False  # for the models
-        self.left = 0  # characters that waited in the FIFO when it was looked at last
-        self.overdue = 0  # waits in vain since the next round was near
+        self.frame_waits = False  # a frame waits for the models
+        self.left = 0  # characters in the FIFO at the last check
+        self.overdue = 0  # timed-out waits since the next round was near
         self.data = {address: bytes(6) for address in settings.order}
         self.i2c = dsp.module("I2C-A")
         self.sci = dsp.module("SCI-A")
@@ -86,7 +86,7 @@ class Emulator:
     # SCI ---------------------------------------------------------------------
 
     def sci_received(self) -> None:
-        """SCIRXINTA: the FIFO holds a whole frame."""
+        """SCIRXINTA: the FIFO holds a complete frame."""
         sci = self.sci
         words = [sci.SCIRXBUF.all for _ in range(FRAME_BYTES)]
         if not any(word & BROKEN for word in words):
@@ -98,7 +98,7 @@ class Emulator:
         self.pie.PIEACK.all = GROUP_9
 
     def look_at_line(self) -> None:
-        """RX has been idle if as many characters wait as at the last look: then none may, and no error may stand."""
+        """Reset the receiver if RX is idle (FIFO level unchanged since the last check) with data or an error left."""
         sci = self.sci
         left = sci.SCIFFRX.RXFFST
         if left == self.left and (left or sci.SCIRXST.RXERROR):
@@ -123,14 +123,14 @@ class Emulator:
     # I2C ---------------------------------------------------------------------
 
     def own_address(self, address: int) -> None:
-        """The chip that is asked next. IRS = 0 lets go of the bus, and clears all flags."""
+        """Set the address of the next chip. IRS = 0 releases the bus and clears all flags."""
         i2c = self.i2c
         i2c.I2CMDR.all = 0
         i2c.I2COAR.all = address
         i2c.I2CMDR.all = FREE | IRS
 
     def wait_for(self, flags: int) -> int:
-        """Those of these flags of I2CSTR that come first; 0 if none does for so long that the request is lost."""
+        """Wait for these flags of I2CSTR; return those set first, or 0 after a timeout: the request is lost."""
         i2c, timer, found = self.i2c, self.wait_timer, 0
 
         def one_of_them() -> bool:
@@ -143,7 +143,7 @@ class Emulator:
         return found
 
     def serve(self, data: bytes) -> bool:
-        """A request, its own address seen, to its STOP: True. False if it broke off."""
+        """Serve a request after its own address, until its STOP. Return False if it was aborted."""
         i2c = self.i2c
         while True:
             found = self.wait_for(RRDY | SDIR | SCD)
@@ -152,9 +152,9 @@ class Emulator:
             if found & SDIR:
                 return self.send(data)
             if found & RRDY:
-                _ = i2c.I2CDRR.all  # register pointer, or what a driver writes behind it
+                _ = i2c.I2CDRR.all  # register pointer, or a driver's byte after it
             else:
-                i2c.I2CSTR.all = SCD  # the read comes with a START of its own
+                i2c.I2CSTR.all = SCD  # the read has its own START
 
     def send(self, data: bytes) -> bool:
         for byte in endless(data):
@@ -169,7 +169,7 @@ class Emulator:
     # The main loop -----------------------------------------------------------
 
     def wait_for_round(self) -> bool:
-        """Until the first chip is addressed. Models run on each frame that comes; True if any did."""
+        """Wait until the first chip is addressed. Run the models on each frame; return True if any ran."""
         i2c, near, late, ran = self.i2c, self.round_timer, self.wait_timer, False
         frames = self.settings.models_run == "frame"
 
@@ -193,7 +193,7 @@ class Emulator:
                 ran = True
 
     def look_at_round(self) -> None:
-        """A round that was near and has not come for two guard times: nobody waits for it any longer."""
+        """Stop waiting for a round that is overdue by two guard times."""
         if self.round_timer.TCR.TIF == 1:
             self.overdue += 1
             if self.overdue * self.settings.patience > 2 * self.settings.guard:
@@ -225,7 +225,7 @@ class Emulator:
             self.serve_round()
 
     def start_timer(self, timer: ModulePort, length: Fraction) -> None:
-        """The timer sets TIF when `length` has passed since it was reloaded, and again each time it passes."""
+        """Start a timer that sets TIF after each `length`."""
         timer.PRD.all = int(length * SYSCLKOUT)
         timer.TCR.all = RELOAD
 

@@ -1,9 +1,9 @@
-"""The emulator's sensor models: a host frame goes in, the six bytes of each chip come out, in a chosen arithmetic.
+"""The emulator's sensor models: the six data bytes of each chip from a host frame, in a chosen arithmetic.
 
     12 bytes --> six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu --> codes --> bytes
 
-The models are those of periph_sim/sensors/models, sample by sample as the F28335 computes them: the last attitude and
-body rates are kept from one sample to the next, also where no new frame has come (section 3.4 of the dissertation).
+The models are those of periph_sim/sensors/models, sample by sample as on the F28335: the last attitude and
+body rates are kept from one sample to the next, also without a new frame (section 3.4 of the dissertation).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")
 MEASURED = Spread(Fraction(250, 1_000_000), Fraction(250, 1_000_000))  # dissertation, section 5.4
 NOTHING = Spread(Fraction(0), Fraction(0))
-NO_FRAME = bytes(FRAME.size)  # what the models work on until a frame has come
+NO_FRAME = bytes(FRAME.size)  # input of the models until the first frame
 BYTES = "bytes"  # no models: the chips show the values of the frame
 
 
@@ -42,7 +42,7 @@ def _ignore() -> None:
 @cache
 def _known(name: str) -> str:
     if name != BYTES:
-        Imu(named.scalar(name), ImuParameters())  # says what is wrong with a name or a format
+        Imu(named.scalar(name), ImuParameters())  # raises for a wrong name or format
     return name
 
 
@@ -60,12 +60,12 @@ ParameterFile = Annotated[ImuParameters, Before(_parameters)]
 
 @dataclass
 class ModelSettings:
-    """What a case may change about the models of an emulator: when they run, how long, and what they compute.
+    """Settings of the models of an emulator: when they run, how long, and what they compute.
 
-    models_run: "round", once behind each round of the sensor head, on the last frame; or "frame", as soon as a frame
-    is whole, between two rounds, and behind a round before which none came, so that noise stays alive.
-    model_cost: how long a run takes, or "estimate", what its operations take; beyond_estimate is then added, for all
-    that the equations do not say. A range is drawn from, run by run.
+    models_run: "round": once after each round of the sensor head, with the last frame; or "frame": when a frame
+    is complete, between two rounds, and after a round without one before it, so noise continues.
+    model_cost: duration of a run, or "estimate": the cost of its operations; beyond_estimate is then added, for
+    the code beyond the equations. From a range, each run draws a value.
     """
 
     models_run: Literal["round", "frame"] = "round"
@@ -73,22 +73,22 @@ class ModelSettings:
     beyond_estimate: DurationRange = NOTHING
     arithmetic: ArithmeticName = BYTES
     parameters: ParameterFile = field(default_factory=ImuParameters)  # a TOML file's path, or the name of a shipped set
-    noise_seed: int | None = None  # of the sensors' noise; none: no noise
+    noise_seed: int | None = None  # of the sensors' noise; None: no noise
 
     def __post_init__(self) -> None:
         if self.model_cost == "estimate" and self.arithmetic == BYTES:
             raise ValueError('model_cost = "estimate" needs an arithmetic to estimate; give one, for instance "q16"')
         if self.model_cost != "estimate" and self.beyond_estimate.most:
-            raise ValueError('beyond_estimate belongs to model_cost = "estimate"; give that, or leave it out')
+            raise ValueError('beyond_estimate needs model_cost = "estimate"; give that, or leave it out')
 
     @property
     def sensors(self) -> ImuParameters | None:
-        """Those that the firmware stands for; none where the chips show the values of frames."""
+        """The emulated sensors; None if the chips show the values of frames."""
         return None if self.arithmetic == BYTES else self.parameters
 
     @property
     def run_cost(self) -> Spread:
-        """How long a run of the models takes."""
+        """The duration of a model run."""
         if isinstance(self.model_cost, Spread):
             return self.model_cost
         return self.beyond_estimate + estimated(self.arithmetic, self.parameters)
@@ -97,10 +97,10 @@ class ModelSettings:
 class Models:
     """The sensor models of one emulator, with the attitude and body rates of the last sample.
 
-    The first frame has no attitude before it, so its rates are zero: from the zeros before it the host's attitude would
-    have turned within one period, at a rate that no gyroscope shows and that Q16 cannot hold.
+    The first frame has no attitude before it, so its rates are zero: the step from zero to the host's attitude
+    within one period would be a rate that no gyroscope shows and that Q16 cannot hold.
     arithmetic: "float64", "q16", ...
-    noise_seed: of the sensors' noise, whose sample n goes into the n-th call.
+    noise_seed: of the sensors' noise; sample n is used in the n-th call.
     on_overflow: called once for each result of a call that did not fit its Q format.
     """
 
@@ -115,20 +115,20 @@ class Models:
         self._a = self._model.a
         self._state = self._model.at_rest
         self._on_overflow = on_overflow
-        self._quiet = self._a.name != "float32"  # numpy's arithmetic warns, Python's does not
+        self._quiet = self._a.name != "float32"  # numpy warns, Python's arithmetic does not
         self._noise = ModelNoise(arithmetic, parameters, noise_seed)
         self._number = 0
 
     def chips(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
-        """Return the data registers of gyroscope, accelerometer and magnetometer, in the order in which they are read.
+        """Return the data registers of gyroscope, accelerometer and magnetometer, in reading order.
 
-        frame: twelve bytes; NO_FRAME itself, the object, if no frame has come, which leaves nothing to the next sample.
+        frame: twelve bytes, or the object NO_FRAME before the first frame, which has no effect on the next sample.
         """
         if self._quiet:
             return self._computed(frame)
         import numpy as np
 
-        with np.errstate(all="ignore"):  # the arithmetic says itself what x/0 gives
+        with np.errstate(all="ignore"):  # the arithmetic defines x/0 itself
             return self._computed(frame)
 
     def _computed(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
@@ -148,14 +148,14 @@ class Models:
         return BIG.pack(*map(int, codes.gyroscope)), LITTLE.pack(*map(int, codes.accelerometer)), _swapped(x, y, z)
 
     def _added(self) -> Noise[Any]:
-        """The noise of this sample. Its making costs nothing here: the dissertation does not say how it was made."""
+        """Return this sample's noise. Its generation costs no time: the dissertation does not describe it."""
         added = self._noise.at(self._number)
         self._number += 1
         return added
 
 
 def models_of(settings: ModelSettings, dsp: Dsp) -> Models | None:
-    """Return the models that a case asks for, or None where the chips show the values of frames.
+    """Return the models of a case, or None if the chips show the values of frames.
 
     Overflows are reported to `dsp`.
     """
@@ -166,17 +166,17 @@ def models_of(settings: ModelSettings, dsp: Dsp) -> Models | None:
 
 
 def shown(frame: bytes) -> tuple[bytes, bytes, bytes]:
-    """What the chips show without models: angles, accelerations, angles again, in each chip's byte order."""
+    """Return the data without models: angles, accelerations, angles again, in each chip's byte order."""
     roll, pitch, yaw, *accelerations = FRAME.unpack(frame)
     return BIG.pack(roll, pitch, yaw), LITTLE.pack(*accelerations), _swapped(roll, pitch, yaw)
 
 
 def _swapped(x: Any, y: Any, z: Any) -> bytes:
-    """The compass gives z before y."""
+    """Pack x, z, y: the compass sends z before y."""
     return BIG.pack(int(x), int(z), int(y))
 
 
 @lru_cache(maxsize=16)
 def estimated(arithmetic: str, parameters: ImuParameters) -> Fraction:
-    """Seconds at 150 MHz that the equations take; not for "bytes", which computes none."""
+    """Return the seconds at 150 MHz for the equations; not for "bytes", which has none."""
     return estimate(counts_of(parameters), named.library(arithmetic)).seconds()

@@ -1,12 +1,12 @@
-"""A slave whose firmware meddles with its I2C module in the middle of a byte, a set time behind the first START.
+"""A slave whose firmware disturbs its I2C module in the middle of a byte, a set time after the first START.
 
     START --(after)--> act --> the other bytes, one by one
-                       clear: a flag by a bit field, so that the whole of I2CSTR is read and written back
-                       gate:  the module's clock off for `length`, so that it misses edges
-                       look:  at the level of SDA's pad; a pin shows it from then on
+                       clear: a flag by a bit field, so the whole of I2CSTR is read and written back
+                       gate:  the module's clock off for `length`, so it misses edges
+                       look:  copy the level of SDA to a pin
                        reset: IRS = 0, IRS = 1
 
-Each byte is waited for with a time-out, as firmware does that once lost a flag.
+Each wait for a byte has a timeout, in case a flag was lost.
 
 Source: SPRUG03B sections 5.3 (I2CSTR: write 1 to clear) and 5.9 (IRS); SPRUFB0D section 5.1 (PCLKCR0).
 """
@@ -24,11 +24,11 @@ from periph_sim.processor.dsp import Dsp
 
 @dataclass
 class Settings:
-    """What a case may change."""
+    """Settings of a case."""
 
     address: int = 0x50
     act: Literal["clear", "gate", "look", "reset", "nothing"] = "nothing"
-    after: Duration = Fraction(0)  # from the START to what it does
+    after: Duration = Fraction(0)  # from the START to the action
     length: Duration = Fraction(10, 1_000_000)  # of a gated clock
     patience: Duration = Fraction(150, 1_000_000)  # for one byte
     pin: int = 0

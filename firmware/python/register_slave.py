@@ -1,8 +1,8 @@
-"""A slave with registers, as most chips have them: what is written goes into them, what is read comes out of them.
+"""A slave with registers, as in most chips: writes store to them, reads return them.
 
 S addr W  pointer  [data ...] P     writes from the pointer on
 S addr W  pointer  Sr addr R  data ... N P     reads from it on
-S addr R  data ... N P     reads on behind the last byte that went over the bus
+S addr R  data ... N P     continues after the last byte transferred
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ REPLAY = ("address",)  # settings that a replay fills in from the capture
 
 @dataclass
 class Settings:
-    """What a case may change. registers: what they hold at the start, from 0 on; the others hold 0."""
+    """Settings of a case. registers: initial values, from register 0 on; the others are 0."""
 
     address: int = 0x50
     registers: HexBytes = b""
@@ -26,18 +26,18 @@ class Settings:
 
     def __post_init__(self) -> None:
         if not 1 <= self.size <= 256:
-            raise ValueError(f"size is {self.size}; a pointer of one byte has 1 to 256 registers")
+            raise ValueError(f"size is {self.size}; a pointer of one byte addresses 1 to 256 registers")
         if len(self.registers) > self.size:
             raise ValueError(f"registers has {len(self.registers)} bytes, and there are {self.size} registers")
 
 
 class Registers:
-    """A target. pointer: the register that goes over the bus next."""
+    """A target with registers. pointer: the register transferred next."""
 
     def __init__(self, contents: bytes, size: int) -> None:
         self.registers = bytearray(contents.ljust(size, b"\0"))
         self.pointer = 0
-        self._pointer_comes = False  # with the next byte that is received
+        self._pointer_comes = False  # the next byte received is the pointer
 
     def addressed(self, reads: bool) -> None:
         self._pointer_comes = not reads

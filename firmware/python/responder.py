@@ -1,14 +1,14 @@
-"""A slave that serves any device's data: address, replies and style of flag handling come by setting.
+"""A slave that returns any device's data: address, replies and style of flag handling are settings.
 
     address, replies, busy  -->  polled | interrupt, with or without FIFO  -->  the bus
 
-Each read is answered with the next entry of `replies`; when its bytes run out `filler`
-follows. After the n-th write that a STOP ended the device is out of reach for `busy[n]`, as an
-EEPROM is while it stores, and at the start for `asleep`: the module is held in reset, so its
-address is not acknowledged.
+Each read is answered with the next entry of `replies`, followed by `filler` bytes. After the
+n-th write that ended with a STOP the device is not reachable for `busy[n]`, like an EEPROM while
+it stores, and at the start for `asleep`: the module is held in reset, so its address is not
+acknowledged.
 
-The surplus byte that a slave-transmitter of this module always asks for (SPRUG03B Figure
-17) is replaced at the next read: the first byte is written anew when SDIR says that a
+The surplus byte that a slave-transmitter of this module always requests (SPRUG03B Figure
+17) is replaced at the next read: the first byte is written again when SDIR shows that a
 read has begun.
 """
 
@@ -26,12 +26,12 @@ from periph_sim.processor.dsp import Dsp
 
 from .slave_module import SlaveInterrupt
 
-REPLAY = ("address", "replies", "asleep", "busy")  # settings that a replay fills in from the capture
+REPLAY = ("address", "replies", "asleep", "busy")  # settings that a replay sets from the capture
 
 
 @dataclass
 class Settings:
-    """What a case may change."""
+    """Settings of a case."""
 
     address: int = 0x50
     replies: tuple[HexBytes, ...] = (bytes(range(1, 17)),)
@@ -55,7 +55,7 @@ class Responder(SlaveInterrupt):
         self._busy = iter(settings.busy)
         self._last = settings.replies[-1] if settings.replies else b""
         self._bytes: Iterator[int] = iter(())
-        self._writing = self._stored = False  # interrupt style: the last address asked to write; a STOP ended that
+        self._writing = self._stored = False  # interrupt style: the last address was for a write; a STOP ended it
         self.waits = self.conditions()
 
     def configure(self) -> None:
@@ -70,11 +70,11 @@ class Responder(SlaveInterrupt):
         i2c.I2CMDR.IRS = 1
 
     def next_reply(self) -> Iterator[int]:
-        """The bytes of the next read, without end."""
+        """Return the endless bytes of the next read."""
         return chain(next(self._replies, self._last), repeat(self.settings.filler))
 
     def be_busy(self) -> None:
-        """Out of reach for as long as the device that is imitated was after this write."""
+        """Stay unreachable for as long as the imitated device after this write."""
         pause = next(self._busy, Fraction(0))
         if pause:
             self.i2c.I2CMDR.IRS = 0
@@ -117,7 +117,7 @@ class Responder(SlaveInterrupt):
         else:
             while not dsp.spin_either(self.waits.has_byte, self.waits.over):
                 taken.append(i2c.I2CDRR.all)
-        if i2c.I2CSTR.BB == 0:  # a STOP, not a repeated START, ended the write
+        if i2c.I2CSTR.BB == 0:  # the write ended with a STOP, not a repeated START
             self.be_busy()
 
     def conditions(self) -> Waits:
@@ -134,7 +134,7 @@ class Responder(SlaveInterrupt):
     def next_byte(self) -> int:
         return next(self._bytes)
 
-    def take(self, byte: int) -> None:
+    def receive_byte(self, byte: int) -> None:
         self.received[-1].append(byte)
 
     def over(self) -> None:
@@ -151,17 +151,17 @@ class Responder(SlaveInterrupt):
                 i2c.I2CFFTX.TXFFRST = 1
                 for _ in range(16):
                     i2c.I2CDXR.all = next(self._bytes)
-                i2c.I2CFFTX.all = 0x6060 | 4  # ask again when four are left
+                i2c.I2CFFTX.all = 0x6060 | 4  # interrupt when four bytes are left
             else:
                 i2c.I2CDXR.all = next(self._bytes)
                 i2c.I2CIER.XRDY = 1
         else:
             self.received.append(bytearray())
             if self.settings.fifo:
-                i2c.I2CFFRX.all = 0x2061  # ask at one byte
+                i2c.I2CFFRX.all = 0x2061  # interrupt at one byte
 
     def fifo_interrupt(self) -> None:
-        """I2CINT2A: the transmit FIFO runs low, or something was received."""
+        """I2CINT2A: the transmit FIFO level is low, or a byte was received."""
         i2c = self.i2c
         while i2c.I2CFFRX.RXFFST > 0:
             self.received[-1].append(i2c.I2CDRR.all)
@@ -196,7 +196,7 @@ class Responder(SlaveInterrupt):
 
 
 class Waits(NamedTuple):
-    """What the polled style waits for, without FIFO."""
+    """Wait conditions of the polled style, without FIFO."""
 
     addressed: Callable[[], object]
     over: Callable[[], object]

@@ -1,8 +1,8 @@
-"""The polled responder with its waits declared: equal records, and no pass of a wait is made by Python.
+"""The polled responder with its waits declared: equal records, but waits are not evaluated in Python.
 
     address, replies, busy  -->  polled, without FIFO  -->  the bus
 
-Beside responder.py it shows what a condition that is declared once saves: cycles, events and bytes are the same.
+Compared with responder.py it shows the time saved by declared conditions: cycles, events and bytes are the same.
 """
 
 from __future__ import annotations
@@ -27,5 +27,5 @@ class DeclaredResponder(Responder):
 
 def main(dsp: Dsp, settings: Settings) -> None:
     if settings.style != "polled" or settings.fifo:
-        raise ValueError("responder_declared is polled and has no FIFO; take responder for the other styles")
+        raise ValueError("responder_declared is polled and has no FIFO; use responder for the other styles")
     DeclaredResponder(dsp, settings).run()

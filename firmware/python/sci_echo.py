@@ -1,6 +1,6 @@
-"""SCI-A echo: what comes in goes out. firmware/c28x/sci_echo.asm is the same program in machine code.
+"""SCI-A echo: received characters are sent back. firmware/c28x/sci_echo.asm is the same program in machine code.
 
-TXRDY is waited for before each character is sent; the receiver is asked in turn, without interrupts or FIFO.
+It polls the receiver, and waits for TXRDY before sending, without interrupts or FIFO.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from periph_sim.firmware import Dsp, start_sci
 
 @dataclass
 class Settings:
-    """What a case may change. brr: LSPCLK / (8 * rate) - 1."""
+    """Settings of a case. brr: LSPCLK / (8 * rate) - 1."""
 
     brr: int = 40
 

@@ -1,10 +1,10 @@
-"""The sensor head's own round with the F28335 as I2C master: three chips, every period, read by repeated START.
+"""The sensor head with the F28335 as I2C master: three chips per period, read with repeated START.
 
     timer 0 --> round: gyroscope, accelerometer, magnetometer --> values
 
-A read is: pointer byte with STT and no STOP (RM = 0, STP = 0), wait for ARDY; then STT and
-STP as master-receiver, I2CCNT bytes through RRDY, wait until the STOP is out (STP reads 0).
-A NACK is answered with STP, as the application notes do it.
+A read: pointer byte with STT and no STOP (RM = 0, STP = 0), wait for ARDY; then STT and
+STP as master-receiver, I2CCNT bytes through RRDY, wait until the STOP was sent (STP reads 0).
+After a NACK STP is set, as in the application notes.
 
 Source: SPRUG03B Table 6 (RM, STT, STP) and section 2.5.4; TI's i2c_eeprom example for the settings.
 """
@@ -23,7 +23,7 @@ CHIPS = {0x68: 0x1D, 0x53: 0x32, 0x1E: 0x03}  # address -> first data register
 
 @dataclass
 class Settings:
-    """What a case may change."""
+    """Settings of a case."""
 
     period: Duration = Fraction(20, 1000)
     count: int = 6
@@ -33,7 +33,7 @@ class Settings:
 
 
 class Head:
-    """rounds: what was read in each round, chip by chip; None where a chip did not answer."""
+    """rounds: data read in each round, by chip; None if a chip did not answer."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp

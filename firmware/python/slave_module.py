@@ -1,9 +1,9 @@
-"""A slave on the I2C module by interrupts: a target goes in, and is told of what the bus asks of it.
+"""An interrupt-driven slave on the I2C module, for a target object.
 
-    I2CINT1A --code--> AAS: a read loads the first byte anew; RRDY: a byte came; XRDY: the next byte; SCD: it is over
+    I2CINT1A --code--> AAS: a read loads the first byte again; RRDY: byte received; XRDY: next byte; SCD: end
 
-The module asks for each byte of a read while the one before is sent, so that one more than was read is in I2CDXR at the
-end (SPRUG03B Figure 17). It was not sent: the next read loads it as it is then.
+The module requests each byte of a read while the previous one is sent, so at the end I2CDXR has one byte more than was
+read (SPRUG03B Figure 17). It was not sent: the next read loads it again with its current value.
 """
 
 from __future__ import annotations
@@ -19,32 +19,32 @@ I2CINT1A_ACK = 0x80  # PIEACK: group 8
 
 
 class Target(Protocol):
-    """What a slave is for, whether a module serves it or pins do."""
+    """The device behind a slave, with an I2C module or with pins."""
 
     def addressed(self, reads: bool) -> None:
-        """The address was acknowledged; a read begins, or a write."""
+        """Begin a read or a write; the address was acknowledged."""
 
     def received(self, byte: int) -> None:
-        """A byte of a write, which is acknowledged."""
+        """Receive a byte of a write; it was acknowledged."""
 
     def byte(self) -> int:
-        """The byte that a read sends next."""
+        """Return the byte that a read sends next."""
 
     def step(self) -> None:
-        """That byte is on its way; another one is next."""
+        """Advance to the next byte: the last one is being sent."""
 
     def over(self) -> None:
-        """A STOP ended the transfer."""
+        """End the transfer at a STOP."""
 
 
 class SlaveInterrupt:
-    """I2CINT1A of a slave; whose it is says what each code asks for."""
+    """I2CINT1A of a slave; subclasses handle each interrupt code."""
 
     dsp: Dsp
     i2c: ModulePort
 
     def interrupt(self) -> None:
-        """One code after the other until none is left."""
+        """Handle interrupt codes until none is left."""
         i2c = self.i2c
         code = i2c.I2CISRC.INTCODE
         while code:
@@ -53,7 +53,7 @@ class SlaveInterrupt:
             elif code == XRDY_CODE:
                 i2c.I2CDXR.all = self.next_byte()
             elif code == RRDY_CODE:
-                self.take(i2c.I2CDRR.all)
+                self.receive_byte(i2c.I2CDRR.all)
             elif code in (SCD_CODE, NACK_CODE):
                 i2c.I2CIER.XRDY = 0
                 if code == SCD_CODE:
@@ -62,36 +62,36 @@ class SlaveInterrupt:
         self.dsp.module("PIE").PIEACK.all = I2CINT1A_ACK
 
     def addressed(self) -> None:
-        """A read wants its first byte; a write begins."""
+        """Handle AAS: a read needs its first byte, or a write begins."""
         raise NotImplementedError
 
     def next_byte(self) -> int:
-        """What is sent behind the byte that is on its way."""
+        """Return the byte to send after the current one."""
         raise NotImplementedError
 
-    def take(self, byte: int) -> None:
-        """It was received."""
+    def receive_byte(self, byte: int) -> None:
+        """Handle a received byte."""
         raise NotImplementedError
 
     def over(self) -> None:
-        """A STOP."""
+        """Handle a STOP."""
         raise NotImplementedError
 
 
 class SlaveModule(SlaveInterrupt):
-    """I2C-A with one own address, for a target, who is not told of the general call: that the module acknowledges."""
+    """I2C-A with one own address, for a target; general calls, acknowledged by the module, are not passed on."""
 
     def __init__(self, dsp: Dsp, target: Target) -> None:
         self.dsp = dsp
         self.i2c = dsp.module("I2C-A")
         self.target = target
-        self._for_all = False  # the present transfer
+        self._for_all = False  # the current transfer is a general call
 
     def start(self, address: int) -> None:
         i2c = self.i2c
         start_i2c(self.dsp, address)
         i2c.I2CMDR.IRS = 1
-        i2c.I2CIER.all = 0x6A  # AAS, SCD, RRDY, NACK; XRDY while a read is served
+        i2c.I2CIER.all = 0x6A  # AAS, SCD, RRDY, NACK; XRDY during a read
 
     def addressed(self) -> None:
         i2c, target = self.i2c, self.target
@@ -110,7 +110,7 @@ class SlaveModule(SlaveInterrupt):
         self.target.step()
         return self.target.byte()
 
-    def take(self, byte: int) -> None:
+    def receive_byte(self, byte: int) -> None:
         if not self._for_all:
             self.target.received(byte)
 

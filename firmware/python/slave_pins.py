@@ -1,14 +1,14 @@
-"""A slave by software, for any number of addresses: the I2C module's two pins as GPIO, their edges as interrupts.
+"""A software slave for any number of addresses: the I2C module's two pins as GPIO, their edges as interrupts.
 
-    SDA GPIO32 --XINT3--> which line moved? --> START, STOP --> the address comes next, or nothing
-    SCL GPIO33 --XINT4-->                       rise: a bit has come, or the master's ACK
-                                                fall: a bit or an ACK goes out; at a byte's end SCL is held, too
+    SDA GPIO32 --XINT3--> which line changed? --> START, STOP --> the address is next, or nothing
+    SCL GPIO33 --XINT4-->                       rise: a bit was received, or the master's ACK
+                                                fall: send a bit or an ACK; at a byte's end also hold SCL
 
-    Low is driven: DIR = 1 with the latch at 0. High is let go: DIR = 0, and a pull-up does it.
+    Low is driven: DIR = 1 with the latch at 0. High is released: DIR = 0, with a pull-up.
 
-An interrupt says that a line moved; the levels are read, both at once. Where both lines have moved by then, SDA's edge
-was data. Nothing is lost as long as a routine reads the lines before they move again: docs/any_order.md tells how fast
-SCL may be for that. SCL is held where a byte ends, while the target works.
+An interrupt shows that a line changed; the levels of both are then read at once. If both lines have changed, SDA's edge
+was data. Nothing is lost as long as a routine reads the lines before they change again: docs/any_order.md gives the SCL
+rate that allows this. SCL is held at the end of a byte, while the target works.
 
 Source: UM10204 sections 3.1.4 to 3.1.10, Table 10; SPRUFB0D sections 6 (GPIO) and 8.6 (XINT).
 """
@@ -25,15 +25,15 @@ from .slave_module import Target
 SDA, SCL = 1 << 0, 1 << 1  # GPIO32 and 33 in the registers of port B
 BOTH_EDGES = 0xD  # XINTnCR
 GROUP_12 = 0x800  # PIEACK
-IDLE, ADDRESS, RECEIVE, SEND, OTHERS = range(5)  # OTHERS: up to the next START or STOP it is not for us
+IDLE, ADDRESS, RECEIVE, SEND, OTHERS = range(5)  # OTHERS: not for us until the next START or STOP
 
 
 @dataclass
 class PinCosts:
-    """Cycles of the code between the accesses, which the unit's `code` does not count.
+    """Cycles of the code between accesses, not counted in the unit's `code`.
 
-    edge: the branches over lines, phase and count, before what the edge asks for is done. byte: the target's part, SCL
-    being held. set_up: SDA is out for so long when SCL is let go; 38 are the 250 ns of UM10204 Table 10, tSU;DAT.
+    edge: branches on lines, phase and count, before the edge is handled. byte: the target's part, with SCL held.
+    set_up: from SDA set to SCL released; 38 are the 250 ns of UM10204 Table 10, tSU;DAT.
     """
 
     edge: int = 15
@@ -42,7 +42,7 @@ class PinCosts:
 
 
 class SlavePins:
-    """targets: by address. phase, count: what the next edges mean; so many bits of the byte are done, 9 its ACK too."""
+    """targets: by address. phase, count: state of the transfer; count: bits of the byte done, 9 with its ACK."""
 
     def __init__(self, dsp: Dsp, targets: Mapping[int, Target], costs: PinCosts) -> None:
         self.dsp = dsp
@@ -53,14 +53,14 @@ class SlavePins:
         self.lines = 0
         self.phase = OTHERS
         self.count = 0
-        self.shift = 0  # the byte that comes or goes
+        self.shift = 0  # the byte being received or sent
         self.reads = False
-        self.acked = False  # by the master
+        self.acked = False  # acknowledged by the master
         self.target: Target | None = None
-        self._others = 0  # of GPBDIR
+        self._others = 0  # other bits of GPBDIR
 
     def start(self) -> None:
-        """Pins and interrupts; nothing that is under way on the bus is for us."""
+        """Set up pins and interrupts; ignore a transfer in progress."""
         dsp, gpio, xint = self.dsp, self.gpio, self.dsp.module("XINT")
         dsp.eallow()
         gpio.GPIOXINT3SEL.GPIOSEL = 0
@@ -75,7 +75,7 @@ class SlavePins:
             self.phase = IDLE
 
     def interrupt(self) -> None:
-        """XINT3 and XINT4: a line moved, or several times."""
+        """XINT3 and XINT4: a line changed, perhaps several times."""
         before, lines = self.lines, self.gpio.GPBDAT.all & (SDA | SCL)
         self.lines = lines
         self.dsp.compute(self.costs.edge)
@@ -100,7 +100,7 @@ class SlavePins:
         self.phase, self.count, self.shift = ADDRESS, 0, 0
 
     def ended(self) -> None:
-        """STOP, wherever in a byte."""
+        """STOP, also within a byte."""
         self.phase = IDLE
         target, self.target = self.target, None
         if target is not None:
@@ -140,7 +140,7 @@ class SlavePins:
                 self.drive(0)
 
     def acknowledge(self) -> None:
-        """The eighth bit is over."""
+        """Acknowledge after the eighth bit."""
         if self.phase == ADDRESS:
             target = self.targets.get(self.shift >> 1)
             if target is None:
@@ -157,7 +157,7 @@ class SlavePins:
         self.drive(SDA)
 
     def send(self) -> None:
-        """The first bit of a byte, SCL being held until it is out."""
+        """Send the first bit of a byte; hold SCL until it is set."""
         self.drive(SCL)
         self.dsp.compute(self.costs.byte)
         self.shift, self.count = self.addressee.byte(), 0
@@ -167,7 +167,7 @@ class SlavePins:
         self.drive(first)
 
     def bit(self) -> int:
-        """The next one, as what is to be driven low for it."""
+        """Return the lines to drive low for the next bit."""
         self.count += 1
         return 0 if self.shift >> 8 - self.count & 1 else SDA
 
@@ -177,6 +177,6 @@ class SlavePins:
         return self.target
 
     def drive(self, low: int) -> None:
-        """Pull these lines low, let go of the others. Protection is off until the routine returns."""
+        """Pull these lines low, release the others. Leaves EALLOW set until the routine returns."""
         self.dsp.eallow()
         self.gpio.GPBDIR.all = self._others | low

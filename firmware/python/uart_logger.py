@@ -1,13 +1,13 @@
-"""A receiver that writes down all that comes in over SCI-A: words with their error bits, and breaks.
+"""A receiver that records all words received on SCI-A, with error bits, and breaks.
 
     RX --> FIFO --polled--> log of words
-    BRKDT --> wait for the line to rise --> SW RESET, without which nothing more is received
+    BRKDT --> wait for the line to rise --> SW RESET, which is needed to receive again
 
-A receiver let out of SW RESET on a low line takes the rest of the break for a start bit: so the line is
-looked at first, through GPIO28, where the unit has the GPIO module.
+If SW RESET is released while the line is low, the receiver takes the rest of the break for a start bit: so the line is
+checked first, through GPIO28, if the unit has the GPIO module.
 
-The error bits of a word are taken from SCIRXBUF with it; those of SCIRXST stay set until SW RESET and so
-do not tell which word was wrong.
+The error bits of a word are read from SCIRXBUF with it; those of SCIRXST stay set until SW RESET, so they
+do not show which word was wrong.
 
 Source: SPRUFZ5A Tables 2-7 (BRKDT) and 2-8 (SCIFFFE, SCIFFPE).
 """
@@ -23,12 +23,12 @@ from periph_sim.processor.dsp import Dsp
 
 LSPCLK_HZ = 37_500_000  # SYSCLKOUT/4, as after reset
 FE, PE = 1 << 15, 1 << 14  # of SCIRXBUF
-REPLAY = ("baud", "bits", "parity", "stop")  # settings that a replay fills in from the capture
+REPLAY = ("baud", "bits", "parity", "stop")  # settings that a replay sets from the capture
 
 
 @dataclass
 class Settings:
-    """What a case may change: the line's format."""
+    """Settings of a case: the line's format."""
 
     baud: int = 115_200
     bits: Literal[1, 2, 3, 4, 5, 6, 7, 8] = 8
@@ -37,7 +37,7 @@ class Settings:
 
     @property
     def brr(self) -> int:
-        """The divider whose rate is nearest: LSPCLK / 8 (BRR + 1)."""
+        """The divider with the nearest rate: LSPCLK / 8 (BRR + 1)."""
         return max(1, min(0xFFFF, round(Fraction(LSPCLK_HZ, 8 * self.baud)) - 1))
 
     @property

@@ -151,7 +151,7 @@ def _recording(file: Path, rate: str | None) -> tuple[dict[str, Column], float]:
     if len(uneven) or usual <= 0:
         row = int(uneven[0]) + 1 if len(uneven) else 1
         raise click.ClickException(
-            f"{file}, line {line_of_row(file, row)}: {steps[row - 1]:.6g} s after the sample before, but usually  "
+            f"{file}, line {line_of_row(file, row)}: {steps[row - 1]:.6g} s after the sample before, but usually "
             f"{usual:.6g} s; give a recording without gaps, or state the rate with --rate if only the times are wrong"
         )
     period = float(time.values[-1] - time.values[0]) / (count - 1)

@@ -1,1 +1,1 @@
-"""The dissertation's experiments again: what was published goes beside what comes out."""
+"""The dissertation's experiments, repeated on the models and compared with the published results."""

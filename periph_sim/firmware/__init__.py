@@ -1,4 +1,4 @@
-"""What firmware imports: start-up code that reads like TI's, and types for its settings.
+"""Imports for firmware: start-up code in the style of TI's, and types for its settings.
 
 from periph_sim.firmware import Duration, start_i2c, start_pie
 """

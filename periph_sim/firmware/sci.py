@@ -1,4 +1,4 @@
-"""Start-up code of an SCI that sends and receives, any of the three, on its usual pins.
+"""Start-up code for any of the three SCIs, as sender and receiver on its usual pins.
 
 Source: SPRUFB0D sections 5.1 (PCLKCR) and 6 (GPIO); SPRUFZ5A chapter 2.
 """
@@ -9,11 +9,11 @@ from ..f28335.parts.f28335 import PART
 from ..processor.dsp import Dsp
 from ..processor.python.register_view import ModulePort
 
-MUX = {"SCI-A": 1, "SCI-B": 2, "SCI-C": 1}  # of GPIO28 and 29, 19 and 18, 62 and 63
+MUX = {"SCI-A": 1, "SCI-B": 2, "SCI-C": 1}  # for GPIO28 and 29, 19 and 18, 62 and 63
 
 
 def start_sci(dsp: Dsp, module: str = "SCI-A", brr: int = 40, sciccr: int = 0x07, fifo: bool = True) -> ModulePort:
-    """Clock, pins, format and rate of an SCI; receiver and transmitter on, no interrupts. Returns its registers.
+    """Set clock, pins, format and rate of an SCI; receiver and transmitter on, no interrupts. Return its registers.
 
     brr: LSPCLK / (8 * rate) - 1; 40 is 114 329 baud at an LSPCLK of 37.5 MHz. sciccr: 0x07 is 8 data bits, no parity.
     """

@@ -1,4 +1,4 @@
-"""What every program does first: clocks to the modules, pins, PIE. Reads like TI's start-up code.
+"""Start-up code of a program: clocks of modules, pins, PIE, in the style of TI's code.
 
 Source: SPRUFB0D sections 5.1 (PCLKCR), 6 (GPIO), 8.3 (PIE); SPRUFZ5A and SPRUG03B for the modules.
 """
@@ -11,7 +11,7 @@ from ..processor.dsp import Dsp
 
 
 def start_pin(dsp: Dsp, pin: int) -> None:
-    """GPIO `pin` becomes an output, low."""
+    """Make GPIO `pin` an output, low."""
     if not dsp.has("GPIO"):
         return
     gpio = dsp.module("GPIO")
@@ -23,7 +23,7 @@ def start_pin(dsp: Dsp, pin: int) -> None:
 
 
 def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
-    """Clock and pins for I2C-A, module clock 10 MHz, in reset. Pins asynchronous, as TI's code sets them."""
+    """Set clock and pins of I2C-A, module clock 10 MHz, in reset. Pins are asynchronous, as in TI's code."""
     clocks = dsp.module("SYS")
     dsp.eallow()
     clocks.PCLKCR0.I2CAENCLK = 1
@@ -43,7 +43,7 @@ def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
 
 
 def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> None:
-    """SCI-A, receive FIFO with an interrupt at `level` words; 8 data bits, no parity unless SCICCR says otherwise."""
+    """Set up SCI-A's receive FIFO with an interrupt at `level` words; by default 8 data bits, no parity."""
     clocks = dsp.module("SYS")
     dsp.eallow()
     clocks.PCLKCR0.SCIAENCLK = 1
@@ -66,7 +66,7 @@ def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> Non
 
 
 def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
-    """PIE on, the lines of `handlers` enabled with them as service routines, interrupts on."""
+    """Enable the PIE and the interrupts in `handlers` with their service routines."""
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
     for name, handler in handlers.items():

@@ -20,7 +20,7 @@ def main(dsp, settings):
         write(dsp, i2c, [*PLACE, *DATA], WRITE_STOP)
         while not write(dsp, i2c, PLACE, WRITE_START):  # a 24LC64 acknowledges nothing while it stores
             pass
-    # dsp.compute(600_000)  # without the "#" in front, the bytes are read 4 ms later and "stored and read" breaks
+    # dsp.compute(600_000)  # remove the "#": the bytes are read 4 ms later and "stored and read" breaks
     got = read(dsp, i2c, len(DATA))
     if got == DATA:
         with dsp.span("right data"):
@@ -28,7 +28,7 @@ def main(dsp, settings):
 
 
 def write(dsp, i2c, data, start):
-    """Send bytes; False if they were not acknowledged, the bus free again."""
+    """Send bytes. Return False if they were not acknowledged; the bus is then free."""
     dsp.spin(lambda: i2c.I2CMDR.STP == 0 and i2c.I2CSTR.BB == 0)
     i2c.I2CSTR.all = 0x0026  # SCD, ARDY and NACK cleared
     i2c.I2CSAR.all = EEPROM
@@ -42,14 +42,14 @@ def write(dsp, i2c, data, start):
     if i2c.I2CSTR.NACK == 1:
         i2c.I2CMDR.STP = 1
         dsp.spin(lambda: i2c.I2CSTR.BB == 0)
-        i2c.I2CMDR.IRS = 0  # drops the byte that waits in I2CDXR: the next transfer would begin with it
+        i2c.I2CMDR.IRS = 0  # drops the byte in I2CDXR, which would begin the next transfer
         i2c.I2CMDR.IRS = 1
         return False
     return True
 
 
 def read(dsp, i2c, count):
-    """The bytes from the place that was written last, after a repeated START."""
+    """Read bytes from the address written last, after a repeated START."""
     i2c.I2CCNT.all = count
     i2c.I2CMDR.all = READ_START
     got = []

@@ -3,7 +3,7 @@
 from periph_sim.firmware import start_i2c
 
 REGISTERS = [0x11, 0x22, 0x33, 0x44]
-SCD = 0x0020  # of I2CSTR; written alone, since a write of the field would clear the other flags along with it
+SCD = 0x0020  # of I2CSTR; written as a word: a write of the field would also clear the other flags
 
 
 def main(dsp, settings):
@@ -19,9 +19,9 @@ def main(dsp, settings):
 
 
 def answer(dsp, i2c, pointer):
-    """Send registers until the controller ends it; return the pointer behind them."""
-    i2c.I2CSTR.all = SCD  # any earlier STOP has set it
-    # dsp.compute(3000)  # without the "#" in front, a byte of the last answer goes out first and "wrong bytes" breaks
+    """Send registers until the controller stops; return the pointer after them."""
+    i2c.I2CSTR.all = SCD  # set by any earlier STOP
+    # dsp.compute(3000)  # remove the "#": a byte of the last answer is sent first and "wrong bytes" breaks
     while True:
         i2c.I2CDXR.all = REGISTERS[pointer % len(REGISTERS)]
         pointer += 1

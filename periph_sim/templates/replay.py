@@ -1,7 +1,7 @@
 """An I2C slave for `periph-sim replay`: each read is answered with the next of `replies`.
 
-The replay fills in `address` and `replies` from the capture where the case leaves them open; put your own device here.
-A fuller one, with FIFO, interrupts and refusals: from .responder import Settings, main
+The replay sets `address` and `replies` from the capture if the case leaves them open; put your own device here.
+A more complete one, with FIFO, interrupts and refusals: from .responder import Settings, main
 """
 
 from dataclasses import dataclass
@@ -9,8 +9,8 @@ from itertools import chain, cycle, repeat
 
 from periph_sim.firmware import HexBytes, start_i2c
 
-SCD = 0x0020  # of I2CSTR; written alone, since a write of the field would clear the other flags along with it
-REPLAY = ("address", "replies")  # settings that a replay fills in from the capture
+SCD = 0x0020  # of I2CSTR; written as a word: a write of the field would also clear the other flags
+REPLAY = ("address", "replies")  # settings that a replay sets from the capture
 
 
 @dataclass
@@ -28,13 +28,13 @@ def main(dsp, settings):
         if dsp.spin_either(lambda: i2c.I2CSTR.RRDY == 1, lambda: i2c.I2CSTR.SDIR == 1):
             answer(dsp, i2c, next(replies))
         else:
-            _ = i2c.I2CDRR.all  # a byte that the controller writes
+            _ = i2c.I2CDRR.all  # a byte written by the controller
 
 
 def answer(dsp, i2c, data):
-    i2c.I2CSTR.all = SCD  # any earlier STOP has set it
+    i2c.I2CSTR.all = SCD  # set by any earlier STOP
     for byte in chain(data, repeat(0xFF)):
-        # dsp.compute(30_000)  # without the "#" in front, each byte comes 200 us later and "stretch" breaks
+        # dsp.compute(30_000)  # remove the "#": each byte comes 200 us later and "stretch" breaks
         i2c.I2CDXR.all = byte
         if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
             return

@@ -1,9 +1,9 @@
-"""Answers commands that come over SCI-A as lines of text: "V?" with the version, "S n" with "OK" once n is stored."""
+"""Answers commands received over SCI-A as text lines: "V?" with the version, "S n" with "OK" once n is stored."""
 
 from periph_sim.firmware import start_sci
 
 END = ord("\n")
-PARSE = 600  # cycles that a command takes to be understood, counted or estimated
+PARSE = 600  # cycles to parse a command, counted or estimated
 
 
 def main(dsp, settings):
@@ -24,7 +24,7 @@ def main(dsp, settings):
                 answer = "V 1.0"
             elif command == "S" and argument.isdecimal():
                 stored = int(argument)
-                # stored &= 0x1F  # without the "#" in front, numbers above 31 are cut off and "stored" breaks
+                # stored &= 0x1F  # remove the "#": numbers above 31 are truncated and "stored" breaks
                 answer = "OK"
             elif command == "S?":
                 answer = f"S {stored}"

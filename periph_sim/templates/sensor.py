@@ -1,4 +1,4 @@
-"""Stands in for a temperature sensor on the bus, at address 0x48: a new sample every 5 ms, two bytes in each answer."""
+"""Emulates a temperature sensor on the bus, at address 0x48: a new sample every 5 ms, two bytes in each answer."""
 
 from fractions import Fraction
 
@@ -6,7 +6,7 @@ from periph_sim.firmware import start_i2c, start_pie
 
 PERIOD = Fraction(5, 1000)
 COST = Fraction(40, 10**6)  # of the model, measured on the chip or estimated
-SCD = 0x0020  # of I2CSTR; written alone, since a write of the field would clear the other flags along with it
+SCD = 0x0020  # of I2CSTR; written as a word: a write of the field would also clear the other flags
 
 
 def main(dsp, settings):
@@ -15,7 +15,7 @@ def main(dsp, settings):
     def tick():
         with dsp.span("model"):
             dsp.compute(COST)
-            sample[1] = (sample[1] + 1) & 0xFF  # a sixteenth of a degree or so: put your model here
+            sample[1] = (sample[1] + 1) & 0xFF  # about a sixteenth of a degree: put your model here
         dsp.module("PIE").PIEACK.all = 1
 
     start_i2c(dsp, own_address=0x48)
@@ -28,9 +28,9 @@ def main(dsp, settings):
     while True:
         dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
         with dsp.span("answer"):
-            i2c.I2CSTR.all = SCD  # any earlier STOP has set it
-            # dsp.compute(15_000)  # without the "#" in front, each answer comes 100 us later and "response" breaks
-            whole = tuple(sample)  # both bytes of one sample, even if the next one comes meanwhile
+            i2c.I2CSTR.all = SCD  # set by any earlier STOP
+            # dsp.compute(15_000)  # remove the "#": each answer comes 100 us later and "response" breaks
+            whole = tuple(sample)  # both bytes of the same sample, even if a new one comes meanwhile
             for byte in whole:
                 i2c.I2CDXR.all = byte
                 dsp.spin(lambda: i2c.I2CSTR.XRDY == 1 or i2c.I2CSTR.SCD == 1)

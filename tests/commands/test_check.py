@@ -55,7 +55,7 @@ def test_a_case_that_breaks_what_it_must_passes_and_run_still_fails(periph_sim: 
     put(cases, breaks='breaks = ["wrong bytes"]\n')
     came = periph_sim("check", "--jobs", "1", "--update-baseline")
     assert came.status == 1
-    assert "timing/small.toml, line 1: wrong bytes holds, but breaks says that it must break; take it out" in came.out
+    assert "timing/small.toml, line 1: wrong bytes holds, but is listed in breaks; remove it" in came.out
 
 
 def test_the_table_counts_budgets_by_verdict_and_its_columns_are_explained(periph_sim: Run, cases: Path):
@@ -125,7 +125,7 @@ def test_annotations_leave_json_alone(periph_sim: Run, cases: Path):
         (["timing/small_firmware.py"], "timing/small_firmware.py: it is not TOML: "),
         (["--junit", "no/out.xml"], "no/out.xml, its place: found no such file or directory, expected a place that"),
         (["--tolerance", "-1"], "Invalid value for '--tolerance': -1 is not in the range x>=0."),
-        (["--set", "duration=1 ms"], "--update-baseline with --set: a baseline is of the case as it stands; leave one"),
+        (["--set", "duration=1 ms"], "--update-baseline with --set: a baseline is of the unchanged case; remove one"),
         (["--jobs", "0"], "Invalid value for '--jobs': 0 is not in the range x>=1."),
         (["--annotations", "gitlab"], "Invalid value for '--annotations': 'gitlab' is not 'github'."),
     ],

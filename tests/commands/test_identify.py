@@ -31,7 +31,7 @@ def test_the_table_shows_ours_beside_the_published_ones(periph_sim: Run):
 def test_the_turn_of_figure_5_1_with_its_field(periph_sim: Run):
     came = periph_sim("imu-table", "--turn")
     assert came.status == 0
-    assert "taken: d = 0, H = (0.3239, -0.0447, 0.0060) gauss" in came.out
+    assert "result: d = 0, H = (0.3239, -0.0447, 0.0060) gauss" in came.out
     assert "\n 180  -0.4835   0.2137  -0.0145           0.0437\n" in came.out
 
 
@@ -132,7 +132,7 @@ EVEN = [n * 0.02 for n in range(100)]
             ("--plot", "none/p.svg"),
             "none/p.svg, its place: found no such file or directory, expected a place",
         ),
-        (rows(EVEN), ("--parameters", "p.toml"), "x: it is no column of a sensor model; expected accelerometer_x, "),
+        (rows(EVEN), ("--parameters", "p.toml"), "x: it is not a column of a sensor model; expected accelerometer_x, "),
         (rows(EVEN), ("--undisturbed", "g.csv"), "g.csv: a sample every 0.04 s; expected every 0.02 s, as in f.csv"),
     ],
 )

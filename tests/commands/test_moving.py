@@ -24,7 +24,7 @@ def test_the_table_over_wires(desk: Path, periph_sim: Run):
     assert came.out.startswith(
         "imu_moving: 10 rounds; emulator in q16, noise of seed 1, over SCI, firmware and\n  I2C\n"
     )
-    assert came.out.endswith("\n360 of 360 bytes read from the emulator are those computed without wires\n")
+    assert came.out.endswith("\n360 of 360 bytes read from the emulator equal those computed without wires\n")
 
 
 def test_json_has_the_figures_of_the_table(desk: Path, periph_sim: Run):
@@ -47,7 +47,7 @@ def test_bytes_that_differ_are_status_1(desk: Path, periph_sim: Run, monkeypatch
     monkeypatch.setattr("periph_sim.dissertation.moving.direct_computation.emulator", wrong)
     came = periph_sim("moving", CASE, "--seconds", "0.2")
     assert came.status == 1
-    assert came.out.endswith("\n356 of 360 bytes read from the emulator are those computed without wires\n")
+    assert came.out.endswith("\n356 of 360 bytes read from the emulator equal those computed without wires\n")
 
 
 def test_pictures_appear_both_in_a_folder_that_is_made_and_are_the_same_each_time(desk: Path, periph_sim: Run):
@@ -105,7 +105,10 @@ def test_no_rounds_at_all(desk: Path, periph_sim: Run):
     came = periph_sim("moving", CASE, "--direct", "--seconds", "0")
     assert came.status == 2 and "no round is due before the end" in came.err
     came = periph_sim("moving", CASE, "--seconds", "7 ms")
-    assert (came.status, came.err) == (2, "Error: no round of the three chips was over before the end; run longer\n")
+    assert (came.status, came.err) == (
+        2,
+        "Error: no round of the three chips was complete before the end; run longer\n",
+    )
 
 
 def test_without_matplotlib_the_way_out_is_told(desk: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):

@@ -17,7 +17,7 @@ from tests.commands.conftest import Run
 
 KINDS = sorted(file.stem for file in TEMPLATES.glob("*.toml"))
 TRACES = Path(__file__).parents[2] / "traces"
-LINE = re.compile(r'^( *)# (.*?)  # without the "#" in front, .* and "(.*)" breaks$', re.MULTILINE)
+LINE = re.compile(r'^( *)# (.*?)  # remove the "#": .* and "(.*)" breaks$', re.MULTILINE)
 
 
 @pytest.fixture

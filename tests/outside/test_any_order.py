@@ -262,7 +262,7 @@ def test_a_unit_without_the_module_answers_as_fast_mode_asks() -> None:
     [
         ({"addresses": [0x68, 0x20]}, "addresses has 0x20; the chips are at 0x68, 0x53 and 0x1e"),
         ({"bus": "module"}, "an I2C module has one own address, and addresses has 3"),
-        ({"models_run": "round"}, "nobody knows a round where any order may come; leave models_run out"),
+        ({"models_run": "round"}, "a round is undefined if any order is possible; leave models_run out"),
     ],
 )
 def test_settings_that_cannot_be_are_refused(settings: dict[str, object], message: str) -> None:

@@ -49,7 +49,7 @@ def test_its_registers_wrap_and_must_fit(registers: str, size: int) -> None:
         return
     master = slave(registers=registers, size=size).i2c
     assert master.transfer(0x50, b"\x02", 4) == b"\x03\x01\x02\x03"
-    with pytest.raises(BadCase, match="size is 257; a pointer of one byte has 1 to 256 registers"):
+    with pytest.raises(BadCase, match="size is 257; a pointer of one byte addresses 1 to 256 registers"):
         slave(size=257)
 
 

@@ -97,5 +97,5 @@ def test_a_script_is_read_back():
 
 @pytest.mark.parametrize("text", ["50", "50 X 1", "50 R", "50 R 1 NACK", "", "50 W 00 Sr"])
 def test_a_script_that_is_none_is_refused(text: str):
-    with pytest.raises(ValueError, match="is no part of a transfer"):
+    with pytest.raises(ValueError, match="is not a part of a transfer"):
         parts(text)

@@ -51,6 +51,6 @@ def test_the_responder_with_declared_waits_is_the_polled_one(disable: str, kinds
 @pytest.mark.parametrize("change", ["unit.dsp.settings.style=interrupt", "unit.dsp.settings.fifo=true"])
 def test_the_other_styles_are_those_of_the_responder(change: str):
     with pytest.raises(
-        FirmwareError, match="responder_declared is polled and has no FIFO; take responder for the other"
+        FirmwareError, match="responder_declared is polled and has no FIFO; use responder for the other"
     ):
         ran("responder_declared", "[]", (), change)

@@ -89,7 +89,7 @@ def test_three_hundred_cycles_before_each_write_break_the_reaction_and_nothing_e
 
 
 def test_the_robust_firmware_refuses_a_guard_that_is_shorter_than_its_models():
-    with pytest.raises(ValueError, match="guard must be longer than the models take"):
+    with pytest.raises(ValueError, match="guard must be longer than the model run"):
         load_firmware("imu_hil_robust").settings(guard=Fraction(1, 10_000))  # type: ignore[operator]
 
 

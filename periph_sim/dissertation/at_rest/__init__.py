@@ -1,1 +1,1 @@
-"""The dissertation's experiments, run on the models: what was published goes beside what comes out."""
+"""The dissertation's experiments at rest, repeated on the models and compared with the published results."""

@@ -1,17 +1,17 @@
-"""Earth field of the dissertation's laboratory: Table 5.1, Table 4.1 and section 5.2 go in, H_rt and its turn come out.
+"""Earth field of the dissertation's laboratory, from Table 5.1, Table 4.1 and section 5.2.
 
     real mean at rest m, hard iron V --> m = H + d V --> d --> H_rt --> x, y, z at a yaw of 270, 180, 90, 0 degrees
 
 Table 5.1 gives the mean of the real magnetometer, level and pointing north, but not whether the hard iron of Table 4.1
-was near it: d is 0 or 1. Section 5.2 decides. It says of the turn about z (Figure 5.1) that at 0 and 180 degrees y is
-about the bias, so the field has hardly any part along y, and that the field is nearly horizontal, so it has hardly any
-along z. Least squares of either statement over d:
+was nearby: d is 0 or 1. Section 5.2 decides. It says of the turn about z (Figure 5.1) that at 0 and 180 degrees y is
+about the bias, so the field has hardly any y component, and that the field is nearly horizontal, so it has hardly any
+z component. Least squares of either statement over d:
 
     y: (m_y - d V_y)^2 least at d = m_y / V_y        z: d = m_z / V_z
 
-Both come out below 0, so d = 0 is the nearer one: the mean is the undisturbed field.
+Both are below 0, so d = 0 is nearer: the mean is the undisturbed field.
 
-Equation 4.10 agrees: the hard iron is the mean taken beside iron less the undisturbed one.
+Equation 4.10 agrees: the hard iron is the mean measured near iron less the undisturbed one.
 """
 
 from __future__ import annotations
@@ -36,20 +36,20 @@ YAWS = (270, 180, 90, 0)  # degrees, in the order of Figure 5.1
 
 @dataclass(frozen=True)
 class Candidate:
-    """One reading of Table 5.1's mean. disturbed: it has the hard iron in it. field: H_rt then, gauss."""
+    """One interpretation of Table 5.1's mean. disturbed: it includes the hard iron. field: H_rt then, in gauss."""
 
     disturbed: bool
     field: Vector
 
     @property
     def off_north(self) -> float:
-        """The horizontal field's angle from the body's x axis while that points north, in degrees."""
+        """Angle of the horizontal field from the body's x axis when that points north, in degrees."""
         return degrees(atan2(self.field[1], self.field[0]))
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Both readings of the mean, and d by least squares of either statement of section 5.2.
+    """Both interpretations of the mean, and d by least squares of either statement of section 5.2.
 
     candidates: undisturbed, disturbed.
     """
@@ -60,19 +60,19 @@ class Fit:
 
     @property
     def taken(self) -> Candidate:
-        """The reading nearest to both statements."""
+        """The interpretation nearest to both statements."""
         return self.candidates[self.along_y + self.along_z > 1]
 
 
 def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
-    """The earth field from the mean at rest and the hard iron, x, y, z in gauss."""
+    """Fit the earth field from the mean at rest and the hard iron, x, y, z in gauss."""
     along_y, along_z = (mean[axis] / hard_iron[axis] for axis in (1, 2))
     x, y, z = (m - v for m, v in zip(mean, hard_iron, strict=True))
     return Fit(along_y, along_z, (Candidate(False, mean), Candidate(True, (x, y, z))))
 
 
 def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
-    """Field that the magnetometer shows at each yaw (degrees), level, without noise or rounding: gauss, (n, 3)."""
+    """Return the measured field at each yaw (degrees), level, without noise or rounding: gauss, (n, 3)."""
     model = Imu(Unrounded(), imu)
     zero = np.zeros(len(yaws))
     turned, _ = model.motion((zero, zero, np.radians(yaws)), (zero, zero, zero))
@@ -80,7 +80,7 @@ def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
 
 
 def text(imu: ImuParameters, found: Fit) -> str:
-    """The fit, and the turn of Figure 5.1 with this set, as lines."""
+    """Format the fit, and the turn of Figure 5.1 with this set."""
     undisturbed, disturbed = found.candidates
     x, y, z = found.taken.field
     says = [
@@ -113,7 +113,7 @@ def text(imu: ImuParameters, found: Fit) -> str:
         "",
         *text_table(("section 5.2 says", "d = 0", "d = 1", "least squares"), says, range(1, 4)),
         "",
-        f"taken: d = {int(found.taken.disturbed)}, H = ({x:.4f}, {y:.4f}, {z:.4f}) gauss",
+        f"result: d = {int(found.taken.disturbed)}, H = ({x:.4f}, {y:.4f}, {z:.4f}) gauss",
         "",
         f"Turn about z as in Figure 5.1, with hard iron {_three(imu.magnetometer.hard_iron)} gauss",
         "",

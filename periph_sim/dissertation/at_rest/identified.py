@@ -1,9 +1,9 @@
-"""What was identified as a parameter set: columns named after sensors and axes go in, an `Imu` comes out.
+"""Build an `Imu` parameter set from identified columns named after sensors and axes.
 
-    gyroscope_x, _y, _z [deg/s] --> means, S taken out --> bias;  densities, rounding taken out --> noise_density
+    gyroscope_x, _y, _z [deg/s] --> means, S removed --> bias;  densities, rounding removed --> noise_density
 
-The set gives the same means at rest again: where cross-axis sensitivity turns a part of gravity into the other axes,
-that part is no bias.
+The set gives the same means at rest: the part of gravity that cross-axis sensitivity turns into other axes
+is not bias.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from ...sensors.models.quantity import BadParameter, Vector
 from ...sensors.noise import AXES
 from .rest import SENSORS, UNITS, Sensor
 
-GRAVITY = np.array([0.0, 0.0, -1.0])  # what a level accelerometer should tell, g; section 4.3.4
+GRAVITY = np.array([0.0, 0.0, -1.0])  # ideal output of a level accelerometer, g; section 4.3.4
 
 
 def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: ImuParameters | None = None) -> ImuParameters:
-    """`start` (Table 4.1 if None) with what the columns tell. hard_iron: their bias is against an undisturbed mean.
+    """Return `start` (Table 4.1 if None) updated from the columns. hard_iron: bias is relative to an undisturbed mean.
 
-    BadParameter for a column that belongs to no sensor, an axis that is missing, or another unit than the models have.
+    Raise BadParameter for a column of no sensor, a missing axis, or a unit that differs from the model's.
     """
     imu = start or ImuParameters()
     wanted = {f"{sensor}_{axis}": sensor for sensor in SENSORS for axis in AXES}
     for name in axes:
         if name not in wanted:
-            raise BadParameter(name, f"it is no column of a sensor model; expected {', '.join(wanted)}")
+            raise BadParameter(name, f"it is not a column of a sensor model; expected {', '.join(wanted)}")
     for sensor in dict.fromkeys(wanted[name] for name in axes):
         three = []
         for axis in AXES:

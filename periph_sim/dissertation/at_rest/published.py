@@ -1,4 +1,4 @@
-"""Tables 5.1 and 5.2 of the dissertation, as printed: 10 000 samples at rest at 50 Hz; memory of the code."""
+"""Tables 5.1 and 5.2 of the dissertation, as printed: 10 000 samples at rest at 50 Hz, and memory of the code."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ EMULATOR = {
 
 
 class Memory(NamedTuple):
-    """One row of Table 5.2: 16-bit words, and the share of RAM and flash that is printed, in percent."""
+    """One row of Table 5.2: 16-bit words, and the printed share of RAM and flash in percent."""
 
     words: int
     ram: float

@@ -1,6 +1,6 @@
-"""How Table 5.1's emulated means follow from the parameters: readings of these go in, their distances come out.
+"""Interpretations of the parameters, compared with the emulated means of Table 5.1.
 
-Each reading takes one thing more into account than the one before it; the last but one is the shipped set `table_5_1`.
+Each reading adds one effect to the previous one; the last but one is the shipped set `table_5_1`.
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from .static_table import PRINTED
 
 @dataclass(frozen=True)
 class Reading:
-    """A reading of the parameters, and the published emulator's means less its own, in standard errors."""
+    """An interpretation of the parameters. off: published emulator's means less its own, in standard errors."""
 
     says: str
     off: dict[str, tuple[float, ...]]
 
     def rms(self, sensor: str) -> float:
-        """Root mean square over the sensor's axes; about 1 where chance explains it."""
+        """Return the root mean square over the sensor's axes; about 1 if explained by chance."""
         return sqrt(sum(off**2 for off in self.off[sensor]) / len(AXES))
 
 
 def readings() -> list[Reading]:
-    """The published means against each reading."""
+    """Compare the published means with each reading."""
     return [Reading(says, _off(expected_at_rest(imu()))) for says, imu in READINGS]
 
 
 def _off(expected: Mapping[str, Sequence[Expected]]) -> dict[str, tuple[float, ...]]:
     return {
         sensor: tuple(
-            (found - axis.mean) / hypot(axis.mean_error(published.SAMPLES), PRINTED, PRINTED)  # theirs, and the bias
+            (found - axis.mean) / hypot(axis.mean_error(published.SAMPLES), PRINTED, PRINTED)  # of mean and bias
             for found, axis in zip(published.EMULATOR[sensor].mean, expected[sensor], strict=True)
         )
         for sensor in SENSORS
@@ -52,17 +52,17 @@ def _each(imu: ImuParameters, sensors: Sequence[str] = SENSORS, **changes: Any) 
 
 
 def table_4_1() -> ImuParameters:
-    """Table 4.1, away from iron: the samples of Table 5.1 were taken there (section 5.2)."""
+    """Table 4.1 without hard iron: Table 5.1 was measured away from iron (section 5.2)."""
     return _each(ImuParameters(), ("magnetometer",), hard_iron=NONE)
 
 
 def without_cross_axis() -> ImuParameters:
-    """The same with each axis for itself."""
+    """The same without cross-axis sensitivity."""
     return _each(table_4_1(), cross_axis=0.0)
 
 
 def with_printed_means() -> ImuParameters:
-    """Biases to four decimals, which are the real IMU's means in Table 5.1; Table 4.1 rounds them to two."""
+    """The same with biases to four decimals from the real IMU's means in Table 5.1; Table 4.1 rounds to two."""
     imu = table_4_1()
     x, y, z = published.REAL["accelerometer"].mean
     return replace(
@@ -73,7 +73,7 @@ def with_printed_means() -> ImuParameters:
 
 
 def with_floor() -> ImuParameters:
-    """The same with codes of accelerometer and magnetometer rounded down, as a shift of a fixed-point number does."""
+    """The same with codes of accelerometer and magnetometer rounded down, like a shift of a fixed-point number."""
     return _each(with_printed_means(), ("accelerometer", "magnetometer"), rounding="floor")
 
 

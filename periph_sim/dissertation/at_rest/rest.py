@@ -1,6 +1,6 @@
-"""The sensors at rest: parameters and a seed go in; samples, and what their mean and variance must be, come out.
+"""The sensors at rest: samples, and their expected mean and variance.
 
-    Imu --> models + noise --> codes / scale --> samples       ours, by chance
+    Imu --> models + noise --> codes / scale --> samples       random
     Imu --> bias, S, Gaussian over the codes --> Expected      exact: rounding and saturation included
 
 Dissertation section 5.2: level, pointing north, no acceleration, 10 000 samples at 50 Hz.
@@ -32,35 +32,35 @@ Sensor = AccelerometerParameters | GyroscopeParameters | MagnetometerParameters
 
 SENSORS = ("accelerometer", "gyroscope", "magnetometer")
 UNITS = {"accelerometer": "g", "gyroscope": "deg/s", "magnetometer": "gauss"}
-FAR = 12.0  # sigma beyond which no code is counted: less than 1e-30 of all
+FAR = 12.0  # sigma beyond which codes are ignored: less than 1e-30 of all
 
 
 @dataclass(frozen=True)
 class Expected:
-    """Of one axis, in its unit: mean, variance and fourth central moment of the values its codes stand for."""
+    """Mean, variance and fourth central moment of one axis, in its unit."""
 
     mean: float
     variance: float
     fourth: float
 
     def mean_error(self, samples: int) -> float:
-        """Standard error of the mean of so many samples."""
+        """Return the standard error of the mean of this many samples."""
         return sqrt(self.variance / samples)
 
     def variance_error(self, samples: int) -> float:
-        """Standard error of their variance."""
+        """Return the standard error of their variance."""
         return sqrt((self.fourth - self.variance**2 * (samples - 3) / (samples - 1)) / samples)
 
 
 def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
-    """What each sensor tells, in its unit, shape (samples, 3)."""
+    """Return the samples of each sensor in its unit, shape (samples, 3)."""
     still = np.zeros(samples)
     codes = codes_of(imu, (still, still, still), (still, still, still), ImuNoise(imu, seed).values(0, samples))
     return {name: np.stack(getattr(codes, name), axis=1) / getattr(imu, name).scale for name in SENSORS}
 
 
 def sensed_at_rest(imu: ImuParameters) -> dict[str, tuple[float, float, float]]:
-    """What each sensor feels before its matrix S, without noise: gravity or field, and bias."""
+    """Return the input of each sensor's matrix S, without noise: gravity or field, and bias."""
     accelerometer, gyroscope, magnetometer = imu.accelerometer, imu.gyroscope, imu.magnetometer
     x, y, z = accelerometer.bias
     north, east, down = (h + v for h, v in zip(magnetometer.earth_field, magnetometer.hard_iron, strict=True))
@@ -69,13 +69,13 @@ def sensed_at_rest(imu: ImuParameters) -> dict[str, tuple[float, float, float]]:
 
 
 def expected_at_rest(imu: ImuParameters) -> dict[str, list[Expected]]:
-    """Of each sensor's three axes, for white noise alone: bias instability and random walk have no fixed mean."""
+    """Return expectations per axis for white noise only: bias instability and random walk have no fixed mean."""
     felt = sensed_at_rest(imu)
     return {name: _expected(getattr(imu, name), felt[name], imu.period) for name in SENSORS}
 
 
 def variances_before_rounding(sensor: Sensor, period: float) -> Floats:
-    """Of the three axes, in LSB squared: white noise through S."""
+    """Return the variances of the three axes, in LSB squared: white noise through S."""
     matrix = np.array(sensor.matrix)
     return matrix**2 @ (np.array(sensor.noise_density) / period)
 
@@ -86,9 +86,9 @@ def _expected(sensor: Sensor, felt: tuple[float, float, float], period: float) -
 
 
 def _of_codes(sensor: Sensor, mean: float, sigma: float) -> Expected:
-    """Moments of a Gaussian, in LSB, after rounding and saturation, in the sensor's unit."""
+    """Return moments, in the sensor's unit, of a Gaussian (in LSB) after rounding and saturation."""
     if isnan(mean):
-        return Expected(0.0, 0.0, 0.0)  # what is no number has code 0 in float64, noise or not
+        return Expected(0.0, 0.0, 0.0)  # NaN has code 0 in float64, with or without noise
     least, most = sensor.limits
     reach = FAR * sigma + 2
     first, last = (int(np.clip(end, least, most)) for end in (mean - reach, mean + reach))
@@ -101,7 +101,7 @@ def _of_codes(sensor: Sensor, mean: float, sigma: float) -> Expected:
 
 
 def _upper_end(sensor: Sensor, code: int, least: int, most: int) -> float:
-    """Below what value, in LSB, a converter gives at most this code."""
+    """Return the value, in LSB, below which a converter returns at most this code."""
     if code < least:
         return -inf
     if code >= most:
@@ -118,7 +118,7 @@ def _below(value: float, mean: float, sigma: float) -> float:
 
 
 def write(samples: dict[str, Floats], imu: ImuParameters, path: Path) -> None:
-    """The samples as CSV: `time [s]`, then `gyroscope_x [deg/s]` and so on; to the last bit."""
+    """Write samples as CSV: `time [s]`, then `gyroscope_x [deg/s]` and so on, with full precision."""
     titles = [f"{name}_{axis} [{UNITS[name]}]" for name in samples for axis in AXES]
     rows = np.hstack(list(samples.values())).tolist()
     with path.open("w", encoding="utf-8", newline="") as file:

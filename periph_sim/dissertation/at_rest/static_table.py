@@ -1,6 +1,6 @@
-"""Table 5.1 again: samples at rest go in; mean, 3 sigma and variance beside the published ones and what they must be.
+"""Table 5.1 from samples at rest: mean, 3 sigma and variance beside published and expected values.
 
-ours, published --less expectation, in standard errors of 10 000 samples--> what chance explains and what it does not
+ours, published --less expectation, in standard errors of 10 000 samples--> which differences chance explains
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from .rest import SENSORS, Expected, expected_at_rest
 
 Floats = NDArray[np.float64]
 
-PRINTED = 1e-4 / sqrt(12)  # standard error of a figure printed with four decimals
+PRINTED = 1e-4 / sqrt(12)  # standard error of a number printed with four decimals
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One number of the table, in the sensor's unit. error, published_error: standard errors of ours and theirs."""
+    """One number of the table, in the sensor's unit. error, published_error: standard errors."""
 
     real: float
     emulator: float
@@ -35,18 +35,18 @@ class Figure:
 
     @property
     def ours_off(self) -> float | None:
-        """Ours less what the model expects, in standard errors; None where nothing is left to chance."""
+        """Our value less the expected one, in standard errors; None if it is not random."""
         return (self.ours - self.expected) / self.error if self.error else None
 
     @property
     def emulator_off(self) -> float:
-        """The published emulator's less what our model expects, in standard errors; printed with four decimals."""
+        """The published emulator's value less the expected one, in standard errors; printed with four decimals."""
         return (self.emulator - self.expected) / hypot(self.published_error, PRINTED)
 
 
 @dataclass(frozen=True)
 class AxisRow:
-    """What the table says of one axis."""
+    """The table's figures for one axis."""
 
     sensor: str
     axis: str
@@ -56,7 +56,7 @@ class AxisRow:
 
 
 def static_table(imu: ImuParameters, samples: Mapping[str, Floats]) -> list[AxisRow]:
-    """The nine rows for what `rest.at_rest` gave of this set."""
+    """Return the nine rows for samples from `rest.at_rest` of this set."""
     expected = expected_at_rest(imu)
     return [
         _row(sensor, axis, samples[sensor][:, axis], expected[sensor][axis]) for sensor in SENSORS for axis in range(3)

@@ -1,4 +1,4 @@
-"""Table 5.1 again, as text: its rows and the readings go in, lines for people come out."""
+"""Table 5.1 and the readings as text."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .static_table import AxisRow, Figure
 COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator off")
 
 
-def text(imu: ImuParameters, rows: Sequence[AxisRow], told: Sequence[Reading], samples: int, seed: int) -> str:
-    """The table of this set, deviations in standard errors (se), and what explains the published means, if `told`."""
+def text(imu: ImuParameters, rows: Sequence[AxisRow], found: Sequence[Reading], samples: int, seed: int) -> str:
+    """Format the table of this set, deviations in standard errors (se), and the readings `found`, if any."""
     lines = [
         f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {published.SAMPLES} at {published.RATE} Hz.",
-        "off: less what the model expects, in standard errors, of figures with four",
+        "off: difference to the expectation, in standard errors, of figures with four",
         "decimals where printed.",
     ]
     for title, name, form in (
@@ -28,8 +28,8 @@ def text(imu: ImuParameters, rows: Sequence[AxisRow], told: Sequence[Reading], s
     ):
         lines += ["", *_block(title, name, form, rows)]
     lines += ["", *_gyroscope_variances(imu, rows)]
-    if told:
-        lines += ["", *_explained(told)]
+    if found:
+        lines += ["", *_explained(found)]
     return "\n".join(lines)
 
 
@@ -52,12 +52,12 @@ def _block(title: str, name: str, form: str, rows: Sequence[AxisRow]) -> list[st
     return text_table((title, *COLUMNS[1:]), cells, range(1, len(COLUMNS)))
 
 
-def _explained(told: Sequence[Reading]) -> Iterator[str]:
+def _explained(found: Sequence[Reading]) -> Iterator[str]:
     yield "Published emulator's means less those of the model, x, y, z in standard errors,"
     yield "and their root mean square (rms):"
     yield ""
     rows = []
-    for reading in told:
+    for reading in found:
         for sensor in SENSORS:
             says = reading.says if sensor == SENSORS[0] else ""
             rows.append((says, sensor, *(f"{off:+.1f}" for off in reading.off[sensor]), f"{reading.rms(sensor):.1f}"))
@@ -65,7 +65,7 @@ def _explained(told: Sequence[Reading]) -> Iterator[str]:
 
 
 def _gyroscope_variances(imu: ImuParameters, rows: Sequence[AxisRow]) -> Iterator[str]:
-    """Its LSB is of the size of its noise, so rounding shows in its variances; published ones by their three sigma."""
+    """Compare gyroscope variances, published ones from 3 sigma: LSB and noise are similar, so rounding shows."""
     three = [row for row in rows if row.sensor == "gyroscope"]
     published_ones = [(row.three_sigma.emulator / 3) ** 2 for row in three]
     expected = [row.variance.expected for row in three]

@@ -1,4 +1,4 @@
-"""The moving experiment: one motion through emulator and real chips, both into one filter.
+"""The moving experiment: the same motion measured by emulator and real chips, both with the same filter.
 
     case --emulator--> SCI, firmware, I2C --+
          --chips-----> ITG-3200 ... , I2C --+--> sensor head --> units, known biases off --> EKF --> attitudes

@@ -1,9 +1,9 @@
-"""What would be read, computed without wires: frames and their order go in; codes, run by run of the models, come out.
+"""Codes computed without wires, from frames and their order, one model run after another.
 
     frames --> int16 counts --> models over arrays, in the firmware's arithmetic, with its noise --> codes
 
-Run n of the models has the noise of number n; run 0 is made before any frame has come, of zeros. Which frame a run
-works on is a matter of time: it is given, or taken from a schedule without jitter.
+Run n of the models has the noise of number n; run 0 is before the first frame, with zeros. Which frame a run
+uses depends on timing: it is given, or computed from a schedule without jitter.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ BITS_OF_BYTE = 10  # start, eight, stop
 def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings:
     """Return the readings of each round, or of each run of the models if `frames` names the frame of each (-1: none).
 
-    Runs before the first frame leave nothing to it, and it has no rate, as in the firmware.
+    Runs before the first frame have no effect on it, and its rate is zero, as in the firmware.
     """
     carried = frames_by_schedule(subject) if frames is None else frames
     counts = _counts(subject, carried)
@@ -64,7 +64,7 @@ def _part(chip: Triple[Floats], part: slice) -> Triple[Floats]:
 
 
 def sensors(subject: EmulatorUnderTest) -> Readings:
-    """Of real sensors that sample at the instant at which a round is due, with another noise than the emulator's."""
+    """Return the readings of real sensors that sample when a round is due, with other noise than the emulator's."""
     seconds = _due(subject, subject.rounds)
     imu = subject.sensors
     noise = None if subject.seed is None else ImuNoise(imu, subject.seed + 1).values(0, subject.rounds)
@@ -73,10 +73,10 @@ def sensors(subject: EmulatorUnderTest) -> Readings:
 
 
 def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
-    """int64[rounds]: which frame the run before each round works on, if nothing is late; -1 for none."""
+    """Return the frame used by the run before each round if nothing is late, -1 for none: int64[rounds]."""
     host, controller = subject.host, subject.controller
     request = BITS_OF_REQUEST / controller.rate + controller.gap
-    over = controller.first + 3 * request - controller.gap  # of round 0; the models begin then
+    over = controller.first + 3 * request - controller.gap  # end of round 0; the models begin then
     sent = host.first + (FRAME_BYTES * BITS_OF_BYTE + (FRAME_BYTES - 1) * host.gap) / host.baud  # frame 0
     found = [-1]
     for number in range(1, subject.rounds):
@@ -87,7 +87,7 @@ def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
 
 
 def _counts(subject: EmulatorUnderTest, carried: Ints) -> Ints:
-    """int64[n, 6]: the counts that the firmware takes from the bytes of each frame, low byte first; zeros for -1."""
+    """Return the counts that the firmware reads from each frame, low byte first; zeros for -1: int64[n, 6]."""
     rows = {-1: np.zeros(6, np.int64)}
     for number in sorted(set(carried.tolist()) - {-1}):
         data = encode(subject.frames(number), subject.frames.byte_order)
@@ -96,7 +96,7 @@ def _counts(subject: EmulatorUnderTest, carried: Ints) -> Ints:
 
 
 def _taken(a: Arithmetic[Any], chip: Triple[Floats]) -> Triple[Floats]:
-    """Noise as numbers of an arithmetic, each as the firmware takes it."""
+    """Convert noise to the numbers of an arithmetic, as the firmware does."""
     x, y, z = (np.array([a.constant(value) for value in axis.tolist()]) for axis in chip)
     return x, y, z
 

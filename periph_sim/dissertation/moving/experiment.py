@@ -1,7 +1,7 @@
-"""The whole experiment: a subject goes in; attitudes of truth, real sensors and emulator, and how far they are apart.
+"""The whole experiment: attitudes of truth, real sensors and emulator, and their differences.
 
 real sensors --EKF-->  A   truth    B, C emulator, gyroscope as built and corrected --EKF-->
-                       A - truth, B - truth, B - A, ...  in degrees, a row a round
+                       A - truth, B - truth, B - A, ...  in degrees, one row per round
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ RATES: tuple[Rates, ...] = ("as built", "corrected")
 
 @dataclass(frozen=True)
 class Estimate:
-    """readings: of the three chips. attitudes: what the filter made of them, float64[n, 4]."""
+    """readings: of the three chips. attitudes: the filter's results, float64[n, 4]."""
 
     readings: Readings
     attitudes: Floats
@@ -33,7 +33,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Bytes:
-    """Of what the head read from the emulator: how many bytes, and how many are not those computed without wires."""
+    """Bytes that the head read from the emulator, and how many differ from those computed without wires."""
 
     compared: int
     different: int
@@ -41,9 +41,9 @@ class Bytes:
 
 @dataclass(frozen=True)
 class Outcome:
-    """seconds: float64[n], when each round was due. truth: float64[n, 4]. emulated: by the gyroscope's rates.
+    """seconds: float64[n], due times of rounds. truth: float64[n, 4]. emulated: by the gyroscope's rates.
 
-    bytes: None where there were no wires.
+    bytes: None without wires.
     """
 
     subject: EmulatorUnderTest
@@ -54,7 +54,7 @@ class Outcome:
     bytes: Bytes | None
 
     def apart(self) -> dict[str, Errors]:
-        """Every comparison by its name, in the order in which it is shown."""
+        """Return every comparison by name, in the order shown."""
         found = {"real sensors less truth": errors(self.real.attitudes, self.truth)}
         for rates, one in self.emulated.items():
             found[f"emulator {rates} less truth"] = errors(one.attitudes, self.truth)
@@ -62,14 +62,14 @@ class Outcome:
         return found
 
     def behind(self, rates: Rates) -> Lag:
-        """How late the emulator is behind the real sensors."""
+        """Return the delay of the emulator relative to the real sensors."""
         return lag_between(self.seconds, self.emulated[rates].attitudes, self.real.attitudes)
 
 
 def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], None] | None = None) -> Outcome:
-    """wires: over SCI and I2C, or all computed directly. progress: told the part done, 0 to 1.
+    """Run the experiment over SCI and I2C (`wires`) or computed directly. progress: called with the part done, 0 to 1.
 
-    NoAttitude where no round was over, or the library of the filter is missing.
+    Raise NoAttitude if no round was complete, or the filter's library is missing.
     """
     parts = len(RATES) + 1
 
@@ -88,7 +88,7 @@ def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], Non
             read[rates] = direct.emulator(one)
     seconds = _common([real, *read.values()])
     if not len(seconds):
-        raise NoAttitude("no round of the three chips was over before the end; run longer")
+        raise NoAttitude("no round of the three chips was complete before the end; run longer")
     estimates = {rates: _estimate(subject, readings, seconds) for rates, readings in read.items()}
     compared = sum(2 * codes.size for readings in read.values() for codes in readings.codes.values())
     return Outcome(
@@ -102,7 +102,7 @@ def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], Non
 
 
 def _different(came: on_wires.Emulated, computed: Readings) -> int:
-    """How many bytes the head read that are not those which the run of the models made."""
+    """Count the bytes read by the head that differ from those of the model run."""
     found = 0
     for name, codes in came.readings.codes.items():
         apart = (codes ^ computed.codes[name][came.runs]) & 0xFFFF
@@ -111,12 +111,12 @@ def _different(came: on_wires.Emulated, computed: Readings) -> int:
 
 
 def _estimate(subject: EmulatorUnderTest, readings: Readings, seconds: Floats) -> Estimate:
-    """Every round goes into the filter; of its attitudes those of the common rounds are kept."""
+    """Filter all rounds; keep the attitudes of the common rounds."""
     return Estimate(readings, attitudes(subject, readings)[np.isin(readings.seconds, seconds)])
 
 
 def _common(read: list[Readings]) -> Floats:
-    """The rounds that all of them have."""
+    """Return the rounds that all of them have."""
     common = read[0].seconds
     for one in read[1:]:
         common = np.intersect1d(common, one.seconds)

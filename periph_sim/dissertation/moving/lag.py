@@ -1,7 +1,7 @@
-"""How late one estimate is behind another: two series of attitudes go in; the lateness that fits best comes out.
+"""The delay of one estimate relative to another: the lag between two series of attitudes with the best fit.
 
-What the emulator answers is older than what a chip samples: the frame waits for the models, their values wait for the
-next round. While the body turns that makes an error in angle, which says nothing about the models; so it is told apart.
+The emulator's answers are older than a chip's samples: the frame waits for the models, their values wait for the
+next round. While the body turns this causes an angle error that is not the models'; so it is reported separately.
 """
 
 from __future__ import annotations
@@ -13,22 +13,22 @@ import numpy as np
 from ...devices.attitude import Errors, errors
 from ...sensors.rotations import Floats
 
-STEP, MOST = 0.001, 0.1  # seconds: how finely, and how far, it is looked for
+STEP, MOST = 0.001, 0.1  # seconds: resolution and range of the search
 
 
 @dataclass(frozen=True)
 class Lag:
-    """seconds: how late; apart: what is left of the difference when the other one is taken so much earlier."""
+    """seconds: the delay; apart: remaining difference when the other one is shifted by it."""
 
     seconds: float
     apart: Errors
 
 
 def lag_between(times: Floats, late: Floats, other: Floats) -> Lag:
-    """Of `late`, the lateness behind `other`; both float64[n, 4], at times float64[n], rising.
+    """Find the delay of `late` relative to `other`; both float64[n, 4], at ascending times float64[n].
 
-    The one from 0 to 0.1 s with the least mean square of the whole angle. All are compared over the same instants:
-    those from 0.1 s after the first on. With less than that there are none: no lateness, and no difference.
+    The one from 0 to 0.1 s with the least mean square of the whole angle. All are compared over the same instants,
+    from 0.1 s after the first on. Without such instants: no delay, and no difference.
     """
     begins = int(np.searchsorted(times, times[0] + MOST)) if len(times) else 0
     least, found = np.inf, Lag(0.0, errors(late[begins:], other[begins:]))
@@ -45,13 +45,13 @@ def lag_between(times: Floats, late: Floats, other: Floats) -> Lag:
 
 
 def _at(instants: Floats, times: Floats, attitudes: Floats) -> Floats:
-    """Attitudes between those given: on the chord, which for steps of some degrees is as good as on the arc."""
+    """Interpolate attitudes on the chord, which is accurate enough for steps of a few degrees."""
     between = np.stack([np.interp(instants, times, column) for column in attitudes.T], axis=1)
     return np.asarray(between / np.linalg.norm(between, axis=1, keepdims=True), np.float64)
 
 
 def _continuous(attitudes: Floats) -> Floats:
-    """The same attitudes, of q and -q always the one that is nearer to the one before."""
+    """Choose of q and -q the one nearer to the previous attitude."""
     turns = np.sign(np.sum(attitudes[1:] * attitudes[:-1], axis=1))
     signs = np.concatenate([[1.0], np.cumprod(np.where(turns == 0, 1.0, turns))])
     return np.asarray(attitudes * signs[:, np.newaxis], np.float64)

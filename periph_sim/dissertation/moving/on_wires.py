@@ -1,4 +1,4 @@
-"""What is read over the wires: an experiment goes in; it runs edge by edge; codes, round by round, come out.
+"""The experiment over wires, simulated edge by edge: codes read in each round.
 
 emulator   host --SCI--> firmware --I2C--> head     chips   motion --> ITG-3200, ADXL345, HMC5883L --I2C--> head
 """
@@ -30,7 +30,7 @@ from .subject import EmulatorUnderTest
 
 Progress = Callable[[float], None]
 
-# Set up beforehand, as `sensor_head.CHIPS` has their drivers do it.
+# Set up beforehand, like the drivers of `sensor_head.CHIPS` do.
 REAL: dict[str, dict[str, Any]] = {
     "gyroscope": {"model": "itg3200", "registers": {"PWR_MGM": 0x01, "SMPLRT_DIV": 0x00, "DLPF_FS": 0x1B}},
     "accelerometer": {"model": "adxl345", "registers": {"BW_RATE": 0x0A, "DATA_FORMAT": 0x08, "POWER_CTL": 0x08}},
@@ -40,9 +40,9 @@ REAL: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class Emulated:
-    """frames: int64, the last host frame that the firmware had taken when each run of the models began, -1 for none.
+    """frames: int64, the last host frame that the firmware had read when each model run began, -1 for none.
 
-    runs: int64[n], which run made what each round read.
+    runs: int64[n], the model run whose values each round read.
     """
 
     readings: Readings
@@ -51,22 +51,22 @@ class Emulated:
 
 
 class ModelRuns:
-    """Listens to a scene: how many frames were taken when models began; when a round ends, whose run it was.
+    """Follows the model runs of a scene: frames read when each began, and the run that each round read.
 
-    A frame is taken when the receive FIFO is read empty, which may be some bits before its last stop bit ends.
+    A frame counts as read when the receive FIFO is read empty, maybe some bits before its last stop bit ends.
     """
 
     def __init__(self) -> None:
         self.runs: list[int] = []
-        self._sent = [-1]  # numbers of frames; the one of none before
+        self._sent = [-1]  # numbers of frames; -1 before the first
         self._taken = 0
         self._waiting = 0  # words in the FIFO
-        self._begun_with: list[int] = []  # frames taken
+        self._begun_with: list[int] = []  # frames read
         self._ended = 0
 
     @property
     def frames(self) -> list[int]:
-        """The number of the frame that each run worked on, -1 for none."""
+        """The frame number used by each run, -1 for none."""
         sent = [*self._sent, self._sent[-1] + 1]  # the run of the scene may end within those bits
         return [sent[taken] for taken in self._begun_with]
 
@@ -82,7 +82,7 @@ class ModelRuns:
         self._sent.append(number)
 
     def _words_wait(self, record: Record) -> None:
-        """The number of words in the receive FIFO has changed."""
+        """Record a change of the receive FIFO level."""
         self._taken += not record.value and self._waiting > 0
         self._waiting = record.value
 
@@ -98,7 +98,7 @@ class ModelRuns:
 
 
 def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Emulated:
-    """The host's frames through SCI, firmware and I2C."""
+    """Run the host's frames through SCI, firmware and I2C."""
     heard = ModelRuns()
     scene = Scene(subject.case, heard.subscribe)
     heard.listen(scene)
@@ -108,7 +108,7 @@ def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Em
 
 
 def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readings:
-    """The true motion through the three real chips, each sampling by its own clock."""
+    """Run the true motion through the three real chips, each sampling with its own clock."""
     values = {"values": {"fixed": [0, 0, 0]}}
     tables = {name: ChipTable.model_validate({**table, **values}) for name, table in REAL.items()}
     case = subject.case.model_copy(update={"unit": {}, "host": None, "chip": tables})
@@ -120,9 +120,9 @@ def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readi
 
 
 def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Source]:
-    """What each chip feels, in its unit, cross-axis sensitivity, bias and noise included. ticks: a second.
+    """Return each chip's input in its unit, with cross-axis sensitivity, bias and noise. ticks: per second.
 
-    Noise of number n stays from n to n + 1 periods of the models, since its density is that of samples so far apart.
+    Noise of number n lasts from n to n + 1 periods of the models, since its density refers to that sample rate.
     """
     imu = subject.sensors
     felt = SensedMotion(imu, subject.frames.motion)
@@ -143,7 +143,7 @@ def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Sou
 
 
 def _arrays(noise: Noise[float]) -> Noise[Floats]:
-    """One sample's noise as arrays of one."""
+    """Return one sample's noise as arrays of length 1."""
     return Noise(*((np.array([x]), np.array([y]), np.array([z])) for x, y, z in noise))
 
 

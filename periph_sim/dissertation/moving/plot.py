@@ -1,7 +1,7 @@
-"""Pictures of a moving experiment: an outcome goes in; attitudes (as Figure 5.6) and rates (as Figure B.1) come out.
+"""Plots of a moving experiment: attitudes (as Figure 5.6) and rates (as Figure B.1).
 
-attitudes.svg: the servos or whatever moves, the estimate from real sensors, that from the emulator, and how far they
-are apart. rates.svg: what the gyroscopes showed, real, as built and corrected.
+attitudes.svg: the true motion, the estimates from real sensors and from the emulator, and their
+differences. rates.svg: rates of the gyroscopes, real, as built and corrected.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from matplotlib.figure import Figure
 from ...sensors.rotations import Floats, angles
 from .experiment import Outcome
 
-COLOURS = ("#0060a8", "#c04a00", "#3a7d34")  # told apart also without all colours
+COLOURS = ("#0060a8", "#c04a00", "#3a7d34")  # distinguishable also with colour blindness
 DASHES = ("-", "--", "-.")
 ANGLES = ("roll", "pitch", "yaw")
-POINTS = 1200  # of a line at most: more do not show, and a picture stays small
+POINTS = 1200  # maximum per line: more are not visible and make files larger
 STYLE: dict[Any, Any] = {"svg.hashsalt": "periph-sim", "svg.fonttype": "none", "font.size": 9.0, "axes.axisbelow": True}
 
 
 def attitudes(outcome: Outcome, path: Path) -> None:
-    """Writes SVG. Equal input gives equal bytes."""
+    """Write SVG. Equal input gives equal bytes."""
     panels = [("truth", outcome.truth), ("real sensors", outcome.real.attitudes)]
     panels.append(("emulator", outcome.emulated["corrected"].attitudes))
     with rc_context(STYLE):
@@ -44,7 +44,7 @@ def attitudes(outcome: Outcome, path: Path) -> None:
 
 
 def rates(outcome: Outcome, path: Path) -> None:
-    """Writes SVG. Rates of the chips' axes in deg/s, with their biases taken off."""
+    """Write SVG: rates of the chips' axes in deg/s, biases removed."""
     imu = outcome.subject.sensors
     read = {"real": outcome.real.readings}
     read |= {rates: one.readings for rates, one in outcome.emulated.items()}
@@ -67,7 +67,7 @@ def _figure(panels: int) -> tuple[Figure, Sequence[Axes]]:
 
 
 def _legend(panel: Axes) -> None:
-    """Above the panel, where it hides no line."""
+    """Place the legend above the panel, where it hides no line."""
     panel.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)
 
 

@@ -1,4 +1,4 @@
-"""What a sensor head got in an experiment: codes of three chips, round by round, and what they mean in units."""
+"""Readings of a sensor head: codes of three chips per round, and conversion to units."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ NAMES = ("gyroscope", "accelerometer", "magnetometer")  # in the order of Sample
 
 @dataclass(frozen=True)
 class Readings:
-    """One row a round. seconds: float64[n], when it was due. codes: by chip, int64[n, 3], x, y, z.
+    """One row per round. seconds: float64[n], due times. codes: by chip, int64[n, 3], x, y, z.
 
-    lsb_per_unit: by chip. overflow: codes of the magnetometer that stand for no value; real chips have one.
+    lsb_per_unit: by chip. overflow: the magnetometer's code for an invalid value, if it has one.
     """
 
     seconds: Floats
@@ -30,7 +30,7 @@ class Readings:
     overflow: int | None = None
 
     def samples(self, imu: ImuParameters) -> Samples:
-        """deg/s, g and gauss of the body, cross-axis sensitivity, known biases and hard iron taken off."""
+        """Convert to deg/s, g and gauss of the body, without cross-axis sensitivity, known biases and hard iron."""
         found = {}
         for name, codes in self.codes.items():
             sensor = getattr(imu, name)
@@ -47,12 +47,12 @@ class Readings:
 
 
 def attitudes(subject: EmulatorUnderTest, readings: Readings) -> Floats:
-    """float64[n, 4]: what the filter makes of it. It begins at the true attitude, as the experiment began at 0."""
+    """Filter the readings, from the true attitude on, as the experiment began at 0: float64[n, 4]."""
     s = readings.samples(subject.sensors)
     start = truth(subject, readings.seconds[:1])[0] if len(readings.seconds) else None
     return estimate(s.seconds, s.gyro, s.accel, s.mag, subject.sensors.magnetometer.earth_field, start=start)
 
 
 def truth(subject: EmulatorUnderTest, seconds: Floats) -> Floats:
-    """float64[n, 4]: the true attitude."""
+    """Return the true attitude: float64[n, 4]."""
     return quaternions(subject.motion.attitude(seconds))

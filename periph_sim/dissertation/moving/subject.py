@@ -1,6 +1,6 @@
-"""What an experiment is about: a case goes in; its motion, sensors and frames come out, or why it is none.
+"""The subject of an experiment: motion, sensors and frames of a case.
 
-The case's host has to have a motion, its firmware sensor models, and its controller has to ask the three known chips.
+The case's host needs a motion, its firmware sensor models, and its controller must read the three known chips.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ...sensors.motion import Motion
 
 @dataclass(frozen=True)
 class EmulatorUnderTest:
-    """unit: whose firmware is the emulator. seed: of the emulator's noise; None where it has none."""
+    """unit: the one whose firmware is the emulator. seed: of the emulator's noise; None without noise."""
 
     case: Case
     unit: str
@@ -34,11 +34,11 @@ class EmulatorUnderTest:
 
     @property
     def motion(self) -> Motion:
-        """How the body moves in truth."""
+        """The true motion of the body."""
         return self.frames.motion.truth
 
     def with_rates(self, rates: Rates) -> EmulatorUnderTest:
-        """The same with a gyroscope as built, or corrected."""
+        """Return the same with a gyroscope as built, or corrected."""
         sensors = structs.replace(self.sensors, gyroscope=structs.replace(self.sensors.gyroscope, rates=rates))
         unit = self.case.unit[self.unit]
         unit = unit.model_copy(update={"settings": {**unit.settings, "parameters": sensors}})
@@ -54,13 +54,13 @@ class EmulatorUnderTest:
 
 
 def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTest:
-    """BadCase with file and line for a case that cannot be run so. duration: seconds, else the case's."""
+    """Check a case; raise BadCase with file and line if unsuitable. duration: seconds, else the case's."""
     case = case.model_copy(update={"budget": (), "breaks": ()})  # a copy keeps its source
     scene = Scene(case)
     if case.host is None or scene.frames is None:
         raise case.mistake("a moving experiment needs a motion; give host.motion", "host")
     if case.host.lose:
-        raise case.mistake("a lost byte shifts all that follow; a moving experiment needs whole frames", "host", "lose")
+        raise case.mistake("a lost byte shifts all others; a moving experiment needs whole frames", "host", "lose")
     names = {request.name for request in scene.requests}
     if case.controller is None or names != set(CHIPS) or len(scene.requests) != len(CHIPS):
         raise case.mistake(f"a moving experiment reads {', '.join(CHIPS)} in each round", "controller", "order")
@@ -69,9 +69,9 @@ def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTes
         raise case.mistake('a moving experiment needs one unit with sensor models; give it arithmetic = "q16"', "unit")
     sensors = scene.sensors
     if sensors.magnetometer.board_azimuth or sensors.magnetometer.board_elevation:
-        raise case.mistake("the sensor head knows no inclination of the magnetometer's board; make it 0", "unit")
+        raise case.mistake("the sensor head does not support an inclined magnetometer board; make it 0", "unit")
     if (case.duration if duration is None else duration) <= case.controller.first:
-        raise case.mistake("no round is due before the end; run longer, or let the first one be sooner", "controller")
+        raise case.mistake("no round is due before the end; run longer, or start the first one earlier", "controller")
     (unit,) = case.unit
     settings = case.unit[unit].settings
     seed = settings.get("noise_seed")

@@ -1,4 +1,4 @@
-"""What came of a moving experiment, for people and for programs: an outcome goes in; lines, or one object, come out."""
+"""Results of a moving experiment as text and as JSON."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def rms(values: Floats) -> float:
 
 
 def lines(outcome: Outcome) -> Iterator[str]:
-    """A table of all comparisons, and the point of the experiment as a sentence."""
+    """Yield a table of all comparisons, and the main result as a sentence."""
     subject, count = outcome.subject, len(outcome.seconds)
     noise = "no noise" if subject.seed is None else f"noise of seed {subject.seed}"
     how = "computed without wires" if outcome.bytes is None else "over SCI, firmware and I2C"
@@ -39,11 +39,11 @@ def lines(outcome: Outcome) -> Iterator[str]:
         yield from paragraph(_point(outcome, rates))
     if outcome.bytes is not None:
         equal = outcome.bytes.compared - outcome.bytes.different
-        yield f"{equal} of {outcome.bytes.compared} bytes read from the emulator are those computed without wires"
+        yield f"{equal} of {outcome.bytes.compared} bytes read from the emulator equal those computed without wires"
 
 
 def _point(outcome: Outcome, rates: Rates) -> str:
-    """How far the emulator is from the real sensors, as it is and, where it is late, with its lateness taken off."""
+    """State the emulator's difference to the real sensors, and without its delay, if it has one."""
     apart, late = outcome.apart(), outcome.behind(rates)
     between = rms(apart[f"emulator {rates} less real sensors"].total)
     said = f"{rates}: emulator and real sensors {between:.3f} degrees apart (rms)"
@@ -53,7 +53,7 @@ def _point(outcome: Outcome, rates: Rates) -> str:
 
 
 def as_json(outcome: Outcome) -> dict[str, Any]:
-    """Angles in degrees."""
+    """Return the results as a dictionary; angles in degrees."""
     read = outcome.bytes
     return {
         "case": outcome.subject.case.name,

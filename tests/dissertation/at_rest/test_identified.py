@@ -92,7 +92,7 @@ def test_slow_terms_go_into_the_set_where_they_were_found():
 def test_columns_that_are_no_sensor_lack_an_axis_or_have_another_unit_are_refused():
     axes = identified(ImuParameters(), 1, 1000)
     with pytest.raises(
-        BadParameter, match=r"^height: it is no column of a sensor model; expected accelerometer_x, acc"
+        BadParameter, match=r"^height: it is not a column of a sensor model; expected accelerometer_x, acc"
     ):
         parameters_of_axes(axes | {"height": axes["gyroscope_x"]}, False)
     without = {name: axis for name, axis in axes.items() if name != "gyroscope_y"}

@@ -46,7 +46,7 @@ def test_what_is_told():
     outcome = run(subject("0.3", TWO_ANGLES), wires=True)
     shown = list(lines(outcome))
     assert shown[:2] == ["imu_moving: 15 rounds; emulator in q16, noise of seed 1, over SCI, firmware and", "  I2C"]
-    assert shown[-1] == "540 of 540 bytes read from the emulator are those computed without wires"
+    assert shown[-1] == "540 of 540 bytes read from the emulator equal those computed without wires"
     assert max(map(len, shown)) <= 80
     told = json.loads(json.dumps(as_json(outcome)))
     assert told["bytes"] == {"compared": 540, "different": 0}
@@ -59,7 +59,10 @@ def test_what_is_told():
     ("change", "sentence"),
     [
         ("host.motion={}", "host: a moving experiment needs a motion; give host.motion"),
-        ("host.lose=[[3, 4]]", "host.lose: a lost byte shifts all that follow; a moving experiment needs whole frames"),
+        (
+            "host.lose=[[3, 4]]",
+            "host.lose: a lost byte shifts all others; a moving experiment needs whole frames",
+        ),
         ("controller.order=['gyroscope']", "a moving experiment reads gyroscope, accelerometer, magnetometer in each"),
         ("unit.dsp.settings={}", 'needs one unit with sensor models; give it arithmetic = "q16"'),
     ],
@@ -72,5 +75,5 @@ def test_a_case_that_is_no_moving_experiment_is_refused_with_its_line(change: st
 
 def test_an_inclined_board_is_refused(tmp_path):
     (tmp_path / "set.toml").write_text('[magnetometer]\nboard_azimuth = "5 deg"\n')
-    with pytest.raises(BadCase, match="no inclination of the magnetometer's board"):
+    with pytest.raises(BadCase, match="does not support an inclined magnetometer board"):
         subject("1", f"unit.dsp.settings.parameters={tmp_path / 'set.toml'}")

@@ -305,7 +305,7 @@ def test_a_process_that_dies_is_told_with_its_case(cases: Path):
     command = [sys.executable, "-m", "periph_sim", "check", str(cases), "--jobs", "2"]
     came = subprocess.run(command, capture_output=True, text=True, check=False)
     assert came.returncode == 2
-    assert f"{bad}: its process died before it was done; " in came.stdout
+    assert f"{bad}: its process died before it finished; " in came.stdout
     assert "small " in came.stdout  # the other case went on
 
 

@@ -115,10 +115,8 @@ def test_annotations_point_at_the_budget_in_the_case_file(cases: Path):
         f"::error file=cases/small.toml,line={head},{title}::"
         "wrong bytes breaks: 12 bytes is over its limit of 0 bytes, at 0.005195 s%0Awrong bytes worst 0 -> 12 bytes: "
     )
-    assert second.startswith(f"::error file=cases/small.toml,line=1,{title}::model holds, but breaks says")
-    assert third.startswith(
-        f"::error file=cases/small.toml,line=2,{title}::bytes on the bus are other ones than in the"
-    )
+    assert second.startswith(f"::error file=cases/small.toml,line=1,{title}::model holds, but is listed in breaks")
+    assert third.startswith(f"::error file=cases/small.toml,line=2,{title}::bytes on the bus differ from the baseline")
     writes = Path("cases/small_firmware.py").read_text(encoding="utf-8").splitlines()
     line = writes.index("            i2c.I2CDXR.all = next(buffer)") + 1
     assert cause.startswith(f"::warning file=cases/small_firmware.py,line={line},{title}::wrong bytes: ")

@@ -237,7 +237,7 @@ def test_a_worker_that_dies_loses_only_its_run(case: Path) -> None:
     case.write_text(CASE.replace("mine.py", "given").replace('[unit.dsp.settings]\nwork = "10 us"\n', ""))
     dies = {"dsp": programs.dying, "other": programs.pausing}
     case.write_text(case.read_text() + '\n[unit.other]\nfirmware = "given"\nmodules = []\n')
-    with pytest.raises(BadCase, match="its process died before it was done; periph-sim run shows"):
+    with pytest.raises(BadCase, match="its process died before it finished; periph-sim run shows"):
         sweep(case, {"seed": [1, 2]}, programs=dies, jobs=2)  # every run
     (case.parent / "mine.py").write_text(
         "import os\nfrom dataclasses import dataclass\n\n\n@dataclass\nclass Settings:\n    work: str\n\n\n"
@@ -247,7 +247,7 @@ def test_a_worker_that_dies_loses_only_its_run(case: Path) -> None:
     case.write_text(CASE)
     came = sweep(case, {WORK: ["a", "die", "b", "c"]}, jobs=2)
     assert figures(came)["work: worst"] == [2.0, None, 2.0, 2.0]
-    assert ["died before it was done" in error for error in came.error] == [False, True, False, False]
+    assert ["died before it finished" in error for error in came.error] == [False, True, False, False]
 
 
 def test_firmware_of_a_module_goes_to_other_processes(case: Path) -> None:
@@ -294,8 +294,8 @@ def test_firmware_that_waits_for_ever_ends_in_the_thread_that_ran_it(case: Path)
         (lambda case: sweep(case, {"seed": []}), "changes: they contain no run"),
         (lambda case: sweep(case, "seed=1"), "changes='seed=1': give a list of runs, or a table of keys"),
         (lambda case: sweep(case, ["seed"]), "changes, run 0: 'seed': expected key=value"),
-        (lambda case: sweep(case, {"seed": "12"}), "'seed' has '12'; give a list of the values"),
-        (lambda case: sweep(case, {"seed": 12}), "'seed' has 12; give a list of the values"),
+        (lambda case: sweep(case, {"seed": "12"}), "'seed' has '12'; give a list of its values"),
+        (lambda case: sweep(case, {"seed": 12}), "'seed' has 12; give a list of its values"),
         (lambda case: sweep(case, {"seed": [None]}), "'seed' has None; expected a number, true or false"),
         (lambda case: sweep(case, {"duration": [Fraction(1, 3)]}), "has no unit; write a text, for instance '10 ms'"),
         (lambda case: sweep(case, ["seed=1"], seconds="3"), "seconds='3': '3' has no unit"),

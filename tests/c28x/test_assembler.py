@@ -145,7 +145,7 @@ def test_a_symbol_that_comes_later_fits_until_it_is_known():
         ("MOV AL,*-SP[64]", "outside 0 to 63"),
         ("ADDF32 R0H,#0.1,R1H", "more than the upper half"),
         ("LCR #0x400000", "outside 0 to"),
-        ("MOVW DP,#1 +", "no number"),
+        ("MOVW DP,#1 +", "not a number"),
         ("SETFLG RND=2", "not a flag of STF"),
         ("I16TOF32 R0H,@AL", "'@AL' is not an operand of I16TOF32, whose mem16 is memory"),
         ("MOVL ACC,@SP", "'@SP' is not an operand of MOVL, whose loc32 is memory or a register of 32 bits"),

@@ -50,7 +50,7 @@ def test_every_file_with_a_click_command_is_a_command_of_its_name():
 def test_help_shows_the_first_sentence_of_each(periph_sim: Run):
     came = periph_sim("--help")
     assert came.status == 0
-    assert " ".join(came.out.split()).find("run Run CASE and say whether its budgets hold") > 0
+    assert " ".join(came.out.split()).find("run Run CASE and judge its budgets") > 0
 
 
 UNUSED = (  # by a short run of imu_hil: arrays pay off in longer ones

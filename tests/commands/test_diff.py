@@ -50,7 +50,7 @@ def test_a_later_transfer_is_one_change_of_lateness(periph_sim: Run, tmp_path: P
     came = periph_sim("diff", a, b)
     assert came.status == 1
     assert "lateness changes: 1\n  +3.000 us from event 8: START, +3.000 us, " in came.out
-    assert "first difference: event 8: START, +3.000 us, " in came.out and "behind STOP" in came.out
+    assert "first difference: event 8: START, +3.000 us, " in came.out and "after STOP" in came.out
     assert came.out.splitlines()[-1] == (
         "DIFFERENT: 0 missing, 0 inserted, 0 changed, 8 of 16 off by more than 500 ns, 1 change of lateness"
     )

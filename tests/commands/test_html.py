@@ -65,5 +65,5 @@ def test_a_case_that_cannot_be_run_leaves_the_old_report(periph_sim: Run, desk: 
 def test_two_outputs_into_one_file_are_refused_before_the_run(periph_sim: Run, desk: Path):
     for command in (("run", "--record", "./a.psr"), ("check", "--junit", "a.psr")):
         came = periph_sim(*command, "--html", "a.psr", "small.toml")
-        assert came.status == 2 and f"{command[1]} and --html both name a.psr; give each a file" in came.err
+        assert came.status == 2 and f"{command[1]} and --html both name a.psr; give each its own file" in came.err
     assert not (desk / "a.psr").exists()

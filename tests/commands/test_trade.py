@@ -21,7 +21,7 @@ def test_a_trade_is_one_screen_and_its_last_line_recommends_a_row(periph_sim: Ru
     assert len(lines) <= 24 and max(map(len, lines)) <= 80
     said = " ".join(came.out.split())
     assert said.startswith("imu_hil_published: 50 ms, n-th occurrence and value against n-th of as given; ")
-    assert "runs of 25 ms behind the first 25 ms" in said
+    assert "runs of 25 ms after the first 25 ms" in said
     rows = ["as given", "record .psr", "record .vcd"]
     assert [line.strip()[: len(row)] for row, line in zip(rows, lines[-len(lines) :][5:], strict=False)] == rows
     assert " recommended: " in said and said.index(" recommended: ") > said.rindex(" record .vcd ")

@@ -94,7 +94,7 @@ def test_in_the_simulator_the_same_form_of_the_core_runs(benches: Path) -> None:
 def test_what_cannot_be_is_refused_in_a_sentence(benches: Path) -> None:
     said = json.loads((benches / "refusals.json").read_text())
     assert said["no line"] == "no line is given; give scl, scl_o, sda, sda_o, rx or tx"
-    assert said["half"].startswith("scl and scl_o go together: the resolved line, and a register of our own that pulls")
+    assert said["half"].startswith("scl and scl_o go together: the resolved line, and a register for our own pull")
     assert said["no signal"] == "SDA: bus has no signal 'dsp_sdb'; did you mean dsp_sda or dsp_scl?"
     assert "there is no wire 'SDC'; did you mean SDA or SCL?" in said["no wire"]
     assert said["no file"] == "/nowhere/log.jsonl: No such file or directory; give the log another place"

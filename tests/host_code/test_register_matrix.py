@@ -181,7 +181,7 @@ def test_a_field_of_a_32_bit_register_is_an_access_of_its_half(tmp_path: Path):
         ),
         (
             "unsigned a : 8; unsigned : 16; unsigned b : 4; } bit;",
-            "bit.b is not a register's: unnamed bits before it go on",
+            "bit.b is not a register's: unnamed bits before it continue",
         ),
         (
             "unsigned char a : 5; unsigned char b : 5; } bit;",

@@ -115,7 +115,7 @@ def test_files_are_included_from_beside_the_source_else_from_the_shipped_ones(tm
 def test_a_mistake_in_an_included_file_is_told_with_its_own_line(tmp_path: Path):
     (tmp_path / "a.inc").write_text("\nA .set 1 +\n")
     (tmp_path / "x.asm").write_text(BEGUN + '.include "a.inc"')
-    with pytest.raises(BadImage, match=r"x\.asm: a\.inc, line 2: '1 \+' is no number"):
+    with pytest.raises(BadImage, match=r"x\.asm: a\.inc, line 2: '1 \+' is not a number"):
         assemble_file(tmp_path / "x.asm")
 
 
@@ -158,7 +158,7 @@ def test_files_that_include_each_other_are_refused(tmp_path: Path):
         (BEGUN + ".include none", "line 3: .include none is not .include"),
         (BEGUN + '.include "none.inc"', "none.inc: No such file"),
         (BEGUN + '.include "x.asm"', "'.text' is defined twice"),
-        (BEGUN + "AND @0,#1 <<", "line 3: '1 <<' is no number"),
+        (BEGUN + "AND @0,#1 <<", "line 3: '1 <<' is not a number"),
         (BEGUN + '.sect ".text", 0x9000', "line 3: section '.text' is defined twice"),
         (BEGUN + '.sect ".d", 0x8000\n.word 1', "overlap at 0x008000"),
         (BEGUN + '.sect ".d", 0x7900\n.word 1', "over peripheral registers"),

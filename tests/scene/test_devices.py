@@ -118,7 +118,7 @@ def refusal(folder: Path, old: str, new: str) -> str:
             'model = "24c16"\n[device.other]\nmodel = "24c02"\naddress = 0x53',
             "line 12: device.other.address: memory has the address 0x53 too",
         ),
-        (MEMORY, 'model = "no.py"\naddress = 0x42', "no.py'; its path is relative to the folder of the case"),
+        (MEMORY, 'model = "no.py"\naddress = 0x42', "no.py'; its path counts from the folder of the case"),
         (MEMORY, 'model = "no.py"', "a device of a file has no address of its own; give it address = 0x42"),
         ("address = 0x48", "address = 0x50", "line 13: device.adc.address: memory has the address 0x50 too"),
         (

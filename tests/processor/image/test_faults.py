@@ -85,7 +85,7 @@ def test_l0_to_l3_are_at_0x3f8000_once_more():
 def test_sections_that_share_memory_are_noted():
     rig = Rig(' .reserve ".ebss", 0x40E, 4\n' + STACK + " ESTOP0").run()
     assert rig.notes() == [
-        "sections .stack and .ebss share 0x00040e to 0x00040f: unless the linker's UNION is meant, "
+        "sections .stack and .ebss share 0x00040e to 0x00040f: unless this is a UNION in the linker's command file, "
         "one overwrites the other"
     ]
 

@@ -31,7 +31,7 @@ def test_a_channel_is_named_or_counted():
     [
         (PLAIN, None, "samples: no channels named scl and sda, or rx; name them with --map"),
         (PLAIN, None, "it has D0 (index 0), D1 (index 1)"),
-        (of_bytes(b"\x07", ("a.scl", "b.scl", "sda")), None, "no channels called scl and sda, or rx"),
+        (of_bytes(b"\x07", ("a.scl", "b.scl", "sda")), None, "no channels named scl and sda, or rx"),
         (PLAIN, "scl=7,sda=1", "'scl=7,sda=1': samples has no single channel '7'; it has D0 (index 0), D1 (index 1)"),
         (PLAIN, "scl", "'scl': expected scl=CHANNEL,sda=CHANNEL or rx=CHANNEL"),
         (PLAIN, "sck=0,sda=1", "there is no line 'sck'; did you mean scl?"),

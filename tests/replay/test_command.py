@@ -363,7 +363,7 @@ def test_a_master_that_does_not_return_fails_after_the_patience_given(call, tmp_
         ([IMU_ROUND, "--uart", f"{HOST_FRAMES},rate=quick"], "'quick' is no sample rate"),
         ([IMU_ROUND, "--uart", HOST_FRAMES, "--loop", "open"], "are for --loop closed --as slave"),
         ([IMU_ROUND, "--uart", HOST_FRAMES, "--case", RESPONDER], "no unit has SCI-A"),
-        ([HOST_FRAMES, "--uart", HOST_FRAMES], "--uart goes with an I2C capture"),
+        ([HOST_FRAMES, "--uart", HOST_FRAMES], "--uart needs an I2C capture"),
         ([HOST_FRAMES, "--loop", "open"], "--loop is for I2C captures"),
         ([HOST_FRAMES, "--tolerance", "1 us"], "--tolerance is for I2C captures"),
         ([IMU_ROUND, "--format", "8n1"], "--format is for UART captures"),

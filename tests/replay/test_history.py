@@ -43,7 +43,7 @@ def test_a_moment_within_another_ends_at_its_own_end():
     history = FlagHistory([(100, 200), (150, 160)], "dsp", "I2C-A")
     records = [flag(110, AAS), flag(155, IRS), flag(180, XRDY), flag(210, AAS)]
     assert kept(history, (150, 160), *records) == [(110, AAS), (155, IRS)]
-    assert [record.tick for record in history.of((100, 200))] == [110, 155, 180]
+    assert [record.tick for record in history.records_near((100, 200))] == [110, 155, 180]
 
 
 def test_a_busy_register_does_not_push_out_a_quiet_one():

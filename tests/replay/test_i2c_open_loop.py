@@ -219,7 +219,7 @@ def test_one_verdict_whether_the_rate_is_stated_or_inferred_from_time_stamps(tmp
     assert report.tolerance_us == pytest.approx(0.25 + 1 / 150)
     closed = I2cReplay(load(RESPONDER), capture, "SCL", "SDA").run()
     assert (closed.verdict, closed.agreed, closed.lag_worst_us) == ("pass", 8, pytest.approx(0, abs=1e-6))
-    inferred = [note for note in report.notes if "all its edges lie 250 ns or multiples of it apart" in note]
+    inferred = [note for note in report.notes if "all its edges are multiples of 250 ns apart" in note]
     assert len(inferred) == (not capture.sampled)
 
 

@@ -137,6 +137,6 @@ def _go_on(files: Files, case: Path, following: str | None) -> list[str]:
     lines += [f"replay:           {following}"] if following else []
     lines += [f"while you edit:   periph-sim watch {shown}"]
     lines += [f"keep its figures: periph-sim check {shown} --update-baseline"]
-    if any('without the "#"' in text for text in files.values() if isinstance(text, str)):
-        lines.append('see it fail:      take the "#" away where the firmware says so')
+    if any('remove the "#"' in text for text in files.values() if isinstance(text, str)):
+        lines.append('see it fail:      remove the "#" where the firmware says so')
     return lines

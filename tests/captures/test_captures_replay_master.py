@@ -47,7 +47,7 @@ def test_the_master_does_as_the_captured_controller_did(name: str):
     report = replayed(name, *([ACKNOWLEDGED] if name in LAST_BYTE else []))
     assert report.divergences == [] and report.verdict == "pass"
     assert report.agreed == report.events > 0
-    left_out = [note.partition("left out: ")[2] for note in report.notes if "left out" in note]
+    left_out = [note.partition("as master: ")[2] for note in report.notes if "omitted transfers" in note]
     assert left_out == ([LEFT_OUT[name]] if name in LEFT_OUT else [])
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..core.kernel import Kernel
+from ..core.state import State
 from ..core.wire import Wire
 
 
 class EdgePlayer:
     """edges: (tick, level), in order of time. The line is high before the first."""
+
+    STATE = State("_next")
 
     def __init__(self, kernel: Kernel, wire: Wire, edges: Sequence[tuple[int, int]], who: str = "capture") -> None:
         self.who = who

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from ..core.kernel import Kernel
+from ..core.state import State
 from ..core.wire import Wire
 
 
 class HeldLine:
     """ticks: duration; clocks: falls of SCL instead, if not 0. who: the party's name on the wire."""
+
+    STATE = State("_left")
 
     def __init__(self, kernel: Kernel, wire: Wire, scl: Wire | None, who: str, ticks: int, clocks: int) -> None:
         """scl: needed with clocks."""

@@ -16,6 +16,7 @@ from typing import final
 
 from ..core.kernel import Agent
 from ..core.records import Topic
+from ..core.state import State
 from ..core.time import NO_TIME
 from ..core.wire import Wire, watch
 from .uart.frame_format import UartFormat
@@ -28,6 +29,8 @@ class UartCounter(Agent):
     begins or the run ends. topics: of the records made from it, with value 1."""
 
     topics: list[Topic]
+
+    STATE = State(ticks="_begun_at _over_at _free_at")
 
     def __init__(self, wire: Wire, line: Line) -> None:
         self.on_character: list[Callable[[int], None]] = []

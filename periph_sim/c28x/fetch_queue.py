@@ -15,6 +15,8 @@ from __future__ import annotations
 
 from typing import Annotated, final
 
+from ..core.state import State
+
 DEPTH = 4  # units in the queue; for flash with prefetch two of 64 bits, and part of a third
 PACKED = 6 + DEPTH
 LONG_AGO = 1 << 7  # cycles: older times have no effect; a full queue takes 4 * 17 at most
@@ -23,6 +25,8 @@ LONG_AGO = 1 << 7  # cycles: older times have no effect; a full queue takes 4 * 
 @final
 class FetchQueue:
     """expected: address of the next instruction if there is no discontinuity."""
+
+    STATE = State("expected _bits _cycles _newest _place", cycles="_ready _issued _consumed")
 
     __slots__ = ("_bits", "_consumed", "_cycles", "_issued", "_newest", "_place", "_ready", "expected", "packed_queue")
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from typing import Annotated, final
 
+from ..core.state import State
 from .execution.registers import Operation
 from .hazards import BY_ARP
 
@@ -30,6 +31,8 @@ PACKED = 1 + 3 * STORES
 @final
 class Pipeline:
     """clock: cycles issued. until: from this cycle on no read waits for a word."""
+
+    STATE = State("enabled pending clock until _at _first _last _ready")
 
     __slots__ = ("_at", "_first", "_last", "_ready", "clock", "enabled", "packed_stores", "pending", "until")
 

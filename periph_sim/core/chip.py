@@ -16,6 +16,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
 from .registers import RegisterMap
+from .state import State
 
 if TYPE_CHECKING:
     from .chip_input import Marks
@@ -61,6 +62,7 @@ class Chip:
     INPUTS, OUTPUTS, LINES name the bits of pin indices, `out`, and `requests`/`held`.
     """
 
+    STATE = State("out held requests loaded writes filter_width", cycles="next_wake")
     MAP: RegisterMap
     INPUTS: tuple[str, ...]
     OUTPUTS: tuple[str, ...]

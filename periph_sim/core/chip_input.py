@@ -6,10 +6,14 @@ from __future__ import annotations
 
 from typing import Protocol, final
 
+from .state import State
+
 
 @final
 class Input:
     """What a chip was given. cycle: from which on it has effect. cause: the record. following: the next one."""
+
+    STATE = State(cycles="cycle", records="cause", made=True)
 
     __slots__ = ("cause", "cycle", "following")
 

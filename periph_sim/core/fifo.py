@@ -6,10 +6,14 @@ from __future__ import annotations
 
 from typing import final
 
+from .state import State
+
 
 @final
 class Fifo:
     """depth: how many words fit. `words` holds them, oldest first."""
+
+    STATE = State("words depth", made=True)
 
     def __init__(self, depth: int) -> None:
         self.depth = depth

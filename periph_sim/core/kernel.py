@@ -26,6 +26,7 @@ from operator import attrgetter
 from typing import final
 
 from .chip import NEVER
+from .state import State
 
 TIMER, PADS, CHIP, CPU, PROBE = range(5)
 _BEHIND = PROBE + 1  # all phases of an instant
@@ -67,6 +68,8 @@ class Agent:
 class Call(Agent):
     """An agent that calls a function; what is not asked for often needs no class of its own."""
 
+    STATE = State("action", made=True)
+
     __slots__ = ("action",)
 
     def __init__(self, action: Action) -> None:
@@ -82,6 +85,8 @@ class Event:  # core: freelist 16
 
     plain: the agent calls a function. following: what comes next after it.
     """
+
+    STATE = State("agent plain phase queued tag", ticks="time", made=True)
 
     __slots__ = ("agent", "following", "phase", "plain", "queued", "rank", "tag", "time")
 
@@ -151,6 +156,8 @@ class Kernel:
     home: where the events are done that no helper does, for those who know the way there. fault: raised in a helper's
     turn, and not its own: to be raised at home.
     """
+
+    STATE = State(ticks="now", chains="_first")
 
     def __init__(self, start: int = 0) -> None:
         self.now = start
@@ -426,6 +433,15 @@ class Kernel:
         came.sort(key=_order, reverse=True)
         for event in came:
             event.following, self._first = self._first, event
+
+    def restored(self) -> None:
+        """The queue has been restored: number its events in their order."""
+        self._latest = self._unsettled = self._sampling = None
+        event = self._first
+        while event is not None:
+            self._number += 1
+            event.rank = event.phase * _NUMBERS + self._number
+            event = event.following
 
     def _taken_out(self) -> list[Event]:
         """All events that are still to come; the kernel has none of them any more."""

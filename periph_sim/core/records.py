@@ -23,6 +23,7 @@ from functools import partial
 from typing import Any, NamedTuple, TypeAlias, final
 
 from ..form.c_types import BigInt, Text
+from .state import State
 
 
 class Kind(Enum):
@@ -246,6 +247,8 @@ class Recorder:
     cause: the record under whose effects the simulation runs now; `core.socket` and
     `core.wire` set it around each delivery. number: of the last record.
     """
+
+    STATE = State(records="number cause")
 
     def __init__(self) -> None:
         self.cause = 0

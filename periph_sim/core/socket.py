@@ -16,6 +16,7 @@ from .chip import ALL, LATER, NEVER, OUTPUTS, Chip, Note
 from .chip_input import Input, Marks
 from .kernel import CHIP, Agent, Event, Kernel
 from .records import Kind, Recorder
+from .state import State
 from .time import Clock
 from .watched_register import WatchedRegister
 from .wire import BITS, MOST, Pin, Sampler
@@ -60,6 +61,13 @@ class Socket(Agent):
     on_request: called with (cycle, mask of LINES).
     phase: of the kernel, in which the chip is woken. inputs: the levels at the chip's INPUTS.
     """
+
+    STATE = State(
+        "chip inputs pins watchers _out _held _watched _note_count _inputs _wake _last_input",
+        cycles="_wake_cycle",
+        records="_last_cause",
+        chains="_first_input",
+    )
 
     __slots__ = (
         "_clock",

@@ -17,6 +17,7 @@ from ..form.c_types import BigInt, Text
 from .chip import NEVER
 from .exact_number import SHOWN, exact_number
 from .shorten import shorten
+from .state import State
 
 GHZ = 1_000_000_000
 NO_TIME = -1
@@ -81,6 +82,8 @@ def seconds(text: Text) -> Fraction:
 class Timebase:  # core: python
     """How long a tick is. per_second: ticks in a second."""
 
+    STATE = State("per_second per_ns", made=True)
+
     def __init__(self, *clocks_hz: int) -> None:
         self.per_second = lcm(GHZ, *clocks_hz)
         self.per_ns = self.per_second // GHZ
@@ -140,6 +143,13 @@ class Clock:
     hz may be any positive rational. `retune` changes it from a cycle on: what came before
     keeps its ticks, so cycle counts never jump.
     """
+
+    STATE = State(
+        "timebase hz _num _den _exact _wide _near",
+        ticks="_tick0 _last_tick",
+        cycles="_cycle0 _last_cycle",
+        made=True,
+    )
 
     hz: Fraction
     _wide: bool

@@ -8,6 +8,7 @@ from typing import final
 
 from .records import Kind, Recorder, Topic
 from .registers import Register
+from .state import State
 
 
 @final
@@ -25,6 +26,8 @@ class WatchedField:
 class WatchedRegister:
     """A register that somebody wants. value: as it was seen last; was: before. upper: of 32 bits, the upper half's
     offset. data: the bits of its field that takes a word at a time; 0 without one."""
+
+    STATE = State("value")
 
     __slots__ = ("data", "fields", "offset", "upper", "value", "was")
 

@@ -17,6 +17,7 @@ from typing import final
 
 from .kernel import BY_WIRE, NOT_DUE, Agent, Kernel, Samples, Settles, Shortcut
 from .records import Kind, Recorder, Topic
+from .state import State
 
 Watcher = Callable[[int, int], None]
 
@@ -35,6 +36,8 @@ class TooManyParties(ValueError):
 class _Told(Agent):
     """Hands what is sampled to a function."""
 
+    STATE = State("_watcher")
+
     __slots__ = ("_watcher",)
 
     def __init__(self, watcher: Watcher) -> None:
@@ -50,6 +53,8 @@ class Wire(Settles):
     pulling: who pulls it low in the settled state; bit i is party i. attached: how many parties there are. version:
     another one whenever a party comes, or one who listens comes or goes.
     """
+
+    STATE = State("level pulling _pulling _pulling_recorded", records="cause", chains="_watches")
 
     _records_holds: bool
 
@@ -219,6 +224,10 @@ class Wire(Settles):
                 look.sampler.jump(look.bit)
                 look = look.following
 
+    def restored(self) -> None:
+        """The state has been restored, which is always a settled one."""
+        self._queued = False
+
     def quiet(self) -> bool:
         """No pull is unsettled."""
         return self._pulling == self.pulling
@@ -303,6 +312,8 @@ class PullWatch:
 class _Watch:
     """One party's look at a wire: which bit of its levels the wire is. following: the next one's."""
 
+    STATE = State("sampler bit", made=True)
+
     __slots__ = ("bit", "following", "sampler")
 
     def __init__(self, sampler: Sampler, bit: int) -> None:
@@ -314,6 +325,8 @@ class _Watch:
 @final
 class Pin:
     """One party's hold on a wire."""
+
+    STATE = State("wire mask", made=True)
 
     __slots__ = ("mask", "wire")
 
@@ -330,6 +343,8 @@ class Pin:
 class _Line:
     """A line of a sampler by its bit: a wire, or None where its owner puts the level."""
 
+    STATE = State("bit wire", made=True)
+
     __slots__ = ("bit", "wire")
 
     def __init__(self, bit: int) -> None:
@@ -344,6 +359,8 @@ class Sampler(Samples):
     A line is a wire (`listen`) or what the owner says (`put`). agent: its `sampled` is called with the tick and
     `levels`, under the record of the first of the lines that moved.
     """
+
+    STATE = State("levels plain agent _seen _lines", records="_put_under")
 
     __slots__ = ("_kernel", "_lines", "_put_under", "_recorder", "_seen")
 
@@ -381,6 +398,10 @@ class Sampler(Samples):
         """These lines have moved some time ago, and were looked at since."""
         self.levels ^= bits
         self._seen ^= bits
+
+    def restored(self) -> None:
+        """The state has been restored: nothing is due."""
+        self.due = NOT_DUE
 
     def ask(self) -> None:
         """Be told in this instant, also if nothing moves."""

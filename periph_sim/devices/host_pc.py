@@ -22,6 +22,7 @@ import msgspec
 
 from ..bus.uart.sender import UartSender
 from ..core.kernel import Agent, Kernel
+from ..core.state import State
 
 if TYPE_CHECKING:
     from ..sensors.host_frame import ByteOrder
@@ -77,6 +78,8 @@ class Host(Agent):
 
     sent: called with (number, values, end of the last stop bit) after each frame, twice for one that is sent twice.
     """
+
+    STATE = State("_peer _number _sending _again _once_more _random", ticks="_due_next _due")
 
     _random: Random
     _period: Fraction

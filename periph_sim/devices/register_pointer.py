@@ -15,6 +15,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from ..bus.i2c.target_side import Stretches
+from ..core.state import State
 
 
 class Registers(Protocol):
@@ -35,6 +36,8 @@ class Registers(Protocol):
 
 class RegisterPointer:
     """The target, and its own reply. now: returns the time in ticks. touched: called after each access."""
+
+    STATE = State("chip _number _used")
 
     ack = True
     stretches: Stretches = ()

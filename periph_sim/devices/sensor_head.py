@@ -22,6 +22,7 @@ from random import Random
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import Transfer
 from ..core.kernel import Agent, Kernel
+from ..core.state import State
 from .sensor_rounds import Request, Round, Schedule
 
 # Purposes of events: the chips are set up, a round is due, the next transfer begins.
@@ -34,6 +35,8 @@ class SensorHead(Agent):
     on_transfer, on_round: called at the end of each. on_due, on_missed: called with the time at which a
     round is due, before it begins or because it cannot begin.
     """
+
+    STATE = State("_number _round _left _random", ticks="_due")
 
     _random: Random
     _period: Fraction

@@ -11,6 +11,7 @@ from fractions import Fraction
 from msgspec import Struct
 
 from ..bus.i2c.transfer import Phase, Transfer
+from ..core.state import State
 
 
 class Request(Struct, frozen=True):
@@ -117,6 +118,8 @@ class Schedule(Struct, frozen=True):
 
 class Round(Struct):
     """The result of one round. number: from 1; the start-up is 0. due: the scheduled begin; end: the last STOP."""
+
+    STATE = State("number nacked transfers", ticks="due start end")
 
     number: int
     due: int

@@ -91,8 +91,9 @@ class Writer:
         yield f"cdef class {kind.name}{base}:"
         body = []
         for name, type_ in kind.attributes.items():
-            of_c = type_.c in self.source.pointers or (type_.c.endswith("]") and name.startswith("_"))
-            public = "" if of_c or name.startswith("__") else "public "
+            # Cython shows an array of bytes as text, which ends at the first 0.
+            hidden = name.startswith("_") and (type_.c.endswith("[::1]") or type_.c.startswith("unsigned char["))
+            public = "" if hidden or type_.c in self.source.pointers or name.startswith("__") else "public "
             body.append(f"    cdef {public}{self._spelled(type_)} {name}")
         for name, function in kind.methods.items():
             overrides = any(name in base.methods for base in kind.bases)

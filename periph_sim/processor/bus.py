@@ -25,11 +25,13 @@ from typing import TYPE_CHECKING, final
 from ..core.chip import NEVER, Note
 from ..core.records import NOWHERE, Kind, Recorder
 from ..core.registers import Field, Register
+from ..core.state import State
 from ..core.time import Clock
 from ..f28335.cpu.interrupts import CpuInterrupts
 from ..f28335.system.memory_map import BOTH, HIGH, LOW, WRITE_TO_READ, AddressMap, ModuleRange, WaitStates
 from ..f28335.system.options import SystemOptions
 from ..f28335.system.ram import Ram, block_at
+from ..form.c_types import Text
 from .cpu_time import CpuTime
 from .firmware_notes import FirmwareNotes
 from .operand import Operand
@@ -48,6 +50,8 @@ class Posted:  # core: freelist 4
     following: what lands after it.
     """
 
+    STATE = State("operand value where", cycles="lands", records="cause", made=True)
+
     __slots__ = ("cause", "following", "lands", "operand", "value", "where")
 
     lands: int
@@ -65,6 +69,8 @@ class Bus:
     free_from: from this cycle on a read in the protected block need not wait for a write. free_of: the same of a
     register outside of the block, by its address. issued_at: where the write was issued that lands now.
     """
+
+    STATE = State("ram _posted_last issued_at", cycles="free_from free_of _last_pf1_write", chains="_posted")
 
     __slots__ = (
         "_clock",
@@ -202,6 +208,11 @@ class Bus:
                 found = self.operand(operand.place, operand.register, operand.words, fields[0])
             self._named[operand, mask] = found
         return found
+
+    def named(self, address: int, words: int, field: Text) -> Operand:
+        """Return the operand of these words of the register at an address, with a field of it named if one is given."""
+        found = self.at(address + 1 if words == HIGH else address, 32 if words == BOTH else 16)
+        return self.naming(found, found.register[field].mask >> found.shift) if field else found
 
     def _wanted(self, register: Register) -> bool:
         """True if any subscriber records accesses to this register."""

@@ -15,6 +15,7 @@ from typing import final
 
 from ..core.chip import NEVER
 from ..core.kernel import CPU, Agent, Event, Kernel
+from ..core.state import State
 from ..core.time import LAST_TICK, Clock
 
 
@@ -28,6 +29,8 @@ class CpuTime:
     asleep: at an instruction boundary, so that an interrupt can wake it.
     watching: it executes passes of a wait that it could sleep through; `wakes` is the cycle at which it would be woken.
     """
+
+    STATE = State("asleep watching _wake", cycles="cycle lands met wakes _wake_cycle _until", ticks="_wake_tick")
 
     __slots__ = (
         "_clock",
@@ -165,6 +168,10 @@ class CpuTime:
         if not self._wake.queued or self._wake_tick > self._clock.tick(cycle):
             self._kernel.cancel(self._wake)
             self.wake_at(cycle)
+
+    def restored(self) -> None:
+        """The state has been restored, in which the lease is not known."""
+        self.lease = 0
 
     def reclock(self) -> None:
         """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""

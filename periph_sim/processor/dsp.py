@@ -23,6 +23,7 @@ from ..core.kernel import CHIP, PADS, Kernel
 from ..core.options import Answers, options_from
 from ..core.records import Recorder
 from ..core.socket import Socket
+from ..core.state import State
 from ..core.suggest import did_you_mean
 from ..core.time import Clock, Timebase
 from ..core.wire import Wire
@@ -88,6 +89,8 @@ class DspPlan(Struct):
 
 class Dsp(FirmwareView):
     """A running F28335, which firmware is handed and sees as a `FirmwareView`."""
+
+    STATE = State("resets _random")
 
     def __init__(self, kernel: Kernel, timebase: Timebase, recorder: Recorder, plan: DspPlan) -> None:
         super().__init__(plan.name, plan.seed)
@@ -274,6 +277,12 @@ class Dsp(FirmwareView):
             pulses >>= 1
             number += 1
 
+    def restored(self) -> None:
+        """The state has been restored: system control was followed."""
+        control = self.control
+        self._nominal_hz, self._gates = control.sysclk_hz, control.gates
+        self._lspclk = (control.lspclk_divider, control.lspclk_phase)
+
     def _follow_control(self, cycle: int) -> None:
         """Clocks and gates as system control now says."""
         control = self.control
@@ -346,8 +355,11 @@ class Dsp(FirmwareView):
 
     def _xrs_changed(self, tick: int, level: int) -> None:
         """Seen with the next cycle, since clocks change there."""
-        action = partial(self._begin_anew, 0) if level else self._enter_reset
+        action = self._begin if level else self._enter_reset
         self._kernel.at(self.clock.tick(self.clock.cycle_at(tick)), action)
+
+    def _begin(self) -> None:
+        self._begin_anew(0)
 
     def _reset(self) -> None:
         """XRS by the watchdog."""

@@ -10,6 +10,7 @@ from typing import final
 from ..core.chip import Note
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
+from ..core.state import State
 from ..core.time import Clock
 from ..form.c_types import Text
 from .error_origin import FirmwareError
@@ -23,6 +24,8 @@ class FirmwareNotes:
     strict: a duty that the firmware breaks ends the run. placed: writes keep where they were issued until they land,
     which costs little in an image.
     """
+
+    STATE = State("counts places", ticks="first_at")
 
     __slots__ = (
         "_clock",

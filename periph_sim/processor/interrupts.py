@@ -19,6 +19,7 @@ from typing import final
 
 from ..core.chip import NEVER
 from ..core.records import Kind, Recorder
+from ..core.state import State
 from ..core.time import Clock
 from ..f28335.cpu.interrupts import CONTEXT_WORDS, IER_WORD, ST1_WORD, CpuInterrupts, frame_of
 from ..f28335.cpu.pie import Pie
@@ -36,6 +37,8 @@ CODE_ADDRESS = 0x3F_FFFF  # bits of a vector that count
 @final
 class Interrupts:
     """core: masks, flags and timing. taken: the vector of the interrupt taken last, by name."""
+
+    STATE = State("core taken _number", records="_causes")
 
     __slots__ = (
         "_causes",

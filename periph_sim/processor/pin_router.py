@@ -17,6 +17,7 @@ from ..core.chip import NEVER
 from ..core.kernel import Agent, Kernel
 from ..core.records import Recorder
 from ..core.socket import Socket
+from ..core.state import State
 from ..core.time import NO_TIME, Clock
 from ..core.wire import Pin, Sampler, Wire
 from ..f28335.cpu.xint import Xint
@@ -39,6 +40,8 @@ class Pads(NamedTuple):
 
 class Router(Agent):
     """inputs, outputs: signal of the pin table -> the peripheral's pin."""
+
+    STATE = State("_pins _let_go _straight _feeds pads _heard _unread _routes _outs _lines", ticks="_between_at")
 
     _wires: dict[int, Wire]
     _unread: BigInt
@@ -69,7 +72,7 @@ class Router(Agent):
         self._let_go: dict[int, Pin] = {}  # those of them that no peripheral drives
         self._straight: set[str] = set()  # signals whose wire is an input of their peripheral
         self._feeds: dict[int, Port] = {}  # synchronised pad -> the input that it feeds
-        self._pads = Sampler(kernel, recorder, self)  # those of which the GPIO machine is told
+        self.pads = Sampler(kernel, recorder, self)  # those of which the GPIO machine is told
         self._line = {n: line for line, n in enumerate(pads.wires)}  # pad -> its line there
         self._heard: set[int] = set()
         self._unread = -1  # mask: all other pads
@@ -107,9 +110,9 @@ class Router(Agent):
         everything = bool(self._gpio_socket.watchers)
         heard = {n for n in self._wires if everything or n not in straight or self._gpio.watched >> n & 1}
         for n in sorted(self._heard - heard):
-            self._pads.put(self._line[n], self._wires[n].level)
+            self.pads.put(self._line[n], self._wires[n].level)
         for n in sorted(heard - self._heard):
-            self._pads.listen(self._line[n], self._wires[n])
+            self.pads.listen(self._line[n], self._wires[n])
         self._heard = heard
         self._unread = ~sum(BIT[n] for n in heard)
 
@@ -147,7 +150,7 @@ class Router(Agent):
     def _between(self) -> None:
         """At a SYSCLKOUT edge: the levels just before it, which are what a synchroniser takes."""
         self._between_at = NO_TIME
-        cycle, levels = self._clock.cycle_at(self._kernel.now), self._levels_of(self._pads.levels)
+        cycle, levels = self._clock.cycle_at(self._kernel.now), self._levels_of(self.pads.levels)
         self._tell(cycle, levels, exact=False)
         socket: Socket
         index: int

@@ -11,6 +11,7 @@ from typing import final
 
 from ..core.chip import NEVER
 from ..core.socket import Onlooker, Socket
+from ..core.state import State
 from ..f28335.cpu import instruction_costs as cpu_costs
 from .cpu_time import CpuTime
 from .operand import Operand
@@ -23,6 +24,8 @@ class Poll:
 
     where: in the firmware, if that is known without looking.
     """
+
+    STATE = State("operand value before where", made=True)
 
     __slots__ = ("before", "operand", "value", "where")
 
@@ -44,6 +47,8 @@ class Spin:
     live_from: reads before this cycle are answered by what came before.
     last: operands and values of the pass before, where passes are executed that could be skipped; else empty.
     """
+
+    STATE = State("pass_cycles made reads pure bare held_up last", cycles="since ends start live_from", made=True)
 
     __slots__ = (
         "bare",
@@ -148,6 +153,8 @@ NO_SOCKETS: list[Socket] = []  # never added to
 @final
 class Lease(Onlooker):
     """As long as no bit that a pass looked at has changed, every further pass comes out the same."""
+
+    STATE = State("_sockets _spin", cycles="_first")
 
     __slots__ = ("_first", "_sockets", "_spin", "_time")
 

@@ -15,6 +15,7 @@ from typing import final
 
 from ..core.kernel import Agent, Kernel
 from ..core.records import Recorder
+from ..core.state import State
 from ..core.time import Clock
 from ..f28335.cpu import instruction_costs as cpu_costs
 from ..f28335.cpu.interrupts import CpuInterrupts
@@ -34,6 +35,8 @@ NONE, FETCHES, ENTERS, RETURNS = range(4)  # what is under way: the vector's fet
 @final
 class Processor(Agent):
     """stopped: why the program stopped last; None where none has run."""
+
+    STATE = State("time notes bus interrupts stopped _under_way _vector", cycles="_goal", records="_cause")
 
     __slots__ = (
         "_cause",

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import NamedTuple
 
+from ..core.state import State
 from ..f28335.cpu.interrupts import CONTEXT_WORDS
 from ..form.c_types import Text
 from .polling import Spin
@@ -47,6 +48,8 @@ class Program:
 
     returned_at: the cycle at which main returned, if it did.
     """
+
+    STATE = State("spin polls_skipped", cycles="returned_at")
 
     def __init__(self) -> None:
         self.spin: Spin | None = None

@@ -26,6 +26,7 @@ from ..bus.i2c.target_side import TargetSide
 from ..core.chip import Note
 from ..core.convert import BadTable, keys_of
 from ..core.records import Kind
+from ..core.state import State
 from ..core.suggest import did_you_mean
 from ..core.table import Table
 from ..core.wire import Wire
@@ -40,6 +41,8 @@ OTHERS = ("controller", "host", "serial", "outside")  # names of parties that ar
 
 class NoteLog:
     """notes: each that was made, with the tick at which it came first and how often it came."""
+
+    STATE = State("notes")
 
     def __init__(self, context: SceneContext, name: str) -> None:
         self.notes: dict[Note, list[int]] = {}
@@ -60,6 +63,8 @@ class NoteLog:
 
 class DeviceOnBus:
     """target: as its model made it, without what disturbs it."""
+
+    STATE = State("target log")
 
     def __init__(self, context: SceneContext, name: str, known: Mapping[str, Wire]) -> None:
         """known: the wires that the scene has."""

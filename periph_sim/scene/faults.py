@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from random import Random
 from typing import TYPE_CHECKING
 
-from ..bus.faults import FaultContext, FaultKind, kinds
+from ..bus.faults import FaultContext, FaultKind, Repeated, kinds
 from ..core.suggest import did_you_mean
 from .context import SceneContext
 from .firmware_loader import BadSetting, filled
@@ -50,9 +50,10 @@ class Wires:
         return self._units[name]
 
 
-def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
-    """BadCase, with its line, for a fault that cannot be."""
+def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> list[Repeated]:
+    """Return what lets each fault strike. BadCase, with its line, for a fault that cannot be."""
     wires = Wires(context, known, units)
+    faults: list[Repeated] = []
     for entry, table in enumerate(context.case.fault):
         given = dict(table)
         name = str(given.pop("kind", ""))
@@ -62,11 +63,12 @@ def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mappin
             context.kernel, who, wires, context.ticks, context.start, Random(f"{context.case.seed} {who}")
         )
         try:
-            kind.attach(filled(kind.Settings, given, f"fault {name}"), place)
+            faults.append(kind.attach(filled(kind.Settings, given, f"fault {name}"), place))
         except BadSetting as error:
             raise context.case.mistake(str(error), "fault", entry, *filter(None, [error.name])) from None
         except ValueError as error:
             raise context.case.mistake(str(error), "fault", entry) from None
+    return faults
 
 
 def _kind(context: SceneContext, entry: int, name: str) -> FaultKind:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from functools import partial
 
 from ..core.kernel import Kernel
+from ..core.state import State
 from ..core.wire import Wire
 from ..f28335.i2c.register_map import I2C_MAP
 from ..processor.dsp import Dsp
@@ -17,6 +18,8 @@ IRS = I2CMDR["IRS"].mask
 
 
 class ModuleReset:
+    STATE = State("_was_on")
+
     def __init__(self, kernel: Kernel, unit: Dsp, wire: Wire) -> None:
         self._kernel = kernel
         self._clock = unit.clock

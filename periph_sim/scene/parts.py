@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from .release_delay import ReleaseDelay
     from .sensor_chips import build_chip
     from .serial.side import SerialSide
+    from .state import restore_scene, state_of_scene
     from .unit import build_unit, unit_plan
     from .watch import watcher_of
 
@@ -55,6 +56,7 @@ _HOMES = {
     "scene.sensor_chips": ("build_chip",),
     "scene.serial.side": ("SerialSide",),
     "scene.unit": ("build_unit", "unit_plan"),
+    "scene.state": ("restore_scene", "state_of_scene"),
     "scene.watch": ("watcher_of",),
 }
 __all__ = [
@@ -84,8 +86,10 @@ __all__ = [
     "logged_outside",
     "not_run",
     "put_on_bus",
+    "restore_scene",
     "rounds_of",
     "skips_bits",
+    "state_of_scene",
     "unit_plan",
     "variable_value",
     "watcher_of",

@@ -35,8 +35,10 @@ from .uart_side import UartSide
 from .wires import SceneWires
 
 if TYPE_CHECKING:
+    from ..bus.faults import Repeated
     from ..bus.i2c.byte_counter import I2cByteCounter
     from ..bus.i2c.transfer import Transfer
+    from ..core.snapshot import Snapshot
     from ..core.wire import Wire
     from ..devices.chips.register_chip import Source
     from ..devices.host_pc import Host
@@ -108,6 +110,7 @@ class Scene:
         self.firmware: dict[str, Firmware] = {}  # by unit
         self.chips: dict[str, ChipOnBus] = {}
         self.devices: dict[str, DeviceOnBus] = {}
+        self.faults: list[Repeated] = []
         self.head: SensorHead | None = None
         self.requests: list[Request] = []  # of each of its rounds
         self.host: Host | None = None
@@ -158,7 +161,7 @@ class Scene:
         for transceiver in case.transceiver:
             self.wires.wire(transceiver.pair)
         if case.fault:
-            parts.build_faults(context, self.wires, self.units)
+            self.faults = parts.build_faults(context, self.wires, self.units)
         self._uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self)
         self._there = self._what_is_there()
         for entry, limit in enumerate(self.limits):
@@ -368,6 +371,22 @@ class Scene:
         except FirmwareStalled as stalled:
             self.stalled = str(stalled)
         self._wall += perf_counter() - wall
+
+    def state(self) -> Snapshot:
+        """Return the state between two runs as plain values by name; times are relative to the present.
+
+        Measures are not part of it. Scenes of images with equal states have equal futures. Of Python firmware and C
+        sources the stack is missing.
+        """
+        return parts.state_of_scene(self)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Continue from a snapshot of a scene of the same case, program and records. This scene must not have run.
+
+        Budgets begin anew. NotRestorable, with nothing changed, for a snapshot of another scene, and for units that
+        run no image.
+        """
+        parts.restore_scene(self, snapshot)
 
     def finish(self, length: int) -> Result:
         """End the run and return its result. length: ticks, cut where firmware let no time pass."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from ..core.records import Kind, Recorder
 from ..core.socket import Onlooker
+from ..core.state import State
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
 
@@ -30,6 +31,8 @@ RXRDY, OE = SCI_MAP["SCIRXST"]["RXRDY"].mask, SCI_MAP["SCIRXST"]["OE"].mask
 
 class SciMonitor(Onlooker):
     """Looks at a receiver after each of its inputs."""
+
+    STATE = State("_words _waiting _overrun")
 
     _socket: Socket
     _clock: Clock

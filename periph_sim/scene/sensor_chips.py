@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import Any
 
 from ..core.options import options_from
+from ..core.state import State
 from ..core.suggest import did_you_mean
 from ..devices.chips import chip_models
 from ..devices.chips.register_chip import RegisterChip, Source
@@ -25,6 +26,8 @@ PARTS = {"angles": slice(0, 3), "accelerations": slice(3, 6)}  # of a host frame
 
 class ChipOnBus:
     """chip: behind its pointer. log: what it noted."""
+
+    STATE = State("pointer log")
 
     def __init__(self, context: SceneContext, name: str, make: Callable[[int], RegisterChip], powered: int) -> None:
         """make: the chip, from the tick at which its supply comes."""

@@ -106,7 +106,7 @@ class A:
         """
 cdef class A:
     cdef public long long[8] r
-    cdef unsigned int[8] _row
+    cdef public unsigned int[8] _row
     cdef long long[::1] _late
     cdef public object wide
     cdef public object place

@@ -3,7 +3,7 @@
 One file of this folder that has a function `attach` is one kind of fault, found by its presence. It defines
 
     Settings                  a dataclass of the keys of [[fault]]: those of `When`, and its own
-    attach(settings, place)   attaches the agent to its wires; ValueError for invalid settings
+    attach(settings, place)   attaches the agent, returns its `Repeated`; ValueError for invalid settings
 
 An agent is an ordinary party: wires list it when it pulls, and no other object depends on it.
 """
@@ -19,7 +19,9 @@ from typing import Protocol, cast
 
 from ...core.discover import modules_with
 from ...core.kernel import Kernel
+from ...core.state import State
 from ...core.wire import Wire
+from ..held_line import HeldLine
 from .when import When
 
 
@@ -29,6 +31,8 @@ class FaultContext:
 
     ticks: converts seconds. start: the tick at which the run begins. random: its own.
     """
+
+    STATE = State("random")
 
     kernel: Kernel
     who: str
@@ -43,7 +47,7 @@ class FaultKind(Protocol):
 
     Settings: type[When]
 
-    def attach(self, settings: When, place: FaultContext) -> None: ...
+    def attach(self, settings: When, place: FaultContext) -> Repeated: ...
 
 
 @cache
@@ -52,29 +56,33 @@ def kinds() -> dict[str, FaultKind]:
     return {name: cast(FaultKind, module) for name, module in modules_with("attach", __name__, __path__).items()}
 
 
-def pulse(when: When, place: FaultContext, wire: str, length: Fraction) -> None:
-    """Pull a wire low for `length` at each time of `when`."""
-    pin, ticks = place.wire(wire).attach(place.who), place.ticks(length)
+class Repeated:
+    """Calls `strike` at each time of `when`, one event at a time."""
 
-    def strike() -> None:
-        pin.drive(0)
-        place.kernel.at(place.kernel.now + ticks, lambda: pin.drive(1))
+    STATE = State("_place _strike _number")
 
-    repeat(when, place, strike)
+    def __init__(self, when: When, place: FaultContext, strike: Callable[[], None]) -> None:
+        self._when = when
+        self._place = place
+        self._strike = strike
+        self._number = 0
+        self._plan()
 
-
-def repeat(when: When, place: FaultContext, strike: Callable[[], None]) -> None:
-    """Call `strike` at each time of `when`, one event at a time."""
-
-    def plan(number: int) -> None:
+    def _plan(self) -> None:
+        when, place, number = self._when, self._place, self._number
         if number and (when.every is None or number == when.times):
             return
         due = place.start + place.ticks(when.at + number * (when.every or 0))
         late = place.random.randrange(place.ticks(when.spread) + 1)
-        place.kernel.at(due + late, lambda: struck(number))
+        place.kernel.at(due + late, self._struck)
 
-    def struck(number: int) -> None:
-        strike()
-        plan(number + 1)
+    def _struck(self) -> None:
+        self._strike()
+        self._number += 1
+        self._plan()
 
-    plan(0)
+
+def pulse(when: When, place: FaultContext, wire: str, length: Fraction) -> Repeated:
+    """Pull a wire low for `length` at each time of `when`."""
+    line = HeldLine(place.kernel, place.wire(wire), None, place.who, place.ticks(length), 0)
+    return Repeated(when, place, line.pull)

@@ -13,9 +13,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Literal
 
-from . import FaultContext, repeat
+from ...core.state import State
+from . import FaultContext, Repeated
 from .when import Length, When
 
 
@@ -28,6 +30,8 @@ class Settings(When):
 
 
 class Condition:
+    STATE = State("_armed _pulls _rise")
+
     def __init__(self, settings: Settings, place: FaultContext) -> None:
         self._kernel = place.kernel
         self._scl, self._sda = place.wire("SCL"), place.wire("SDA")
@@ -38,9 +42,8 @@ class Condition:
         self._pulls = False
         self._rise = 0  # number of the last rise of SCL
         self._scl.watch(self._scl_changed)
-        repeat(settings, place, self._arm)
 
-    def _arm(self) -> None:
+    def arm(self) -> None:
         self._armed = True
 
     def _scl_changed(self, now: int, level: int) -> None:
@@ -52,7 +55,7 @@ class Condition:
         elif self._armed:
             self._rise += 1
             rise = self._rise
-            self._kernel.at(now + self._late, lambda: self._strike(rise))
+            self._kernel.at(now + self._late, partial(self._strike, rise))
 
     def _strike(self, rise: int) -> None:
         """Disturb the line, `late` after that rise."""
@@ -76,5 +79,5 @@ class Condition:
         self._pin.drive(1)
 
 
-def attach(settings: Settings, place: FaultContext) -> None:
-    Condition(settings, place)
+def attach(settings: Settings, place: FaultContext) -> Repeated:
+    return Repeated(settings, place, Condition(settings, place).arm)

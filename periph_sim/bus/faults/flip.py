@@ -11,7 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...core.kernel import Agent
-from . import FaultContext, repeat
+from ...core.state import State
+from . import FaultContext, Repeated
 from .when import When
 
 
@@ -21,6 +22,8 @@ class Settings(When):
 
 
 class Flip(Agent):
+    STATE = State("_armed _pulls _is_one")
+
     def __init__(self, settings: Settings, place: FaultContext) -> None:
         self._scl, self._sda = place.wire("SCL"), place.wire("SDA")
         self._pin = self._sda.attach(place.who)
@@ -29,9 +32,8 @@ class Flip(Agent):
         self._is_one = False  # no other party pulls SDA in this clock
         self._scl.watch(self._scl_changed)
         self._sda.watch_pulls(self)
-        repeat(settings, place, self._arm)
 
-    def _arm(self) -> None:
+    def arm(self) -> None:
         self._armed = True
 
     def _scl_changed(self, now: int, level: int) -> None:
@@ -57,5 +59,5 @@ class Flip(Agent):
         self._pin.drive(1)
 
 
-def attach(settings: Settings, place: FaultContext) -> None:
-    Flip(settings, place)
+def attach(settings: Settings, place: FaultContext) -> Repeated:
+    return Repeated(settings, place, Flip(settings, place).arm)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..held_line import HeldLine
-from . import FaultContext, repeat
+from . import FaultContext, Repeated
 from .when import Count, Length, When
 
 
@@ -29,9 +29,9 @@ class Settings(When):
             raise ValueError("a line is held either for a length or for a number of clocks; give one of them")
 
 
-def attach(settings: Settings, place: FaultContext) -> None:
+def attach(settings: Settings, place: FaultContext) -> Repeated:
     clocks = settings.clocks or 0
     ticks = 0 if settings.length is None else place.ticks(settings.length)
     scl = place.wire("SCL") if clocks else None
     line = HeldLine(place.kernel, place.wire(settings.wire), scl, place.who, ticks, clocks)
-    repeat(settings, place, line.pull)
+    return Repeated(settings, place, line.pull)

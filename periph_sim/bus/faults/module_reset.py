@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from . import FaultContext, pulse
+from . import FaultContext, Repeated, pulse
 from .when import Length, When
 
 
@@ -23,5 +23,5 @@ class Settings(When):
     length: Length = Fraction(1, 1_000_000)
 
 
-def attach(settings: Settings, place: FaultContext) -> None:
-    pulse(settings, place, f"{settings.unit}.IRS", settings.length)
+def attach(settings: Settings, place: FaultContext) -> Repeated:
+    return pulse(settings, place, f"{settings.unit}.IRS", settings.length)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from . import FaultContext, pulse
+from . import FaultContext, Repeated, pulse
 from .when import Length, When
 
 
@@ -21,5 +21,5 @@ class Settings(When):
     length: Length = Fraction(1, 1000)
 
 
-def attach(settings: Settings, place: FaultContext) -> None:
-    pulse(settings, place, f"{settings.unit}.XRS", settings.length)
+def attach(settings: Settings, place: FaultContext) -> Repeated:
+    return pulse(settings, place, f"{settings.unit}.XRS", settings.length)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from . import FaultContext, pulse
+from . import FaultContext, Repeated, pulse
 from .when import Length, When
 
 
@@ -22,5 +22,5 @@ class Settings(When):
     width: Length
 
 
-def attach(settings: Settings, place: FaultContext) -> None:
-    pulse(settings, place, settings.wire, settings.width)
+def attach(settings: Settings, place: FaultContext) -> Repeated:
+    return pulse(settings, place, settings.wire, settings.width)

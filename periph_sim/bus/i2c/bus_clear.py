@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...core.kernel import Kernel
+from ...core.state import State
 from ...core.wire import Wire
 
 MOST_CLOCKS = 9
@@ -25,6 +26,8 @@ class BusClear:
 
     `done(clocks, free)` is called after the STOP; free: SDA is high.
     """
+
+    STATE = State("_clocks")
 
     def __init__(
         self,

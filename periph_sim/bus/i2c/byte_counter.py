@@ -7,6 +7,7 @@ For scenes without a controller agent, which would count them.
 
 from __future__ import annotations
 
+from ...core.state import State
 from ...core.wire import Wire, watch
 from .bit_skip import BitParty
 from .bit_times import SKIPPED_BITS, BitTimes
@@ -17,6 +18,8 @@ PULSES = 9  # eight bits and the acknowledge
 
 class I2cByteCounter(BitParty):
     """bytes: number of whole bytes with acknowledge; those cut off by a START or STOP do not count."""
+
+    STATE = State("_lines _active _pulses")
 
     def __init__(self, scl: Wire, sda: Wire) -> None:
         self.bytes = 0

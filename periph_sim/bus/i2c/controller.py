@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 from ...core.kernel import Event, Kernel
 from ...core.records import Kind, Recorder, Topic
+from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .bit_skip import BitParty
@@ -44,6 +45,13 @@ class I2cController(BitParty):
     0: never, for buses with other controllers. gives_up: a NACK of a written byte ends the transfer with a STOP; else
     the next phase of the transfer follows.
     """
+
+    STATE = State(
+        "busy _sda_level _rising _high _high_end _transfer _done _phase _phase_index _stretch _wanted "
+        "_acks _got _byte _bit _in _index _receiving _bus_busy _lines _scl_seen _sda_event _sda_seen "
+        "_next _guard _clear _sampler",
+        ticks="_let_go_at _last_stop _scl_moved _refused_since _sda_moved",
+    )
 
     __slots__ = (
         "_acks",

@@ -15,6 +15,7 @@ from random import Random
 from typing import Protocol
 
 from ...core.kernel import Kernel
+from ...core.state import State
 from ..held_line import HeldLine
 from .target_side import Reply, Stretches, TargetSide
 
@@ -41,6 +42,8 @@ class When:
     share: of the remaining bytes, drawn by `random`. after, until: ticks.
     """
 
+    STATE = State("random")
+
     random: Random
     bytes: tuple[int, ...] = ()
     phases: tuple[int, ...] = ()
@@ -61,6 +64,8 @@ class When:
 
 class Rule:
     """A disturbance of a target. By default nothing is changed."""
+
+    STATE = State("when phase")
 
     def __init__(self, when: When) -> None:
         self.when = when
@@ -123,6 +128,8 @@ class Flip(Rule):
 class HoldData(Rule):
     """A rule that holds SDA low at each strike."""
 
+    STATE = State("_sda")
+
     def __init__(self, when: When, sda: HeldLine) -> None:
         super().__init__(when)
         self._sda = sda
@@ -133,6 +140,8 @@ class HoldData(Rule):
 
 class DisturbedTarget:
     """A target with rules. It is its own reply to the present phase."""
+
+    STATE = State("_target _rules _reply _access")
 
     ack = True
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
+from ...core.state import State
 from ...core.wire import Wire, watch
 from .bit_skip import BitParty
 from .bit_times import SKIPPED_BITS, BitTimes
@@ -22,6 +23,8 @@ WHO = "bus"
 
 class BusRecorder(BitParty):
     """text of its records: the address of the phase, "0x68"."""
+
+    STATE = State("_levels _busy _index _bits _in _read _address")
 
     def __init__(self, kernel: Kernel, recorder: Recorder, scl: Wire, sda: Wire) -> None:
         self._recorder = recorder

@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import final
 
+from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .bit_skip import BitParty
@@ -33,6 +34,12 @@ class I2cMonitor(BitParty):
 
     filter: ticks; shorter levels of SDA are ignored.
     """
+
+    STATE = State(
+        "_starting _scl_mask _sda_mask _pulls_scl _pulls_sda _first _transfer _phase _reads _acked _acks "
+        "_got _index _bits _in _sda_seen _levels _clock_length _stretch",
+        ticks="_start_at _began_at _let_go_at _rose_at _ended_at _pulled_at _sda_at",
+    )
 
     def __init__(
         self,

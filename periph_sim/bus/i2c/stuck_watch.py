@@ -12,6 +12,7 @@ from fractions import Fraction
 
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
+from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .bit_skip import BitParty, BitSkip
@@ -26,6 +27,8 @@ class StuckWatch(BitParty):
 
     bit_skip: the skipper of bits on its bus.
     """
+
+    STATE = State("_guarded _reported", ticks="_fell")
 
     def __init__(
         self,

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from ...core.kernel import Kernel
+from ...core.state import State
 from ...core.wire import Wire, watch
 from .bit_skip import ONES, BitParty
 from .bit_times import SKIPPED_BITS
@@ -61,6 +62,11 @@ class TargetSide(BitParty):
     on_end: called when a phase that `answer` acknowledged ends, by a STOP or else by another START; whole: not in the
     middle of a byte.
     """
+
+    STATE = State(
+        "_lines _answer _does _reply _stretches _bit _in _out _byte _refused _level _taken _powered",
+        ticks="_held_until",
+    )
 
     def __init__(
         self,

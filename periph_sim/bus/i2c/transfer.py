@@ -12,6 +12,7 @@ from typing import final
 
 from msgspec import Struct
 
+from ...core.state import State
 from ...core.time import NO_TIME
 
 
@@ -39,6 +40,12 @@ class Phase:
     address's ACK; answer_at: SCL rose for the first data bit; stretch: the longest time that the other side held SCL
     low beyond `low`.
     """
+
+    STATE = State(
+        "address read data count expect address_byte acked got acks stretch",
+        ticks="start_at answer_from answer_at",
+        made=True,
+    )
 
     __slots__ = (
         "acked",
@@ -91,6 +98,8 @@ class Phase:
 @final
 class Transfer:
     """The phases between a START and its STOP, and their results. lost: arbitration was lost."""
+
+    STATE = State("name phases lost", ticks="stop_at", made=True)
 
     __slots__ = ("lost", "name", "phases", "stop_at")
 

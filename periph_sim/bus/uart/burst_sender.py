@@ -15,6 +15,7 @@ from fractions import Fraction
 from typing import NamedTuple, Protocol
 
 from ...core.kernel import Kernel
+from ...core.state import State
 from ...core.wire import Pin
 from .edge_sender import EdgeSender
 from .frame_format import UartFormat
@@ -108,6 +109,8 @@ class _Edges(EdgeSender):
 
 class BurstSender:
     """out: its output. enabled: a driver to switch on for each burst. hold: ticks that it stays on after one."""
+
+    STATE = State("_edges _burst _busy _characters _line _waiting", ticks="_began _ends_at _free_at")
 
     def __init__(self, kernel: Kernel, out: Drives, who: str, enabled: Enables | None = None, hold: int = 0) -> None:
         self.who = who

@@ -5,12 +5,15 @@
 from __future__ import annotations
 
 from ...core.kernel import Agent, Event, Kernel
+from ...core.state import State
 
 EDGE = 0x100  # tag of the events of edges; a subclass may have others
 
 
 class EdgeSender(Agent):
     """mask: its pull on the line."""
+
+    STATE = State("_level _next", ticks="_edges")
 
     __slots__ = ("_edges", "_kernel", "_level", "_mask", "_next")
 

@@ -16,6 +16,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...core.kernel import Agent, Event, Kernel
+from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .frame_format import UartFormat
@@ -35,6 +36,8 @@ class Heard(NamedTuple):
 
 class UartReader(Agent):
     """line: the length of a bit in ticks, exact, and the format of frames; called at each start bit."""
+
+    STATE = State("_bit _format _length _halves _ending", ticks="_start _set_at _edges")
 
     __slots__ = (
         "_bit",

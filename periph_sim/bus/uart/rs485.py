@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
+from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire
 from .reader import Heard, Line, UartReader
@@ -22,6 +23,8 @@ COLLISION, CUT = "collision", "cut"  # records of a pair besides its frames
 
 class Rs485Pair:
     """on_collision: called with (tick, drivers) when a second driver is switched on."""
+
+    STATE = State("_on")
 
     def __init__(self, kernel: Kernel, recorder: Recorder, wire: Wire) -> None:
         self.kernel = kernel
@@ -59,6 +62,8 @@ class Rs485Pair:
 class Driver:
     """One party's driver on a pair."""
 
+    STATE = State("on _level", ticks="_last_off _last_on")
+
     def __init__(self, pair: Rs485Pair, who: str) -> None:
         self.who = who
         self.on = False
@@ -94,6 +99,8 @@ class Transceiver:
     on_cut: called with (tick, ticks) when the driver is switched off `ticks` before the end of a frame; with 0 when a
     frame begins while it is off.
     """
+
+    STATE = State("driver", ticks="_ends_at")
 
     def __init__(
         self, pair: Rs485Pair, who: str, tx: Wire, rx: Wire, de: Wire, line: Line, hears_itself: bool, at_first: int

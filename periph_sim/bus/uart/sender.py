@@ -15,6 +15,7 @@ from typing import final
 
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
+from ...core.state import State
 from ...core.wire import Wire
 from ...form.c_types import BigInt
 from .edge_sender import EDGE, EdgeSender
@@ -30,6 +31,8 @@ def _known_edges(frame_format: UartFormat) -> dict[int, list[int]]:
 @final
 class UartSender(EdgeSender):
     """bit: length of one bit in ticks, exact. Sends one burst at a time."""
+
+    STATE = State("_done", ticks="_ends_at")
 
     __slots__ = (
         "_begins",

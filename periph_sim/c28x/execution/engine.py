@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
+from ...core.state import State
 from ...form.c_types import UInt8
 from ..decoder import decode_at, other_unit
 from .control import RA, RC, RE, RSIZE
@@ -30,6 +31,8 @@ class Engine(Cpu):
     left: passes still to do for the instruction at `pc` after RPT; 0 between instructions.
     keeps_decoded: decode an instruction once, and again after its words were written; else each time.
     """
+
+    STATE = State("left")
 
     _code: Annotated[list[UInt8], PAGES]
 

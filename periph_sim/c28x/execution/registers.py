@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
+from ...core.state import State
 from ...form.c_types import CFunction
 from ..encodings import Encoding
 
@@ -118,6 +119,12 @@ class Cpu:
     cycles: of the current instruction; written_in: in which of them, from 1 on, its writes leave D2. repeat: repeat
     count of the next one, -1 for none. due: see `fpu_pipeline`.
     """
+
+    STATE = State(
+        "acc p xt xar dp rpc arp sp pc sxm ovm tc c z n v pm ovc st1 ier ifr dbgier dbgstat r stf "
+        "shadow_r shadow_stf due due_flags due_r before_r rb ea field high_byte cycles written_in repeat "
+        "passes",
+    )
 
     xar: Annotated[list[int], 8]
     r: Annotated[list[int], 8]

@@ -16,6 +16,7 @@ from fractions import Fraction
 
 from ...core.options import Answers, IntOption, TextOption, choice
 from ...core.registers import Register
+from ...core.state import State
 from ...core.time import Clock, Timebase
 from .adxl345_fifo import DEPTH, Fifo, Mode
 from .adxl345_map import DATA, MAP, OFFSETS, SHEET
@@ -45,6 +46,7 @@ class Adxl345Options(Answers):
 class Adxl345(RegisterChip):
     """The chip's registers; `RegisterPointer` connects it to a bus. It acknowledges from power-up on."""
 
+    STATE = State("fifo _clock _taken _latched")
     MAP = MAP
     SECTION = f"{SHEET}, register map: reserved, do not access"
     ADDRESSES = ADDRESSES

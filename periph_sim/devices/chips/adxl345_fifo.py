@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections import deque
 from enum import IntEnum
 
+from ...core.state import State
+
 DEPTH = 32
 HELD = DEPTH + 1  # including the one at the output of the filter
 
@@ -24,6 +26,8 @@ class Mode(IntEnum):
 
 class Fifo:
     """output: the six bytes of the data registers. triggered: FIFO_TRIG."""
+
+    STATE = State("output mode samples overrun triggered _unread _waiting")
 
     def __init__(self, overrun_when_filled: bool) -> None:
         self.output = bytes(6)

@@ -15,6 +15,7 @@ from fractions import Fraction
 
 from ...core.options import Answers, BoolOption, IntOption, TextOption, choice
 from ...core.registers import Register
+from ...core.state import State
 from ...core.time import Clock, Timebase
 from .hmc5883l_map import DATA, MAP, SHEET
 from .register_chip import RegisterChip, Source, nearest
@@ -42,6 +43,7 @@ class Hmc5883lOptions(Answers):
 class Hmc5883l(RegisterChip):
     """The chip's registers; `RegisterPointer` connects it to a bus. Invalid registers read 0."""
 
+    STATE = State("_clock _taken _to_read _gains _unread _mode_is_power_ons _idle_by_itself", ticks="_placed _analog")
     MAP = MAP
     SECTION = f"{SHEET}, register access"
     ADDRESSES = ADDRESSES

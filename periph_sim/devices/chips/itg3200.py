@@ -15,6 +15,7 @@ from fractions import Fraction
 
 from ...core.options import Answers, BoolOption, TextOption, choice
 from ...core.registers import Register
+from ...core.state import State
 from ...core.time import Clock, Timebase
 from .itg3200_map import DATA, MAP, SHEET
 from .register_chip import RegisterChip, Source, clipped, nearest
@@ -54,6 +55,7 @@ class Itg3200(RegisterChip):
     temperature: degrees Celsius at a tick.
     """
 
+    STATE = State("address _clock _taken _ready_shown _shown _burst _scale_known", ticks="_awake _settled")
     MAP = MAP
     SECTION = f"{SHEET} register map"
     ADDRESSES = ADDRESSES

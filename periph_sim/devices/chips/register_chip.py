@@ -16,6 +16,7 @@ from typing import Any
 
 from ...core.chip import Note
 from ...core.registers import OnWrite, Register, RegisterMap, field
+from ...core.state import State
 from ...core.time import Clock, Timebase
 
 Source = Callable[[int], Sequence[float | Fraction]]  # tick -> x, y, z in the chip's physical unit
@@ -37,6 +38,7 @@ class RegisterChip:
     begins to acknowledge its address.
     """
 
+    STATE = State("stored", ticks="ready")
     MAP: RegisterMap
     SECTION: str  # of the data sheet on register access
     ADDRESSES: tuple[int, ...]  # 7 bits each, the usual one first

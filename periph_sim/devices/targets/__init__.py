@@ -23,6 +23,7 @@ from ...bus.i2c.target_side import Reply
 from ...core.chip import Note
 from ...core.discover import modules_with
 from ...core.kernel import Kernel
+from ...core.state import State
 from ...core.table import Table
 from ...core.wire import Wire
 
@@ -42,6 +43,8 @@ class TargetContext:
     ticks: converts seconds. start: the tick at which the run begins. folder: base of relative paths. random: its own.
     wire: by name; ValueError if the scene has none. hold_clock: see `TargetSide`. note: called with each note.
     """
+
+    STATE = State("random")
 
     kernel: Kernel
     who: str

@@ -23,6 +23,7 @@ from ...bus.i2c.target_side import Stretches
 from ...core.chip import Note
 from ...core.convert import After, Before
 from ...core.settings import DurationRange, Spread, duration, hex_bytes
+from ...core.state import State
 from ...core.table import Table
 from . import BadDevice, TargetContext, address_among
 from .memory_image import IMAGES, image
@@ -93,6 +94,8 @@ class Settings(Table, frozen=True, kw_only=True):
 
 class Eeprom:
     """memory: stored bytes. It is its own reply."""
+
+    STATE = State("memory _place _pointer _begin _buffer _written", ticks="_busy_until")
 
     ack = True
     stretches: Stretches = ()

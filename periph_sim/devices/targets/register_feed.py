@@ -14,12 +14,15 @@ from pathlib import Path
 
 from ...core.input_files import read_input
 from ...core.settings import duration
+from ...core.state import State
 from . import BadDevice, TargetContext
 from .register_settings import RegisterTable
 
 
 class Feed:
     """ticks: of each value, or of the first one, with `period` for the others. period: 0 if there is none."""
+
+    STATE = State("_taken")
 
     def __init__(self, ticks: Sequence[int], values: Sequence[int], period: int) -> None:
         self._ticks, self._values, self._period = ticks, values, period

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from ...bus.i2c.target_side import Stretches
 from ...core.chip import Note
+from ...core.state import State
 from ...core.wire import Pin
 from . import BadDevice, Target, TargetContext
 from .register_feed import Feed, feed_of
@@ -25,6 +26,8 @@ SOURCE = "the case's register map"
 
 class RegisterDevice:
     """values: by the registers' names. It is its own reply."""
+
+    STATE = State("values _feeds _pointer _byte _taken")
 
     ack = True
     stretches: Stretches = ()

@@ -23,6 +23,7 @@ from ...bus.i2c.target_side import Stretches
 from ...core.chip import Note
 from ...core.convert import After
 from ...core.settings import DurationRange, Spread, duration
+from ...core.state import State
 from ...core.table import Table
 from . import BadDevice, TargetContext, address_among
 from .calendar_registers import BadTime, CalendarTime, registers_of, time_in
@@ -66,6 +67,11 @@ class _Running(NamedTuple):
 
 class Rtc:
     """The clock. It is its own reply."""
+
+    STATE = State(
+        "_place _stored _raw _why_none _running _failed _latches _pointer _begin _buffer _shown",
+        ticks="_busy_until",
+    )
 
     ack = True
     stretches: Stretches = ()

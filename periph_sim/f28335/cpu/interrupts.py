@@ -34,6 +34,7 @@ from collections import deque
 from typing import NamedTuple
 
 from ...core.chip import NEVER, Note
+from ...core.state import State
 from ..system.options import SystemOptions
 from . import instruction_costs as cpu_costs
 from .instruction_costs import IFR_DELAY, VECTOR_AND_SAVE
@@ -103,6 +104,11 @@ class Context(NamedTuple):
 
 class CpuInterrupts:
     """Times are SYSCLKOUT cycles, never falling from call to call."""
+
+    STATE = State(
+        "ifr ier dbgier st1 sp nested owes_instruction _latched _nonmaskable",
+        cycles="next_wake ready _coming _latched_at _pieack_end _returned_at",
+    )
 
     entry_cycles: int
     vector_delay: int

@@ -25,6 +25,7 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import NEVER, NOTHING, Chip, Note
+from ...core.state import State
 from ..system.options import SystemOptions
 from .pie_map import (
     BOOT_ROM_VECTORS,
@@ -48,6 +49,10 @@ PIEVECT = PIECTRL["PIEVECT"].mask
 class Pie(Chip):
     """Groups are numbered 1 to 12, lines 1 to 8, as in the manual."""
 
+    STATE = State(
+        "pulses _as_reset _lines_held _pieack _piectrl _pieier _pieifr _seen _set_now _told_held",
+        cycles="_set_at",
+    )
     MAP = MAP
     _as_reset: int
     _lines_held: list[int]

@@ -24,6 +24,7 @@ Chosen:
 from __future__ import annotations
 
 from ...core.chip import ALL, NEVER, NOTHING, Chip, Note
+from ...core.state import State
 from .xint_map import XINT
 
 LINES = 7
@@ -35,6 +36,7 @@ RISING, BOTH = 1, 3  # polarity; 0 and 2 are falling
 
 
 class Xint(Chip):
+    STATE = State("enabled _control _count _level", cycles="_since")
     MAP = XINT
     INPUTS = tuple(f"XINT{n}" for n in range(1, LINES + 1))
     OUTPUTS: tuple[str, ...] = ()

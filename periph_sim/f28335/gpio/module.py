@@ -41,6 +41,7 @@ from typing import TYPE_CHECKING, final
 from ...core import chip
 from ...core.chip import NEVER
 from ...core.registers import Register
+from ...core.state import State
 from ...form.c_types import BigInt
 from ..system.options import SystemOptions
 from . import register_map as at
@@ -78,6 +79,12 @@ HALF_AT = BIT[::16]  # the lowest pin of each half of a port
 class Gpio(GpioSettings):
     """pads: mask of the levels at the pads. watched: mask of the pins that feed an XINT line the owner listens to."""
 
+    STATE = State(
+        "pads watched driven driven_high out_version routes_version changed _wired _before _qualifiers "
+        "_qualified _watching _xints _latch _asynchronous _sampled _dead _pull_ups _outputs _input_clock "
+        "_words_then _level_then _pads_then _qualified_then _settles",
+        cycles="_edge_at _waiting _outs _settle_at",
+    )
     INPUTS = PADS
     OUTPUTS = PADS
     pads: BigInt

@@ -27,6 +27,7 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import NEVER
+from ...core.state import State
 
 DEPTH = 6  # more samples than this are never asked for
 
@@ -34,6 +35,8 @@ DEPTH = 6  # more samples than this are never asked for
 @final
 class Qualifier:
     """level: what it starts with, as if sampled for long. origin: a cycle in which the prescaler sampled."""
+
+    STATE = State("level qualified _period _samples _sampled _run", cycles="due _origin _done", made=True)
 
     def __init__(self, now: int, level: int, period: int, samples: int, origin: int) -> None:
         self.level = level  # from the synchroniser

@@ -12,6 +12,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from ...core.chip import Chip, Note
+from ...core.state import State
 from ...form.c_types import BigInt
 from . import register_map as at
 from .register_map import PINS
@@ -76,6 +77,7 @@ def pin_settings_of(values: tuple[int, ...]) -> PinSettings:
 class GpioSettings(Chip):
     """Registers by their offsets: what a read shows, and what of them acts."""
 
+    STATE = State("_stored _active _periods", cycles="_origins")
     MAP = at.GPIO
     steady = STEADY
 
@@ -100,6 +102,11 @@ class GpioSettings(Chip):
         """XRS: every cycle is a sample."""
         self._periods = [1] * GROUPS  # sampling period of each eight pins
         self._origins = [now] * GROUPS  # and a cycle in which they were sampled
+
+    def restored(self) -> None:
+        """The registers have been restored: derive from them what acts."""
+        self._settings = pin_settings_of(tuple([self._active[offset] for offset in CONFIGURED]))
+        self._routes = self._settings.routes
 
     def take_over(self, now: int) -> None:
         """What is active acts from now on."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from typing import final
 
+from ...core.state import State
 from .register_map import MDR_XA
 from .registers import I2cRegisters
 
@@ -22,6 +23,8 @@ TEN_BIT = 0b11110
 @final
 class I2cAddress:
     """read: the byte looked at last asks us to send. selected: a 10-bit address matched in full in this transfer."""
+
+    STATE = State("read selected _latched")
 
     def __init__(self, state: I2cRegisters) -> None:
         self.read = False

@@ -13,6 +13,7 @@ Source: SPRUG03B sections 2.3, 5.7, Table 15.
 from __future__ import annotations
 
 from ...core.chip import NEVER
+from ...core.state import State
 from .register_map import SCL, SDA
 from .registers import I2cRegisters
 
@@ -26,6 +27,11 @@ HELD_FOR_NOTHING, HELD_FOR_COMMAND, HELD_FOR_DATA, HELD_FOR_ROOM, LET_GO = range
 
 class I2cClock:
     """pulls: mask of the lines held low. due: when `_step` comes, or NEVER. lines: as they are, before the filter."""
+
+    STATE = State(
+        "lines frozen halting active pulls _condition_sda _step _after_high _waits_for_rise _high_phase _holds _driven",
+        cycles="due _let_go_at _low_from _rose_at",
+    )
 
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state

@@ -13,6 +13,7 @@ Chosen:
 from __future__ import annotations
 
 from ...core.fifo import Fifo
+from ...core.state import State
 from .interrupts import I2cInterrupts
 from .register_map import I2C_MAP, MDR_IRS, STR_XRDY
 
@@ -30,6 +31,8 @@ INT2 = 2
 
 class I2cFifos(I2cInterrupts):
     """fftx, ffrx: what is stored of I2CFFTX and I2CFFRX."""
+
+    STATE = State("mdr xsr_full fftx ffrx fifo tx_fifo rx_fifo _tx_was_low _rx_was_high")
 
     __slots__ = ("_rx_was_high", "_tx_was_low", "ffrx", "fftx", "fifo", "mdr", "rx_fifo", "tx_fifo", "xsr_full")
 

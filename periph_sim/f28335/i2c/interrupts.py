@@ -13,6 +13,7 @@ Chosen:
 from __future__ import annotations
 
 from ...core.chip import NEVER, Note
+from ...core.state import State
 from .options import I2cOptions
 from .register_map import I2C_MAP, STR_AAS
 
@@ -23,6 +24,8 @@ INT1 = 1
 
 class I2cInterrupts:
     """str: I2CSTR. requests: lines asked for since the owner last set this to 0. code_at: when a code is loaded."""
+
+    STATE = State("str ier isrc_high requests held wanted nack_as_slave code _pending _active", cycles="code_at")
 
     __slots__ = (
         "_active",

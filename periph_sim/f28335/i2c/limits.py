@@ -12,6 +12,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import final
 
+from ...core.state import State
 from .register_map import I2C_MAP, MDR_FDF, MDR_IRS, MDR_MST, MDR_XA, STR_BB
 from .registers import I2cRegisters
 
@@ -25,6 +26,8 @@ BYTE_ENABLES = I2C_MAP["I2CIER"]["XRDY"].mask | I2C_MAP["I2CIER"]["RRDY"].mask
 @final
 class I2cLimits:
     """sysclk_hz: SYSCLKOUT."""
+
+    STATE = State("sysclk_hz _clock_within_tm _clock_within_hz _within")
 
     sysclk_hz: Fraction
     _clock_within_hz: Fraction

@@ -20,6 +20,7 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import NEVER
+from ...core.state import State
 from .bit_skip import I2cMasterBitSkip
 from .clock import (
     CONDITION,
@@ -64,6 +65,11 @@ FIRST_BYTE = 0x01  # what a START byte is
 @final
 class I2cMaster(I2cMasterBitSkip):
     """active: this module has the bus. sees_idle: both lines are high behind the filter."""
+
+    STATE = State(
+        "sees_idle _waits_for_bus _addresses _starting _stopping _own_restart _restart_next",
+        cycles="_free_from",
+    )
 
     def __init__(self, state: I2cRegisters, limits: I2cLimits) -> None:
         super().__init__(state)

@@ -11,6 +11,7 @@ Sending is in `master_transmitter`, commands and conditions are in `master`. Sou
 from __future__ import annotations
 
 from ...core.chip import NEVER
+from ...core.state import State
 from .clock import HELD_FOR_COMMAND, HELD_FOR_NOTHING, HELD_FOR_ROOM, I2cClock
 from .register_map import MDR_NACKMOD, MDR_RM, MDR_STP, MDR_STT, STR_NACKSNT, STR_RSFULL
 
@@ -20,6 +21,12 @@ NO_BYTE, START_BYTE, ADDRESS, SEND, TAKE = range(5)
 
 class I2cMasterReceiver(I2cClock):
     """counter: bytes to go. deliver_at: when a byte comes back in loopback, or NEVER."""
+
+    STATE = State(
+        "counter _kind _n _bit _byte _in _sampled _answer_nack _nack_armed _stp_at_start _rsr_waits "
+        "_data_bytes _deliver",
+        cycles="deliver_at",
+    )
 
     def reset_bytes(self) -> None:
         """No byte is in progress."""

@@ -21,6 +21,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from ...core.chip import ALL, LATER, NEVER, NOTHING, OUTPUTS, Chip
+from ...core.state import State
 from . import register_map as at
 from .fifos import DEPTH
 from .limits import I2cLimits
@@ -48,6 +49,10 @@ BOTH = SCL | SDA
 
 
 class I2c(Chip):
+    STATE = State(
+        "state target limits master _lines _pins _clocked _suspended _bus_busy _frozen_pull _readable",
+        cycles="_timer",
+    )
     MAP = I2C_MAP
     INPUTS: tuple[str, ...] = ("SCL", "SDA")
     OUTPUTS: tuple[str, ...] = ("SCL", "SDA")

@@ -16,6 +16,7 @@ from typing import final
 
 from ...core.chip import NEVER
 from ...core.options import BoolOption
+from ...core.state import State
 from .register_map import SCL, SDA
 
 
@@ -25,6 +26,8 @@ class I2cNoiseFilter:
 
     unequal_arrival: edges of the two lines less than a module clock apart leave as one change, with the later one.
     """
+
+    STATE = State("levels", cycles="due _scl_due _sda_due _cycle _scl_was _sda_was")
 
     def __init__(self, unequal_arrival: BoolOption, touched: set[str]) -> None:
         self.levels = SCL | SDA

@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import Note
+from ...core.state import State
 from ...form.c_types import Text
 from . import register_map as i2c_map
 from .fifos import DEPTH, FFINT, FFRST, I2cFifos
@@ -41,6 +42,12 @@ RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`
 @final
 class I2cRegisters(I2cFifos):
     """Everything of the module that is not bits on wires. Times are SYSCLKOUT cycles."""
+
+    STATE = State(
+        "bcm clkh clkl cnt drr drr_unread dxr dxr_behind dxr_full emdr_written filter_width loaded "
+        "nack_of oar psc rsr sar tm xsr",
+        cycles="nack_since",
+    )
 
     __slots__ = (
         "bcm",

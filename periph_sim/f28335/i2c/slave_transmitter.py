@@ -17,6 +17,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...core.chip import NEVER
+from ...core.state import State
 from .address import I2cAddress
 from .register_map import MDR_MST, SCL, SDA, STR_AAS, STR_NACK, STR_XRDY, STR_XSMT
 from .registers import I2cRegisters
@@ -31,6 +32,12 @@ ONES = 0xFF
 
 class I2cSlaveTransmitter:
     """pulls: mask of the lines held low. due: when it must be called by itself (`timer`), or NEVER."""
+
+    STATE = State(
+        "pulls phase bit muted own_transfer _n _shift _ack _nack_armed _address _waits_for_data "
+        "_waits_for_room _rsr_waits _sent _first_byte _shifting",
+        cycles="due _copy_at _release_at",
+    )
 
     _copy_point: TextOption
 

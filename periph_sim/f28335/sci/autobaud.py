@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import NEVER
+from ...core.state import State
 
 PLACES = {0x41: (0, 1, 2, 7, 8, 9), 0x61: (0, 1, 2, 6, 8, 9)}
 
@@ -26,6 +27,8 @@ PLACES = {0x41: (0, 1, 2, 7, 8, 9), 0x61: (0, 1, 2, 6, 8, 9)}
 @final
 class SciAutobaud:
     """`due`: the cycle at which `character` counts, if the line stays high until then."""
+
+    STATE = State("armed character nine_bits _edges", cycles="due")
 
     def __init__(self) -> None:
         self.armed = False

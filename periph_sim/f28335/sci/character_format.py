@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from typing import final
 
+from ...core.state import State
 from .options import SciOptions
 from .register_map import SCI_MAP
 
@@ -32,6 +33,12 @@ class SciFormat:
 
     Options place the search, the votes and the break; the receiver records them where a frame depends on them.
     """
+
+    STATE = State(
+        "data_bits data_mask stops extra_bits stop_bit bits stop_at vote_at voted_at due end hunt "
+        "break_at sciccr address parity even early_hunt",
+        made=True,
+    )
 
     data_bits: int
     data_mask: int

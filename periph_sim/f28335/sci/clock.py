@@ -20,11 +20,14 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import NEVER
+from ...core.state import State
 
 
 @final
 class SciClock:
     """Stopped at first. `period`: one SCICLK in cycles."""
+
+    STATE = State("running divider phase brr period _tick _left", cycles="_cycle")
 
     def __init__(self) -> None:
         self.running = False

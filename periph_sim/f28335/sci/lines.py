@@ -23,6 +23,7 @@ Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 from __future__ import annotations
 
 from ...core.chip import ALL, NEVER, NOTHING, OUTPUTS, Chip, Note
+from ...core.state import State
 from .autobaud import SciAutobaud
 from .character_format import SciFormat
 from .clock import SciClock
@@ -47,6 +48,11 @@ FREE = SCI_MAP["SCIPRI"]["FREE"].mask
 class SciLines(Chip):
     """name: as notes call the module. options: answers to open questions."""
 
+    STATE = State(
+        "_layout _rx_clock _tx_clock _bits _rx _tx _autobaud _rxd _gated _suspended _rx_stopping _ccr "
+        "_ctl1 _hbaud _lbaud _ffct _pri _abd_asked _listening _word_line",
+        cycles="_rx_at _tx_at _request_at",
+    )
     MAP = SCI_MAP
     _sync: int
     INPUTS: tuple[str, ...] = ("RXD",)

@@ -27,6 +27,7 @@ from __future__ import annotations
 from typing import final
 
 from ...core.fifo import Fifo
+from ...core.state import State
 from .options import SciOptions
 from .receiver_bits import FE, PE
 from .register_map import SCI_MAP
@@ -57,6 +58,10 @@ DEPTH = 16
 @final
 class SciRx:
     """`request`: RXINT was asked for since the owner last set this to False."""
+
+    STATE = State(
+        "bk_enabled enabled error_enabled fifo fifo_mode loaded parity request rxbuf sciffrx sleep status _reached",
+    )
 
     sciffrx: int
 

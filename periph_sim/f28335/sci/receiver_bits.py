@@ -29,6 +29,7 @@ from __future__ import annotations
 
 from typing import final
 
+from ...core.state import State
 from .character_format import SciFormat
 from .options import SciOptions
 
@@ -49,6 +50,11 @@ class SciRxBits:
 
     framed: a start bit was accepted and its frame is not complete.
     """
+
+    STATE = State(
+        "next_tick word address watch_idle framed _layout _open _line _toggles _level _low_from "
+        "_high_from _idle_base _idle _idle_news _start _frame _missing_stop _break_at _sure",
+    )
 
     def __init__(self, layout: SciFormat, options: SciOptions, touched: set[str]) -> None:
         self.next_tick = FAR

@@ -25,6 +25,7 @@ from typing import NamedTuple, final
 
 from ...core.chip import NEVER
 from ...core.fifo import Fifo
+from ...core.state import State
 from .character_format import SciFormat
 from .clock import SciClock
 from .options import SciOptions
@@ -68,6 +69,14 @@ class SciTx:
     mark: the owner's number for a write of SCITXBUF to come. out_mark: that of the word whose bits TXD shows; 0 once
     it was cut off. The FIFO keeps marks above the eight bits of its words.
     """
+
+    STATE = State(
+        "request bits word_line sent frames lost enabled running in_swreset stopping int_enabled delay "
+        "txbuf txwake wut fifo scifftx fifo_mode active next_tick _layout _waiting _drain _loaded _txshf "
+        "_data_frame _began _end _last_end _start_at _load_at _reached",
+        cycles="next_cycle _load_cycle _empty_until",
+        records="mark out_mark _txbuf_mark _txshf_mark",
+    )
 
     scifftx: int
 

@@ -11,12 +11,15 @@ from __future__ import annotations
 
 from typing import final
 
+from ...core.state import State
 from .receiver_bits import FAR
 
 
 @final
 class SciTxBits:
     """A bit is eight ticks. `level` is that of TXD, and `next_tick` the tick at which it changes."""
+
+    STATE = State("level next_tick _edges")
 
     def __init__(self) -> None:
         self.level = 1

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from operator import ge, le
 
+from ...core.state import State
 from .interrupt_fifo import InterruptFifo
 from .options import SpiOptions
 from .register_map import SPI_MAP
@@ -28,6 +29,8 @@ BUFFULL_FLAG = SPI_MAP["SPISTS"]["BUFFULL_FLAG"].mask
 
 class TransmitBuffer:
     """txbuf: SPITXBUF. full: it holds a character that waits. lost: texts of notes, for the owner to clear."""
+
+    STATE = State("txbuf full fifo lost")
 
     def __init__(self, options: SpiOptions, touched: set[str]) -> None:
         self.options = options
@@ -90,6 +93,8 @@ class ReceiveBuffer:
     request: RXINT was asked for by these flags since the owner last set this to False.
     loaded: SPIRXBUF took another word, or an equal one, since the owner last set this to False.
     """
+
+    STATE = State("rxbuf enables loaded request status fifo")
 
     def __init__(self, options: SpiOptions, touched: set[str]) -> None:
         self.options = options

@@ -8,6 +8,7 @@ Source: TI SPRUEU3 section 1.4.3; SPRUFB0D section 5.1 for LSPCLK.
 from __future__ import annotations
 
 from ...core.chip import NEVER
+from ...core.state import State
 
 
 class LspclkTimer:
@@ -16,6 +17,8 @@ class LspclkTimer:
     at: cycle of the event; NEVER without one, and while the clock is stopped.
     divider: an LSPCLK cycle in SYSCLKOUT cycles.
     """
+
+    STATE = State("running divider _phase _left", cycles="at")
 
     def __init__(self) -> None:
         self.running = False

@@ -19,6 +19,7 @@ from collections.abc import Callable
 
 from ...core.fifo import Fifo
 from ...core.registers import Register
+from ...core.state import State
 from .options import SpiOptions
 from .register_map import SPI_MAP
 
@@ -41,6 +42,8 @@ class InterruptFifo:
 
     request: the FIFO's interrupt was asked for since the owner last set this to False.
     """
+
+    STATE = State("control fifo on request _held _was_reached")
 
     def __init__(
         self, register: Register, is_reached: Callable[[int, int], bool], options: SpiOptions, touched: set[str]

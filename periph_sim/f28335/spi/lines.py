@@ -33,6 +33,7 @@ from enum import Enum, auto
 
 from ...core.chip import ALL, LATER, NEVER, NOTHING, Chip, Note
 from ...core.options import TextOption
+from ...core.state import State
 from .buffers import ReceiveBuffer, TransmitBuffer
 from .clock import LspclkTimer
 from .options import SpiOptions
@@ -75,6 +76,11 @@ class Step(Enum):
 class SpiLines(Chip):
     """name: the module's name in notes. options: answers to open questions. driven: bit i: OUTPUTS[i] is driven."""
 
+    STATE = State(
+        "driven _shifter _tx _rx _timer _step _begun _clk_active _ste _levels _gated _suspended "
+        "_finishing _ccr _ctl _brr _ffct _pri",
+        cycles="_inputs _last_leading",
+    )
     MAP = SPI_MAP
     INPUTS: tuple[str, ...] = PINS
     OUTPUTS: tuple[str, ...] = PINS

@@ -11,6 +11,8 @@ Source: TI SPRUEU3 sections 1.4.2, 1.4.3 and 2.1.8.
 
 from __future__ import annotations
 
+from ...core.state import State
+
 
 class SpiShifter:
     """Shift register of both directions.
@@ -22,6 +24,8 @@ class SpiShifter:
     length: bits of a character.
     delayed: CLK_PHASE.
     """
+
+    STATE = State("dat level length delayed bits loaded")
 
     def __init__(self) -> None:
         self.dat = self.level = 0

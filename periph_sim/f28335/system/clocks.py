@@ -32,6 +32,7 @@ from fractions import Fraction
 from math import gcd
 
 from ...core.chip import ALL, NEVER, Chip, Note
+from ...core.state import State
 from .clocks_map import (
     HISPCP,
     LOSPCP,
@@ -82,6 +83,12 @@ def prescale(code: int) -> int:
 class SystemControl(Chip):
     """oscclk_hz: frequency of OSCCLK, for the check of the PLL's limit. sysclk_hz: that of SYSCLKOUT, exact."""
 
+    STATE = State(
+        "_clock _watchdog sysclk_hz sysclk_numerator sysclk_denominator reset_requested gates "
+        "hspclk_divider lspclk_divider _pllsts _pllcr _hispcp _lospcp _pclkcr0 _pclkcr1 _pclkcr3 _lpmcr0 "
+        "_wdint _wdints _locked_at",
+        cycles="lspclk_phase _wdflag_at _gates_to_come _wdints_to_come",
+    )
     MAP = MAP
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()

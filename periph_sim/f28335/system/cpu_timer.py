@@ -26,6 +26,7 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import ALL, NEVER, Chip, Note
+from ...core.state import State
 from .cpu_timer_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
 from .options import SystemOptions
 
@@ -40,6 +41,7 @@ AT_TCR, AT_TIM, AT_TIMH, AT_PRD, AT_PRDH, AT_TPR, AT_TPRH = (r.offset for r in (
 class CpuTimer(Chip):
     """number: 0, 1 or 2. Runs from reset, as the hardware does."""
 
+    STATE = State("_clocked _tcr _prd _tddr _tim _psc", cycles="_since _event_at")
     MAP = MAP
     base: int
     _tcr: int

@@ -12,11 +12,15 @@ but the answer to "in which cycle does this become visible".
 
 from __future__ import annotations
 
+from ...core.state import State
+
 PARTS = 2520  # of one OSCCLK period; the least number that 1 to 10, the PLL's ratios, all divide
 
 
 class OscClock:
     """Starts at cycle 0 with SYSCLKOUT = OSCCLK/4, as after a reset."""
+
+    STATE = State("numerator denominator _position _step", cycles="_cycle")
 
     def __init__(self) -> None:
         self.numerator = 1  # SYSCLKOUT = OSCCLK * numerator / denominator

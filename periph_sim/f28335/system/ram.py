@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated, NamedTuple, final
 
+from ...core.state import State
 from ...form.c_types import UInt16
 from ..cpu.pie_map import VECTOR_TABLE
 
@@ -63,6 +64,8 @@ def block_at(address: int) -> RamBlock | None:
 class HighRam:
     """The words of L0 to L7."""
 
+    STATE = State("words", made=True)
+
     __slots__ = ("words",)
 
     words: Annotated[list[UInt16], HIGH_WORDS]
@@ -74,6 +77,8 @@ class HighRam:
 @final
 class Ram:
     """The words by address. Who uses an address makes sure that `block_at` knows it."""
+
+    STATE = State("_high _low")
 
     __slots__ = ("_high", "_low")
 

@@ -22,6 +22,7 @@ Chosen:
 from __future__ import annotations
 
 from ...core.chip import NEVER
+from ...core.state import State
 from .clocks_map import SCSR, WDCR
 from .options import SystemOptions
 from .oscclk import PARTS
@@ -43,6 +44,8 @@ PRESCALE = (1, 1, 2, 4, 8, 16, 32, 64)
 
 class Watchdog:
     """All times are OSCCLK positions in `oscclk.PARTS`. touched: where consulted options are named."""
+
+    STATE = State("wdcr scsr wdint interrupt reset_requested next_due _armed _origin _since _count _low_until")
 
     def __init__(self, options: SystemOptions, touched: set[str]) -> None:
         self._options = options

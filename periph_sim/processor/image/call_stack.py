@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from ...c28x.execution.registers import Operation
 from ...c28x.flow import CALLS, INTERRUPTS, RETURNS
+from ...core.state import State
 from ...core.time import Clock
 from .function_map import FunctionMap
 
@@ -23,6 +24,8 @@ class Frame:
 
     since: the tick at which it began.
     """
+
+    STATE = State("name first end return_to", ticks="since", made=True)
 
     __slots__ = ("end", "first", "name", "return_to", "since")
 
@@ -53,6 +56,8 @@ class CallListener:
 
 class CallStack:
     """frames: what is under way, the innermost last."""
+
+    STATE = State("frames _listeners")
 
     def __init__(self, functions: FunctionMap, clock: Clock) -> None:
         self.frames: list[Frame] = []

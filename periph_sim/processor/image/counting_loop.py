@@ -20,6 +20,7 @@ from ...c28x.encodings import LOCATIONS, Encoding
 from ...c28x.execution.registers import M16, M32, REGISTER, Cpu, Operation
 from ...c28x.hazards import BY_ARP, addressing
 from ...core.chip import NEVER
+from ...core.state import State
 from ...f28335.system.ram import Ram
 from ..cpu_time import CpuTime
 from .cpu import L0_AGAIN, L4_AGAIN, LOW_RAM, MIRROR, RAM_FROM, RAM_TO, ImageCpu
@@ -135,6 +136,12 @@ def signed(value: int, bits: int) -> int:
 
 class CountingLoop(InstructionWatch):
     """A pass of a loop, from here on. does_more: it does more than count, so that later passes will, too."""
+
+    STATE = State(
+        "does_more _moved _stores _state _arp _sp _trace _steps _time _cpu _memory _over",
+        cycles="_began",
+        made=True,
+    )
 
     def __init__(self, cpu: ImageCpu, time: CpuTime, memory: Ram, over: Callable[[InstructionWatch], None]) -> None:
         """over: told when nobody wants to know of this pass any more."""

@@ -16,6 +16,7 @@ from ...c28x.decoder import decode_at
 from ...c28x.delay_slots import late_results, not_kept
 from ...c28x.execution.engine import PAGE, Engine
 from ...c28x.execution.fpu_pipeline import arrive, delay
+from ...c28x.execution.operations import operation
 from ...c28x.execution.registers import (
     ARP,
     ARP_MASK,
@@ -31,13 +32,14 @@ from ...c28x.execution.registers import (
 from ...c28x.fetch_queue import PACKED as QUEUE_PACKED
 from ...c28x.pipeline import PACKED as STORES_PACKED
 from ...core.chip import Note
+from ...core.state import State
 from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
 from ...f28335.cpu.pie_map import VECTOR_TABLE
 from ...f28335.system import clocks_map
 from ...f28335.system.address_space import Content, area_at
 from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import Ram, block_at
-from ...form.c_types import UInt8
+from ...form.c_types import UInt16
 from ..processor import Processor
 from .elsewhere import BOOT_ROM, Elsewhere
 from .instruction_timing import InstructionTiming
@@ -75,10 +77,12 @@ class ImageCpu(Engine):
     returning, idling: IRET or IDLE was executed, which the program sees to.
     """
 
+    STATE = State("elsewhere timing polls ended returning idling _tested _kept _written _slots_seen watched")
+
     elsewhere: Elsewhere
     _packed: Annotated[list[int], PACKED]
     _kept: Annotated[list[int], PACKED]
-    _written: Annotated[list[UInt8], RAM_TO]
+    _written: Annotated[list[UInt16], RAM_TO]
 
     def __init__(
         self, processor: Processor, options: SystemOptions, skip_polls: bool = True, keeps_decoded: bool = True
@@ -296,21 +300,36 @@ class ImageCpu(Engine):
             made = Engine._decode(self)
         finally:
             self._decoding = False
-        self.timing.prepare(made)
+        self._prepare(made, self.word_at(made.address), self.word_at(made.address + 1))
         if made.encoding.kind == "fpu":
             self._look_at_slots(made)
+        return made
+
+    def _prepare(self, made: Operation, first: int, second: int) -> None:
+        """Complete a decoded instruction of these words with what its execution needs to know."""
+        self.timing.prepare(made)
+        if made.encoding.kind == "fpu":
+            found = decode_at(made.address, first, second)
+            assert found is not None
+            made.late = late_results(found)
         if self._delays:
             delay(made)
+
+    def operation_of(self, address: int, first: int, second: int) -> Operation:
+        """Return the instruction of these words at this address as `fetch` does; nothing is noted or kept."""
+        found = decode_at(address, first, second)
+        assert found is not None
+        made = operation(found)
+        self._prepare(made, first, second)
         return made
 
     def _look_at_slots(self, f: Operation) -> None:
-        """Which results of the FPU come late, and a note of each one that the program does not wait for."""
-        found = decode_at(f.address, self.word_at(f.address), self.word_at(f.address + 1))
-        assert found is not None
-        f.late = late_results(found)
+        """Note each result of the FPU that the program does not wait for."""
         if f.address in self._slots_seen:
             return
         self._slots_seen.add(f.address)
+        found = decode_at(f.address, self.word_at(f.address), self.word_at(f.address + 1))
+        assert found is not None
         for text in not_kept(found, self.word_at):
             self._options.fpu_delay_slot.assume(self._core.touched)
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRUEO2A section 3.2"))

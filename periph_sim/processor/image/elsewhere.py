@@ -20,12 +20,13 @@ from typing import Annotated
 
 from ...c28x.execution.registers import IllegalOperation
 from ...core.chip import Note
+from ...core.state import State
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.descriptor import FLASH, Part
 from ...f28335.parts.f28335 import PART
 from ...f28335.system.address_space import Area, Content, area_at
 from ...f28335.system.register_names import full_name, is_protected, register_name
-from ...form.c_types import UInt8, UInt16
+from ...form.c_types import UInt16
 from ..firmware_notes import FirmwareNotes
 
 ERASED = 0xFFFF
@@ -52,10 +53,12 @@ NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not mo
 class Elsewhere:
     """changed: called as a stub begins to answer something else."""
 
+    STATE = State("_frames _states _stored _noted _stubs _to_come _flash")
+
     _flash_begin: int
     _part_name: str
     _frames: Annotated[list[UInt16], FRAMES_END]
-    _states: Annotated[list[UInt8], FRAMES_END]
+    _states: Annotated[list[UInt16], FRAMES_END]
 
     def __init__(self, core: CpuInterrupts, notes: FirmwareNotes) -> None:
         self.changed: Callable[[], None] | None = None

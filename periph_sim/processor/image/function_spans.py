@@ -8,11 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...core.records import Kind, Recorder
+from ...core.state import State
 from .call_stack import CallListener
 
 
 class FunctionSpans(CallListener):
     """place: of the first instruction of a function, by its name."""
+
+    STATE = State("_depth")
 
     __slots__ = ("_depth", "_place", "_places", "_recorder", "_unit")
 

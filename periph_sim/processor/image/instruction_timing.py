@@ -18,6 +18,7 @@ from ...c28x.execution.registers import Cpu, Operation
 from ...c28x.fetch_queue import DEPTH, FetchQueue
 from ...c28x.hazards import hazards
 from ...c28x.pipeline import Pipeline
+from ...core.state import State
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.descriptor import FLASH
 from ...f28335.system.options import SystemOptions
@@ -41,6 +42,8 @@ class InstructionTiming:
     late: cycles that the present instruction takes in addition.
     conflicts: `conflict` is called for accesses to the block of memory from which the program is fetched.
     """
+
+    STATE = State("pipeline queue conflicts late")
 
     __slots__ = ("_ahead", "_core", "_elsewhere", "_options", "_shared", "conflicts", "late", "pipeline", "queue")
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from ...c28x.execution.registers import Cpu, Operation
+from ...core.state import State
 
 
 class InstructionWatch:
     """beside: who else looks."""
+
+    STATE = State("beside")
 
     def __init__(self) -> None:
         self.beside: InstructionWatch | None = None

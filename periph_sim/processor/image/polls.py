@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import NEVER
+from ...core.state import State
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ..cpu_time import CpuTime
 from ..operand import Operand
@@ -41,6 +42,12 @@ class Polls:
     up to the cycle `live_from`. elsewhere: words read that nothing models. routines: service routines under way.
     restarts: the pass restarts the watchdog, so that no further one is skipped.
     """
+
+    STATE = State(
+        "asleep tracking clean counting replaying restarts routines changed elsewhere _lease _values "
+        "_failed _compared _branch _outer_branch _passes _next _look_at _step _period _most _spin",
+        cycles="live_from _outer_since _started _since",
+    )
 
     __slots__ = (
         "_branch", "_compared", "_core", "_failed", "_lease", "_look_at", "_most", "_next", "_outer_branch",

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 
 from msgspec import Struct
 
+from ...core.state import State
 from ...image.variables import Variable
 from .call_stack import CallListener
 
@@ -24,6 +25,8 @@ class Preset(Struct, frozen=True):
 
 
 class PresetMemory(CallListener):
+    STATE = State()
+
     __slots__ = ("_presets", "_put")
 
     def __init__(self, presets: Iterable[Preset], put: Callable[[int, int], None]) -> None:

@@ -19,6 +19,7 @@ from typing import Annotated
 from ...c28x.execution.registers import WRITES, IllegalOperation, Operation
 from ...c28x.operand_field import SP_FIELD
 from ...core.chip import NEVER, Note
+from ...core.state import State
 from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.system.options import SystemOptions
@@ -46,6 +47,12 @@ LAST_JUMPS = 8  # that an error names; a power of two
 
 class ImageProgram(Program):
     """cpu: its registers. instructions: how many were executed."""
+
+    STATE = State(
+        "cpu instructions _ready _executed _idle_began _jumps _jumped _calls _waits _watch _looks "
+        "_counted _pass _unmodelled _counting _unwritten _at _back _sp",
+        ticks="_asleep_at",
+    )
 
     _jumps: Annotated[list[int], LAST_JUMPS]
     _stack_begin: int

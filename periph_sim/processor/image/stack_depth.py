@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from ...c28x.execution.registers import Cpu, Operation
 from ...core.records import Kind, Recorder
+from ...core.state import State
 from ...core.time import Clock
 from ...image.model import Section
 from .instruction_watch import InstructionWatch
@@ -20,6 +21,8 @@ CPU = "CPU"  # and of a module's
 
 
 class StackDepth(InstructionWatch):
+    STATE = State("_deepest")
+
     def __init__(
         self, section: Section, recorder: Recorder, clock: Clock, unit: str, place: Callable[[], str | None]
     ) -> None:

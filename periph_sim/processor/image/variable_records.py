@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from ...core.records import Kind, Recorder
+from ...core.state import State
 from ...core.time import Clock
 from ...f28335.system.ram import MEMORY, Ram
 from ...image.variables import Variable
@@ -15,6 +16,8 @@ from ...image.variables import Variable
 
 class VariableRecords:
     """addresses: of the words that they are in."""
+
+    STATE = State("_values")
 
     def __init__(
         self,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...core.records import Kind, Recorder
+from ...core.state import State
 from ...core.time import Clock
 
 IDLE = "IDLE"
@@ -10,6 +11,8 @@ ENDLESS = "endless loop"  # which reads no register
 
 
 class WaitRecords:
+    STATE = State("_what")
+
     def __init__(self, recorder: Recorder, clock: Clock, unit: str) -> None:
         self._recorder, self._clock, self._unit = recorder, clock, unit
         self._what = ""

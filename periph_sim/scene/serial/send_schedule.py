@@ -11,6 +11,7 @@ from fractions import Fraction
 from functools import partial
 
 from ...bus.uart.burst_sender import Burst, BurstSender
+from ...core.state import State
 from ...core.time import NO_TIME
 from ..case.serial import SendTable
 from ..context import SceneContext
@@ -20,6 +21,8 @@ BEHIND = "its time is after the end of the run"
 
 class Send:
     """ppm: error of the clock of its times. on_begin, on_end: called with the tick of each burst's begin and end."""
+
+    STATE = State("sent _sender _asked", ticks="_due")
 
     def __init__(
         self, name: str, table: SendTable, context: SceneContext, sender: BurstSender, burst: Burst, ppm: Fraction

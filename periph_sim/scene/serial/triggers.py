@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...bus.uart.reader import Heard
+from ...core.state import State
 from ...timing.language.events import Matcher
 from ...timing.measures.event_pairing import EventMeasure
 
@@ -30,6 +31,8 @@ class EventTrigger(EventMeasure):
 
 class TextTrigger:
     """Calls `happened(tick)` at the end of the last of these characters, each time they come; overlaps count once."""
+
+    STATE = State("_came")
 
     def __init__(self, characters: bytes, happened: Callable[[int], None]) -> None:
         self._wanted = characters

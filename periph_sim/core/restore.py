@@ -1,0 +1,182 @@
+"""Restoring a state: a snapshot and the modules of a scene of the same case go in; the modules have its state then.
+
+    snapshot --plan: each value made or found--> assignments --apply--> modules
+
+Nothing is assigned before each value of the snapshot has its place, so one that does not fit changes nothing. Objects
+that the scene has in the same place are kept, with their wiring, and get the snapshot's attributes. Others are made.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections import deque
+from collections.abc import Callable, Mapping
+from functools import partial
+from importlib import import_module
+from random import Random
+from typing import Any
+
+from msgspec import Struct
+
+from .snapshot import ARRAY, Foreign, Found, Function, Group, Made, Module, Ref, Snapshot, absolute, class_name
+from .state import Time, state_of
+
+CONTAINERS: dict[str, Callable[[Any], Any]] = {
+    one.__name__: one for one in (list, tuple, deque, set, frozenset, dict, bytearray)
+}
+Finds = Mapping[str, Callable[..., object]]  # by class, what returns the object of a key
+
+
+class NotRestorable(ValueError):
+    """A snapshot that does not fit the scene, or has something that cannot be restored; one sentence."""
+
+
+def restore(snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[str, Finds]) -> None:
+    """Set each declared attribute of these modules. NotRestorable, with nothing changed, where one cannot be set.
+
+    finds: by module, for the classes that `Module.keys` has.
+    """
+    plan = _Plan(snapshot, modules, finds)
+    for name, module in modules.items():
+        plan.add(name, module)
+    plan.apply()
+
+
+class _Plan:
+    """Assignments to come. Objects are known by the names that the snapshot gave them."""
+
+    def __init__(self, snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[str, Finds]) -> None:
+        self._values = snapshot.values
+        self._cycles = snapshot.cycles
+        self._finds = finds
+        self._now = {Time.TICKS: snapshot.tick, Time.RECORDS: snapshot.number}
+        self._objects: dict[str, Any] = {name: module.target for name, module in modules.items()}
+        self._used = {id(module.target) for module in modules.values()}  # objects of the scene that have a name
+        self._assigned: list[tuple[Any, str, Any]] = []
+        self._randoms: list[tuple[Random, Any]] = []
+        self._module = ""
+        others = sorted(self._cycles.keys() ^ modules.keys())
+        if others:
+            raise NotRestorable(f"only one of the snapshot and the scene has {' and '.join(others)}")
+
+    def add(self, name: str, module: Module) -> None:
+        self._module = name
+        self._now[Time.CYCLES] = self._cycles[name]
+        self._attributes(name, module.target)
+
+    def apply(self) -> None:
+        """Assign everything; then objects that derive more from their attributes do so."""
+        for random, state in self._randoms:
+            random.setstate(state)
+        for target, attribute, value in self._assigned:
+            if getattr(target, attribute, self) is not value:
+                setattr(target, attribute, value)
+        for target in {id(one): one for one, _, _ in self._assigned}.values():
+            if hasattr(target, "restored"):
+                target.restored()
+
+    def _attributes(self, name: str, target: Any) -> None:
+        state = state_of(type(target))
+        assert state is not None
+        kind = class_name(type(target))
+        if self._values[name] != Made(kind):
+            raise NotRestorable(f"{name} is a {self._values[name].kind} in the snapshot and a {kind} in the scene")
+        self._objects[name] = target
+        self._used.add(id(target))
+        for attribute, time in state.times.items():
+            place = f"{name}.{attribute}"
+            if place in self._values:
+                value = self._value(place, getattr(target, attribute, None), time)
+                self._assigned.append((target, attribute, value))
+
+    def _value(self, name: str, current: Any, time: Time) -> Any:
+        """Return what the snapshot has under this name. current: what the scene has in its place."""
+        value = self._values[name]
+        match value:
+            case Foreign(kind):
+                raise NotRestorable(f"{name} is a {kind}, which declares no state, so it cannot be restored")
+            case Ref(owner, method):
+                return getattr(self._objects[owner], method) if method else self._objects[owner]
+            case Found(kind, key):
+                return self._finds[self._module][kind](*key)
+            case Function(of):
+                if getattr(current, "__qualname__", "") != of:
+                    raise NotRestorable(f"{name} is the function {of}, which the scene does not have in its place")
+                return current
+            case Group(kind, items):
+                self._objects[name] = made = self._group(kind, items, current, time)
+                return made
+            case Made(kind, keys):
+                return self._made(name, kind, keys, current, time)
+        return value if time is Time.NONE else absolute(value, self._now[time])
+
+    def _group(self, kind: str, items: tuple[Any, ...], current: Any, time: Time) -> Any:
+        if kind == "Random":
+            random = current if isinstance(current, Random) else Random()
+            self._randoms.append((random, items))
+            return random
+        whole = items if time is Time.NONE else [absolute(one, self._now[time]) for one in items]
+        return array(kind[-1], whole) if kind.startswith(ARRAY) else CONTAINERS[kind](whole)
+
+    def _made(self, name: str, kind: str, keys: tuple[object, ...], current: Any, time: Time) -> Any:
+        if kind == "chain":
+            return self._chain(name, keys, current, time)
+        if kind == "method":
+            owner = self._value(f"{name}.owner", getattr(current, "__self__", None), Time.NONE)
+            return getattr(owner, str(keys[0]))
+        if kind in CONTAINERS or kind == "partial" or keys:
+            self._objects[name] = made = self._items(name, kind, keys, current, time)
+            return made
+        if current is None or class_name(type(current)) != kind or id(current) in self._used:
+            current = self._new(name, kind)
+        self._attributes(name, current)
+        return current
+
+    def _new(self, name: str, kind: str) -> Any:
+        """Return an object without attributes, of a class whose state is all that it has."""
+        of = _class_of(kind)
+        state = state_of(of)
+        if state is None or not state.made:
+            raise NotRestorable(f"{name} is a {kind} in the snapshot, and the scene has none in its place")
+        return of.__new__(of)
+
+    def _items(self, name: str, kind: str, keys: tuple[object, ...], current: Any, time: Time) -> Any:
+        of: Any = CONTAINERS.get(kind) or (partial if kind == "partial" else _class_of(kind))
+        state = state_of(of)
+        times = {} if state is None else state.times
+        items = [self._value(f"{name}[{key!r}]", _item_of(current, key), times.get(str(key), time)) for key in keys]
+        if of is dict:
+            return dict(zip(keys, items, strict=True))
+        if of is partial:
+            function, arguments, keywords = items
+            return partial(function, *arguments, **keywords)
+        return of(items) if kind in CONTAINERS else of(*items)
+
+    def _chain(self, name: str, keys: tuple[object, ...], current: Any, time: Time) -> Any:
+        elements = []
+        for key in keys:
+            elements.append(self._value(f"{name}[{key!r}]", current, time))
+            current = getattr(current, "following", None)
+        for element, following in zip(elements, [*elements[1:], None], strict=False):
+            self._assigned.append((element, "following", following))
+        return elements[0] if elements else None
+
+
+def _class_of(name: str) -> Any:
+    """Return the class that `class_name` gave this name."""
+    parts = name.split(".")
+    inside = next(place for place, part in enumerate(parts) if part.lstrip("_")[0].isupper())
+    found: Any = import_module(".".join(parts[:inside]))
+    for part in parts[inside:]:
+        found = getattr(found, part)
+    return found
+
+
+def _item_of(current: Any, key: Any) -> Any:
+    """Return what a container or structure of the scene has under this key; None if it has nothing there."""
+    if isinstance(current, Struct | tuple) and isinstance(key, str):
+        return getattr(current, key, None)
+    try:
+        return current[key]
+    except (TypeError, KeyError, IndexError):
+        return None

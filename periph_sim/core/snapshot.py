@@ -1,0 +1,286 @@
+"""The state of a simulation as plain values: named modules go in; one value by name for each attribute comes out.
+
+    {"SDA": wire, "dsp.SCI-A": socket, ...} --take--> {"dsp.SCI-A.chip._rx.status": 0, ...}
+
+What a module declares (`core.state`) is walked, and each attribute is named by its path. Instants are counted from now.
+An object or method that has a name already is a `Ref` to it. An object of a class that declares nothing is `Foreign`:
+it is compared by its class only, and cannot be restored.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from datetime import datetime
+from enum import Enum
+from fractions import Fraction
+from functools import partial
+from random import Random
+from types import ModuleType
+from typing import Any, NamedTuple
+
+from msgspec import Struct
+
+from .chip import NEVER
+from .state import Time, state_of
+
+NOT_YET = -1  # an instant that has not come
+PLAIN = (type(None), bool, int, float, str, bytes, Fraction, datetime)
+CONTAINERS = (list, tuple, deque, set, frozenset, dict, bytearray, array)
+ARRAY = "array of "  # and the code of its items' type
+KEYED_BY_OBJECTS = "dict keyed by objects"
+
+
+class Module(NamedTuple):
+    """A part of a scene under its own name.
+
+    cycle: the present cycle of its clock, for modules that have one.
+    keys: by class, the function that gives the key by which the scene finds such an object; None without a key.
+    """
+
+    target: object
+    cycle: int = 0
+    keys: Mapping[type, Callable[[Any], tuple[object, ...] | None]] = {}
+
+
+class Ref(NamedTuple):
+    """An object under the name that it has already, or a method of it."""
+
+    name: str
+    method: str = ""
+
+
+class Found(NamedTuple):
+    """An object that the scene finds by a key, such as the operand of an access by its address."""
+
+    kind: str
+    key: tuple[object, ...]
+
+
+class Made(NamedTuple):
+    """An object or container, whose attributes or items have entries of their own. keys: of the items."""
+
+    kind: str
+    keys: tuple[object, ...] = ()
+
+
+class Group(NamedTuple):
+    """A container of plain values; the items of a dict are pairs, those of a random generator its internal state."""
+
+    kind: str
+    items: tuple[Any, ...]
+
+
+class Function(NamedTuple):
+    """A function of a module, by its qualified name."""
+
+    name: str
+
+
+class Fixed(NamedTuple):
+    """An instant that is none, because it never comes or has not come."""
+
+    value: int | None
+
+
+class Foreign(NamedTuple):
+    """An object of a class that declares no state."""
+
+    kind: str
+
+
+class Absent(NamedTuple):
+    """What a snapshot has under a name that only the other one has."""
+
+
+class Snapshot(NamedTuple):
+    """The state of a scene between two runs.
+
+    identity: what the snapshot is of, as pairs of a name and a text.
+    tick: of the kernel.
+    number: of the last record.
+    cycles: the present cycle of each module; 0 for one without a clock.
+    values: by name.
+    """
+
+    identity: tuple[tuple[str, str], ...]
+    tick: int
+    number: int
+    cycles: dict[str, int]
+    values: dict[str, Any]
+
+    def differences(self, other: Snapshot) -> dict[str, tuple[object, object]]:
+        """Return by name what differs in the state of the other one, as pairs; empty where both states are equal."""
+        found: dict[str, tuple[object, object]] = {}
+        for name in {**self.values, **other.values}:
+            here, there = (one.values.get(name, Absent()) for one in (self, other))
+            if here != there:
+                found |= _item_differences(name, here, there)
+        return found
+
+
+def take(modules: Mapping[str, Module], tick: int, number: int, identity: tuple[tuple[str, str], ...]) -> Snapshot:
+    """Return the state of these modules at this tick. number: of the last record. Nothing changes."""
+    taker = _Taker(modules, tick, number)
+    for name, module in modules.items():
+        taker.take(name, module)
+    return Snapshot(identity, tick, number, {name: one.cycle for name, one in modules.items()}, taker.values)
+
+
+def class_name(kind: type) -> str:
+    """Return the name of a class with its module, as in "periph_sim.core.wire.Pin"."""
+    return f"{kind.__module__}.{kind.__qualname__}"
+
+
+def absolute(value: Any, now: int) -> Any:
+    """Return an instant that is counted from `now` as the scene counts it; of a tuple, the first one in it."""
+    if isinstance(value, Fixed):
+        return value.value
+    if isinstance(value, tuple):
+        place = _first_instant(value)
+        return (*value[:place], absolute(value[place], now), *value[place + 1 :])
+    return value + now
+
+
+class _Taker:
+    """values: the state taken so far, by name."""
+
+    def __init__(self, modules: Mapping[str, Module], tick: int, number: int) -> None:
+        self.values: dict[str, Any] = {}
+        self._names = {id(module.target): name for name, module in modules.items()}
+        self._named: list[object] = []  # keeps them alive, so that no other object takes their id
+        self._module = Module(None)
+        self._in_chain = False
+        self._now = {Time.TICKS: tick, Time.RECORDS: number}
+
+    def take(self, name: str, module: Module) -> None:
+        self._module = module
+        self._now[Time.CYCLES] = module.cycle
+        self._attributes(name, module.target)
+
+    def _attributes(self, name: str, target: object) -> None:
+        """Take the declared attributes of an object. One that has not been set yet has no entry."""
+        state = state_of(type(target))
+        assert state is not None, f"{name} is a {type(target).__name__}, which declares no state"
+        self.values[name] = Made(class_name(type(target)))
+        for attribute, time in state.times.items():
+            if not hasattr(target, attribute):
+                continue
+            value, place = getattr(target, attribute), f"{name}.{attribute}"
+            if attribute in state.chains:
+                self._in_chain = True
+                self._items(place, "chain", dict(enumerate(_chained(value))), time)
+                self._in_chain = False
+            else:
+                self._value(place, value, time)
+
+    def _value(self, name: str, value: Any, time: Time) -> None:
+        kind = type(value)
+        if kind in PLAIN or isinstance(value, Enum):
+            self.values[name] = self._relative(value, time)
+        elif id(value) in self._names:
+            self.values[name] = Ref(self._names[id(value)])
+        elif kind in self._module.keys:
+            key = self._module.keys[kind](value)
+            self.values[name] = Foreign(class_name(kind)) if key is None else Found(class_name(kind), key)
+        elif isinstance(value, partial):
+            parts = {"func": value.func, "args": value.args, "keywords": value.keywords}
+            self._items(name, "partial", parts, time)
+        elif callable(value) and hasattr(value, "__name__"):
+            self._function(name, value)
+        else:
+            self._names[id(value)] = name
+            self._named.append(value)
+            if kind in CONTAINERS:
+                self._container(name, value, time)
+            else:
+                self._object(name, value, time)
+
+    def _container(self, name: str, value: Any, time: Time) -> None:
+        kind, items = type(value).__name__, list(value.items() if isinstance(value, dict) else value)
+        if isinstance(value, array):
+            kind = f"{ARRAY}{value.typecode}"
+        if all(map(_is_plain, items)):
+            if isinstance(value, set | frozenset):
+                items.sort()
+            self.values[name] = Group(kind, tuple(self._relative(one, time) for one in items))
+        else:
+            self._items(name, kind, value if isinstance(value, dict) else dict(enumerate(items)), time)
+
+    def _items(self, name: str, kind: str, items: Mapping[Any, object], time: Time) -> None:
+        if not all(map(_is_plain, items)):
+            self.values[name] = Foreign(KEYED_BY_OBJECTS)
+            return
+        self.values[name] = Made(kind, tuple(items))
+        for key, value in items.items():
+            self._value(f"{name}[{key!r}]", value, time)
+
+    def _object(self, name: str, value: Any, time: Time) -> None:
+        """Take an object that has just got its name. In a chain it cannot keep it: its place there is no name."""
+        kind = type(value)
+        state = state_of(kind)
+        if isinstance(value, Random):
+            self.values[name] = Group("Random", value.getstate())
+        elif isinstance(value, str) or (_is_plain(value) and time is Time.NONE):
+            self.values[name] = value
+        elif isinstance(value, tuple | Struct):
+            fields = value.__struct_fields__ if isinstance(value, Struct) else getattr(value, "_fields", ())
+            times = {} if state is None else state.times
+            self.values[name] = Made(class_name(kind), fields)
+            for field in fields:
+                self._value(f"{name}[{field!r}]", getattr(value, field), times.get(field, time))
+        elif state is not None and (state.made or not self._in_chain):
+            self._attributes(name, value)
+        else:
+            del self._names[id(value)]
+            self.values[name] = Foreign(class_name(kind))
+
+    def _function(self, name: str, value: Any) -> None:
+        """Take a method by its owner, which may get its name here, or a function by its own name."""
+        owner = getattr(value, "__self__", None)
+        if owner is None or isinstance(owner, ModuleType):
+            kind = Foreign if getattr(value, "__closure__", None) else Function
+            self.values[name] = kind(value.__qualname__)
+        elif id(owner) in self._names:
+            self.values[name] = Ref(self._names[id(owner)], value.__name__)
+        elif state_of(type(owner)) is None or self._in_chain:
+            self.values[name] = Foreign(value.__qualname__)
+        else:
+            self.values[name] = Made("method", (value.__name__,))
+            self._value(f"{name}.owner", owner, Time.NONE)
+
+    def _relative(self, value: Any, time: Time) -> Any:
+        return value if time is Time.NONE else _relative(value, self._now[time], time)
+
+
+def _relative(value: Any, now: int, time: Time) -> Any:
+    """Return an instant counted from now; of a tuple, the first one in it."""
+    if isinstance(value, tuple):
+        place = _first_instant(value)
+        return (*value[:place], _relative(value[place], now, time), *value[place + 1 :])
+    none = 0 if time is Time.RECORDS else NOT_YET
+    return Fixed(value) if value is None or value == none or abs(value) >= NEVER else value - now
+
+
+def _first_instant(values: tuple[Any, ...]) -> int:
+    return next(place for place, one in enumerate(values) if type(one) is int or isinstance(one, Fixed))
+
+
+def _is_plain(value: object) -> bool:
+    return isinstance(value, (*PLAIN, Enum)) or (isinstance(value, tuple) and all(map(_is_plain, value)))
+
+
+def _chained(first: Any) -> Iterator[Any]:
+    while first is not None:
+        yield first
+        first = first.following
+
+
+def _item_differences(name: str, here: Any, there: Any) -> dict[str, tuple[object, object]]:
+    """Return the items of two containers that differ where both have the same length, or else the whole."""
+    both = isinstance(here, Group) and isinstance(there, Group)
+    if not both or here.kind != there.kind or here.kind == "Random" or len(here.items) != len(there.items):
+        return {name: (here, there)}
+    pairs = enumerate(zip(here.items, there.items, strict=True))
+    return {f"{name}[{place}]": pair for place, pair in pairs if pair[0] != pair[1]}

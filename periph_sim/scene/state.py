@@ -1,0 +1,164 @@
+"""State of a scene: its modules by name go in; a snapshot comes out, or goes back into a scene of the same case.
+
+    Scene --modules_of--> {"dsp.SCI-A": socket, "SDA": wire, ...} --take--> Snapshot --restore--> Scene
+
+Measures, and what only reports read, are no part of it: budgets of a restored scene begin anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from .. import __version__
+from ..c28x.execution.registers import Operation
+from ..core.records import RECORDED, Recorder
+from ..core.restore import Finds, NotRestorable, restore
+from ..core.snapshot import Module, Snapshot, class_name, take
+from ..core.wire import Sampler
+from ..processor.image.program import ImageProgram
+from ..processor.operand import Operand
+
+if TYPE_CHECKING:
+    from ..image.model import Image
+    from ..processor.dsp import Dsp
+    from ..processor.image.cpu import ImageCpu
+    from .scene import Scene
+
+NO_PART = ("name", "about", "duration", "budget", "breaks")  # keys of a case that change no state
+DIGEST = 8  # bytes
+
+
+def state_of_scene(scene: Scene) -> Snapshot:
+    """Return the state of a scene between two runs. Wires that have not settled do so, as in the next run."""
+    scene.kernel.settle()
+    return take(modules_of(scene), scene.kernel.now, scene.recorder.number, tuple(_identity(scene)))
+
+
+def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
+    """Give a scene that has not run the state of a snapshot. NotRestorable, with nothing changed, if that fails."""
+    for name, dsp in scene.units.items():
+        if not isinstance(dsp.program, ImageProgram):
+            kind = "C sources" if scene.case.unit[name].sources else "Python firmware"
+            raise NotRestorable(f"unit {name} runs {kind}, whose state is partly on a stack that cannot be restored")
+    if scene.kernel.events or scene.kernel.now != scene.start:
+        raise NotRestorable("the scene has run already; restore the snapshot into one that has just been built")
+    for (what, there), (_, here) in zip(snapshot.identity, _identity(scene), strict=False):
+        if there != here:
+            raise NotRestorable(_mismatch(what, there, here))
+    scene.kernel.settle()
+    restore(snapshot, modules_of(scene), finds_of(scene))
+
+
+def modules_of(scene: Scene) -> dict[str, Module]:
+    """Return the parts of a scene that declare a state, by name, in the order in which they are taken and restored."""
+    keys: dict[type, Any] = {Sampler: _rank, Operand: _operand_key}
+    parts: dict[str, object] = {}
+    if scene.head is not None:
+        parts |= {"controller": scene.head.controller, "head": scene.head}
+    if scene.host is not None:
+        parts["host"] = scene.host
+    parts |= {**scene.chips, **scene.devices}
+    parts |= {f"fault {number}": fault for number, fault in enumerate(scene.faults)}
+    parts |= {f"sampler {rank}": sampler for rank, sampler in sorted(_samplers(scene).items())}
+    found = {"records": Module(scene.recorder)}
+    for name, dsp in scene.units.items():
+        found |= _unit_modules(name, dsp, dsp.clock.cycle_at(scene.kernel.now), keys)
+    found |= {name: Module(part, keys=keys) for name, part in (parts | scene.wires).items()}
+    found["kernel"] = Module(scene.kernel, keys=keys)  # last, since its events are others' by name
+    return found
+
+
+def _unit_modules(name: str, dsp: Dsp, cycle: int, keys: Mapping[type, Any]) -> dict[str, Module]:
+    parts: dict[str, object] = {name: dsp, f"{name}.clock": dsp.clock, f"{name}.processor": dsp.processor}
+    if dsp.router is not None:
+        parts[f"{name}.router"] = dsp.router
+    parts[f"{name}.program"] = program = dsp.program
+    parts |= {f"{name}.{module}": socket for module, socket in dsp.sockets.items()}
+    if isinstance(program, ImageProgram):
+        keys = {**keys, Operation: partial(_operation_key, program.cpu)}
+    return {part: Module(target, cycle, keys) for part, target in parts.items()}
+
+
+def _samplers(scene: Scene) -> dict[int, Sampler]:
+    """Return all samplers by rank, which is the order in which the scene made them."""
+    found = [listener for wire in scene.wires.values() for listener in wire.listeners()]
+    for dsp in scene.units.values():
+        found += [socket.inputs for socket in dsp.sockets.values()]
+        if dsp.router is not None:
+            found.append(dsp.router.pads)
+    return {one.rank: one for one in found if isinstance(one, Sampler)}
+
+
+# Objects that a scene finds again by a key ---------------------------------------
+
+
+def _rank(sampler: Sampler) -> tuple[object, ...]:
+    return (sampler.rank,)
+
+
+def _operand_key(operand: Operand) -> tuple[object, ...]:
+    return (operand.address, operand.words, operand.named)
+
+
+def _operation_key(cpu: ImageCpu, operation: Operation) -> tuple[object, ...] | None:
+    at = operation.address
+    return (at, cpu.word_at(at), cpu.word_at(at + 1)) if operation.place == at else None
+
+
+def finds_of(scene: Scene) -> dict[str, Finds]:
+    """Return by module, and by class, the function that finds the object of a key."""
+    samplers = _samplers(scene)
+    found: dict[str, Finds] = {}
+    for module in modules_of(scene):
+        unit = scene.units.get(module.partition(".")[0])
+        finds: dict[str, Callable[..., object]] = {class_name(Sampler): samplers.__getitem__}
+        if unit is not None:
+            finds[class_name(Operand)] = unit.processor.bus.named
+            if isinstance(unit.program, ImageProgram):
+                finds[class_name(Operation)] = unit.program.cpu.operation_of
+        found[module] = finds
+    return found
+
+
+# What a snapshot is of -----------------------------------------------------------
+
+
+def _identity(scene: Scene) -> Iterator[tuple[str, str]]:
+    yield "version", __version__
+    yield "case", scene.case.name
+    for key in scene.case.__struct_fields__:
+        if not key.startswith("_") and key not in NO_PART:
+            yield f"[{key}]", _digest(repr(getattr(scene.case, key)).encode())
+    for name, dsp in scene.units.items():
+        if isinstance(dsp.program, ImageProgram):
+            yield f"program in unit {name}", _digest_of_image(dsp.program.image)
+    yield "choice of records", _digest(repr(list(_recorded(scene.recorder))).encode())
+
+
+def _recorded(recorder: Recorder) -> Iterator[object]:
+    """Yield what is recorded of each kind, which decides on what modules keep for it."""
+    for kind in RECORDED:
+        subjects = recorder.subjects(kind)
+        yield kind.value, recorder.wants(kind), subjects if subjects is None else sorted(subjects)
+
+
+def _digest_of_image(image: Image) -> str:
+    words = [(section.address, section.run, list(section.words)) for section in image.sections]
+    return _digest(msgspec.json.encode((words, image.initial)))
+
+
+def _digest(data: bytes) -> str:
+    return blake2b(data, digest_size=DIGEST).hexdigest()
+
+
+def _mismatch(what: str, there: str, here: str) -> str:
+    if what == "version":
+        return f"the snapshot is of version {there} of periph_sim, and this is version {here}"
+    if what == "case":
+        return f"the snapshot is of case {there!r}, and the scene is of case {here!r}"
+    return f"the snapshot was taken of a scene with another {what}"

@@ -1,0 +1,318 @@
+"""Snapshots of declared state, and objects that get them back."""
+
+from __future__ import annotations
+
+import ast
+from array import array
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from random import Random
+from typing import Any, NamedTuple
+
+import pytest
+
+import periph_sim
+from periph_sim.core.chip import NEVER
+from periph_sim.core.restore import NotRestorable, restore
+from periph_sim.core.snapshot import Absent, Fixed, Foreign, Found, Function, Group, Made, Module, Ref, Snapshot, take
+from periph_sim.core.state import State, Time, state_of
+
+PACKAGE = Path(periph_sim.__file__).parent
+HERE = __name__
+
+
+class Item:
+    STATE = State("value", ticks="at", made=True)
+
+    def __init__(self, value: object, at: int = -1) -> None:
+        self.value = value
+        self.at = at
+        self.following: Item | None = None
+
+
+class Pair(NamedTuple):
+    first: object
+    second: object
+
+
+class Owner:
+    STATE = State("held call", ticks="due", cycles="since", records="cause", chains="first")
+
+    def __init__(self) -> None:
+        self.held: Any = None
+        self.call: Callable[..., object] = print
+        self.due: Any = 0
+        self.since: Any = 0
+        self.cause = 0
+        self.first: Item | None = None
+        self.wiring = object()
+        self.derived = 0
+
+    def called(self) -> None: ...
+
+    def restored(self) -> None:
+        self.derived = self.due
+
+
+class Derived(Owner):
+    STATE = State("more")
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.more = 0
+
+
+class Silent:
+    """Declares nothing."""
+
+
+def taken(owner: object, **more: object) -> Snapshot:
+    modules = {"one": Module(owner, 70), **{name: Module(other, 70) for name, other in more.items()}}
+    return take(modules, 1000, 50, ())
+
+
+def moved(snapshot: Snapshot, target: object, **more: object) -> None:
+    modules = {"one": Module(target, 0), **{name: Module(other) for name, other in more.items()}}
+    restore(snapshot, modules, {name: {} for name in modules})
+
+
+def through(held: object) -> tuple[object, Any]:
+    """Return what a snapshot has of a held value, and what another owner holds after it was restored."""
+    owner, other = Owner(), Owner()
+    owner.held = held
+    snapshot = taken(owner)
+    moved(snapshot, other)
+    return snapshot.values["one.held"], other.held
+
+
+def test_a_class_declares_together_with_its_bases():
+    state = state_of(Derived)
+    assert state is not None and not state.made
+    assert state.times["due"] is Time.TICKS and state.times["more"] is Time.NONE and state.chains == {"first"}
+    assert state_of(Silent) is None
+
+
+def test_instants_are_counted_from_now():
+    owner = Owner()
+    owner.due, owner.since, owner.cause = 1010, [65, 90], 48
+    values = taken(owner).values
+    assert (values["one.due"], values["one.since"], values["one.cause"]) == (10, Group("list", (-5, 20)), -2)
+
+
+def test_an_instant_that_is_none_stays_as_it_is():
+    for due in (NEVER, -NEVER, -1, None):
+        owner = Owner()
+        owner.due = due
+        assert taken(owner).values["one.due"] == Fixed(due)
+    assert taken(Owner()).values["one.cause"] == Fixed(0)
+    assert taken(Owner()).values["one.due"] == -1000
+
+
+def test_of_a_tuple_its_first_integer_is_the_instant():
+    owner, other = Owner(), Owner()
+    owner.due = [("A", 1200, 7), ("B", NEVER, 8)]
+    snapshot = taken(owner)
+    assert snapshot.values["one.due"] == Group("list", (("A", 200, 7), ("B", Fixed(NEVER), 8)))
+    moved(snapshot._replace(tick=3000), other)
+    assert other.due == [("A", 3200, 7), ("B", NEVER, 8)]
+
+
+def test_instants_are_restored_for_another_time():
+    owner, other = Owner(), Owner()
+    owner.due, owner.since, owner.cause = 1010, 65, 48
+    moved(taken(owner)._replace(tick=5000, number=0, cycles={"one": 700}), other)
+    assert (other.due, other.since, other.cause, other.derived) == (5010, 695, -2, 5010)
+
+
+@pytest.mark.parametrize(
+    "held",
+    [
+        [1, 2], (3, "x"), deque([1]), {2, 1}, frozenset({5}), {"a": 1}, bytearray(b"x"), b"y", array("h", [4]), 2.5,
+        Time.TICKS, Pair(1, 2), {(1, 2): [3]}, [[], [1]],
+    ],
+)  # fmt: skip
+def test_containers_of_values_come_back(held: object):
+    _, came = through(held)
+    assert came == held and type(came) is type(held)
+
+
+def test_a_random_generator_goes_on():
+    held = Random(3)
+    held.random()
+    _, came = through(held)
+    assert came is not held and came.random() == held.random()
+
+
+def test_an_object_that_is_declared_whole_is_made_again():
+    value, came = through(Item([1], 1500))
+    assert value == Made(f"{HERE}.Item") and (came.value, came.at) == ([1], 1500)
+
+
+def test_an_object_in_its_place_keeps_its_wiring():
+    owner, other = Owner(), Owner()
+    owner.held, other.held = Owner(), Owner()
+    owner.held.due = 7
+    kept, wiring = other.held, other.held.wiring
+    moved(taken(owner), other)
+    assert other.held is kept and kept.wiring is wiring and kept.due == 7
+
+
+def test_one_object_in_two_places_stays_one():
+    shared = Item(1)
+    value, came = through(Pair(shared, [shared]))
+    assert came.first is came.second[0] and came.first is not shared and isinstance(value, Made)
+
+
+def test_an_object_of_a_module_is_a_reference_to_it():
+    owner, other, part, its_part = Owner(), Owner(), Owner(), Owner()
+    owner.held = part
+    snapshot = taken(owner, part=part)
+    assert snapshot.values["one.held"] == Ref("part")
+    moved(snapshot, other, part=its_part)
+    assert other.held is its_part
+
+
+def test_methods_and_functions():
+    owner, other = Owner(), Owner()
+    owner.held = partial(owner.called, 1, word=2)
+    snapshot = taken(owner)
+    assert snapshot.values["one.held['func']"] == Ref("one", "called")
+    assert snapshot.values["one.call"] == Function("print")
+    moved(snapshot, other)
+    assert (other.held.func, other.held.args, other.held.keywords) == (other.called, (1,), {"word": 2})
+
+
+def test_the_owner_of_a_method_gets_its_name_there():
+    owner, other, part, its_part = Owner(), Owner(), Owner(), Owner()
+    owner.call, other.call = part.called, its_part.called
+    part.due = 1234
+    snapshot = taken(owner)
+    assert snapshot.values["one.call.owner.due"] == 234
+    moved(snapshot, other)
+    assert other.call == its_part.called and its_part.due == 1234
+
+
+def test_a_chain_is_linked_in_its_order():
+    owner, other = Owner(), Owner()
+    owner.first, owner.first.following = Item("a"), Item("b")  # type: ignore[union-attr]
+    other.first = Item("c")
+    snapshot = taken(owner)
+    assert snapshot.values["one.first"] == Made("chain", (0, 1)) and snapshot.values["one.first[1].value"] == "b"
+    moved(snapshot, other)
+    assert other.first.value == "a" and other.first.following is not None
+    assert other.first.following.value == "b" and other.first.following.following is None
+
+
+def test_a_place_in_a_chain_names_no_object():
+    owner = Owner()
+    owner.first = Item(Owner())
+    assert taken(owner).values["one.first[0].value"] == Foreign(f"{HERE}.Owner")
+    owner.first = Item(Owner().called)
+    assert taken(owner).values["one.first[0].value"] == Foreign("Owner.called")
+
+
+def test_what_is_found_by_a_key():
+    owner, other, silent = Owner(), Owner(), Silent()
+    owner.held = silent
+    snapshot = take({"one": Module(owner, keys={Silent: lambda found: (1, "x")})}, 0, 0, ())
+    assert snapshot.values["one.held"] == Found(f"{HERE}.Silent", (1, "x"))
+    restore(snapshot, {"one": Module(other)}, {"one": {f"{HERE}.Silent": lambda number, text: (text, number)}})
+    assert other.held == ("x", 1)
+
+
+@pytest.mark.parametrize("held", [Silent(), {Silent(): 1}, [Silent()], (lambda x: lambda: x)(1)])
+def test_what_declares_no_state_is_refused_by_its_name(held: object):
+    owner, other = Owner(), Owner()
+    owner.held, owner.due, other.held = held, 5, "as it was"
+    with pytest.raises(NotRestorable, match=r"^one\.held.* declares no state, so it cannot be restored$"):
+        moved(taken(owner), other)
+    assert (other.held, other.due, other.derived) == ("as it was", 0, 0)
+
+
+def test_an_object_that_cannot_be_made_is_refused_and_nothing_else_is_restored():
+    owner, other = Owner(), Owner()
+    owner.held, owner.due = Owner(), 5
+    with pytest.raises(NotRestorable, match=f"one.held is a {HERE}.Owner in the snapshot, and the scene has none"):
+        moved(taken(owner), other)
+    assert other.due == 0
+
+
+def test_other_modules_and_other_classes_are_refused():
+    snapshot = taken(Owner(), part=Owner())
+    with pytest.raises(NotRestorable, match="only one of the snapshot and the scene has part"):
+        moved(snapshot, Owner())
+    with pytest.raises(NotRestorable, match=r"one is a .*Owner in the snapshot and a .*Derived in the scene"):
+        moved(taken(Owner()), Derived())
+    other = Owner()
+    other.call = len
+    with pytest.raises(NotRestorable, match=r"one\.call is the function print, which the scene does not have"):
+        moved(taken(Owner()), other)
+
+
+def test_differences_name_what_differs():
+    one, other = Owner(), Owner()
+    one.held, other.held = [1, 2, 3], [1, 5, 3]
+    one.due = 9
+    del other.since
+    assert taken(one).differences(taken(other)) == {
+        "one.held[1]": (2, 5),
+        "one.due": (-991, -1000),
+        "one.since": (-70, Absent()),
+    }
+    other.held = [1]
+    assert taken(one).differences(taken(other))["one.held"] == (Group("list", (1, 2, 3)), Group("list", (1,)))
+    assert taken(one).differences(taken(one)) == {}
+
+
+def declared() -> list[tuple[str, ast.ClassDef, frozenset[str]]]:
+    """Return each class of the package that declares a state: its file, source, and the names it lists."""
+    found = []
+    for path in sorted(PACKAGE.rglob("*.py")):
+        for node in ast.parse(path.read_text()).body:
+            if not isinstance(node, ast.ClassDef):
+                continue
+            for one in node.body:
+                if not isinstance(one, ast.Assign) or ast.unparse(one.targets[0]) != "STATE":
+                    continue
+                if isinstance(one.value, ast.Call):
+                    values = [*one.value.args, *(word.value for word in one.value.keywords if word.arg != "made")]
+                    names = frozenset(name for value in values for name in ast.literal_eval(value).split())
+                    found.append((str(path.relative_to(PACKAGE)), node, names))
+    return found
+
+
+def test_each_declared_attribute_is_one_of_its_class():
+    """A name that no object has would be left out of every state without a word."""
+    sources = {path: path.read_text() for path in PACKAGE.rglob("*.py")}
+    words = {path: set(ast_names(text)) for path, text in sources.items()}
+    classes = declared()
+    assert len(classes) > 120
+    wrong: list[str] = []
+    for file, node, names in classes:
+        module = import_module(f"periph_sim.{file.removesuffix('.py').removesuffix('/__init__').replace('/', '.')}")
+        kind = getattr(module, node.name)
+        if not kind.__dictoffset__:  # compiled, or with slots: attributes that Python cannot reach are missing
+            wrong += [f"{file}: {node.name} declares {name}" for name in names if not hasattr(kind, name)]
+        bases = {base.__module__ for base in kind.__mro__}
+        known = set().union(*(words[path] for path in words if path.parent == (PACKAGE / file).parent))
+        known |= set().union(*(words[path] for path in words if module_of(path) in bases))
+        wrong += [f"{file}: {node.name} declares {name}" for name in sorted(names - known)]
+    assert wrong == []
+
+
+def module_of(path: Path) -> str:
+    return "periph_sim." + str(path.relative_to(PACKAGE))[:-3].replace("/", ".")
+
+
+def ast_names(text: str) -> set[str]:
+    """Return the names that a module assigns to `self`, or annotates in a class."""
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            found.add(node.attr)
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            found.add(node.target.id)
+    return found

@@ -1,0 +1,246 @@
+"""State of a scene: what is in it, how two of them differ, and runs that go on from a restored one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from periph_sim.core.records import RECORDED, Record
+from periph_sim.core.restore import NotRestorable, restore
+from periph_sim.core.snapshot import Absent, Foreign, Snapshot
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.scene import Scene
+from periph_sim.scene.state import finds_of, modules_of
+from tests.scene.runs import TIMING
+
+CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
+# Images, how often they are restored, and ms within which: 200 times in all. A wait of the EEPROM's is 5 ms long.
+IMAGES = {
+    "imu_hil_image": (80, 110),
+    "variants/image_blink": (20, 12),
+    "variants/image_eeprom": (30, 20),
+    "variants/image_register_slave": (30, 45),
+    "variants/image_rtc": (20, 12),
+    "variants/image_sci_echo": (20, 30),
+}
+AHEAD = 3  # instants that a restored scene is compared up to
+BLINK = Path(__file__).parents[2] / "firmware" / "c28x" / "blink.asm"
+
+
+def case_of(name: str, *changes: str) -> Case:
+    return load(TIMING / f"{name}.toml", list(changes))
+
+
+def recorded(case: Case) -> tuple[Scene, list[Record]]:
+    """Return a scene and the list that its records go to."""
+    records: list[Record] = []
+    return Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, records.append)), records
+
+
+def ms(scene: Scene, count: float) -> int:
+    """Return the tick so many milliseconds behind the start."""
+    return scene.start + int(count * scene.timebase.per_second) // 1000
+
+
+def differing(one: Snapshot, other: Snapshot) -> dict[str, tuple[object, object]]:
+    """Return the differences of two states, but for instants that are older than anything which can come of them."""
+    return {
+        name: pair
+        for name, pair in one.differences(other).items()
+        if not (name.endswith(("._wake.time", "._next.time")) or Absent() in pair)
+    }
+
+
+# Two runs ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_two_runs_of_a_case_have_equal_states(name: str):
+    case = case_of(name)
+    first, second = Scene(case), Scene(case)
+    pending: set[object] = set()
+    for at in (0, 9.1, 21):
+        for scene in (first, second):
+            scene.advance(ms(scene, at))
+        assert first.state().differences(second.state()) == {}
+        pending.update(first.state().values["kernel._first"].keys)
+    assert pending and len(first.state().values) > 300
+
+
+@pytest.mark.parametrize("name", ["imu_hil", "eeprom_log", "imu_chips", "two_dsps", "uart_logger", "imu_hil_spikes"])
+def test_the_state_does_not_depend_on_when_a_run_begins(name: str):
+    """Instants are counted from now. Those that have not come yet stay where the scene put them, before its start."""
+    states = []
+    for start in ("0 ms", "7 ms"):
+        scene = Scene(case_of(name, f"start={start}"))
+        scene.advance(ms(scene, 28.3))
+        states.append(scene.state())
+    later = states[1].tick - states[0].tick
+    for here, there in states[0].differences(states[1]).values():
+        assert isinstance(here, int) and isinstance(there, int) and here - there == later
+        assert here + states[0].tick <= 0
+
+
+def test_a_changed_byte_is_a_difference_by_name():
+    scene = Scene(case_of("imu_hil_image"))
+    scene.advance(ms(scene, 9))
+    before, ram = scene.state(), scene.units["dsp"].processor.bus.ram
+    was = ram.word(0x412)
+    ram.put(0x412, was ^ 0x5A)
+    assert before.differences(scene.state()) == {"dsp.processor.bus.ram._low[1042]": (was, was ^ 0x5A)}
+
+
+def test_taking_a_state_changes_nothing():
+    """Also in the middle of skipped bits, which are run up to there."""
+    case = case_of("imu_hil_image")
+    plain, records = recorded(case)
+    looked, looked_records = recorded(case)
+    looked.state()
+    random = Random(4)
+    for at in sorted(random.uniform(0, 31) for _ in range(40)):
+        looked.advance(ms(looked, at))
+        plain.advance(ms(plain, at))
+        looked.state()
+    assert len(records) > 2000 and looked_records == records
+
+
+# Restored scenes -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", IMAGES)
+def test_an_image_goes_on_from_random_instants_as_it_did(name: str):
+    """Records up to the third instant from there are equal, and so is the state."""
+    count, within = IMAGES[name]
+    case, random = case_of(name), Random(f"instants of {name}")
+    whole, records = recorded(case)
+    instants = sorted(random.randrange(ms(whole, within)) for _ in range(count)) + [
+        ms(whole, within + n) for n in (1, 2, 3)
+    ]
+    states, counts = [], []
+    for at in instants:
+        whole.advance(at)
+        states.append(whole.state())
+        counts.append(len(records))
+    compared = 0
+    for place in range(count):
+        scene, again = recorded(case)
+        scene.restore(states[place])
+        before = len(again)
+        assert states[place].differences(scene.state()) == {}
+        scene.advance(instants[place + AHEAD])
+        assert again[before:] == records[counts[place] : counts[place + AHEAD]]
+        assert differing(states[place + AHEAD], scene.state()) == {}
+        compared += len(again) - before
+    assert compared > 20 * count
+
+
+@pytest.mark.parametrize("name", IMAGES)
+def test_no_record_depends_on_what_is_not_declared(name: str):
+    """A scene of another seed, which has run to another instant, takes the state: all else in it is another's then."""
+    _, within = IMAGES[name]
+    random, moved = Random(f"others of {name}"), 0
+    for _ in range(6):
+        whole, records = recorded(case_of(name, "seed=1"))
+        other, other_records = recorded(case_of(name, "seed=2"))
+        at = ms(whole, random.uniform(within / 2, within))
+        whole.advance(at)
+        other.advance(ms(other, random.uniform(within / 2, within)))
+        snapshot = whole.state()
+        moved += len(snapshot.differences(other.state()))
+        restore(snapshot, modules_of(other), finds_of(other))
+        before, other_before = len(records), len(other_records)
+        for scene in (whole, other):
+            scene.advance(at + ms(whole, 25))
+        assert other_records[other_before:] == records[before:]
+    assert moved > 60
+
+
+def test_every_image_case_can_be_restored_whole():
+    for name in IMAGES:
+        scene = Scene(case_of(name))
+        scene.advance(ms(scene, 10))
+        foreign = [one for one, value in scene.state().values.items() if isinstance(value, Foreign)]
+        assert foreign == []
+
+
+# What does not fit ---------------------------------------------------------------
+
+
+def refused(scene: Scene, snapshot: Snapshot) -> str:
+    """Return why the snapshot is refused, having changed nothing in the scene."""
+    before = scene.state()
+    with pytest.raises(NotRestorable) as error:
+        scene.restore(snapshot)
+    assert before.differences(scene.state()) == {} and before.tick == scene.kernel.now
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+@pytest.fixture
+def flagship() -> Snapshot:
+    scene = Scene(case_of("imu_hil_image"))
+    scene.advance(ms(scene, 9))
+    return scene.state()
+
+
+def test_a_snapshot_of_another_case(flagship: Snapshot):
+    scene = Scene(case_of("variants/image_blink"))
+    assert refused(scene, flagship) == "the snapshot is of case 'imu_hil_image', and the scene is of case 'image_blink'"
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [("seed=2", "[seed]"), ("controller.rate=400 kHz", "[controller]"), ("unit.dsp.ppm=31", "[unit]")],
+)
+def test_a_snapshot_of_a_changed_case(flagship: Snapshot, change: str, what: str):
+    scene = Scene(case_of("imu_hil_image", change))
+    assert refused(scene, flagship) == f"the snapshot was taken of a scene with another {what}"
+
+
+def test_a_longer_run_with_other_budgets_may_go_on(flagship: Snapshot):
+    scene = Scene(case_of("imu_hil_image", "duration=1 s", "budget.0.max=200 us"))
+    scene.restore(flagship)
+    assert flagship.differences(scene.state()) == {}
+
+
+def test_a_snapshot_of_another_version(flagship: Snapshot):
+    strange = flagship._replace(identity=(("version", "0.0.9"), *flagship.identity[1:]))
+    said = refused(Scene(case_of("imu_hil_image")), strange)
+    assert said == "the snapshot is of version 0.0.9 of periph_sim, and this is version 0.1.0"
+
+
+def test_a_snapshot_of_another_program(tmp_path: Path):
+    source = tmp_path / "program.asm"
+    tables = {"dsp": {"image": str(source), "modules": ["GPIO"]}}
+    case = Case.model_validate({"name": "x", "duration": "1 ms", "unit": tables})
+    source.write_text(BLINK.read_text())
+    snapshot = Scene(case).state()
+    source.write_text(BLINK.read_text().replace("75000", "75300"))
+    assert refused(Scene(case), snapshot) == "the snapshot was taken of a scene with another program in unit dsp"
+
+
+def test_a_snapshot_of_a_scene_with_other_records(flagship: Snapshot):
+    scene, _ = recorded(case_of("imu_hil_image"))
+    assert refused(scene, flagship) == "the snapshot was taken of a scene with another choice of records"
+
+
+def test_a_scene_that_has_run(flagship: Snapshot):
+    scene = Scene(case_of("imu_hil_image"))
+    scene.advance(ms(scene, 1))
+    assert refused(scene, flagship).startswith("the scene has run already")
+
+
+@pytest.mark.parametrize(("name", "kind"), [("imu_hil", "Python firmware"), ("imu_hil_c", "C sources")])
+def test_programs_whose_place_cannot_be_restored(name: str, kind: str):
+    scene = Scene(case_of(name))
+    said = refused(scene, scene.state())
+    assert said == f"unit dsp runs {kind}, whose state is partly on a stack that cannot be restored"
+
+
+def test_what_declares_no_state_is_named(flagship: Snapshot):
+    values = flagship.values | {"dsp.SCI-A.chip._rx.fifo": Foreign("a.Queue")}
+    said = refused(Scene(case_of("imu_hil_image")), flagship._replace(values=values))
+    assert said == "dsp.SCI-A.chip._rx.fifo is a a.Queue, which declares no state, so it cannot be restored"

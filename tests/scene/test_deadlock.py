@@ -400,3 +400,15 @@ def test_a_timer_without_the_pie_may_wake_a_unit_if_it_runs(
     assert scene_with(monkeypatch, lambda dsp: sleeps(dsp, 0), [module]).run().stuck == []
     (sentence,) = scene_with(monkeypatch, lambda dsp: sleeps(dsp, 1), [module]).run().stuck
     assert sentence.endswith(f"{module} has nothing due and no wire leads there")
+
+
+@pytest.mark.parametrize("disable", [[], ["polls"]])
+def test_a_wait_with_a_time_out_is_no_deadlock_while_it_lasts(monkeypatch: pytest.MonkeyPatch, disable: list[str]):
+    def waits_20_ms_at_most(dsp: Dsp) -> None:
+        start_i2c(dsp, own_address=0x68)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CMDR.IRS = 1
+        dsp.spin(lambda: i2c.I2CSTR.AAS == 1, timeout=20 * 150_000)
+
+    result = scene_with(monkeypatch, waits_20_ms_at_most, ["I2C-A"], disable=disable).run()
+    assert result.stuck == [] and result.verdict == "not judged"

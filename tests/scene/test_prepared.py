@@ -21,9 +21,12 @@ from periph_sim import BadCase, BadRecording, FirmwareError, PreparedScene, Scen
 from periph_sim.core.examples import EXAMPLES
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
+from periph_sim.processor.dsp import Dsp
 from periph_sim.records.recording import Subscribe
+from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.plan import ScenePlan
 from tests.scene import schema_keys
+from tests.scene.runs import TIMING
 
 LENGTH = Fraction(3, 1000)
 ACCEPTED = 200  # at least, of the drawn changes
@@ -378,6 +381,17 @@ def test_run_returns_what_a_run_of_the_file_returns(folder: Path) -> None:
     for changes in ([], ["seed=5"], []):
         one, other = prepared.run(changes, seconds="2 ms"), run(file, changes, seconds="2 ms")
         assert replace(one, wall_s=0) == replace(other, wall_s=0)
+
+
+def test_firmware_is_given_as_a_function_or_as_it_was_loaded() -> None:
+    prepared, ran = PreparedScene(TIMING / "responder.toml"), []
+
+    def firmware(dsp: Dsp, settings: object) -> None:
+        ran.append(settings)
+
+    for program in (firmware, Firmware("mine", firmware, None)):
+        assert prepared.run(seconds="1 ms", programs={"dsp": program}).case == "responder"
+    assert ran == [None, None]
 
 
 def test_changes_of_all_runs_come_before_those_of_one(folder: Path) -> None:

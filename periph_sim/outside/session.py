@@ -192,9 +192,10 @@ class Session:
     # The end -----------------------------------------------------------------------
 
     def finish(self) -> Result:
-        """End the session and return its result, judged by the case's budgets."""
+        """End the session and its firmware, and return the result, judged by the case's budgets."""
         if self._result is None:
             self._result = self.scene.finish(self._now)
+            self.scene.close()
             if self._log is not None:
                 self._log.end(self._now)
         return self._result

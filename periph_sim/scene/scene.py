@@ -106,7 +106,8 @@ class Scene:
         self.wires = self.WIRES(self.kernel, self.recorder)
         self.units: dict[str, Dsp] = {}
         # What is built holds no scene: firmware that waits, whose stack no garbage collection sees, would keep it.
-        finalize(self, _let_go, self.recorder, self.units).atexit = False
+        self._close = finalize(self, _let_go, self.recorder, self.units)
+        self._close.atexit = False
         self.firmware: dict[str, Firmware] = {}  # by unit
         self.chips: dict[str, ChipOnBus] = {}
         self.devices: dict[str, DeviceOnBus] = {}
@@ -387,6 +388,13 @@ class Scene:
         run no image.
         """
         parts.restore_scene(self, snapshot)
+
+    def close(self) -> None:
+        """End the firmware where it waits, and notify no subscriber any more. The scene can be read, but not run.
+
+        A scene that is deleted does this by itself, unless one of its own subscribers refers to it.
+        """
+        self._close()
 
     def finish(self, length: int) -> Result:
         """End the run and return its result. length: ticks, cut where firmware let no time pass."""

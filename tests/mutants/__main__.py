@@ -69,7 +69,7 @@ def _options(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--room", action="append", choices=sorted(ROOMS), help="several times for several")
     parser.add_argument("--commit", default="HEAD", help="which tree to try")
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
-    parser.add_argument("--patience", type=float, default=60.0, help="seconds of processor time to kill one")
+    parser.add_argument("--patience", type=float, default=120.0, help="seconds of processor time to kill one")
     parser.add_argument(
         "--again", action="store_true", help="only those that survived in the report kept of the sample"
     )

@@ -269,6 +269,28 @@ def test_what_is_no_port_rate_or_format_is_refused(port: str, baud: int, form: s
         session.serial(port, baud, form)
 
 
+def test_one_baud_is_the_slowest_rate() -> None:
+    session, line, _ = quiet()
+    line.set(1, "8n1")
+    assert line.checked(1, "8n1")[0] == session.ticks_per_second
+
+
+def test_a_frame_begins_before_the_tick_up_to_which_it_is_fed() -> None:
+    session, line, _ = quiet()
+    line.write(b"a")
+    line.feed(session.now)
+    assert line.waiting == 1
+    line.feed(session.now + 1)
+    assert line.waiting == 0
+
+
+def test_a_break_is_no_character() -> None:
+    session, line, _ = quiet()
+    line.send_break("10 ms")
+    later(session, "20 ms")
+    assert session.finish().sci_bytes == 0
+
+
 def test_a_port_has_one_other_end_and_rx_leads_outside() -> None:
     session = Session(case("uart_logger", ("SCI-A",)), LINES)
     line = session.serial("dsp.SCI-A")

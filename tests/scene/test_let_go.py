@@ -167,3 +167,23 @@ def test_a_finally_that_never_ends_is_stopped_as_the_scene_is_deleted() -> None:
     scene.run(SOON)
     del scene
     assert begun
+
+
+def test_a_closed_scene_is_free_although_its_subscriber_refers_to_it() -> None:
+    levels: list[int] = []
+
+    def run_one() -> ref[Scene]:
+        scene = Scene(load(TIMING / "responder.toml"))
+        scene.wires["SDA"].watch(lambda tick, level: levels.append(scene.level_of("SCL")))
+        scene.run(SOON)
+        return ref(scene)
+
+    gone = run_one()
+    gc.collect()
+    scene = gone()
+    assert levels and scene is not None
+    scene.close()
+    scene.close()  # has no effect
+    del scene
+    gc.collect()
+    assert gone() is None

@@ -87,7 +87,7 @@ def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
     assert driver.receive(b"x") == b"2"  # SDA is high
     stranger.drive(1)
     session.advance(session.now + 1)
-    assert driver.receive(b"x" + WRITE + b"p") == b"3" + ACKED
+    assert driver.receive(b"x\xc0\x00" + WRITE + b"p") == b"3" + REFUSED + ACKED  # without START; no time-out any more
 
 
 def test_a_byte_that_a_held_line_cuts_off_is_a_timeout_and_no_ack() -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import time
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from weakref import ref
 
 import pytest
 
@@ -137,6 +140,29 @@ def test_a_rate_that_is_set_is_the_line_s(tmp_path: Path) -> None:
         line.baudrate = 115_200
         line.write(b"a")
         assert line.read(1) == b"b"
+
+
+def test_a_break_at_the_pace_of_a_clock_follows_the_bytes_written_before(tmp_path: Path) -> None:
+    """Its end is requested 50 ms after its beginning, which must not wait behind bytes then."""
+    log = tmp_path / "live.jsonl"
+    with port(tmp_path, f"&log={log}") as line:
+        line.write(b"\xff" * 2000)  # 174 ms
+        line.send_break(0.05)
+        line.flush()
+    rows = [row for row in map(json.loads, log.read_text().splitlines()) if isinstance(row, list)]
+    levels = [(tick, wires["RX"]) for tick, wires, *_ in rows if "RX" in wires]
+    longest = max(after - before for (before, level), (after, _) in pairwise(levels) if level == 0)
+    assert longest > 3_000_000, "a millisecond; a frame is low for a bit only"
+
+
+def test_the_scene_of_a_closed_port_is_free(tmp_path: Path) -> None:
+    line = port(tmp_path)
+    scene = ref(line._session.scene)
+    line.write(b"a")
+    line.read(1)
+    line.close()
+    gc.collect()
+    assert scene() is None and line.result.sci_bytes == 1
 
 
 def test_a_break_has_its_length_in_simulated_time(tmp_path: Path) -> None:

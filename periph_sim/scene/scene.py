@@ -384,8 +384,9 @@ class Scene:
     def restore(self, snapshot: Snapshot) -> None:
         """Continue from a snapshot of a scene of the same case, program and records. This scene must not have run.
 
-        Budgets begin anew. NotRestorable, with nothing changed, for a snapshot of another scene, and for units that
-        run no image.
+        If all units run images, budgets begin anew. Otherwise the scene runs from its start to the snapshot's time,
+        since the stack of Python firmware or C sources cannot be restored. NotRestorable, with nothing changed, for a
+        snapshot of another scene; and after such a run, if it ends in another state.
         """
         parts.restore_scene(self, snapshot)
 

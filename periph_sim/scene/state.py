@@ -1,8 +1,9 @@
-"""State of a scene: its modules by name go in; a snapshot comes out, or goes back into a scene of the same case.
+"""State of a scene: a snapshot of its modules by name, which is restored into a scene of the same case.
 
     Scene --modules_of--> {"dsp.SCI-A": socket, "SDA": wire, ...} --take--> Snapshot --restore--> Scene
 
-Measures, and what only reports read, are no part of it: budgets of a restored scene begin anew.
+Measures, and attributes that only reports read, are not part of it. Python firmware and C sources keep a part of their
+state on a stack, so their scenes are run up to the time of the snapshot, and then compared with it.
 """
 
 from __future__ import annotations
@@ -40,18 +41,27 @@ def state_of_scene(scene: Scene) -> Snapshot:
 
 
 def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
-    """Give a scene that has not run the state of a snapshot. NotRestorable, with nothing changed, if that fails."""
-    for name, dsp in scene.units.items():
-        if not isinstance(dsp.program, ImageProgram):
-            kind = "C sources" if scene.case.unit[name].sources else "Python firmware"
-            raise NotRestorable(f"unit {name} runs {kind}, whose state is partly on a stack that cannot be restored")
+    """Give a scene that has not run the state of a snapshot: of images by assignment, else by running it up to there.
+
+    NotRestorable, with nothing changed, for a snapshot of another scene; and, after the run, if that ends in another
+    state.
+    """
     if scene.kernel.events or scene.kernel.now != scene.start:
         raise NotRestorable("the scene has run already; restore the snapshot into one that has just been built")
     for (what, there), (_, here) in zip(snapshot.identity, _identity(scene), strict=False):
         if there != here:
             raise NotRestorable(_mismatch(what, there, here))
-    scene.kernel.settle()
-    restore(snapshot, modules_of(scene), finds_of(scene))
+    if all(isinstance(dsp.program, ImageProgram) for dsp in scene.units.values()):
+        scene.kernel.settle()
+        restore(snapshot, modules_of(scene), finds_of(scene))
+        return
+    scene.advance(snapshot.tick)
+    for place, (before, now) in snapshot.differences(state_of_scene(scene)).items():
+        at = scene.timebase.show(snapshot.tick - scene.start)
+        raise NotRestorable(
+            f"the scene was run to {at}, where {place} is {now} instead of {before}; its firmware or a device depends "
+            "on more than the case, or the snapshot was changed"
+        )
 
 
 def modules_of(scene: Scene) -> dict[str, Module]:

@@ -166,6 +166,41 @@ def test_every_image_case_can_be_restored_whole():
         assert foreign == []
 
 
+# Scenes of other firmware, which run up to the snapshot ---------------------------
+
+
+@pytest.mark.parametrize("name", ["imu_hil", "imu_hil_c", "eeprom_log", "two_dsps", "imu_hil_reset"])
+def test_other_firmware_goes_on_from_random_instants_as_it_did(name: str):
+    case, random = case_of(name), Random(f"instants of {name}")
+    whole, records = recorded(case)
+    instants = sorted(random.randrange(ms(whole, 60)) for _ in range(4))
+    states = []
+    for at in instants:
+        whole.advance(at)
+        states.append((whole.state(), len(records)))
+    whole.advance(ms(whole, 70))
+    for state, count in states:
+        scene, again = recorded(case)
+        scene.restore(state)
+        assert scene.kernel.now == state.tick and again == records[:count]
+        scene.advance(ms(scene, 70))
+        assert again == records and len(records) > count
+
+
+def test_a_state_that_no_run_leads_to_is_refused():
+    """Here the test has changed a word of RAM."""
+    scene = Scene(case_of("responder"))
+    scene.advance(ms(scene, 2))
+    ram = scene.units["dsp"].processor.bus.ram
+    ram.put(0x400, ram.word(0x400) ^ 1)
+    with pytest.raises(NotRestorable) as error:
+        Scene(case_of("responder")).restore(scene.state())
+    assert str(error.value) == (
+        "the scene was run to 2000.000 us, where dsp.processor.bus.ram._low[1024] is 0 instead of 1; "
+        "its firmware or a device depends on more than the case, or the snapshot was changed"
+    )
+
+
 # What does not fit ---------------------------------------------------------------
 
 
@@ -231,13 +266,6 @@ def test_a_scene_that_has_run(flagship: Snapshot):
     scene = Scene(case_of("imu_hil_image"))
     scene.advance(ms(scene, 1))
     assert refused(scene, flagship).startswith("the scene has run already")
-
-
-@pytest.mark.parametrize(("name", "kind"), [("imu_hil", "Python firmware"), ("imu_hil_c", "C sources")])
-def test_programs_whose_place_cannot_be_restored(name: str, kind: str):
-    scene = Scene(case_of(name))
-    said = refused(scene, scene.state())
-    assert said == f"unit dsp runs {kind}, whose state is partly on a stack that cannot be restored"
 
 
 def test_what_declares_no_state_is_named(flagship: Snapshot):

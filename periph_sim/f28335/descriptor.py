@@ -1,10 +1,10 @@
-"""Descriptors: what the rest of the package knows about a module of the chip.
+"""Descriptors of the chip's modules, from which the rest of the package learns about them.
 
     i2c/descriptor.py: I2C_A --+
     sci/descriptor.py: SCIS  --+--> parts/f28335.py: Part --> addresses, clocks, interrupts, pins, wires, options
 
-Units, wiring, the event language, `why`, `regs` and the schema of cases read descriptors. A new module is a folder with
-a descriptor, and its row in the data of the part.
+Units, wiring, the event language, `why`, `regs` and the schema of cases read descriptors. A new module consists of a
+folder with a descriptor and an entry in the data of the part.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from .cpu.pie_map import VECTORS
 from .gpio.pin_mux_table import FUNCTIONS
 from .system.clocks_map import PCLKCR0, PCLKCR3
 
-ARGUMENTS = frozenset(("name", "number", "options"))  # what the class of a chip may take
+ARGUMENTS = frozenset(("name", "number", "options"))  # that the class of a chip may have
 CLOCKS = ("SYSCLKOUT", "LSPCLK")
-FLASH = range(0x30_0000, 0x34_0000)  # of the F28335, which has the most
+FLASH = range(0x30_0000, 0x34_0000)  # of the F28335, the part with the most flash
 
 
 class Frame(IntEnum):
-    """Peripheral frames. They differ in wait states and in the widths of accesses (SPRS439M Table 3-5)."""
+    """Peripheral frames, which differ in wait states and widths of accesses (SPRS439M Table 3-5)."""
 
     PF0 = 0  # PIE, CPU timers: 16 and 32 bits
     PF1 = 1  # GPIO: 16 and 32 bits
@@ -45,9 +45,9 @@ class DescriptorError(ValueError):
 class Interrupt(Struct, frozen=True):
     """An interrupt of a module.
 
-    vector: its name in the PIE's table of vectors.
+    vector: name in the PIE's table of vectors.
     fields: "REGISTER.FIELD" of the flags that request it and of the bits that enable it.
-    shared: another module can request it, too.
+    shared: True if another module can also request it.
     """
 
     vector: str
@@ -58,20 +58,20 @@ class Interrupt(Struct, frozen=True):
 class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     """A module of the chip.
 
-    base, size: of its registers, in 16-bit words.
-    header: the structure that TI's C headers place at `base`, or several with their offsets.
+    base, size: address and length of its registers, in 16-bit words.
+    header: the structure that TI's C headers place at `base`, or several structures with their offsets.
     chip: the class of its chip, as "i2c.module.I2c" in this package; empty for modules that every unit has.
     takes: arguments of that class: "name", "number" (the end of the name) and "options".
-    options, options_class: the group of options that it takes, and their class, written as `chip`.
-    gate: the field of PCLKCR0 or PCLKCR3 that switches its clock; empty if nothing does.
+    options, options_class: the group of options that it uses, and their class, written like `chip`.
+    gate: the field of PCLKCR0 or PCLKCR3 that switches its clock; empty if there is none.
     input_gate: the field that switches the clock of its input paths only.
     clock: the clock that it runs on, "SYSCLKOUT" or "LSPCLK".
     interrupts: in the order of the chip's LINES.
-    inputs, outputs: signals of the multiplexer's table, in the order of the chip's pins. inputs is None if the module
-        may see any pin.
-    pins: the GPIO numbers at which TI's start-up code has its signals.
+    inputs, outputs: signals of the multiplexer's table, in the order of the chip's pins. inputs is None if any pin can
+        be an input of the module.
+    pins: the GPIO numbers to which TI's start-up code assigns its signals.
     wires: the names of its signals in a case.
-    bus: all modules of this kind are on the same wires.
+    bus: True if all modules of this kind are on the same wires.
     """
 
     name: str
@@ -125,7 +125,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
-        """Inputs and outputs, each once."""
+        """Inputs and outputs without duplicates."""
         return tuple(dict.fromkeys((*(self.inputs or ()), *self.outputs)))
 
     def build(self, options: Mapping[str, Answers]) -> Chip:
@@ -144,7 +144,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
 
 @cache
 def named_class(name: str) -> Any:
-    """Return the class of a name like "i2c.module.I2c" in this package. Its module is imported with the first use."""
+    """Return the class with a name like "i2c.module.I2c" in this package. Its module is imported on first use."""
     module, _, attribute = name.rpartition(".")
     return getattr(import_module(f"{__package__}.{module}"), attribute)
 
@@ -153,8 +153,8 @@ class Part(Struct, frozen=True, dict=True):
     """A chip of the family.
 
     modules: in the order in which they are listed to users.
-    flash: its addresses. Parts with less flash than the F28335 lack the low addresses; all else is the same.
-    part_id: what PARTID reads as.
+    flash: its addresses. Parts with less flash than the F28335 lack the low addresses; they have no other differences.
+    part_id: the value of PARTID.
     """
 
     name: str
@@ -188,7 +188,7 @@ class Part(Struct, frozen=True, dict=True):
 
     @cached_property
     def selectable(self) -> tuple[str, ...]:
-        """Names of the modules that a unit may have."""
+        """Names of the modules that a case can select for a unit."""
         return tuple(one.name for one in self.modules if one.chip)
 
     @cached_property
@@ -198,7 +198,7 @@ class Part(Struct, frozen=True, dict=True):
 
     @cached_property
     def pins(self) -> dict[str, int]:
-        """GPIO number of each signal after TI's start-up code."""
+        """GPIO number of each signal, as assigned by TI's start-up code."""
         return {signal: pin for one in self.modules for signal, pin in one.pins.items()}
 
     @cached_property

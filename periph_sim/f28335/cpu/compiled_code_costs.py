@@ -1,7 +1,7 @@
-"""What compiled C code costs beside its register accesses and computations: counts of images go in, cycles come out.
+"""Cycles of compiled C code besides its register accesses and computations.
 
 Counted in the 127 different F28335 images (COFF, TI compilers 5.2 to 22.6, 3380 functions) of eight public
-repositories, without pipeline stalls; docs/fidelity.md tells how, and shows the sequences.
+repositories, without pipeline stalls; docs/fidelity.md describes the method and shows the sequences.
 
 Source: SPRU430F chapter 6 (cycles of instructions), SPRUEO2A (FPU), SPRS439M Table 3-5 (wait states).
 """
@@ -12,17 +12,18 @@ from msgspec import Struct
 
 
 class CodeCosts(Struct, frozen=True):
-    """Cycles. The defaults are the median or the most frequent case; the comments tell the range found.
+    """Cycles. The defaults are the median or the most frequent case; the comments give the range found.
 
-    between_accesses: what runs before an access: addresses, data, tests, branches. poll_pass: a pass of a wait that
-    reads one register of peripheral frame 2. isr_prologue, isr_epilogue: what a service routine saves and restores
-    beyond the 14 words that the CPU saves by itself; IRET is not in it.
+    between_accesses: code before an access: addresses, data, tests, branches.
+    poll_pass: one pass of a loop that polls a register of peripheral frame 2.
+    isr_prologue, isr_epilogue: saving and restoring in a service routine beyond the 14 words that the CPU saves by
+        itself, without IRET.
     """
 
     between_accesses: int = 5  # quartiles 1 and 15; 0 for stores in a row
     poll_pass: int = 10  # 7 (TBIT, SBF) to 21 (a function that returns the bit)
-    isr_prologue: int = 17  # 6 in a routine that calls none to 22 where it uses all FPU registers
+    isr_prologue: int = 17  # 6 in a routine without calls to 22 with all FPU registers in use
     isr_epilogue: int = 13  # 3 to 18
 
 
-BARE = CodeCosts(between_accesses=0, isr_prologue=0, isr_epilogue=0)  # accesses and computations alone
+BARE = CodeCosts(between_accesses=0, isr_prologue=0, isr_epilogue=0)  # accesses and computations only

@@ -1,7 +1,7 @@
-"""What C28x instructions cost in SYSCLKOUT cycles, before the wait states of memory and bus.
+"""Cycles of C28x instructions in SYSCLKOUT, without the wait states of memory and bus.
 
-Source: SPRU430F chapter 6, the CYC line of each instruction, which `c28x/encodings.toml` has, too, and a test compares;
-interrupt delays as given in each comment. "Taken" and "not taken" are said where they differ.
+Source: SPRU430F chapter 6, the CYC line of each instruction, which a test compares with `c28x/encodings.toml`; for
+interrupt delays, the comment at each. "Taken" and "not taken" are given only if they differ.
 """
 
 from __future__ import annotations
@@ -45,4 +45,4 @@ RPT = 1  # RPT #n; from memory 4
 # Interrupt path
 IFR_DELAY = 4  # from a request to the CPU's IFR bit (share of the 14 cycles of `int_latency`, E2E thread)
 VECTOR_AND_SAVE = 9  # from the vector fetch to the first instruction, SPRUFB0D section 8
-PIEIER_SETTLE = 5  # after a PIEIER write until no pulse is on its way, SPRUFB0D section 8.3.2
+PIEIER_SETTLE = 5  # after a PIEIER write until no pulse is in transit, SPRUFB0D section 8.3.2

@@ -1,29 +1,29 @@
-"""The CPU's interrupt logic: request pulses and instructions in; which interrupt is taken, and when, out.
+"""The CPU's interrupt logic, which decides from request pulses and instructions which interrupt is taken and when.
 
     raise_line --IFR_DELAY--> IFR --IER, INTM--> next_taken --> enter --> vector chosen --> first ISR instruction
                                                    ^              |
                                   instruction boundary        context saved; iret takes it back
 
-The machine executes no instructions, and keeps no context: a host stores in memory what `enter` gives, and hands
-`iret` what it finds there. It calls a method at the cycle at which the instruction begins, and asks `next_taken` at
-each boundary between two instructions (RPT loops have none inside; what has reached D2 completes). A boundary at
-which an interrupt is taken is cycle b:
+This class executes no instructions and keeps no context: the processor stores the result of `enter` in memory and
+passes the words that it finds there to `iret`. It calls a method at the cycle at which the instruction begins, and
+`next_taken` at each boundary between two instructions (RPT loops contain none; an instruction that has reached D2
+completes). If an interrupt is taken at the boundary in cycle b:
 
     b                        enter(b, number): IFR bit falls, context saved, IER bit falls, ST1 changes
-    b + vector_delay         ask the PIE for the vector
+    b + vector_delay         get the vector from the PIE
     b + entry_cycles         first instruction of the service routine
 
-With the default latency a request of cycle t that finds an interruptible CPU is latched
-at t + 4, its vector chosen at t + 5, its first instruction begun at t + 14.
+With the default latency and an interruptible CPU, a request in cycle t is latched at
+t + 4, its vector is chosen at t + 5, and its first instruction begins at t + 14.
 
 Source: SPRU430F chapter 3 and the instructions' pages; SPRUFB0D section 8; SPRZ272N sections 3.1.1, 3.1.2.
 
 Chosen:
-- The way to the IFR takes IFR_DELAY for every request: from the PIE, from PIEACK opening a
-  group, from timers 1 and 2.
-- INTM changes with the start of CLRC/SETC INTM, and nothing is taken until its 2 cycles are over.
-- IDLE wakes on an interrupt that was already flagged and enabled in IER as on one that comes.
-- Real-time emulation mode is not modelled: DBGIER is only kept.
+- Every request reaches the IFR after IFR_DELAY: from the PIE, from PIEACK opening a group,
+  from timers 1 and 2.
+- INTM changes at the start of CLRC/SETC INTM; no interrupt is taken during its 2 cycles.
+- An interrupt that is already flagged and enabled in IER wakes the CPU from IDLE like a new one.
+- Real-time emulation mode is not modelled: DBGIER is only stored.
 """
 
 # core: compiled
@@ -71,22 +71,22 @@ CONTEXT = (
     ("PC low", "PC high"),
 )
 CONTEXT_WORDS = 2 * len(CONTEXT)
-CONTEXT_SP = 1 + CONTEXT_WORDS  # by how much SP rises
-ST1_WORD, IER_WORD = 8, 10  # their places among these words
+CONTEXT_SP = 1 + CONTEXT_WORDS  # the increment of SP
+ST1_WORD, IER_WORD = 8, 10  # their indices among these words
 
 
 def frame_of(sp: int) -> int:
-    """Where the first of the words goes: SP rises by 1, and 32-bit stores go to even addresses."""
+    """Return the address of the first word: SP rises by 1, and 32-bit stores go to even addresses."""
     return sp + 1 & 0xFFFE
 
 
 def int13_source(xnmicr: int) -> str:
-    """What drives INT13 for this value of XNMICR: "TINT1", or "XNMI_XINT13" with SELECT (bit 1) set (Table 123)."""
+    """Return the source of INT13 for this XNMICR: "TINT1", or "XNMI_XINT13" with SELECT (bit 1) set (Table 123)."""
     return "XNMI_XINT13" if xnmicr & 2 else "TINT1"
 
 
 class Context(NamedTuple):
-    """What an entry saves. sp, st1, ier: as they were before it."""
+    """Context that is saved when an interrupt is taken. sp, st1, ier: their values before it."""
 
     number: int
     sp: int
@@ -94,7 +94,7 @@ class Context(NamedTuple):
     ier: int
 
     def stores(self) -> tuple[tuple[int, str], ...]:
-        """(address, register) of the 14 words, in the order of the stores."""
+        """Return (address, register) for each of the 14 words, in the order of the stores."""
         words: list[tuple[int, str]] = []
         for i, (low, high) in enumerate(CONTEXT):
             even = frame_of(self.sp) + 2 * i
@@ -103,7 +103,7 @@ class Context(NamedTuple):
 
 
 class CpuInterrupts:
-    """Times are SYSCLKOUT cycles, never falling from call to call."""
+    """Interrupt logic of the CPU. Times are SYSCLKOUT cycles and never decrease from call to call."""
 
     STATE = State(
         "ifr ier dbgier st1 sp nested owes_instruction _latched _nonmaskable",
@@ -116,22 +116,22 @@ class CpuInterrupts:
 
     def __init__(self, options: SystemOptions) -> None:
         latency = options.int_latency.unrecorded() - IFR_DELAY
-        self.vector_waits = options.vector_fetch_waits.unrecorded()  # of TRAP and INTR, beside their cycles
+        self.vector_waits = options.vector_fetch_waits.unrecorded()  # of TRAP and INTR, in addition to their cycles
         self.entry_cycles = latency + self.vector_waits  # boundary to first ISR instruction
         self.vector_delay = latency - VECTOR_AND_SAVE  # boundary to vector fetch
-        self.next_wake = NEVER  # when a request on its way reaches the IFR
+        self.next_wake = NEVER  # when the next request reaches the IFR
         self.ifr = 0
         self.ier = 0
         self.dbgier = 0
         self.st1 = ST1_RESET
         self.sp = SP_RESET
         self.nested = 0  # routines entered that have not returned
-        self.ready = 0  # before this cycle no interrupt is taken
-        self.owes_instruction = False  # after IRET: one instruction first; the host then calls `instruction_done`
+        self.ready = 0  # no interrupt is taken before this cycle
+        self.owes_instruction = False  # after IRET: one instruction must complete first; see `instruction_done`
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self._options = options
-        self._coming: deque[tuple[int, int]] = deque()  # (cycle, IFR bit) of requests on their way
+        self._coming: deque[tuple[int, int]] = deque()  # (cycle, IFR bit) of requests in transit
         self._latched_at = -1
         self._latched = 0  # IFR bits that hardware set in that cycle
         self._nonmaskable = 0  # bit 0 EMUINT, bit 1 NMI: in order of priority
@@ -159,7 +159,7 @@ class CpuInterrupts:
     # Inputs from outside the CPU ------------------------------------------------
 
     def raise_line(self, now: int, number: int) -> None:
-        """A pulse on INT1 to INT14, DLOGINT, RTOSINT, EMUINT or NMI."""
+        """Accept a pulse on INT1 to INT14, DLOGINT, RTOSINT, EMUINT or NMI."""
         self._sync(now)
         if number in (EMUINT, NMI):
             self._nonmaskable |= 1 << number - EMUINT
@@ -170,14 +170,14 @@ class CpuInterrupts:
             self.next_wake = self._coming[0][0]
 
     def wrote_pieack(self, now: int) -> None:
-        """The instruction begun now writes PIEACK; only the usage note in `clrc_intm` needs to know."""
+        """Record that the instruction begun now writes PIEACK, for the usage note in `clrc_intm`."""
         self._pieack_end = now + cpu_costs.SIMPLE
 
     def wake(self, now: int) -> None:
         self._sync(now)
 
     def reset(self, now: int) -> None:
-        """Every register as after a hardware reset; nothing is pending, nothing is nested."""
+        """Set every register to its value after a hardware reset; nothing is pending or nested."""
         self.ifr = 0
         self.ier = 0
         self.dbgier = 0
@@ -195,7 +195,7 @@ class CpuInterrupts:
     # Entry and exit ---------------------------------------------------------------
 
     def next_taken(self, now: int) -> int:
-        """The number of the interrupt to take at this instruction boundary, or 0."""
+        """Return the number of the interrupt to take at this instruction boundary, or 0."""
         self._sync(now)
         if now < self.ready or self.owes_instruction:
             return 0
@@ -209,9 +209,9 @@ class CpuInterrupts:
         return (pending & -pending).bit_length()
 
     def earliest(self) -> int:
-        """The first cycle at which an interrupt can be taken as masks and requests stand now, or NEVER.
+        """Return the first cycle at which the present masks and requests allow an interrupt, or NEVER.
 
-        An instruction owed after IRET counts as one cycle, the least it takes.
+        An instruction owed after IRET counts as one cycle, its minimum.
         """
         ready = self.ready + self.owes_instruction
         if self._nonmaskable:
@@ -227,10 +227,10 @@ class CpuInterrupts:
         return NEVER
 
     def enter(self, now: int, number: int) -> Context:
-        """The context saved by taking this interrupt at boundary `now`. ValueError if `next_taken` says otherwise."""
+        """Take this interrupt at boundary `now` and return the saved context. ValueError unless `next_taken` agrees."""
         if self.next_taken(now) != number:
             raise ValueError(
-                f"interrupt {number} cannot be taken at cycle {now}; next_taken says {self.next_taken(now)}"
+                f"interrupt {number} cannot be taken at cycle {now}; next_taken returns {self.next_taken(now)}"
             )
         self._options.int_latency.assume(self.touched)
         self._options.vector_fetch_waits.assume(self.touched)
@@ -244,14 +244,14 @@ class CpuInterrupts:
         return context
 
     def trap(self, now: int, number: int) -> Context:
-        """TRAP #number, 0 to 31: into its routine whatever the masks say; IFR and IER stay."""
+        """TRAP #number, 0 to 31: enter its routine regardless of the masks; IFR and IER keep their values."""
         self._sync(now)
         if not 0 <= number < 32:
             raise ValueError(f"there is no TRAP #{number}; expected 0 to 31")
         return self.save(number, now + cpu_costs.TRAP + self._options.vector_fetch_waits.assume(self.touched))
 
     def intr(self, now: int, number: int) -> Context:
-        """INTR: as the interrupt itself, but whatever the masks say. EMUINT and NMI act as TRAP."""
+        """INTR: like the interrupt itself, but regardless of the masks. EMUINT and NMI act like TRAP."""
         self._sync(now)
         first = now + cpu_costs.INTR + self._options.vector_fetch_waits.assume(self.touched)
         if number in (EMUINT, NMI):
@@ -265,11 +265,11 @@ class CpuInterrupts:
 
     @property
     def returning_sp(self) -> int:
-        """SP as IRET would leave it: `frame_of` says where it takes the context from."""
+        """SP after an IRET at this point; `frame_of` of it is the address of the context."""
         return self.sp - CONTEXT_SP & 0xFFFF
 
     def iret(self, now: int, st1: int, ier: int) -> None:
-        """IRET begins. st1, ier: what it takes off the stack, where firmware may have put it by itself."""
+        """IRET. st1, ier: the values that it pops from the stack, where firmware may have changed them."""
         self._sync(now)
         if not self.st1 & INTM:
             text = "IRET was reached with INTM = 0; a routine that enabled interrupts must disable them before its end"
@@ -285,7 +285,7 @@ class CpuInterrupts:
             self._options.irq_after_iret.assume(self.touched)
 
     def instruction_done(self) -> None:
-        """An instruction of the interrupted code has completed; to be called where `owes_instruction` is True."""
+        """Record that an instruction of the interrupted code has completed. Call while `owes_instruction` is True."""
         self.owes_instruction = False
 
     # Instructions -------------------------------------------------------------------
@@ -298,7 +298,7 @@ class CpuInterrupts:
         if now <= self._pieack_end and self.nested:
             text = (
                 "interrupts were enabled directly after a write of PIEACK; if a nested interrupt clears PIEIER bits of "
-                "its group, line 1 of that group may come unasked. A NOP between the two prevents it"
+                "its group, line 1 of that group may interrupt without a request. A NOP between the two prevents it"
             )
             self.notes.append(Note("duty", text, "SPRZ272N section 3.1.1"))
 
@@ -309,7 +309,7 @@ class CpuInterrupts:
         self._next_boundary(now + cpu_costs.SETC_INTM)
 
     def set_eallow(self, now: int, on: bool) -> None:
-        """EALLOW, or EDIS."""
+        """EALLOW or EDIS."""
         self._sync(now)
         self.st1 = self.st1 & ~EALLOW | (EALLOW if on else 0)
         self._next_boundary(now + cpu_costs.EALLOW)
@@ -342,13 +342,16 @@ class CpuInterrupts:
         self._next_boundary(now + cpu_costs.MOV_IER_LOC16)
 
     def idle(self, now: int) -> None:
-        """IDLE: from now + cpu_costs.IDLE on the host asks `idle_ends` whenever something may have changed."""
+        """IDLE: from now + cpu_costs.IDLE on, the processor calls `idle_ends` after each possible change."""
         self._sync(now)
         self.st1 |= IDLESTAT
         self._next_boundary(now + cpu_costs.IDLE)
 
     def idle_ends(self, now: int) -> bool:
-        """Whether the CPU leaves IDLE now. At `ready` a routine (`next_taken`) or the next instruction follows."""
+        """Leave IDLE and return True if an interrupt wakes the CPU now.
+
+        At `ready`, the service routine (`next_taken`) or the next instruction follows.
+        """
         self._sync(now)
         if now < self.ready or not (self.ifr & self.ier or self._nonmaskable):
             return False
@@ -359,7 +362,7 @@ class CpuInterrupts:
     # Inside -----------------------------------------------------------------------
 
     def _sync(self, now: int) -> None:
-        """Let requests that have arrived by now into the IFR."""
+        """Set the IFR bits of requests that have arrived by now."""
         while self.next_wake <= now:
             cycle, bit = self._coming.popleft()
             if self._latched_at != cycle:

@@ -1,21 +1,21 @@
-"""Peripheral interrupt expansion: requests of 96 lines in; pulses on INT1 to INT12 and vectors out.
+"""Peripheral interrupt expansion (PIE), from the requests of 96 lines to pulses on INT1 to INT12 and vectors.
 
     request(group, line) --> PIEIFR --PIEIER--> PIEACK closed? --no--> pulse on INTx, PIEACK closes
                                ^
     vector(group) -------------+-- lowest line flagged and enabled now; its PIEIFR bit falls
 
 The PIE has no clock of its own here: everything happens in the cycle of the input that
-causes it. The delay from a request to the CPU's IFR is `CpuInterrupts`' business.
+causes it. `CpuInterrupts` models the delay from a request to the CPU's IFR.
 
 Source: SPRUFB0D sections 8.1 to 8.5.
 
 Chosen:
-- ENPIE = 0 changes the vectors only (Table 114): requests are flagged and pulsed all the
-  same. A vector from boot ROM clears no PIEIFR bit and leaves PIEVECT alone.
-- When nothing flagged is enabled at the vector fetch, line 1 counts as the line taken: its
-  PIEIFR bit falls if it was set.
-- TRAP and INTR take the vector of line 1 and clear no PIEIFR bit.
-- A request in the cycle of the vector fetch comes before it.
+- ENPIE = 0 changes the vectors only (Table 114): requests are still flagged and pulsed. A
+  vector from boot ROM does not clear a PIEIFR bit or change PIEVECT.
+- If no flagged line is enabled at the vector fetch, the CPU takes line 1, whose PIEIFR bit
+  is cleared if it was set.
+- TRAP and INTR use the vector of line 1 and clear no PIEIFR bit.
+- A request in the cycle of the vector fetch precedes it.
 """
 
 # core: compiled
@@ -47,10 +47,10 @@ PIEVECT = PIECTRL["PIEVECT"].mask
 
 @final
 class Pie(Chip):
-    """Groups are numbered 1 to 12, lines 1 to 8, as in the manual."""
+    """The PIE. Groups are numbered 1 to 12, lines 1 to 8, as in the manual."""
 
     STATE = State(
-        "pulses _as_reset _lines_held _pieack _piectrl _pieier _pieifr _seen _set_now _told_held",
+        "pulses _as_reset _lines_held _pieack _piectrl _pieier _pieifr _seen _set_now _noted_blocked",
         cycles="_set_at",
     )
     MAP = MAP
@@ -72,7 +72,7 @@ class Pie(Chip):
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self._options = options
-        self._piectrl: int  # registers: `reset` gives them their values
+        self._piectrl: int  # `reset` sets the registers
         self._pieack: int
         self._pieier: list[int]
         self._pieifr: list[int]
@@ -81,13 +81,13 @@ class Pie(Chip):
     # Inputs from peripherals and CPU -----------------------------------------
 
     def request(self, now: int, group: int, line: int) -> None:
-        """A peripheral asks once."""
+        """Latch a single request of a peripheral."""
         self._check(group, line)
         self._latch(now, group - 1, 1 << line - 1)
         self._send(group - 1)
 
     def hold(self, now: int, group: int, line: int, on: bool) -> None:
-        """A peripheral holds its line asserted, or lets go. Asserting asks; `pie_held_line` says when it asks again."""
+        """Assert or release a peripheral's line. Asserting requests once; `pie_held_line` says when it repeats."""
         self._check(group, line)
         bit = 1 << line - 1
         rose = on and not self._lines_held[group - 1] & bit
@@ -97,9 +97,9 @@ class Pie(Chip):
             self._send(group - 1)
 
     def vector(self, now: int, group: int) -> tuple[int, int]:
-        """(line, address) that the CPU takes for INTx now; the line is 0 when the vector comes from boot ROM.
+        """Return (line, address) for INTx now; the line is 0 if the vector comes from boot ROM.
 
-        Called once, at the vector fetch: it clears the PIEIFR bit of the line.
+        Call once, at the vector fetch: the call clears the PIEIFR bit of the line.
         """
         self._check(group, 1)
         if not self._piectrl & ENPIE:
@@ -115,7 +115,7 @@ class Pie(Chip):
         return line, line_vector(group, line)
 
     def trap_vector(self, now: int, number: int) -> int:
-        """The address that TRAP #number or INTR takes: for 1 to 12 that of the group's line 1."""
+        """Return the address for TRAP #number or INTR: for 1 to 12, that of the group's line 1."""
         if not 0 <= number < 32:
             raise ValueError(f"there is no vector {number}; expected 0 to 31")
         if not self._piectrl & ENPIE or number == CPU_VECTORS["RESET"]:
@@ -129,9 +129,9 @@ class Pie(Chip):
         return address
 
     def cpu_vector(self, now: int, number: int) -> int:
-        """The address for an interrupt that comes through no group: INT13, INT14 and up. ValueError for 1 to 12."""
+        """Return the address for an interrupt without a group: INT13, INT14 and up. ValueError for 1 to 12."""
         if 1 <= number <= GROUPS:
-            raise ValueError(f"INT{number} is a PIE group; ask `vector` for its line")
+            raise ValueError(f"INT{number} is a PIE group; call `vector` for its line")
         return self.trap_vector(now, number)
 
     # The chip's interface ----------------------------------------------------
@@ -140,11 +140,11 @@ class Pie(Chip):
         raise ValueError("the PIE has no input pins; its inputs are `request` and `hold`")
 
     def wake(self, now: int) -> int:
-        """Nothing here happens by itself."""
+        """Do nothing: the PIE has no timers."""
         return NOTHING
 
     def gate(self, now: int, on: bool) -> None:
-        """The PIE's clock cannot be switched off."""
+        """Do nothing: the PIE's clock cannot be switched off."""
 
     def read(self, now: int, offset: int) -> int:
         if offset & 1 and 1 <= offset // 2 <= GROUPS:
@@ -157,7 +157,7 @@ class Pie(Chip):
         return self.peek(now, offset)
 
     def peek(self, now: int, offset: int) -> int:
-        """The register's value; 0 where there is none."""
+        """Return the register's value; 0 where there is none."""
         if offset == PIECTRL.offset:
             return self._piectrl
         if offset == PIEACK.offset:
@@ -182,13 +182,13 @@ class Pie(Chip):
     def reset(self, now: int) -> None:
         self._piectrl = PIECTRL.reset
         self._pieack = self._options.pieack_reset.unrecorded()
-        self._as_reset = PIEACK["PIEACK"].mask  # the groups whose PIEACK bit is still what the reset made it
-        self._told_held = 0  # of these, the groups whose held request was noted
+        self._as_reset = PIEACK["PIEACK"].mask  # the groups whose PIEACK bit is unchanged since reset
+        self._noted_blocked = 0  # of these, the groups whose blocked request was noted
         self._pieier = [register.reset for register in PIEIER]
         self._pieifr = [register.reset for register in PIEIFR]
         self._lines_held = [0] * GROUPS
         self._set_at = [-1] * GROUPS  # cycle of the latest requests of a group
-        self._set_now = [0] * GROUPS  # the lines that asked in that cycle
+        self._set_now = [0] * GROUPS  # the lines that requested in that cycle
         self._seen = [0] * GROUPS  # PIEIFR as the CPU last read it
         self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
 
@@ -202,24 +202,24 @@ class Pie(Chip):
         self._set_now[g] |= bits
 
     def _send(self, g: int) -> None:
-        """Pulse the group's CPU line if something may go out and the group is open."""
+        """Pulse the group's CPU line if a flagged line is enabled and the group is open."""
         if not self._pieifr[g] & self._pieier[g]:
             return
         if self._as_reset >> g & 1:
             self._options.pieack_reset.assume(self.touched)
-            self._note_held(g)
+            self._note_blocked(g)
         if not self._pieack >> g & 1:
             self._pieack |= 1 << g
             self._as_reset &= ~(1 << g)
             self.pulses |= 1 << g
 
-    def _note_held(self, g: int) -> None:
-        """Once a group: nothing that firmware did closed it."""
-        if self._pieack & ~self._told_held & 1 << g:
-            self._told_held |= 1 << g
+    def _note_blocked(self, g: int) -> None:
+        """Note, once per group, that PIEACK has blocked a request since reset."""
+        if self._pieack & ~self._noted_blocked & 1 << g:
+            self._noted_blocked |= 1 << g
             text = (
-                f"request of group {g + 1} held by PIEACK as reset left it (pieack_reset = 0xfff); "
-                "nothing of the group is served before firmware writes PIEACK"
+                f"request of group {g + 1} is blocked by the reset value of PIEACK (pieack_reset = 0xfff); "
+                "no interrupt of the group is served before firmware writes PIEACK"
             )
             self.notes.append(Note("unknown", text, "SPRUFB0D Figure 85"))
 
@@ -237,7 +237,7 @@ class Pie(Chip):
         self._send(g)
 
     def _level_sensitive(self, g: int) -> bool:
-        """Whether a PIEIFR bit of this group cannot stay 0 while its line is held."""
+        """Return True if a PIEIFR bit of this group cannot stay 0 while its line is held."""
         if not self._lines_held[g]:
             return False
         return self._options.pie_held_line.assume(self.touched) == "at_vector_fetch"
@@ -255,7 +255,7 @@ class Pie(Chip):
             text = f"a write of {value:#06x} to {name} erased the requests {lost:#04x}, which firmware had not read yet"
             self.notes.append(Note("lost", text, "SPRUFB0D section 8.3.1 rule 1"))
         if cleared & self._seen[g]:
-            text = f"a write of {value:#06x} to {name} cleared flags; they are to be cleared by service only"
+            text = f"a write of {value:#06x} to {name} cleared flags; only the service of an interrupt should do so"
             self.notes.append(Note("duty", text, "SPRUFB0D section 8.3.1 rule 1"))
 
     def _fetched(self, address: int) -> None:

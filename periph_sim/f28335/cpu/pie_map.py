@@ -1,4 +1,4 @@
-"""PIE registers, vectors and line names as data.
+"""Tables of PIE registers, vectors and line names.
 
 Source: SPRUFB0D section 8, Tables 111 to 117. The PIE control registers are not
 EALLOW-protected (Table 94); the vector table is (Table 86).
@@ -25,7 +25,7 @@ PIEACK = Register(
     "PIEACK",
     0x1,
     "SPRUFB0D Figure 85, Table 115",
-    (field("PIEACK", "11:0", "R/W1C", 0xFFF, doc="bit x - 1: group x has interrupted and waits for its acknowledge"),),
+    (field("PIEACK", "11:0", "R/W1C", 0xFFF, doc="bit x - 1: group x has interrupted and waits for an acknowledge"),),
 )
 
 
@@ -35,7 +35,7 @@ def _pieier(group: int) -> Register:
 
 
 def _pieifr(group: int) -> Register:
-    bits = tuple(field(f"INTx{y}", f"{y - 1}", doc=f"1: line {y} has asked", tie=Tie.HARDWARE) for y in range(8, 0, -1))
+    bits = tuple(field(f"INTx{y}", f"{y - 1}", doc=f"1: line {y} has requested", tie=Tie.HARDWARE) for y in range(8, 0, -1))
     return Register(f"PIEIFR{group}", 2 * group + 1, "SPRUFB0D Table 116", bits, read_acts=True)
 
 
@@ -47,7 +47,7 @@ MAP = RegisterMap("PIE", "SPRUFB0D section 8", (PIECTRL, PIEACK, *PIEIER, *PIEIF
 VECTOR_TABLE = range(0x0D00, 0x0E00)  # EALLOW-protected
 BOOT_ROM_VECTORS = 0x3FFFC0
 
-# Group and line of every request the PIE multiplexes (Table 111).
+# Group and line of every request that the PIE multiplexes (Table 111).
 LINES: dict[str, tuple[int, int]] = {
     "SEQ1INT": (1, 1),
     "SEQ2INT": (1, 2),
@@ -89,7 +89,7 @@ LINES: dict[str, tuple[int, int]] = {
     "LUF": (12, 8),
 }
 
-# Vector numbers of what does not come through a group (Table 112). 1 to 12 belong to the groups.
+# Vector numbers of interrupts without a group (Table 112). 1 to 12 belong to the groups.
 CPU_VECTORS: dict[str, int] = {
     "RESET": 0,
     "INT13": 13,
@@ -104,16 +104,16 @@ CPU_VECTORS: dict[str, int] = {
 
 
 def line_vector(group: int, line: int) -> int:
-    """Address of the vector of line 1 to 8 of group 1 to 12 in the PIE's table."""
+    """Return the address of the vector of line 1 to 8 of group 1 to 12 in the PIE's table."""
     return 0x0D40 + 16 * (group - 1) + 2 * (line - 1)
 
 
 def cpu_vector(number: int) -> int:
-    """Address of vector 0 to 31 in the PIE's table; of the reset vector in boot ROM."""
+    """Return the address of vector 0 to 31: in boot ROM for the reset vector, else in the PIE's table."""
     return VECTOR_TABLE.start + 2 * number if number else BOOT_ROM_VECTORS
 
 
-# Every vector's address by the name of what causes it.
+# Address of every vector, by the name of its source.
 VECTORS: dict[str, int] = {
     **{name: cpu_vector(number) for name, number in CPU_VECTORS.items()},
     **{name: line_vector(group, line) for name, (group, line) in LINES.items()},

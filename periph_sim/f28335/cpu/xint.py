@@ -1,24 +1,24 @@
-"""External interrupts XINT1 to XINT7: qualified pin levels go in, requests and two time stamps come out.
+"""External interrupts XINT1 to XINT7, which qualified pin levels request, with two time stamps.
 
     level --> edge of the chosen polarity, if enabled --> requests
                               |
                               +--> XINTnCTR = 0, then +1 each SYSCLKOUT (XINT1, XINT2)
 
-Levels come from `Gpio` (GPIOXINTnSEL picks the pin). To spare the edges of lines nobody
-enabled, the owner brackets each write to this module:
+Levels come from `Gpio` (GPIOXINTnSEL selects the pin). To avoid processing edges of lines
+that are not enabled, the owner brackets each write to this module:
 
     xint.settle(now, gpio.xint_levels(now))
     xint.write(now, offset, value)
     gpio.watch_xints(now, xint.enabled)
 
-The counters change in every cycle: they are computed when read, and `next_wake` does not
-announce them.
+The counters change in every cycle, so they are computed when read and `next_wake` does
+not include them.
 
 Source: SPRUFB0D section 8.6, Figures 91 to 95, Tables 121 to 126.
 
 Chosen:
-- A counter runs from the moment its line is enabled, also before the first edge.
-- XNMI is not modelled: XNMICR is stored (SELECT is for whoever drives INT13), XNMICTR reads 0.
+- A counter runs from the moment its line is enabled, even before the first edge.
+- XNMI is not modelled: XNMICR is stored (SELECT is for the driver of INT13), XNMICTR reads 0.
 """
 
 from __future__ import annotations
@@ -54,14 +54,14 @@ class Xint(Chip):
         self._level = 0
         self._control = [0] * (LINES + 1)  # XINT1CR ... XINT7CR, XNMICR
         self._count = [0, 0]  # of XINT1CTR, XINT2CTR when stopped
-        self._since = [0, 0]  # cycle in which they would have been 0, when running
+        self._since = [0, 0]  # cycle at which they were, or would have been, 0, when running
 
     def settle(self, now: int, levels: int) -> None:
-        """All lines' levels (bit 0: XINT1) as they have been; no edges. Enabled lines know theirs already."""
+        """Set the levels of the lines that are not enabled (bit 0: XINT1), without edges."""
         self._level = self._level & self.enabled | levels & ~self.enabled
 
     def pins(self, now: int, levels: int) -> int:
-        """The levels on LINES; only those of enabled lines have an effect."""
+        """Set the levels on LINES; only those of enabled lines have an effect."""
         moved, self._level = (levels ^ self._level) & self.enabled, levels
         if not moved:
             return NOTHING
@@ -73,7 +73,7 @@ class Xint(Chip):
         return ALL
 
     def wake(self, now: int) -> int:
-        """Nothing happens here by itself."""
+        """Do nothing: the module has no timers."""
         return NOTHING
 
     def read(self, now: int, offset: int) -> int:
@@ -89,13 +89,13 @@ class Xint(Chip):
         if offset > XNMICR:
             return
         register = XINT.at(offset)
-        assert register is not None, "the control registers lie without a gap"
+        assert register is not None, "the control registers are contiguous"
         self._control[offset], _ = register.write(self._control[offset], value & 0xFFFF)
         enable = self._control[offset] & ENABLE.mask
         if offset == XNMICR:
             if enable:
                 self.notes.append(
-                    Note("unknown", "XNMI is enabled but not modelled: no NMI comes", "SPRUFB0D Table 122")
+                    Note("unknown", "XNMI is enabled but not modelled: no NMI will occur", "SPRUFB0D Table 122")
                 )
             return
         if offset < len(self._since):
@@ -103,7 +103,7 @@ class Xint(Chip):
         self.enabled = self.enabled & ~(1 << offset) | enable << offset
 
     def reset(self, now: int) -> None:
-        """XRS: all disabled, counters at 0. The lines' levels stay."""
+        """Reset by XRS: all lines disabled, counters at 0. The lines keep their levels."""
         self.enabled = self.requests = 0
         self._control = [0] * (LINES + 1)
         self._count = [0, 0]
@@ -116,7 +116,7 @@ class Xint(Chip):
         return now - self._since[line] & 0xFFFF if self.enabled >> line & 1 else self._count[line]
 
     def _run_counter(self, now: int, line: int, run: bool) -> None:
-        """Before `enabled` changes: a counter stops with its count, or goes on from it."""
+        """Stop a counter with its count, or let it continue from there. Call before `enabled` changes."""
         count = self._counted(now, line)
         self._count[line] = count
         self._since[line] = now - count

@@ -1,14 +1,14 @@
-"""Which signal each multiplexer value gives a pin: a table typed from the manual, no code.
+"""Table of the signals that each multiplexer value assigns to a pin, copied from the manual.
 
 FUNCTIONS[pin] holds the names for GPxMUX = 1, 2, 3; "GPIO" is the pin's own port
-function, "" a reserved value. `routes` makes routes of it.
+function, "" a reserved value. `routes` derives routes from it.
 
 Source: SPRUFB0D Tables 46 (inputs without a pin), 47 to 49 (multiplexer).
 """
 
 from __future__ import annotations
 
-# Modules that are not modelled, by the begin of their signals' names.
+# Modules that are not modelled, by the prefix of their signals' names.
 MODULES = {
     "EPWM": "ePWM",
     "TZ": "ePWM",
@@ -20,7 +20,7 @@ MODULES = {
     "X": "XINTF",
 }
 
-# What an input shows with no pin, or more than one, given to it (Table 46); all others show 1.
+# Inputs that read 0 when no pin, or more than one, is assigned to them (Table 46); all others read 1.
 IDLE_LOW = ("SPISTEA", "EPWMSYNCI")
 
 _PORT_A = """

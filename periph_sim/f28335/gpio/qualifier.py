@@ -1,4 +1,4 @@
-"""The sampling qualifier of one pin: a synchronised level goes in, the qualified level and when it changes come out.
+"""The sampling qualifier of one pin, which derives the qualified level and its changes from the synchronised level.
 
     level --> sample every `period` cycles --> `samples` equal ones in a row --> qualified
 
@@ -6,11 +6,12 @@
                           level    ___/~~~~~~~~~
                           qualified_________/~~~
 
-Lazy: it takes no samples one by one but counts, when asked, how many fell into the time
-since. `due` is the cycle at which the output will change if the level stays.
+Evaluation is lazy: samples are not taken one by one; a call counts those that fall into
+the time since the last one. `due` is the cycle at which the output will change if the
+level stays.
 
-Simply counting equal samples is what silicon does, and the erratum's pulse follows from
-it: one of n·(m - 1) + 1 cycles passes in one of n phases, though n·m was intended.
+Silicon simply counts equal samples, and the erratum's pulse follows from that: a pulse of
+n·(m - 1) + 1 cycles passes in one of n phases, although n·m was intended.
 
 Source: SPRUFB0D section 6.4.3, Tables 42 to 45, Figure 46; SPRZ272N section 3.2.
 
@@ -29,34 +30,38 @@ from typing import final
 from ...core.chip import NEVER
 from ...core.state import State
 
-DEPTH = 6  # more samples than this are never asked for
+DEPTH = 6  # the maximum number of samples that QSEL can require
 
 
 @final
 class Qualifier:
-    """level: what it starts with, as if sampled for long. origin: a cycle in which the prescaler sampled."""
+    """Qualifier of one pin.
+
+    level: the initial level, as if sampled for a long time.
+    origin: a cycle in which the prescaler sampled.
+    """
 
     STATE = State("level qualified _period _samples _sampled _run", cycles="due _origin _done", made=True)
 
     def __init__(self, now: int, level: int, period: int, samples: int, origin: int) -> None:
         self.level = level  # from the synchroniser
         self.qualified = level
-        self.due = NEVER  # when `qualified` will change, if the level stays
+        self.due = NEVER  # when `qualified` will change if the level stays
         self._period = period
         self._samples = samples
         self._origin = origin
         self._sampled = level  # the last sample
-        self._run = DEPTH  # so many last samples were equal
-        self._done = now  # samples up to and with this cycle are taken
+        self._run = DEPTH  # the number of equal samples at the end
+        self._done = now  # samples up to and including this cycle are taken
 
     def edge(self, now: int, level: int) -> None:
-        """The synchronised level is `level` from cycle `now` on (a sample in that cycle sees it)."""
+        """Set the synchronised level from cycle `now` on (a sample in that cycle sees it)."""
         self.advance(now - 1)
         self.level = level
         self._plan()
 
     def advance(self, now: int) -> None:
-        """Take all samples up to and with cycle `now`."""
+        """Take all samples up to and including cycle `now`."""
         if now <= self._done:
             return
         origin, period = self._origin, self._period
@@ -73,7 +78,7 @@ class Qualifier:
             self.due = NEVER
 
     def configure(self, now: int, period: int, samples: int, origin: int) -> None:
-        """A new period, number of samples and phase, from cycle `now` on."""
+        """Set a new period, number of samples and phase from cycle `now` on."""
         self.advance(now)
         self._period, self._samples, self._origin = period, samples, origin
         self._plan()

@@ -1,8 +1,8 @@
-"""The GPIO registers as the manual prints them, 0x6F80 to 0x6FFF: data, no code.
+"""Table of the GPIO registers as in the manual, 0x6F80 to 0x6FFF.
 
 Ports A (GPIO0-31), B (32-63) and C (64-87). Control registers are 32 bits wide and
-EALLOW-protected, data registers 32 bits wide and open; the interrupt selects are 16
-bits wide. The bus reaches a 32-bit register as two words, the low one at the even offset.
+EALLOW-protected, data registers 32 bits wide and unprotected; the interrupt selects are
+16 bits wide. The bus accesses a 32-bit register as two words, the low one at the even offset.
 
 Names are those of C2000Ware's DSP2833x_Gpio.h. Source: SPRUFB0D sections 6.2, 6.3
 and 6.6 (Tables 39 to 41, Figures 47 to 72).
@@ -21,19 +21,19 @@ PORT_OF = {"A": range(32), "B": range(32, 64), "C": range(64, 88)}
 CTRL, QSEL1, QSEL2, MUX1, MUX2, DIR, PUD = 0x0, 0x2, 0x4, 0x6, 0x8, 0xA, 0xC
 DAT, SET, CLEAR, TOGGLE = 0x0, 0x2, 0x4, 0x6
 CONTROL_WORDS, DATA_WORDS = 0x10, 0x08
-DATA = 0x40  # where port A's data block begins
+DATA = 0x40  # the offset of port A's data block
 SELECT = 0x60  # GPIOXINT1SEL
 XINT_SELECTS = (0x60, 0x61, 0x63, 0x64, 0x65, 0x66, 0x67)  # GPIOXINT1SEL ... GPIOXINT7SEL
-XINT_FIRST_PIN = (0, 0, 32, 32, 32, 32, 32)  # what a select of 0 means for XINT1 ... XINT7
+XINT_FIRST_PIN = (0, 0, 32, 32, 32, 32, 32)  # the pin that a select of 0 means for XINT1 ... XINT7
 
 
 def _bits(pins: range, access: str = "R/W", reset: int = 0) -> tuple[Field, ...]:
-    """One bit a pin, from bit 0 on; `reset` is the whole register's value."""
+    """Return one bit per pin, from bit 0 on; `reset` is the value of the whole register."""
     return tuple(field(f"GPIO{pin}", f"{i}", access, reset >> i & 1) for i, pin in enumerate(pins))
 
 
 def _pairs(pins: range) -> tuple[Field, ...]:
-    """Two bits a pin, from bits 1:0 on."""
+    """Return two bits per pin, from bits 1:0 on."""
     return tuple(field(f"GPIO{pin}", f"{2 * i + 1}:{2 * i}") for i, pin in enumerate(pins))
 
 

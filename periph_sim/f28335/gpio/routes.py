@@ -1,4 +1,4 @@
-"""From multiplexer values to routes: which pin feeds each input signal, which pins each output drives.
+"""Routes derived from multiplexer values: the pin that feeds each input signal, the pins that each output drives.
 
     mux value of every pin  -->  Routes: source, sink, and the pins as bit masks
 
@@ -20,17 +20,17 @@ OUTPUTS = tuple(signal for module in PART.modules for signal in module.outputs)
 
 
 def function(pin: int, mux: int) -> str:
-    """What GPxMUX = `mux` makes of the pin: "GPIO", a signal, or "" for a reserved value."""
+    """Return the function of the pin with GPxMUX = `mux`: "GPIO", a signal, or "" for a reserved value."""
     return FUNCTIONS[pin][mux - 1] if mux else "GPIO"
 
 
 def idle_level(signal: str) -> int:
-    """What an input shows when no pin, or more than one, is given to it (Table 46)."""
+    """Return the level of an input when no pin, or more than one, is assigned to it (Table 46)."""
     return 0 if signal in IDLE_LOW else 1
 
 
 class Routes:
-    """mux: one value 0 to 3 for each of the 88 pins."""
+    """Routes of all pins. mux: one value 0 to 3 for each of the 88 pins."""
 
     def __init__(self, mux: Sequence[int]) -> None:
         self.source: dict[str, int | None] = {}
@@ -58,30 +58,30 @@ class Routes:
         self.outputs = sum(1 << pin for pins in self.sink.values() for pin in pins)  # mask: pins a module drives
 
     def level(self, signal: str, shown: int) -> int:
-        """What an input signal shows with these levels at the pins, behind their qualifiers."""
+        """Return the level of an input signal for these levels of the pins, after their qualifiers."""
         pin = self.source[signal]
         return idle_level(signal) if pin is None else shown >> pin & 1
 
 
 @lru_cache(maxsize=256)
 def routes_of(mux: tuple[int, ...]) -> Routes:
-    """The routes of these multiplexer values; the same for every unit and scene that sets its pins so."""
+    """Return the routes for these multiplexer values, which units and scenes share."""
     return Routes(mux)
 
 
 def note_for(pin: int, mux: int) -> Note | None:
-    """What to tell when a pin is given to a reserved value or to a module that is not modelled."""
+    """Return a note if a pin is set to a reserved value or assigned to a module that is not modelled."""
     name = function(pin, mux)
     if name == "GPIO" or name in INPUTS or name in OUTPUTS:
         return None
     if not name:
-        text = f"GPIO{pin} is multiplexed to the reserved value {mux}; choose a value the table names"
+        text = f"GPIO{pin} is multiplexed to the reserved value {mux}; choose a value from the table"
         return Note("duty", text, "SPRUFB0D section 6.5, note")
-    text = f"GPIO{pin} is given to {name}, which is not modelled: the pin stays high-impedance"
-    joint = f"pins are given to {module_of(name)}, which is not modelled, and stay high-impedance"
+    text = f"GPIO{pin} is assigned to {name}, which is not modelled: the pin stays high-impedance"
+    joint = f"pins are assigned to {module_of(name)}, which is not modelled, and stay high-impedance"
     return Note("unknown", text, "SPRUFB0D Tables 47 to 49", joint, f"GPIO{pin} ({name})")
 
 
 def module_of(signal: str) -> str:
-    """The module of a signal of the pin table, as the manual calls it."""
+    """Return the module of a signal of the pin table, with its name in the manual."""
     return next(module for prefix, module in MODULES.items() if signal.startswith(prefix))

@@ -1,6 +1,6 @@
-"""What the GPIO control registers say: MUX, QSEL and CTRL go in; routes, samplers' settings, and notes come out.
+"""Settings of the GPIO control registers: routes, samplers and notes derived from MUX, QSEL and CTRL.
 
-    stored --2 cycles--> active --take_over--> routes, select, periods
+    stored --2 cycles--> active --activate--> routes, select, periods
 
 Source: SPRUFB0D sections 6.4 to 6.6, Tables 42 to 49.
 """
@@ -19,13 +19,13 @@ from .register_map import PINS
 from .routes import Routes, idle_level, note_for, routes_of
 
 ALL = (1 << PINS) - 1
-SYNCHRONISED_ONLY = 64  # from this pin on: port C has no QSEL
+SYNCHRONISED_ONLY = 64  # this pin and all above: port C has no QSEL
 GROUPS = 8  # of eight pins that share a sampling period
 DIRECTIONS = tuple(at.GPIO[f"GP{port}DIR"].offset for port in "ABC")
 PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")
 CONTROLS = tuple(at.GPIO[f"GP{port}CTRL"].offset for port in "AB")
 
-STEADY = tuple(  # all but GPxDAT, where pads are read
+STEADY = tuple(  # all but GPxDAT, which shows the pads
     register.offset + word
     for register in at.GPIO
     for word in range(register.width // 16)
@@ -34,7 +34,7 @@ STEADY = tuple(  # all but GPxDAT, where pads are read
 
 
 def _pairs(name: str, pins: int) -> tuple[tuple[int, int], ...]:
-    """Where the two bits of each pin are in GPxMUXn or GPxQSELn: the register's offset, and their place in it."""
+    """Return (register offset, shift) of the two bits of each pin in GPxMUXn or GPxQSELn."""
     places = ((port, half, i) for port in "ABC" for half in (1, 2) for i in range(16))
     first = list(places)[:pins]
     return tuple((at.GPIO[f"GP{port}{name}{half}"].offset, 2 * i) for port, half, i in first)
@@ -43,15 +43,17 @@ def _pairs(name: str, pins: int) -> tuple[tuple[int, int], ...]:
 MUX = _pairs("MUX", PINS)
 SELECT = _pairs("QSEL", SYNCHRONISED_ONLY)
 CONFIGURED = tuple(dict.fromkeys(offset for offset, _ in MUX + SELECT))  # the registers of both
-SAMPLES = {1: 3, 2: 6}  # QSEL: how many equal samples
+SAMPLES = {1: 3, 2: 6}  # QSEL: the required number of equal samples
 ASYNCHRONOUS = 3  # QSEL
 AT_RESET = {register.offset: register.reset for register in at.GPIO}
 
 
 class PinSettings:  # core: python
-    """What MUX and QSEL say: the values of CONFIGURED go in. mux: of each pin, 0 to 3.
+    """Settings of all pins, from the values of the registers in CONFIGURED.
 
-    sampled: (pin, samples) of those that a sampler qualifies. asynchronous: mask of those that nothing does.
+    mux: the multiplexer value of each pin, 0 to 3.
+    sampled: (pin, samples) for each pin with a sampling qualifier.
+    asynchronous: mask of the pins without synchronisation and qualification.
     """
 
     def __init__(self, values: tuple[int, ...]) -> None:
@@ -63,19 +65,19 @@ class PinSettings:  # core: python
         self.asynchronous = sum(1 << pin for pin, each in enumerate(select) if each == ASYNCHRONOUS)
         self._notes = [(pin, note) for pin, each in enumerate(self.mux) if (note := note_for(pin, each)) is not None]
 
-    def notes_behind(self, before: tuple[int, ...]) -> list[Note]:
-        """What to tell of pins that were given to something else before."""
+    def new_notes(self, before: tuple[int, ...]) -> list[Note]:
+        """Return the notes on pins whose multiplexer value has changed."""
         return [note for pin, note in self._notes if before[pin] != self.mux[pin]]
 
 
-@lru_cache(maxsize=256)  # firmware sets its pins alike in each scene, step by step
+@lru_cache(maxsize=256)  # firmware sets its pins in the same steps in each scene
 def pin_settings_of(values: tuple[int, ...]) -> PinSettings:
-    """The same for every unit and scene that sets its pins so."""
+    """Return the settings for these register values, which units and scenes share."""
     return PinSettings(values)
 
 
 class GpioSettings(Chip):
-    """Registers by their offsets: what a read shows, and what of them acts."""
+    """Registers by their offsets: their stored values and the values in effect."""
 
     STATE = State("_stored _active _periods", cycles="_origins")
     MAP = at.GPIO
@@ -93,39 +95,39 @@ class GpioSettings(Chip):
         self._routes = self._settings.routes
 
     def reset_registers(self) -> None:
-        """XRS; `take_over` makes it act."""
+        """Set all registers to their reset values; `activate` puts them into effect."""
         self.writes += 1
-        self._stored = dict(AT_RESET)  # what a read shows
-        self._active = dict(AT_RESET)  # the same of those that act with a delay
+        self._stored = dict(AT_RESET)  # the values that a read returns
+        self._active = dict(AT_RESET)  # the values in effect, for registers that act with a delay
 
     def restart_sampling(self, now: int) -> None:
-        """XRS: every cycle is a sample."""
-        self._periods = [1] * GROUPS  # sampling period of each eight pins
-        self._origins = [now] * GROUPS  # and a cycle in which they were sampled
+        """Sample in every cycle, as after XRS."""
+        self._periods = [1] * GROUPS  # sampling period of each group of eight pins
+        self._origins = [now] * GROUPS  # and a cycle in which the group was sampled
 
     def restored(self) -> None:
-        """The registers have been restored: derive from them what acts."""
+        """Derive the settings from the restored registers."""
         self._settings = pin_settings_of(tuple([self._active[offset] for offset in CONFIGURED]))
         self._routes = self._settings.routes
 
-    def take_over(self, now: int) -> None:
-        """What is active acts from now on."""
+    def activate(self, now: int) -> None:
+        """Apply the active values at `now`."""
         active = self._active
         before, self._settings = self._settings, pin_settings_of(tuple([active[offset] for offset in CONFIGURED]))
         if self._settings.mux != before.mux:
             self._routes = self._settings.routes
-            self.notes += self._settings.notes_behind(before.mux)
+            self.notes += self._settings.new_notes(before.mux)
             self._note_crowded(before.routes.crowded)
-        self._take_periods(now)
+        self._apply_periods(now)
 
     def _note_crowded(self, before: dict[str, tuple[int, ...]]) -> None:
         for signal, pins in self._routes.crowded.items():
             if before.get(signal) != pins:
                 names = " and ".join(f"GPIO{pin}" for pin in pins)
-                text = f"{names} are all given to {signal}, so it is a constant {idle_level(signal)}; give it one pin"
+                text = f"{names} are all assigned to {signal}, so it is a constant {idle_level(signal)}; assign one pin"
                 self.notes.append(Note("duty", text, "SPRUFB0D section 6.5, Table 46"))
 
-    def _take_periods(self, now: int) -> None:
+    def _apply_periods(self, now: int) -> None:
         port: int
         for port, offset in enumerate(CONTROLS):
             control: int = self._active[offset]
@@ -135,7 +137,7 @@ class GpioSettings(Chip):
                 self._origins[4 * port : 4 * port + 4] = [now] * 4
 
     def _ports(self, offsets: tuple[int, ...]) -> BigInt:
-        """One mask of all pins from a register of each port."""
+        """Combine one register per port into a mask of all pins."""
         pins = 0
         i: int
         for i, offset in enumerate(offsets):

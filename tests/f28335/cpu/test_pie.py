@@ -200,7 +200,7 @@ def test_request_that_reset_holds_is_noted_once_for_each_group():
     chip.request(2, 8, 2)
     chip.request(3, 8, 2)
     assert [(note.code, note.text.partition(";")[0]) for note in chip.notes] == [
-        ("unknown", "request of group 8 held by PIEACK as reset left it (pieack_reset = 0xfff)")
+        ("unknown", "request of group 8 is blocked by the reset value of PIEACK (pieack_reset = 0xfff)")
     ]
     chip.write(4, PIEACK.offset, 1 << 7)
     chip.request(5, 8, 2)  # held by an acknowledge that is missing: firmware's own doing

@@ -477,7 +477,7 @@ def test_a_pin_given_to_a_module_that_is_not_modelled_floats(pin, mux, name):
     settled(rig)
     assert rig.pad(pin) == FLOATING
     assert [note.code for note in rig.gpio.notes] == ["unknown"]
-    assert f"GPIO{pin} is given to {name}," in rig.gpio.notes[0].text
+    assert f"GPIO{pin} is assigned to {name}," in rig.gpio.notes[0].text
 
 
 @pytest.mark.rule("SYS-049")
@@ -1067,5 +1067,5 @@ def test_a_pin_that_does_not_exist():
 def test_edges_told_out_of_order():
     rig = Rig()
     rig.pin(5, 12, 0)
-    with pytest.raises(ValueError, match="tell edges in their order"):
+    with pytest.raises(ValueError, match="report edges in order"):
         rig.pin(5, 13, 0, exact=False)

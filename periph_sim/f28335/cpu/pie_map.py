@@ -35,7 +35,7 @@ def _pieier(group: int) -> Register:
 
 
 def _pieifr(group: int) -> Register:
-    bits = tuple(field(f"INTx{y}", f"{y - 1}", doc=f"1: line {y} has requested", tie=Tie.HARDWARE) for y in range(8, 0, -1))
+    bits = tuple(field(f"INTx{y}", f"{y - 1}", doc=f"1: line {y} pending", tie=Tie.HARDWARE) for y in range(8, 0, -1))
     return Register(f"PIEIFR{group}", 2 * group + 1, "SPRUFB0D Table 116", bits, read_acts=True)
 
 

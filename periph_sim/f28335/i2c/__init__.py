@@ -1,1 +1,1 @@
-"""The I2C module (SPRUG03B), a file a chapter."""
+"""The I2C module (SPRUG03B)."""

@@ -1,4 +1,4 @@
-"""Whose address is on the bus: address bytes and I2COAR go in; whether this module is meant, and to do what, comes out.
+"""Recognition of the module's own address: compares address bytes with I2COAR.
 
     7-bit     AAAAAAA r/w
     10-bit    11110AA w   AAAAAAAA   [Sr  11110AA r]
@@ -22,7 +22,11 @@ TEN_BIT = 0b11110
 
 @final
 class I2cAddress:
-    """read: the byte looked at last asks us to send. selected: a 10-bit address matched in full in this transfer."""
+    """Recognizer of the own address.
+
+    read: the last byte compared requests data from this module.
+    selected: a 10-bit address has matched in full in this transfer.
+    """
 
     STATE = State("read selected _latched")
 
@@ -33,17 +37,17 @@ class I2cAddress:
         self._latched = 0
 
     def latch(self) -> None:
-        """I2COAR as it is now counts where it is not live (`oar_latch`)."""
+        """Latch the present I2COAR, for the values of `oar_latch` other than "live"."""
         self._latched = self._state.oar
 
     def start(self) -> None:
-        """A START has come."""
+        """Latch I2COAR if `oar_latch` does so at a START."""
         state = self._state
         if state.oar != self._latched and state.options.oar_latch.assume(state.touched) == "at_start":
             self.latch()
 
     def is_ours(self, byte: int, second: bool) -> bool:
-        """second: the byte with the lower eight of ten bits. Sets `read`."""
+        """Return True if the byte addresses this module; set `read`. second: the byte has the lower 8 of 10 bits."""
         state, options = self._state, self._state.options
         own = state.oar
         if own != self._latched and options.oar_latch.assume(state.touched) != "live":
@@ -66,12 +70,12 @@ class I2cAddress:
         return byte >> 1 == own & 0x7F
 
     def is_answered_by_master(self, byte: int, second: bool) -> bool:
-        """Whether the module, being master, acknowledges this byte: a general call of its own, if anything."""
+        """Return True if the module acknowledges this byte as the master that sent it: only ever a general call."""
         if byte != GENERAL_CALL or second:
             return False
         self.read = False
         return self._state.options.own_general_call.assume(self._state.touched) == "answered"
 
     def is_whole(self, byte: int, second: bool) -> bool:
-        """False for the first byte of a 10-bit address, which sets no flag yet."""
+        """Return False for the first byte of a 10-bit address, which does not set flags yet."""
         return not self._state.mdr & MDR_XA or second or self.read or byte == GENERAL_CALL

@@ -1,9 +1,9 @@
-"""The I2C master's part in skipped bits: the state in which seven bits of a byte have passed, or none of them.
+"""Bit skipping in the I2C master: its state after seven bits of a byte, or none.
 
     SCL, released at the output  __|~~|__|~~|_ ... _|~~|_      cycles: `release` + n (low + high)
                                    ^ bit position 0      ^ 7: the module wakes to release SCL for the eighth bit
 
-`bus.i2c.bit_skip` says when bits are skipped, and why that is unobservable.
+`bus.i2c.bit_skip` describes when bits are skipped, and why that is unobservable.
 """
 
 # core: compiled
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from ...core.chip import NEVER
 from .clock import FALL, NO_STEP, RELEASE
-from .master_receiver import NO_BYTE, TAKE
+from .master_receiver import NO_BYTE, RECEIVE
 from .master_transmitter import I2cMasterTransmitter
 from .register_map import SCL
 
@@ -47,18 +47,18 @@ class I2cMasterBitSkip(I2cMasterTransmitter):
 
     def byte(self) -> int:
         """Return the byte that the master puts on SDA; 0xFF where it receives."""
-        return ONES if self._kind == TAKE else self._byte
+        return ONES if self._kind == RECEIVE else self._byte
 
     def keeps_bus(self, shown: int) -> bool:
         """Return True if the master does not lose arbitration when the bus shows this byte."""
-        return self._kind == TAKE or shown == self._byte
+        return self._kind == RECEIVE or shown == self._byte
 
     def begin_skip(self, delay: int) -> None:
         """Remember the state in which SCL was just released for the first bit. delay: cycles from output to pin."""
         late = self.state.options.scl_sync_cycles.assume(self.state.touched) * self.state.tm if delay else 0
         self.skip_low, self.skip_high, self._skip_delay = self.low(), delay + late + self.high(), delay
         self._in_before, self._sampled_before = self._in, self._sampled
-        self.skip_fell, self._rose_before, self.skip_release = self._low_from, self._rose_at, self._let_go_at
+        self.skip_fell, self._rose_before, self.skip_release = self._low_from, self._rose_at, self._released_at
 
     def set_bit_position(self, shown: int, bit: int) -> None:
         """Take the state in which `bit` bits, 0 or 7, of the byte `shown` have passed."""
@@ -69,14 +69,14 @@ class I2cMasterBitSkip(I2cMasterTransmitter):
             self.pulls |= SCL
             self._waits_for_rise = False
             self._in, self._sampled = (self._in_before & 1) << SKIPPED_BITS | shown >> 1, shown >> 1 & 1
-            self._let_go_at = self.skip_release + (SKIPPED_BITS - 1) * period
-            self._rose_at = self._let_go_at + self._skip_delay
+            self._released_at = self.skip_release + (SKIPPED_BITS - 1) * period
+            self._rose_at = self._released_at + self._skip_delay
             self._at(self.skip_release + SKIPPED_BITS * period, RELEASE)
             self._low_from = self.due - self.skip_low
         else:
             self.pulls &= ~SCL
             self._waits_for_rise = True
             self._in, self._sampled = self._in_before, self._sampled_before
-            self._let_go_at, self._rose_at = self.skip_release, self._rose_before
+            self._released_at, self._rose_at = self.skip_release, self._rose_before
             self._low_from = self.skip_fell
             self._at(NEVER, NO_STEP)

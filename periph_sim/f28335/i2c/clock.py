@@ -1,10 +1,11 @@
-"""The I2C master's clock generator: SCL as it really is goes in; when SCL falls and is let go comes out.
+"""The I2C master's clock generator: times falls and releases of SCL, synchronized with the actual level of the line.
 
-    SCL low --low()--> let go --others may hold it--> rises --high()--> `_after_high`: the next fall, or a condition
+    SCL low --low()--> released --others may hold it--> rises --high()--> `_after_high`: the next fall, or a condition
 
-What comes next is a step with its cycle: the clock's own are RELEASE and CONDITION, the others the master's.
+The next action is a step with its cycle: RELEASE and CONDITION belong to the clock, the others to the master.
 
-A low that others lengthen delays the high phase, a low that others begin starts ours at once (`fell`, in the master).
+A low phase that others lengthen delays the high phase; one that others begin starts ours at once (`fell`, in the
+master).
 Source: SPRUG03B sections 2.3, 5.7, Table 15.
 """
 
@@ -17,35 +18,41 @@ from ...core.state import State
 from .register_map import SCL, SDA
 from .registers import I2cRegisters
 
-# A step: nothing; SCL is let go; SDA gets the level of the condition to come, or of a bit; SCL falls; a START and its
-# end; a STOP; a repeated START.
+# Steps: nothing; release SCL; set SDA for the next condition, or for a bit; SCL falls; a START and its end; a STOP; a
+# repeated START.
 NO_STEP, RELEASE, CONDITION, SET_SDA, FALL, START, STARTED, STOP, RESTART = range(9)
 
-# Why SCL is held low, or, after a NACK, not: a command, a byte to send, or room for one that came has to come first.
-HELD_FOR_NOTHING, HELD_FOR_COMMAND, HELD_FOR_DATA, HELD_FOR_ROOM, LET_GO = range(5)
+# Reasons to hold SCL low: none; waits for a command, a byte to send, or room for a received byte. After a NACK, SCL may
+# instead be left high until a command.
+HELD_FOR_NOTHING, HELD_FOR_COMMAND, HELD_FOR_DATA, HELD_FOR_ROOM, LEFT_HIGH = range(5)
 
 
 class I2cClock:
-    """pulls: mask of the lines held low. due: when `_step` comes, or NEVER. lines: as they are, before the filter."""
+    """Clock generator of the master.
+
+    pulls: mask of the lines held low.
+    due: the cycle of `_step`, or NEVER.
+    lines: levels before the filter.
+    """
 
     STATE = State(
         "lines frozen halting active pulls _condition_sda _step _after_high _waits_for_rise _high_phase _holds _driven",
-        cycles="due _let_go_at _low_from _rose_at",
+        cycles="due _released_at _low_from _rose_at",
     )
 
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state
         self.lines = SCL | SDA
-        self.frozen = False  # a debugger halt took hold
+        self.frozen = False  # a debugger halt is in effect
         self.halting = False  # a debugger halt waits for SCL to be low
-        self._let_go_at = 0
+        self._released_at = 0
         self._low_from = 0
         self._rose_at = 0
         self._condition_sda = 1  # SDA while SCL rises for a STOP (0) or repeated START (1)
-        self.let_go()
+        self.release_lines()
 
-    def let_go(self) -> None:
-        """Both lines are released, nothing is to come."""
+    def release_lines(self) -> None:
+        """Release both lines and cancel the next step."""
         self.active = False
         self.pulls = 0
         self.due = NEVER
@@ -59,11 +66,11 @@ class I2cClock:
         return max(5, 8 - self.state.tm)  # Table 15: 7, 6, 5 for IPSC 0, 1, more
 
     def low(self) -> int:
-        """SCL low time in cycles."""
+        """Return the SCL low time in cycles."""
         return self.state.tm * (self.state.clkl + self._d())
 
     def high(self) -> int:
-        """SCL high time in cycles."""
+        """Return the SCL high time in cycles."""
         return self.state.tm * (self.state.clkh + self._d())
 
     def _at(self, now: int, step: int) -> None:
@@ -77,7 +84,7 @@ class I2cClock:
             self.pulls |= SDA
 
     def _release_after_low(self, now: int) -> None:
-        """SDA has its level: SCL is let go after the low time, or the setup time where it was held for that level."""
+        """Release SCL after the low time, or after the setup time if SCL was held until SDA had its level."""
         state = self.state
         over = self._low_from + self.low()
         if now > self._low_from + state.tm + state.filter_width:
@@ -88,12 +95,12 @@ class I2cClock:
         if self.frozen:
             return
         self.pulls &= ~SCL
-        self._let_go_at = now
+        self._released_at = now
         self._waits_for_rise = True
         self.due = NEVER
 
-    def hear(self, now: int, lines: int) -> None:
-        """The lines as they really are: a rise of SCL that was waited for begins our high phase."""
+    def lines_changed(self, now: int, lines: int) -> None:
+        """Set the actual levels of the lines; an expected rise of SCL begins our high phase."""
         moved, self.lines = lines ^ self.lines, lines
         if not self.active or not moved & SCL:
             return
@@ -110,7 +117,7 @@ class I2cClock:
         self._high_phase = True
         self._rose_at = now
         late: int = 0
-        if now > self._let_go_at:
+        if now > self._released_at:
             late = self.state.options.scl_sync_cycles.assume(self.state.touched) * self.state.tm
         self._at(now + late + self.high(), self._after_high)
 
@@ -122,7 +129,7 @@ class I2cClock:
             self.halting, self.frozen = False, True
 
     def _begin_condition(self, now: int, sda: int, then: int) -> None:
-        """SCL is low: SDA to `sda`, SCL let go after the low time, the step `then` one high time after it rose."""
+        """Prepare a condition while SCL is low: set SDA, release SCL, and do `then` one high time after its rise."""
         self._holds = HELD_FOR_NOTHING
         self._after_high = then
         self._condition_sda = sda

@@ -1,11 +1,11 @@
-"""The FIFOs of the I2C module: words and register writes go in; levels, their flags and requests on I2CINT2A come out.
+"""The FIFOs of the I2C module, with their level flags and requests on I2CINT2A.
 
     I2CFFTX, I2CFFRX --> TXFFINT where TXFFST <= TXFFIL, RXFFINT where RXFFST >= RXFFIL --enabled--> I2CINT2A
 
 Source: SPRUG03B sections 5.11 and 5.12, Tables 21, 22.
 
 Chosen:
-- In FIFO mode XRDY says that the TX FIFO has room, RRDY that the RX FIFO holds something.
+- In FIFO mode XRDY = 1 if the TX FIFO has room, RRDY = 1 if the RX FIFO is not empty.
 """
 
 # core: compiled
@@ -30,14 +30,14 @@ INT2 = 2
 
 
 class I2cFifos(I2cInterrupts):
-    """fftx, ffrx: what is stored of I2CFFTX and I2CFFRX."""
+    """FIFOs of both directions. fftx, ffrx: the stored bits of I2CFFTX and I2CFFRX."""
 
     STATE = State("mdr xsr_full fftx ffrx fifo tx_fifo rx_fifo _tx_was_low _rx_was_high")
 
     __slots__ = ("_rx_was_high", "_tx_was_low", "ffrx", "fftx", "fifo", "mdr", "rx_fifo", "tx_fifo", "xsr_full")
 
     def reset_fifos(self) -> None:
-        """XRS."""
+        """Reset by XRS."""
         self.mdr = 0
         self.xsr_full = False
         self.fftx = self.ffrx = 0
@@ -47,7 +47,7 @@ class I2cFifos(I2cInterrupts):
         self._tx_was_low = self._rx_was_high = False
 
     def fifo_levels(self, now: int) -> None:
-        """After any change of a FIFO: the level flags and their request."""
+        """Update the level flags and their requests. Call after any change of a FIFO."""
         alive = self.fifo and self.mdr & MDR_IRS
         if alive and self.fftx & FFRST:
             low = len(self.tx_fifo) <= self.fftx & FFIL

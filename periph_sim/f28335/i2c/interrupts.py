@@ -1,4 +1,4 @@
-"""Interrupts of the I2C module: I2CSTR and I2CIER go in; INTCODE, and a request on I2CINT1A, come out.
+"""Interrupts of the I2C module: arbitration of the flags in I2CSTR, INTCODE, and requests on I2CINT1A.
 
     I2CSTR & I2CIER --> pending --event_to_isrc_delay, rank--> INTCODE, I2CINT1A --read of I2CISRC--> the next
 
@@ -23,7 +23,12 @@ INT1 = 1
 
 
 class I2cInterrupts:
-    """str: I2CSTR. requests: lines asked for since the owner last set this to 0. code_at: when a code is loaded."""
+    """Flags and interrupt arbiter.
+
+    str: I2CSTR.
+    requests: lines requested since the owner last set this to 0.
+    code_at: the cycle at which a code is loaded.
+    """
 
     STATE = State("str ier isrc_high requests held wanted nack_as_slave code _pending _active", cycles="code_at")
 
@@ -51,14 +56,14 @@ class I2cInterrupts:
         self.reset_flags()
 
     def reset_flags(self) -> None:
-        """XRS."""
+        """Reset by XRS."""
         self.str: int = I2C_MAP["I2CSTR"].reset
         self.ier = self.isrc_high = self.requests = self.held = 0
-        self.wanted = False  # a transmitter is in a transfer: data requests make sense
+        self.wanted = False  # a transmitter is in a transfer and can need data
         self.nack_as_slave = False
         self.code = 0
         self.code_at = NEVER
-        self._pending = 0  # requests whose code was not loaded yet
+        self._pending = 0  # requests whose code has not been loaded yet
         self._active = 0
 
     def duty(self, text: str, source: str) -> None:
@@ -75,7 +80,7 @@ class I2cInterrupts:
         self.update(now)
 
     def sources(self) -> int:
-        """The flags that are enabled to ask, as bits in the order of I2CIER."""
+        """Return the flags that request an interrupt, as bits in the order of I2CIER."""
         status = self.str
         active = (status & 0x3F | (SRC_AAS if status & STR_AAS else 0)) & self.ier
         if (
@@ -89,7 +94,7 @@ class I2cInterrupts:
         return active
 
     def update(self, now: int) -> None:
-        """After any change of flags or enables: new requests are noted, and a code is on its way if none stands."""
+        """Record new requests and schedule a code if none is loaded. Call after any change of flags or enables."""
         if not self.ier and not self._active:
             return
         active = self.sources()
@@ -115,23 +120,23 @@ class I2cInterrupts:
         return first != self.code and self._rank(first) < self._rank(self.code)
 
     def _rank(self, code: int) -> int:
-        """The sort key of a code: of two codes, the one with the lower key goes first."""
+        """Return the sort key of a code; the code with the lowest key goes first."""
         return code if self.options.int_priority.assume(self.touched) == "ascending" else -code
 
     def _first(self) -> int:
-        """The code that goes first among the pending requests, or 0."""
+        """Return the code that goes first among the pending requests, or 0."""
         codes = [bit + 1 for bit in range(7) if self._pending >> bit & 1]
         if len(codes) > 1:
             return min(codes, key=self._rank)
         return codes[0] if codes else 0
 
     def load_code(self, now: int) -> None:
-        """The arbiter's delay is over: the pending request of highest rank becomes INTCODE."""
+        """Load INTCODE with the pending request of highest rank, after the arbiter's delay."""
         self.code_at = NEVER
         code = self._first()
         if not code or (self.code and not self._outranks()):
             return
-        if self.code:  # replaced before it was read: it waits again
+        if self.code:  # replaced before it was read: it is pending again
             self._pending |= 1 << (self.code - 1)
         else:
             self.requests |= INT1
@@ -157,7 +162,7 @@ class I2cInterrupts:
         return code | self.isrc_high
 
     def forget_requests(self, now: int) -> None:
-        """IRS went to 0."""
+        """Drop all requests, as IRS goes to 0."""
         if self.code and self.options.irs_clears_isrc.assume(self.touched):
             self._show(now, 0)
         self.code_at = NEVER

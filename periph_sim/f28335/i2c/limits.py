@@ -1,8 +1,8 @@
-"""What TI asks of the I2C module's settings: registers and SYSCLKOUT go in, a "duty" note for each breach comes out.
+"""TI's requirements on the I2C module's settings, with a "duty" note for each violation.
 
-Each limit is checked where it begins to hold: clock and own address when IRS rises, the rate of SCL and the address
-sent at each START. Times follow from the SYSCLKOUT that the owner tells. Source: SPRUG03B sections 1.1, 1.4, 5.7,
-5.8, 5.9; SPRS439M Table 6-31.
+Each limit is checked where it begins to apply: clock and own address when IRS rises, the rate of SCL and the sent
+address at each START. Times are computed from the SYSCLKOUT that the owner sets. Source: SPRUG03B sections 1.1, 1.4,
+5.7, 5.8, 5.9; SPRS439M Table 6-31.
 """
 
 # core: compiled
@@ -25,7 +25,7 @@ BYTE_ENABLES = I2C_MAP["I2CIER"]["XRDY"].mask | I2C_MAP["I2CIER"]["RRDY"].mask
 
 @final
 class I2cLimits:
-    """sysclk_hz: SYSCLKOUT."""
+    """Checks of the settings. sysclk_hz: SYSCLKOUT."""
 
     STATE = State("sysclk_hz _clock_within_tm _clock_within_hz _within")
 
@@ -35,12 +35,13 @@ class I2cLimits:
     def __init__(self, state: I2cRegisters) -> None:
         self.sysclk_hz = Fraction(150_000_000)
         self._state = state
+        # The last settings without a violation:
         self._clock_within_tm = 0  # I2CPSC + 1
-        self._clock_within_hz = self.sysclk_hz  # and SYSCLKOUT that gave a module clock in order
-        self._within = (0, 0, self.sysclk_hz)  # phases of SCL and SYSCLKOUT that were in order
+        self._clock_within_hz = self.sysclk_hz  # SYSCLKOUT with that prescaler
+        self._within = (0, 0, self.sysclk_hz)  # phases of SCL, and SYSCLKOUT
 
     def enabled(self) -> None:
-        """IRS has risen: the module clock and the own address are in force."""
+        """Check the module clock and the own address, which take effect as IRS rises."""
         self.module_clock()
         self.own_address()
 
@@ -70,7 +71,7 @@ class I2cLimits:
             )
 
     def scl(self, low: int, high: int) -> None:
-        """The phases that SCL is given, in cycles of SYSCLKOUT."""
+        """Check the phases of SCL, in cycles of SYSCLKOUT."""
         given = low, high, self.sysclk_hz
         if given == self._within:
             return
@@ -89,36 +90,36 @@ class I2cLimits:
             self._within = given
 
     def start_commanded(self, bus_busy: bool) -> None:
-        """STT was set. bus_busy: what BB would show if the module had heard the bus all the time."""
+        """Check BB when STT is set. bus_busy: the value of BB if the module had monitored the bus all the time."""
         shown = bool(self._state.str & STR_BB)
         if shown != bus_busy:
-            really = "a transfer is on the bus" if bus_busy else "the bus is free"
+            really = "a transfer is in progress" if bus_busy else "the bus is free"
             text = f"STT was set with BB = {shown:d}, left from before IRS rose, while {really}"
             self._state.duty(
                 f"{text}; wait after IRS = 1 as long as the longest transfer lasts", "SPRUG03B section 5.3"
             )
 
     def written_while_enabled(self, name: str) -> bool:
-        """True, and noted, if a register that belongs into IRS = 0 was written with IRS = 1."""
+        """Return True, and add a note, if a register that must be written with IRS = 0 was written with IRS = 1."""
         if not self._state.mdr & MDR_IRS:
             return False
-        text = f"{name} was written with IRS = 1; configuration belongs into IRS = 0"
+        text = f"{name} was written with IRS = 1; write configuration while IRS = 0"
         self._state.duty(text, "SPRUG03B section 4")
         return True
 
     def divisor(self, name: str, value: int) -> None:
-        """I2CCLKL or I2CCLKH was written."""
+        """Check a write of I2CCLKL or I2CCLKH."""
         self.written_while_enabled(name)
         if not value:
             self._state.duty(f"{name} was written 0; expected 1 to 65535", "SPRUG03B Tables 13, 14")
 
     def fifo_enables(self) -> None:
-        """I2CIER was written, or FIFO mode entered."""
+        """Check I2CIER after a write of it, or when FIFO mode is entered."""
         if self._state.fifo and self._state.ier & BYTE_ENABLES:
             self._state.duty("I2CIER enables XRDY or RRDY in FIFO mode; expected 0 there", "SPRUG03B Table 9")
 
     def loopback(self, begins: bool) -> None:
-        """I2CMDR was written with DLB = 1."""
+        """Check a write of I2CMDR with DLB = 1."""
         if begins and not self._state.mdr & MDR_MST:
             self._state.duty("DLB was set with MST = 0; loopback needs a master", "SPRUG03B Table 5")
         if self._state.mdr & MDR_FDF:

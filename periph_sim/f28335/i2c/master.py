@@ -1,15 +1,15 @@
-"""The I2C module as master: commands in I2CMDR go in; SCL and SDA, bit by bit, and flags come out.
+"""The I2C module as master: executes the commands in I2CMDR bit by bit on SCL and SDA, and sets flags.
 
     STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
 
-SCL itself is `I2cClock`; data are `I2cMasterReceiver` and `I2cMasterTransmitter`. Bits are looked at behind the noise
+`I2cClock` generates SCL; `I2cMasterReceiver` and `I2cMasterTransmitter` handle data. Bits are sampled after the noise
 filter (`rise`). Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 
 Chosen:
 - START hold, repeated START setup and STOP setup last one high time of SCL.
 - SDA changes one module clock after SCL fell.
-- A hold ends with the write that sets STT or STP, also where the bit was 1 already.
-- hold_scl_after_nack = no: a STOP follows a NACK by itself.
+- A hold ends with the write that sets STT or STP, even if the bit was 1 already.
+- With hold_scl_after_nack = no, a STOP follows a NACK automatically if STP = 1.
 - In loopback the module acknowledges itself.
 """
 
@@ -28,7 +28,7 @@ from .clock import (
     HELD_FOR_COMMAND,
     HELD_FOR_DATA,
     HELD_FOR_NOTHING,
-    LET_GO,
+    LEFT_HIGH,
     NO_STEP,
     RELEASE,
     RESTART,
@@ -38,7 +38,7 @@ from .clock import (
     STOP,
 )
 from .limits import I2cLimits
-from .master_receiver import ADDRESS, NO_BYTE, SEND, START_BYTE, TAKE
+from .master_receiver import ADDRESS, NO_BYTE, RECEIVE, SEND, START_BYTE
 from .register_map import (
     MDR_DLB,
     MDR_FDF,
@@ -59,12 +59,16 @@ from .register_map import (
 )
 from .registers import I2cRegisters
 
-FIRST_BYTE = 0x01  # what a START byte is
+FIRST_BYTE = 0x01  # the START byte
 
 
 @final
 class I2cMaster(I2cMasterBitSkip):
-    """active: this module has the bus. sees_idle: both lines are high behind the filter."""
+    """Master side of the module.
+
+    active: this module owns the bus.
+    sees_idle: both lines are high after the filter.
+    """
 
     STATE = State(
         "sees_idle _waits_for_bus _addresses _starting _stopping _own_restart _restart_next",
@@ -78,22 +82,22 @@ class I2cMaster(I2cMasterBitSkip):
         self.reset()
 
     def reset(self) -> None:
-        """IRS = 0: lines released, no transfer."""
-        self.let_go()
+        """Release the lines and drop the transfer, as with IRS = 0."""
+        self.release_lines()
         self.reset_bytes()
         self.reset_bit_skip()
         self._waits_for_bus = False
         self._addresses: list[int] = []
-        self._starting = False  # our START, or repeated START, is not seen yet
-        self._stopping = False  # nor our STOP
+        self._starting = False  # our START, or repeated START, has not been detected yet
+        self._stopping = False  # our STOP has not been detected yet
         self._own_restart = False
-        self._restart_next: list[int] = []  # addresses for a repeated START made by itself
-        self._free_from = 0  # the bus is free long enough for a START
+        self._restart_next: list[int] = []  # addresses after an automatic repeated START
+        self._free_from = 0  # from this cycle on, the bus has been free long enough for a START
 
     # Steps --------------------------------------------------------------------------
 
     def timer(self, now: int) -> None:
-        """`due` or `deliver_at` has come."""
+        """Process `due` or `deliver_at`."""
         if self.deliver_at <= now:
             self.deliver_at = NEVER
             self._received(now, self._deliver)
@@ -118,13 +122,13 @@ class I2cMaster(I2cMasterBitSkip):
             self._restart_high(now)
 
     def answers_edges(self) -> bool:
-        """True where an edge may move a line, or start a timer that does."""
+        """Return True if an edge can move a line, or start a timer that does."""
         return self.active or self._waits_for_bus
 
     # Commands -----------------------------------------------------------------------
 
     def command(self, now: int, written: int) -> None:
-        """I2CMDR was written with `written`: act on STT and STP."""
+        """Act on STT and STP after a write of `written` to I2CMDR."""
         state = self.state
         mdr = state.mdr
         if not mdr & MDR_MST or not written & (MDR_STT | MDR_STP):
@@ -135,7 +139,7 @@ class I2cMaster(I2cMasterBitSkip):
             if mdr & MDR_STT:
                 self._request_bus(now)
             return
-        if self._holds == LET_GO:
+        if self._holds == LEFT_HIGH:
             self._scl_low(now)
             self._holds = HELD_FOR_COMMAND
         if self._holds == HELD_FOR_COMMAND:
@@ -159,7 +163,7 @@ class I2cMaster(I2cMasterBitSkip):
             if policy == "foreign_waits":
                 self._waits_for_bus = True
                 return
-        self._take_command()
+        self._latch_command()
         self._at(max(now + state.tm, self._free_from), START)
 
     def start_seen(self, now: int) -> None:
@@ -178,18 +182,18 @@ class I2cMaster(I2cMasterBitSkip):
         elif self._waits_for_bus:
             self._waits_for_bus = False
             self._free_from = now + self.low()
-            self._take_command()
+            self._latch_command()
             self._at(self._free_from, START)
         elif self.active:
             self._meets_foreign_condition(now)
 
     def _meets_foreign_condition(self, now: int) -> None:
-        """A START or STOP of others in our transfer: against data neither is arbitrated (section 2.8)."""
+        """Process a START or STOP of others in our transfer; arbitration does not cover them (section 2.8)."""
         if self.state.options.foreign_start_stop.assume(self.state.touched) == "loses_arbitration":
             self.lose(now)
 
     def _start(self, now: int) -> None:
-        """The moment of the START has come; behind the filter a START of others may still be unseen: both go on."""
+        """Begin the START, unless the bus is taken. A START of others still in the filter is unseen; both continue."""
         state = self.state
         if state.str & STR_BB and state.options.stt_while_busy.assume(state.touched) != "always_repeated_start":
             self._request_bus(now)  # another master was earlier
@@ -209,8 +213,8 @@ class I2cMaster(I2cMasterBitSkip):
         state.clear(now, STR_ARDY)
         self._at(now + self.high(), STARTED)
 
-    def _take_command(self) -> None:
-        """What the registers say with the START counts for the whole transfer."""
+    def _latch_command(self) -> None:
+        """Latch the registers that apply to the whole transfer, at its START."""
         state = self.state
         if state.options.cnt_copy_point.assume(state.touched) == "start":
             self.load_counter()
@@ -220,7 +224,7 @@ class I2cMaster(I2cMasterBitSkip):
         self.limits.scl(self.low(), self.high())
 
     def _started(self, now: int) -> None:
-        """START is out: SCL goes low, the first byte is chosen."""
+        """End the START: SCL goes low and the first byte is chosen."""
         state = self.state
         mdr = state.mdr
         self._scl_low(now)
@@ -276,9 +280,9 @@ class I2cMaster(I2cMasterBitSkip):
         self._at(max(now, self._low_from + self.state.tm), SET_SDA)
 
     def _set_sda(self, now: int) -> None:
-        """SCL is low: the next bit goes to SDA, SCL is let go when the low time is over."""
+        """Put the next bit on SDA while SCL is low, and release SCL after the low time."""
         bit, n = self._bit, self._n
-        if self._kind == TAKE:
+        if self._kind == RECEIVE:
             level = 1 if bit < n or self._answer_nack else 0
         else:
             level = 1 if bit == n else self._byte >> (n - 1 - bit) & 1
@@ -286,7 +290,7 @@ class I2cMaster(I2cMasterBitSkip):
         self._release_after_low(now)
 
     def fell(self, now: int) -> None:
-        """SCL has fallen, behind the filter. In our high phase it is somebody's low that begins: ours begins, too."""
+        """Process a fall of SCL after the filter. A fall that another party causes in our high phase ends the phase."""
         if not self.active or self.lines & SCL:
             return
         if self._step == STARTED:  # while our START was still held
@@ -298,19 +302,19 @@ class I2cMaster(I2cMasterBitSkip):
         self._low_from = now - self.state.filter_width
 
     def rise(self, now: int, sda: int) -> None:
-        """SCL has risen, behind the filter: one bit."""
+        """Sample one bit at a rise of SCL after the filter."""
         if not self.active or self._after_high != FALL:
             return
         self._sampled = sda
-        if self._kind != TAKE and self._bit < self._n and self._driven and not sda:
+        if self._kind != RECEIVE and self._bit < self._n and self._driven and not sda:
             self.lose(now)
             return
         if self._bit < self._n:
             self._in = (self._in << 1 | sda) & 0xFF
             if self._bit == self._n - 1:
                 self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
-        if self._kind == TAKE and self._bit == self._n and self.state.rrdy_rises_at("rise9"):
-            self._take(now)
+        if self._kind == RECEIVE and self._bit == self._n and self.state.rrdy_rises_at("rise9"):
+            self._store_byte(now)
 
     def _fall(self, now: int) -> None:
         if self._bit == self._n and self._kind in (ADDRESS, SEND) and self._sampled and self._leaves_scl_high():
@@ -320,10 +324,10 @@ class I2cMaster(I2cMasterBitSkip):
         self._scl_low(now)
         self._bit = bit = self._bit + 1
         if bit <= self._n:
-            if bit == self._n and self._kind == TAKE:
+            if bit == self._n and self._kind == RECEIVE:
                 self._choose_answer()
                 if self.state.rrdy_rises_at("fall8"):
-                    self._take(now)
+                    self._store_byte(now)
             if bit == self._n and self._kind == SEND and self.state.mdr & MDR_DLB:
                 self._loop_back(now)
             self._at(now + self.state.tm, SET_SDA)
@@ -341,7 +345,7 @@ class I2cMaster(I2cMasterBitSkip):
         elif kind == SEND:
             self._sent(now, ack)
         else:
-            self._taken(now)
+            self._receive_done(now)
 
     def _address_over(self, now: int, ack: bool) -> None:
         state = self.state
@@ -349,7 +353,7 @@ class I2cMaster(I2cMasterBitSkip):
         if ack and not general_call:
             state.clear(now, STR_NACK)
         elif ack:
-            state.nack_received(now, as_slave=False, of="")
+            state.nack_received(now, as_slave=False, refused="")
         if not ack:
             self._refused(now)
         elif self._addresses:
@@ -364,7 +368,9 @@ class I2cMaster(I2cMasterBitSkip):
         state.wanted = False
         if state.options.ardy_on_nack.assume(state.touched):
             state.str |= STR_ARDY
-        state.nack_received(now, as_slave=False, of=f"address 0x{state.sar:02X}" if self._kind == ADDRESS else "a byte")
+        state.nack_received(
+            now, as_slave=False, refused=f"address 0x{state.sar:02X}" if self._kind == ADDRESS else "a byte"
+        )
         self._addresses = []
         self._restart_next = []
         if state.options.hold_scl_after_nack.assume(state.touched):
@@ -372,10 +378,10 @@ class I2cMaster(I2cMasterBitSkip):
         elif state.mdr & MDR_STP:
             self._stop(now)
         else:
-            self._holds = LET_GO
+            self._holds = LEFT_HIGH
 
     def _leaves_scl_high(self) -> bool:
-        """Whether SCL stays high after a NACK until the next command, where it is not held low."""
+        """Return True if SCL stays high after a NACK until the next command, instead of being held low."""
         state = self.state
         return not (state.mdr & (MDR_STP | MDR_DLB) or state.options.hold_scl_after_nack.assume(state.touched))
 
@@ -399,10 +405,10 @@ class I2cMaster(I2cMasterBitSkip):
         self.pulls &= ~SDA
 
     def _restart(self, now: int, own: bool) -> None:
-        """A repeated START; own: one that belongs to the command in progress."""
+        """Begin a repeated START. own: it belongs to the command in progress."""
         self._own_restart = own
         if not own:
-            self._take_command()
+            self._latch_command()
         self._begin_condition(now, 1, RESTART)
 
     def _restart_high(self, now: int) -> None:
@@ -410,13 +416,13 @@ class I2cMaster(I2cMasterBitSkip):
         self._begin_start(now)
 
     def lose(self, now: int) -> None:
-        """Arbitration is lost, or the bus was another's: AL, and the module is a slave-receiver."""
+        """Set AL and become a slave-receiver, because arbitration is lost or another master owns the bus."""
         state = self.state
         cleared = MDR_MST | MDR_STP
         if state.mdr & MDR_STT and state.options.al_clears_stt.assume(state.touched):
             cleared |= MDR_STT
         state.mdr &= ~cleared
-        self.let_go()
+        self.release_lines()
         self._starting = self._stopping = False
         self._addresses = []
         self._restart_next = []

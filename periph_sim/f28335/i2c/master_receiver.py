@@ -1,6 +1,6 @@
-"""The I2C module as master-receiver: bits of a byte go in; the answer to it, I2CDRR and what comes next come out.
+"""The I2C module as master-receiver: answers received bytes, fills I2CDRR and chooses the next action.
 
-    bits --> answer ACK or NACK --> I2CDRR, or I2CRSR where that is unread --> next byte, hold, repeated START, STOP
+    bits --> answer ACK or NACK --> I2CDRR, or I2CRSR if that is unread --> next byte, hold, repeated START, STOP
 
 Sending is in `master_transmitter`, commands and conditions are in `master`. Source: SPRUG03B sections 2.3 to 2.8,
 5.7, Tables 5, 6.
@@ -16,11 +16,15 @@ from .clock import HELD_FOR_COMMAND, HELD_FOR_NOTHING, HELD_FOR_ROOM, I2cClock
 from .register_map import MDR_NACKMOD, MDR_RM, MDR_STP, MDR_STT, STR_NACKSNT, STR_RSFULL
 
 # The byte in progress.
-NO_BYTE, START_BYTE, ADDRESS, SEND, TAKE = range(5)
+NO_BYTE, START_BYTE, ADDRESS, SEND, RECEIVE = range(5)
 
 
 class I2cMasterReceiver(I2cClock):
-    """counter: bytes to go. deliver_at: when a byte comes back in loopback, or NEVER."""
+    """Receiving half of the master.
+
+    counter: bytes left.
+    deliver_at: the cycle at which a byte returns in loopback, or NEVER.
+    """
 
     STATE = State(
         "counter _kind _n _bit _byte _in _sampled _answer_nack _nack_armed _stp_at_start _rsr_waits "
@@ -29,7 +33,7 @@ class I2cMasterReceiver(I2cClock):
     )
 
     def reset_bytes(self) -> None:
-        """No byte is in progress."""
+        """Reset the state of the byte in progress."""
         self.counter = 0
         self._kind = NO_BYTE
         self._n = 8
@@ -46,11 +50,11 @@ class I2cMasterReceiver(I2cClock):
         self._deliver = 0
 
     def _next_data(self, now: int) -> None:
-        """SCL is low, the bus is ours: the next data byte."""
+        """Begin the next data byte. SCL is low and this module owns the bus."""
         raise NotImplementedError
 
     def _done(self, now: int) -> None:
-        """The counter has reached 0."""
+        """Choose the next action when the counter has reached 0."""
         raise NotImplementedError
 
     def _stop(self, now: int) -> None:
@@ -60,7 +64,7 @@ class I2cMasterReceiver(I2cClock):
         raise NotImplementedError
 
     def _refused(self, now: int) -> None:
-        """The byte in progress was answered NACK."""
+        """Process a NACK of the byte in progress."""
         raise NotImplementedError
 
     # Receiving ------------------------------------------------------------------------
@@ -68,7 +72,7 @@ class I2cMasterReceiver(I2cClock):
     def _repeat(self) -> bool:
         if not self.state.mdr & MDR_RM:
             return False
-        return self._kind != TAKE or self.state.options.rm_receiver.assume(self.state.touched) == "allowed"
+        return self._kind != RECEIVE or self.state.options.rm_receiver.assume(self.state.touched) == "allowed"
 
     def _choose_answer(self) -> None:
         state = self.state
@@ -82,7 +86,7 @@ class I2cMasterReceiver(I2cClock):
         else:
             self._answer_nack = stp and not self._stp_at_start
 
-    def _take(self, now: int) -> None:
+    def _store_byte(self, now: int) -> None:
         state = self.state
         value = self._in & 0xFF
         if self._n < 8 and state.options.bc_less_than_8_upper_bits.assume(state.touched) == "zeros":
@@ -98,10 +102,10 @@ class I2cMasterReceiver(I2cClock):
         else:
             state.received(now, value)
 
-    def _taken(self, now: int) -> None:
+    def _receive_done(self, now: int) -> None:
         state = self.state
         if state.rrdy_rises_at("fall9"):
-            self._take(now)
+            self._store_byte(now)
         if self._answer_nack:
             if self._nack_armed:
                 state.mdr &= ~MDR_NACKMOD
@@ -111,9 +115,9 @@ class I2cMasterReceiver(I2cClock):
         if self._rsr_waits:
             self._holds = HELD_FOR_ROOM
             return
-        self._after_taken(now)
+        self._after_receive(now)
 
-    def _after_taken(self, now: int) -> None:
+    def _after_receive(self, now: int) -> None:
         state = self.state
         mdr = state.mdr
         if mdr & MDR_STT and self._answer_nack:
@@ -144,4 +148,4 @@ class I2cMasterReceiver(I2cClock):
         state.received(now, state.rsr)
         if self._holds == HELD_FOR_ROOM:
             self._holds = HELD_FOR_NOTHING
-            self._after_taken(now)
+            self._after_receive(now)

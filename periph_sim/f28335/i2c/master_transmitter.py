@@ -1,8 +1,8 @@
-"""The I2C module as master-transmitter: bytes in I2CDXR go in; the next byte for the bits, or a hold of SCL, comes out.
+"""The I2C module as master-transmitter: sends the bytes in I2CDXR, or holds SCL until one is written.
 
     I2CDXR --> I2CXSR --> bits --ACK--> next byte, hold until one is written, repeated START, STOP
 
-In loopback the byte that was sent is received, a fixed time later. Source: SPRUG03B sections 2.3 to 2.8, Tables 5, 6.
+In loopback the sent byte is received a fixed time later. Source: SPRUG03B sections 2.3 to 2.8, Tables 5, 6.
 """
 
 # core: compiled
@@ -10,22 +10,22 @@ In loopback the byte that was sent is received, a fixed time later. Source: SPRU
 from __future__ import annotations
 
 from .clock import HELD_FOR_COMMAND, HELD_FOR_DATA
-from .master_receiver import SEND, TAKE, I2cMasterReceiver
+from .master_receiver import RECEIVE, SEND, I2cMasterReceiver
 from .register_map import MDR_DLB, MDR_FDF, MDR_RM, MDR_STP, MDR_STT, MDR_TRX, MDR_XA, STR_ARDY, STR_NACK, STR_XSMT
 
 
 class I2cMasterTransmitter(I2cMasterReceiver):
-    """Chooses the data byte that comes next, also where it is received."""
+    """Transmitting half of the master; it also begins the next byte to receive."""
 
     def _begin_byte(self, now: int, byte: int, n: int) -> None:
-        """The next byte of n bits: its first one goes to SDA."""
+        """Begin a byte of n bits: schedule its first bit on SDA."""
         raise NotImplementedError
 
     def _next_data(self, now: int) -> None:
-        """SCL is low, the bus is ours: the next data byte, or a wait for it."""
+        """Begin the next data byte, or wait for it. SCL is low and this module owns the bus."""
         state = self.state
         if not state.mdr & MDR_TRX:
-            self._kind = TAKE
+            self._kind = RECEIVE
             self._begin_byte(now, 0, state.bits())
         elif state.copy_to_xsr(now):
             state.xsr_full = False
@@ -73,7 +73,7 @@ class I2cMasterTransmitter(I2cMasterReceiver):
             self._next_data(now)
 
     def _done(self, now: int) -> None:
-        """The counter has reached 0."""
+        """Choose the next action when the counter has reached 0."""
         state = self.state
         if state.mdr & MDR_STP:
             self._stop(now)
@@ -85,7 +85,7 @@ class I2cMasterTransmitter(I2cMasterReceiver):
             self._holds = HELD_FOR_COMMAND
 
     def _loop_back(self, now: int) -> None:
-        """The byte sent comes back n = 8 module clocks after its last bit (or after the write of I2CDXR)."""
+        """Schedule the return of the sent byte n = 8 module clocks after its last bit (or the write of I2CDXR)."""
         state = self.state
         if state.options.dlb_delay.assume(state.touched) == "after_last_bit":
             self._deliver, self.deliver_at = self._byte & 0xFF, now + 8 * state.tm

@@ -1,17 +1,17 @@
-"""The I2C module: register accesses, SCL and SDA go in; SCL, SDA, I2CINT1A and I2CINT2A come out.
+"""The I2C module between the CPU's registers, the lines SCL and SDA, and the requests I2CINT1A and I2CINT2A.
 
     SCL, SDA --noise filter--> START, STOP, rise, fall --> I2cSlave, I2cMaster --> pulls --> SCL, SDA
-    registers <--> I2cRegisters (flags, data path, FIFOs, interrupts) <--> the two
+    registers <--> I2cRegisters (flags, data path, FIFOs, interrupts) <--> both
 
-This file joins them: what each register write means, resets, the clock gate, loopback,
-debugger halts; and it decides when anybody must be woken.
+This file joins them: effects of register writes, resets, the clock gate, loopback,
+debugger halts; it also schedules the wake-ups.
 
 Source: SPRUG03B; clock gate SPRUFB0D section 5.1.
 
 Chosen:
-- With the clock gated off the module lets go of both lines and hears nothing; its registers keep their values.
-- A filtered edge acts one filter width after the edge; a shorter pulse is never seen.
-- A debugger halt as slave holds SCL low from the fall that ends the byte (or the transfer) on.
+- With the clock gated off the module releases both lines and ignores them; its registers keep their values.
+- A filtered edge takes effect one filter width after the edge; a shorter pulse is never seen.
+- A debugger halt of a slave holds SCL low from the fall that ends the byte (or the transfer).
 """
 
 # core: compiled without checks for None
@@ -67,16 +67,16 @@ class I2c(Chip):
         self.limits = I2cLimits(self.state)
         self.master = I2cMaster(self.state, self.limits)
         self.next_wake = NEVER
-        self._timer = NEVER  # the first of all timers inside, as of the last input
+        self._timer = NEVER  # the first of all internal timers, as of the last input
         self.out = self._pins = BOTH
         self.requests = self.held = self.loaded = self.writes = 0
         self.notes, self.touched = self.state.notes, self.state.touched
         self._clocked = self._suspended = False
         self._lines = I2cNoiseFilter(options.unequal_arrival.matches("one_sample"), self.touched)
         self.filter_width = self.state.filter_width
-        self._bus_busy = False  # between a START and a STOP, also of those that came while IRS was 0
-        self._frozen_pull = 0  # what a halted slave pulls until the CPU runs on
-        self._readable = -1  # what could be read after the last edge or timer; -1: something else came since
+        self._bus_busy = False  # between a START and a STOP, including those while IRS was 0
+        self._frozen_pull = 0  # lines that a halted slave pulls until the CPU resumes
+        self._readable = -1  # `readable` after the last edge or timer; -1 after any other input
 
     # Pins ------------------------------------------------------------------------
 
@@ -88,22 +88,22 @@ class I2c(Chip):
         if late:
             self._advance(now)
         if not self.state.mdr & MDR_DLB:
-            self._hear(now, levels)
+            self._update_lines(now, levels)
         if late or not self.filter_width:
-            looks = self._looks()
+            visible = self._visible_changes()
             self._timer = self._next_timer() if self._clocked else NEVER
             self._show()
-            return ALL if late else looks
+            return ALL if late else visible
         if self.master.active and self._clocked:
             self._timer = self._next_timer()
         self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due
         return LATER
 
-    def _hear(self, now: int, levels: int) -> None:
-        """The lines of the bus, or in loopback our own outputs."""
+    def _update_lines(self, now: int, levels: int) -> None:
+        """Apply the levels of the bus, or in loopback our own outputs."""
         lines, master = self._lines, self.master
         if master.active:
-            master.hear(now, levels)
+            master.lines_changed(now, levels)
         else:
             master.lines = levels
         if not self._clocked:
@@ -114,8 +114,8 @@ class I2c(Chip):
             self._lines_moved(now)
 
     def _lines_moved(self, now: int) -> None:
-        """A change behind the filter: where both lines move at once it is SCL that counts."""
-        before, levels = self._lines.levels, self._lines.take(now)
+        """Process a change after the filter; if both lines change at once, only the edge of SCL counts."""
+        before, levels = self._lines.levels, self._lines.apply_due(now)
         if before & levels & SCL:
             self._bus_busy = not levels & SDA
         if not self.state.mdr & MDR_IRS:
@@ -149,15 +149,15 @@ class I2c(Chip):
     def wake(self, now: int) -> int:
         self._advance(now)
         self._show()
-        return self._looks()
+        return self._visible_changes()
 
-    def _looks(self) -> int:
-        """What the owner must look at after edges and timers, of which most move nothing that can be read."""
+    def _visible_changes(self) -> int:
+        """Return what edges and timers have changed for the owner; most of them change no readable register."""
         before, self._readable = self._readable, self.state.readable()
         return OUTPUTS if before == self._readable and not self.notes else ALL
 
     def _advance(self, now: int) -> None:
-        """Everything that is due by `now`, in order of time; filtered edges before timers."""
+        """Process everything due by `now`, in order of time; filtered edges before timers."""
         lines = self._lines
         if self._timer > now and lines.due > now:
             return
@@ -172,7 +172,7 @@ class I2c(Chip):
             else:
                 self._timer_due(timer)
             if self.state.mdr & MDR_DLB:
-                self._hear(min(timer, edge), self._levels())  # in loopback it hears itself
+                self._update_lines(min(timer, edge), self._levels())  # in loopback it receives its own outputs
             self._timer = self._next_timer()
 
     def _next_timer(self) -> int:
@@ -185,17 +185,19 @@ class I2c(Chip):
         return self.state.code_at if self.state.code_at < timer else timer
 
     def next_output(self) -> int:
-        """With a timer, or with a filtered edge that does more than to shift a bit."""
-        return min(self._timer, self._lines.sign_due(self.silent_edges(behind_filter=True)))
+        """Return the cycle of the next timer, or of a filtered edge that does more than shift a bit."""
+        return min(self._timer, self._lines.visible_due(self.silent_edges(behind_filter=True)))
 
     def silent_edges(self, behind_filter: bool = False) -> int:
-        """By so many further edges of SCL, wider apart than the filter, no line moves and nothing that can be read, nor
-        by edges of SDA as SCL is low; -1: by any edge."""
+        """Return the number of SCL edges that change no line and no readable register; -1 if any edge may do so.
+
+        The edges are further apart than the filter width. Edges of SDA while SCL is low do not change anything either.
+        """
         if self.state.mdr & MDR_DLB or self._suspended or self.master.answers_edges():
             return -1
         if (
             self._lines.unequal_arrival.unrecorded()
-        ):  # SDA may delay an edge of SCL, and with it undo a pulse wider than the filter
+        ):  # SDA can delay an edge of SCL, and so cancel a pulse wider than the filter
             return -1
         silent = self.target.silent_edges(bool(self._lines.levels & SCL))
         return silent - 1 if silent > 0 and not behind_filter and self._lines.scl_moves() else silent
@@ -253,13 +255,13 @@ class I2c(Chip):
         return BOTH & ~(self.target.pulls | self.master.pulls)
 
     def _plan(self) -> None:
-        """After an access, or what clock, debugger and reset do: timers may have been set or stopped."""
+        """Update timers and outputs. Call after an access, and after inputs of clock, debugger and reset."""
         self._readable = -1
         self._timer = self._next_timer() if self._clocked else NEVER
         self._show()
 
     def _show(self) -> None:
-        """Outputs and wake-up after an input."""
+        """Update the outputs and the wake-up after an input."""
         if not self._clocked:
             self.out, self.next_wake = BOTH, NEVER
             return
@@ -335,7 +337,7 @@ class I2c(Chip):
             looped = state.mdr & MDR_DLB
             self._write_mdr(now, value & ~(1 << 12))
             if looped and not state.mdr & MDR_DLB:
-                self._hear(now, self._pins)  # they may stand still for long
+                self._update_lines(now, self._pins)  # the lines may not change for a long time
         elif offset == at.IER:
             state.ier = value & 0x7F
             self.limits.fifo_enables()
@@ -353,11 +355,11 @@ class I2c(Chip):
 
     def _loop_and_plan(self, now: int) -> None:
         if self.state.mdr & MDR_DLB:
-            self._hear(now, self._levels())
+            self._update_lines(now, self._levels())
         self._plan()
 
     def _write_plain(self, now: int, offset: int, value: int) -> None:
-        """Registers that only hold a value; with the duties that TI names for them."""
+        """Write a register that only holds a value, and check TI's requirements on it."""
         state = self.state
         if offset == at.OAR:
             state.oar = value & 0x3FF
@@ -400,8 +402,8 @@ class I2c(Chip):
         old = state.mdr
         commands = MDR_STT | MDR_STP
         if not old & MDR_IRS:
-            asks = (value ^ old) & commands
-            if not value & MDR_IRS or (asks and self.options.stt_with_irs_write.assume(self.touched) == "dropped"):
+            commanded = (value ^ old) & commands
+            if not value & MDR_IRS or (commanded and self.options.stt_with_irs_write.assume(self.touched) == "dropped"):
                 value = value & ~commands | old & commands
         if (value ^ old) & MDR_BC and state.tx_ready():
             state.duty("BC was changed after I2CDXR was written; expected BC first", "SPRUG03B §5.12")
@@ -427,7 +429,7 @@ class I2c(Chip):
 
     def _enable(self, now: int) -> None:
         state = self.state
-        state.take_module_clock()
+        state.latch_module_clock()
         self.filter_width = state.filter_width
         self.limits.enabled()
         self.target.reset()
@@ -444,7 +446,7 @@ class I2c(Chip):
     # Clock, debugger, reset ----------------------------------------------------------------
 
     def set_sysclk(self, now: int, hz: Fraction) -> bool:
-        """SYSCLKOUT is `hz` from `now` on, for the limits in seconds; else the module knows cycles only."""
+        """Set SYSCLKOUT from `now` on, for the limits in seconds; all else is in cycles."""
         self._advance(now)
         changed, self.limits.sysclk_hz = hz != self.limits.sysclk_hz, hz
         if changed and self.state.mdr & MDR_IRS:
@@ -452,7 +454,7 @@ class I2c(Chip):
         return True
 
     def gate(self, now: int, on: bool) -> None:
-        """PCLKCR0.I2CAENCLK acts from `now` on."""
+        """Switch the module's clock: PCLKCR0.I2CAENCLK takes effect at `now`."""
         self.writes += 1
         self._advance(now)
         if on != self._clocked:
@@ -463,7 +465,7 @@ class I2c(Chip):
         self._plan()
 
     def suspend(self, now: int, on: bool) -> None:
-        """A breakpoint was reached (True), or the debugger lets the CPU run on."""
+        """Halt at a breakpoint (True), or resume."""
         self._advance(now)
         self._suspended = on and not self.state.mdr & MDR_FREE
         if self._suspended:
@@ -484,7 +486,8 @@ class I2c(Chip):
             self._frozen_pull = SCL
 
     def reset(self, now: int) -> None:
-        """XRS: every register takes its reset value, the clock gate is off."""
+        """Reset by XRS: every register takes its reset value, the clock gate is off."""
+
         self.writes += 1
         self.state.reset()
         self.target.reset()

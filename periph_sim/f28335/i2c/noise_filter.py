@@ -1,10 +1,10 @@
-"""The noise filter of SCL and SDA: levels at the pins, cycle by cycle, go in; levels that lasted come out.
+"""The noise filter of SCL and SDA, which removes pulses shorter than its width.
 
     pins     SCL ~~~\\_____________      SDA ~~~~~~\\_/~~~~~~
     levels   SCL ~~~~~~~~\\________      SDA ~~~~~~~~~~~~~~~      width = 5 cycles
 
-A level counts once it has lasted for the filter's width; a shorter pulse was never there. Edges of both lines that
-come in one cycle leave in one cycle, as one change. What the filter is made of, TI does not say: options
+A level passes once it has lasted for the filter's width; a shorter pulse has no effect. Edges of both lines that
+arrive in one cycle leave in one cycle, as one change. TI does not document how the filter works: options
 `noise_filter_cycles` and `unequal_arrival`.
 """
 
@@ -22,8 +22,10 @@ from .register_map import SCL, SDA
 
 @final
 class I2cNoiseFilter:
-    """levels: behind the filter, SCL and SDA as bits. due: the cycle of their next change, or NEVER.
+    """Filter of both lines.
 
+    levels: SCL and SDA after the filter, as bits.
+    due: the cycle of their next change, or NEVER.
     unequal_arrival: edges of the two lines less than a module clock apart leave as one change, with the later one.
     """
 
@@ -35,11 +37,11 @@ class I2cNoiseFilter:
         self.unequal_arrival = unequal_arrival
         self._touched = touched
         self._scl_due = self._sda_due = NEVER
-        self._cycle = -1  # of the last sample,
-        self._scl_was = self._sda_was = NEVER  # and the dues before it
+        self._cycle = -1  # of the last sample
+        self._scl_was = self._sda_was = NEVER  # the due cycles before that sample
 
     def sample(self, now: int, pins: int, width: int, module_clock: int) -> None:
-        """The levels at the pins in cycle `now`, in place of earlier ones of the same cycle. Times in cycles."""
+        """Set the levels at the pins in cycle `now`, replacing earlier ones of the same cycle. Times in cycles."""
         if now != self._cycle:
             self._cycle, self._scl_was, self._sda_was = now, self._scl_due, self._sda_due
         moved = pins ^ self.levels
@@ -54,12 +56,12 @@ class I2cNoiseFilter:
             self._arrive_apart(max(scl, sda))
 
     def _arrive_apart(self, later: int) -> None:
-        """Edges of both lines are on their way, less than a module clock apart."""
+        """Let both pending edges leave with the later one, if `unequal_arrival` is set."""
         if self.unequal_arrival.assume(self._touched):
             self.due = self._scl_due = self._sda_due = later
 
-    def take(self, now: int) -> int:
-        """The levels from cycle `now` on, in which a change was due."""
+    def apply_due(self, now: int) -> int:
+        """Apply the changes due in cycle `now` and return the levels from then on."""
         if self._scl_due <= now:
             self.levels ^= SCL
             self._scl_due = NEVER
@@ -70,13 +72,14 @@ class I2cNoiseFilter:
         return self.levels
 
     def scl_moves(self) -> bool:
-        """An edge of SCL is on its way."""
+        """Return True if an edge of SCL is pending."""
         return self._scl_due < NEVER
 
-    def sign_due(self, silent: int) -> int:
-        """The cycle of the first change on its way by which anything can be told, or NEVER.
+    def visible_due(self, silent: int) -> int:
+        """Return the cycle of the first pending change with an observable effect, or NEVER.
 
-        Nothing can by so many edges of SCL, and by those of SDA as SCL is low; with -1, by none.
+        silent: the number of SCL edges without an effect, which also makes edges of SDA while SCL is low ineffective;
+        with -1, every change has an effect.
         """
         scl, sda = self._scl_due, self._sda_due
         if silent < 0:
@@ -86,6 +89,6 @@ class I2cNoiseFilter:
         return min(first, sda) if high and scl != sda else first
 
     def settle(self, pins: int) -> None:
-        """The lines have been at these levels for long."""
+        """Set both levels as if the lines had been stable for a long time."""
         self.levels = pins
         self._scl_due = self._sda_due = self.due = NEVER

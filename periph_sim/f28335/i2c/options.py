@@ -1,12 +1,12 @@
-"""What TI leaves open about the I2C module, as named choices: default first, the question with each.
+"""Undocumented behaviours of the I2C module as named options: the default first, with the question that each answers.
 
-The questions, their sources and the experiment that would decide each are kept with the
-project's list of open questions. Times are in module clocks (IPSC + 1 cycles of SYSCLKOUT)
-or SYSCLKOUT cycles, as the unit says.
+The project's list of open questions has the questions, their sources and the experiment
+that would decide each. Times are in module clocks (IPSC + 1 cycles of SYSCLKOUT) or
+SYSCLKOUT cycles, according to the unit.
 
-`dxr_to_xsr_copy_point` and silicon. On real chips a routine that waits for SDIR before its
-first I2CDXR write sent every byte right; the same routine without the wait did not. The
-default `any_ack_fall9` gives both with the default `rrdy_point`, and so does
+`dxr_to_xsr_copy_point` and silicon: on real chips a routine that waits for SDIR before its
+first I2CDXR write sent every byte correctly; the same routine without the wait did not. The
+default `any_ack_fall9` reproduces both with the default `rrdy_point`, as does
 `eager_reloaded_at_address`; the other values do not.
 """
 
@@ -29,12 +29,14 @@ class I2cOptions(Answers):
         "eager",
         "eager_if_trx",
         "eager_reloaded_at_address",
-        question="When I2CDXR is copied to I2CXSR as slave: at the end of any acknowledged byte, of one that asks for "
+        question="When I2CDXR is copied to I2CXSR as slave: at the end of any acknowledged byte, of one that requests "
         "data, at that acknowledge's rise, at once, at once with TRX = 1, or at once and again at the read address.",
     )
     xrdy_rise_point: TextOption = choice("fall9", "at_copy", question="When XRDY rises for a copy inside an ACK slot.")
     xrdyint_when_idle: TextOption = choice(
-        "level", "only_addressed", question="Does XRDY = 1 with its enable ask at once, or only while data are wanted?"
+        "level",
+        "only_addressed",
+        question="Does XRDY = 1 with its enable request at once, or only while data are needed?",
     )
     tx_underflow_policy: TextOption = choice(
         "stretch", "resend_previous", "send_ones", question="What a slave-transmitter without data does (BCM = 1)."
@@ -46,7 +48,7 @@ class I2cOptions(Answers):
         "text", "figure", question="BCM = 0: XSMT is 0 from underflow to the write, or from the write to the copy."
     )
     stale_byte_next_read: TextOption = choice(
-        "sent_first", "discarded", question="What becomes of a byte left in I2CDXR when the next read comes?"
+        "sent_first", "discarded", question="What happens to a byte left in I2CDXR at the next read?"
     )
     dxr_write_while_full: TextOption = choice(
         "overwrite", "ignored", "queued_behind_xsr", question="A write to I2CDXR while XRDY = 0."
@@ -59,7 +61,7 @@ class I2cOptions(Answers):
         "stays_1", "0_without_stretch", question="XSMT after a NACK with I2CDXR empty."
     )
     nackint_in_slave_tx: BoolOption = choice(
-        True, False, question="Does a NACK as slave-transmitter ask for an interrupt?"
+        True, False, question="Does a NACK as slave-transmitter request an interrupt?"
     )
     sda_setup_before_scl_release: IntOption = number(
         1, 0, 255, unit="module clocks", question="From SDA valid to the release of a stretched SCL."
@@ -79,7 +81,9 @@ class I2cOptions(Answers):
     rx_overrun_policy: TextOption = choice(
         "stretch_after_second_byte", "nack", "overwrite", question="A slave-receiver's second unread byte."
     )
-    rsfull_stretch_point: TextOption = choice("after_fall9", "before_ack", question="Where that stretch begins.")
+    rsfull_stretch_point: TextOption = choice(
+        "after_fall9", "before_ack", question="Where the stretch for the second unread byte begins."
+    )
     rrdy_clear_reads_drr: BoolOption = choice(
         True, False, question="Is I2CDRR read for the overrun logic once RRDY was cleared by writing 1?"
     )
@@ -88,10 +92,12 @@ class I2cOptions(Answers):
     )
     rm_receiver: TextOption = choice("allowed", "ignored", question="Does repeat mode exist for a master-receiver?")
     bc_less_than_8_upper_bits: TextOption = choice(
-        "last_bits", "zeros", question="Bits above BC in I2CDRR: what was on the bus before, or 0."
+        "last_bits", "zeros", question="Bits above BC in I2CDRR: earlier bits on the bus, or 0."
     )
     nackmod_on_address: TextOption = choice(
-        "data_only", "address_too", question="Does NACKMOD refuse an address as well? (Not in the project's list.)"
+        "data_only",
+        "address_too",
+        question="Does NACKMOD also answer an address with NACK? (Not in the project's list.)",
     )
 
     # Bus state, addresses
@@ -102,22 +108,24 @@ class I2cOptions(Answers):
     start_byte_ad0: TextOption = choice("stays_0", "set", question="Does a START byte set AD0?")
     oar_zero: TextOption = choice("general_call_only", "own_address_too", question="I2COAR = 0: is 0x01 answered?")
     own_general_call: TextOption = choice(
-        "not_answered", "answered", question="Does a master hear its own general call?"
+        "not_answered", "answered", question="Does a master answer its own general call?"
     )
     aas_fdf_point: TextOption = choice("end_of_byte", "ack", question="Free data format: when AAS is set.")
 
     # Interrupts
     isrc_read_clears_aas: BoolOption = choice(False, True, question="Does a read of I2CISRC = 7 clear AAS?")
     xrdy_w1c: TextOption = choice("no", "yes", question="Can XRDY be cleared by writing 1?")
-    int_line: TextOption = choice("pulse", "level", question="I2CINT1A: a pulse per code, or held while a code stands.")
+    int_line: TextOption = choice(
+        "pulse", "level", question="I2CINT1A: a pulse per code, or held while INTCODE is not 0."
+    )
     event_to_isrc_delay: IntOption = number(
-        2, 0, 64, unit="SYSCLKOUT cycles", question="From an event to code and request."
+        2, 0, 64, unit="SYSCLKOUT cycles", question="From an event to its code and request."
     )
     int_priority: TextOption = choice("ascending", "descending", question="Which code goes first.")
     isrc_preempt: TextOption = choice(
         "highest", "first_come", question="May a later event of higher rank replace a code?"
     )
-    isrc_follows_flag: TextOption = choice("stays", "vanishes", question="A code whose flag is cleared otherwise.")
+    isrc_follows_flag: TextOption = choice("stays", "vanishes", question="A code whose flag is cleared in another way.")
     irs_clears_commands: BoolOption = choice(True, False, question="Does IRS = 0 clear STT, STP and NACKMOD?")
     irs_clears_isrc: BoolOption = choice(True, False, question="Does IRS = 0 clear INTCODE?")
 
@@ -145,10 +153,10 @@ class I2cOptions(Answers):
     )
     stt_with_irs_write: TextOption = choice("accepted", "dropped", question="STT, STP in the write that sets IRS.")
     scl_sync_cycles: IntOption = number(
-        0, 0, 16, unit="module clocks", question="Extra wait after a stretched SCL rises; 0: all of it is in d."
+        0, 0, 16, unit="module clocks", question="Extra wait after a stretched SCL rises; 0: d includes it."
     )
     dlb_delay: TextOption = choice(
-        "after_last_bit", "after_dxr_write", question="Loopback: from when the delay n counts."
+        "after_last_bit", "after_dxr_write", question="Loopback: the event from which the delay n counts."
     )
 
     # Clock, emulation, FIFO
@@ -165,11 +173,15 @@ class I2cOptions(Answers):
     clock_gate_access: TextOption = choice(
         "reads_0", "accessible", question="Register access while the clock is gated off."
     )
-    free_slave_unit: TextOption = choice("byte", "whole_transfer", question="FREE = 0: what a slave still completes.")
+    free_slave_unit: TextOption = choice(
+        "byte", "whole_transfer", question="FREE = 0: the unit that a slave still completes."
+    )
     fifo_int_mode: TextOption = choice(
         "level", "edge", question="Does a FIFO flag set again while its condition holds?"
     )
-    fifo_17th_byte: TextOption = choice("stretch", "nack", "overwrite", question="A byte more than the RX FIFO holds.")
+    fifo_17th_byte: TextOption = choice(
+        "stretch", "nack", "overwrite", question="One byte more than the RX FIFO can hold."
+    )
     txfifo_reset_flushes_xsr: BoolOption = choice(
         False, True, question="Does TXFFRST = 0 drop a byte already in I2CXSR?"
     )

@@ -1,4 +1,4 @@
-"""I2C registers of the F28335, data only, and the masks and offsets the model's files use.
+"""Table of the F28335's I2C registers, with the masks and offsets that the model uses.
 
 Names as in TI's C header for the F2833x. Offsets are 16-bit words from BASE. Source:
 TI SPRUG03B, tables 4 to 22; I2CEMDR also in the C header, but not in the data manual
@@ -46,7 +46,7 @@ I2CSTR = Register(
         field("SCD", "5", "R/W1C", doc="A STOP was sent or seen."),
         field("XRDY", "4", "R", 1, doc="I2CDXR can take a byte."),
         field("RRDY", "3", "R/W1C", doc="I2CDRR holds an unread byte."),
-        field("ARDY", "2", "R/W1C", doc="Master: the registers may be loaded for what comes next."),
+        field("ARDY", "2", "R/W1C", doc="Master: the registers may be loaded for the next action."),
         field("NACK", "1", "R/W1C", doc="A NACK was received."),
         field("AL", "0", "R/W1C", doc="Arbitration lost."),
     ),
@@ -112,7 +112,7 @@ I2CEMDR = Register(
     "I2CEMDR",
     0x0B,
     "SPRUG03B table 8",
-    (field("BCM", "0", "R/W", 1, doc="Slave-transmitter: 1 asks for a byte ahead of time, 0 when it is wanted."),),
+    (field("BCM", "0", "R/W", 1, doc="Slave-transmitter: 1 requests a byte ahead of time, 0 when it is needed."),),
 )
 I2CPSC = Register(
     "I2CPSC", 0x0C, "SPRUG03B table 12", (field("IPSC", "7:0", doc="Module clock = SYSCLKOUT / (IPSC + 1)."),)
@@ -172,7 +172,7 @@ OAR, IER, STR, CLKL, CLKH, CNT, DRR, SAR, DXR, MDR, ISRC, EMDR, PSC = range(0x0D
 FFTX, FFRX = 0x20, 0x21
 WORDS = 0x22  # length of a list indexed by offset
 
-# I2CSTR; the same positions select the enables in I2CIER for the lower seven sources but AAS.
+# I2CSTR; I2CIER has the enables of the lower seven sources, except AAS, in the same positions.
 STR_SDIR = I2CSTR["SDIR"].mask
 STR_NACKSNT = I2CSTR["NACKSNT"].mask
 STR_BB = I2CSTR["BB"].mask

@@ -1,10 +1,10 @@
-"""The CPU's side of the I2C module: registers and the data path; flags, interrupts and FIFOs are its bases.
+"""The CPU's side of the I2C module: registers and the data path, based on flags, interrupts and FIFOs.
 
     I2CDXR or TX FIFO --> I2CXSR --> the bit engines        bit engines --> I2CRSR --> I2CDRR or RX FIFO
     flags and I2CIER --> arbiter --> I2CISRC, I2CINT1A      FIFO levels --> I2CINT2A
 
-Knows no edge: the bit engines (`slave`, `master`) say what happened and when, and
-so could a coarser line side. Source: SPRUG03B sections 4 (reset), 5.
+This side does not see edges: the bit engines (`slave`, `master`) report events with their
+times, as could a coarser model of the lines. Source: SPRUG03B sections 4 (reset), 5.
 """
 
 # core: compiled
@@ -41,7 +41,7 @@ RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`
 
 @final
 class I2cRegisters(I2cFifos):
-    """Everything of the module that is not bits on wires. Times are SYSCLKOUT cycles."""
+    """State of the module apart from the bits on wires. Times are SYSCLKOUT cycles."""
 
     STATE = State(
         "bcm clkh clkl cnt drr drr_unread dxr dxr_behind dxr_full emdr_written filter_width loaded "
@@ -77,32 +77,32 @@ class I2cRegisters(I2cFifos):
 
     def __init__(self, options: I2cOptions) -> None:
         super().__init__(options)
-        self.loaded = 0  # as of a chip: of I2CDRR and I2CDXR
+        self.loaded = 0  # `Chip.loaded`, for I2CDRR and I2CDXR
         self.reset()
 
     def reset(self) -> None:
-        """XRS."""
+        """Reset by XRS."""
         self.reset_flags()
         self.reset_fifos()
         self.oar = self.clkl = self.clkh = self.cnt = self.psc = 0
         self.sar = I2C_MAP["I2CSAR"].reset
         self.bcm = self.options.bcm_reset.unrecorded() if self.options.emdr_present.unrecorded() else 1
         self.emdr_written = False
-        self.tm = 1  # module clock in cycles, as taken over when IRS last rose
-        self.filter_width = self.options.noise_filter_cycles.unrecorded()  # cycles for which a level must last at a pin
+        self.tm = 1  # module clock in cycles, as latched when IRS last rose
+        self.filter_width = self.options.noise_filter_cycles.unrecorded()  # cycles that a level must last at a pin
         self.dxr = self.xsr = self.drr = self.rsr = 0
         self.dxr_full = self.drr_unread = False
         self.nack_since = 0  # while I2CSTR.NACK = 1: the cycle at which it rose
-        self.nack_of: str = ""  # and what was refused then
-        self.dxr_behind: list[int] = []  # bytes written behind a full I2CDXR (dxr_write_while_full)
+        self.nack_of: str = ""  # the byte that was refused then
+        self.dxr_behind: list[int] = []  # bytes queued after a full I2CDXR (dxr_write_while_full)
 
-    def take_module_clock(self) -> None:
-        """IRS went to 1: I2CPSC counts from now on."""
+    def latch_module_clock(self) -> None:
+        """Latch I2CPSC, as IRS goes to 1."""
         self.tm = self.psc + 1
         self.filter_width = self.options.noise_filter_cycles.assume(self.touched) * self.tm
 
     def irs_reset(self, now: int) -> None:
-        """IRS went to 0: status to its defaults; what survives is the options' business."""
+        """Set the status to its defaults, as IRS goes to 0; options decide what is kept."""
         busy = self.str & i2c_map.STR_BB
         if busy and self.options.bb_on_irs_reset.assume(self.touched) == "clear":
             busy = 0
@@ -124,7 +124,7 @@ class I2cRegisters(I2cFifos):
     # Data path, sending --------------------------------------------------------
 
     def tx_ready(self) -> bool:
-        """Whether a byte waits to go to I2CXSR."""
+        """Return True if a byte waits to be copied to I2CXSR."""
         return bool(self.tx_fifo) or self.dxr_full if self.fifo else self.dxr_full
 
     def write_dxr(self, now: int, value: int) -> None:
@@ -162,7 +162,7 @@ class I2cRegisters(I2cFifos):
         return self.options.fifo_extra_stage.assume(self.touched) == "dxr_drr_behind"
 
     def copy_to_xsr(self, now: int, xrdy: bool = True) -> bool:
-        """I2CDXR (or the TX FIFO's head) goes to I2CXSR; False if there is nothing. xrdy: XRDY rises with it."""
+        """Copy I2CDXR (or the TX FIFO's head) to I2CXSR; return False if it is empty. xrdy: also set XRDY."""
         if self.fifo:
             if self._extra_stage():
                 if not self.dxr_full:
@@ -194,7 +194,7 @@ class I2cRegisters(I2cFifos):
     # Data path, receiving --------------------------------------------------------
 
     def rx_blocked(self) -> bool:
-        """Whether a further byte finds no place."""
+        """Return True if there is no room for another byte."""
         if self.fifo:
             room = DEPTH + (1 if self._extra_stage() else 0)
             return len(self.rx_fifo) >= room if self.ffrx & FFRST else False
@@ -205,7 +205,7 @@ class I2cRegisters(I2cFifos):
         return self.options.rrdy_point.assume(self.touched) == edge
 
     def received(self, now: int, value: int) -> None:
-        """I2CRSR is copied to I2CDRR, or to the RX FIFO."""
+        """Copy I2CRSR to I2CDRR, or to the RX FIFO."""
         if self.fifo:
             if self.ffrx & FFRST:
                 if not self.rx_fifo:
@@ -235,7 +235,7 @@ class I2cRegisters(I2cFifos):
         return self.drr
 
     def rrdy_cleared(self) -> None:
-        """RRDY was cleared by writing 1 to it."""
+        """Process a clearing of RRDY by writing 1 to it."""
         if self.options.rrdy_clear_reads_drr.assume(self.touched):
             self.drr_unread = False
 
@@ -249,28 +249,30 @@ class I2cRegisters(I2cFifos):
                 self.duty("I2CEMDR bits 15 to 1 were not written 0", "SPRUG03B Table 8")
 
     def emdr(self) -> int:
-        """What I2CEMDR shows; 0 where there is none."""
+        """Return the value of I2CEMDR; 0 if the chip has none."""
         if not self.options.emdr_present.assume(self.touched):
             return 0
         return self.bcm if self.emdr_written else self.options.bcm_reset.assume(self.touched)
 
     def bcm_at_address(self) -> int:
-        """BCM where it decides on a transfer: what was written, else its reset value, where I2CEMDR is there."""
+        """Return BCM as it applies to a transfer: the written value, else the reset value if I2CEMDR exists."""
         if not self.emdr_written and not self.options.bcm_reset.assume(self.touched):
             return 0 if self.options.emdr_present.assume(self.touched) else 1
         return self.bcm
 
     def write_psc(self, value: int) -> None:
         if self.mdr & MDR_IRS:
-            self.duty("I2CPSC was written with IRS = 1, where it has no effect; write it in IRS = 0", "SPRUG03B §1.4")
+            self.duty(
+                "I2CPSC was written with IRS = 1, where it has no effect; write it while IRS = 0", "SPRUG03B §1.4"
+            )
             if self.options.psc_write_irs1.assume(self.touched) == "dropped":
                 return
         self.psc = value
 
-    # Small things the engines and the module ask ----------------------------------------
+    # Queries of the engines and the module ----------------------------------------------
 
     def stored(self, offset: int) -> int:
-        """What a register that only holds a value shows; 0 where there is none."""
+        """Return the value of a register that only holds a value; 0 where there is none."""
         if offset == i2c_map.CNT:
             return self.cnt
         if offset == i2c_map.DXR:
@@ -288,7 +290,7 @@ class I2cRegisters(I2cFifos):
         return self.psc if offset == i2c_map.PSC else 0
 
     def readable(self) -> int:
-        """One number, 63 bits, for all that edges and timers can change and the CPU can read."""
+        """Return everything that edges and timers can change and the CPU can read, as a number of 63 bits."""
         registers = self.dxr << 44 | self.code << 40 | self.drr << 32 | self.mdr << 16 | self.str
         if not self.fifo:
             return registers
@@ -296,21 +298,21 @@ class I2cRegisters(I2cFifos):
         return (self.ffrx & FFINT) << 55 | levels << 52 | (self.fftx & FFINT) << 36 | registers
 
     def bits(self) -> int:
-        """Bits of the next data byte."""
+        """Return the number of bits of the next data byte."""
         return self.mdr & MDR_BC or 8
 
     def trx(self) -> bool:
         return bool(self.mdr & MDR_TRX)
 
     def setup(self) -> int:
-        """Cycles from a bit on SDA to the release of SCL; never 0, both at once could be a START or a STOP."""
+        """Return the cycles from a bit on SDA to the release of SCL; never 0, to avoid a START or STOP."""
         return max(1, self.options.sda_setup_before_scl_release.assume(self.touched) * self.tm)
 
-    def nack_received(self, now: int, as_slave: bool, of: Text) -> None:
-        """of: what was refused, for people; "" where nothing was, and NACK is set all the same."""
+    def nack_received(self, now: int, as_slave: bool, refused: Text) -> None:
+        """Set NACK. refused: description of the refused byte; "" if NACK is set without a refusal."""
         self.nack_as_slave = as_slave
         if not self.str & STR_NACK:
-            self.nack_since, self.nack_of = now, of
+            self.nack_since, self.nack_of = now, refused
         self.set(now, STR_NACK)
 
     def overrun(self, now: int) -> None:

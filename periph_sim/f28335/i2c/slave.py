@@ -1,4 +1,4 @@
-"""The I2C module as slave, bit by bit: START, STOP, rise and fall go in; what it pulls low, and flags, come out.
+"""The I2C module as slave: responds bit by bit to START, STOP, rise and fall, and sets flags.
 
     OFF --START--> ADDRESS --match--> RECEIVE or TRANSMIT --STOP--> OFF
                       +--no match, or NACK received--> IGNORE --START or STOP-->
@@ -8,9 +8,9 @@ byte; "rise 8" and "fall 8" are those of its n-th pulse, "rise 9", "fall 9" of t
 acknowledge. Source: SPRUG03B sections 2 and 3, Table 1, Table 10, Figure 17.
 
 Chosen:
-- A slave that has sent a NACK goes on receiving until the START or STOP.
+- A slave that has sent a NACK continues to receive until the START or STOP.
 - A NACK has been sent (NACKSNT, NACKMOD) at the fall that ends its slot.
-- With `eager_reloaded_at_address` I2CXSR is loaded anew where the read address matches, at fall 8.
+- With `eager_reloaded_at_address` I2CXSR is reloaded at fall 8 of a matching read address.
 """
 
 # core: compiled
@@ -40,19 +40,23 @@ from .register_map import (
 )
 from .slave_transmitter import ADDRESS, ADDRESS_LOW, IGNORE, LISTENS, OFF, RECEIVE, TRANSMIT, I2cSlaveTransmitter
 
-MANY = 1 << 30  # edges of a bus whose bytes are for others
+MANY = 1 << 30  # edges, for a bus whose bytes are for others
 
 
 @final
 class I2cSlave(I2cSlaveTransmitter):
-    """pulls: mask of the lines held low. due: when it must be called by itself (`timer`), or NEVER."""
+    """Slave side of the module.
+
+    pulls: mask of the lines held low.
+    due: the cycle of the next call of `timer`, or NEVER.
+    """
 
     def follows(self) -> bool:
-        """This transfer is, or may be, for us."""
+        """Return True if this transfer is, or may be, for this module."""
         return self.phase >= LISTENS
 
     def silent_edges(self, high: bool) -> int:
-        """So many edges of SCL to come, of which the first finds it high or low, do no more than to shift a bit."""
+        """Return the number of next SCL edges that only shift a bit. high: SCL is high before the first of them."""
         phase, bit, n = self.phase, self.bit, self._n
         if phase < LISTENS:
             return MANY
@@ -60,7 +64,7 @@ class I2cSlave(I2cSlaveTransmitter):
             return 0
         if bit == n:
             return 0 if high else self._silent_answer()
-        loud = n  # the fall of this bit, or its rise
+        loud = n  # the bit whose fall or rise has an effect
         if phase == TRANSMIT:
             if not self._shifting or (high and not bit):
                 return 0
@@ -73,7 +77,7 @@ class I2cSlave(I2cSlaveTransmitter):
         return edges - 1 if address and self.state.options.aas_sdir_point.unrecorded() == "rise8" else edges
 
     def _silent_answer(self) -> int:
-        """The rise in the acknowledge slot, of which SCL is low: 1 where nothing comes of it."""
+        """Return 1 if the rise in the acknowledge slot has no effect, else 0. SCL is low before it."""
         options = self.state.options
         if self.phase == TRANSMIT:
             return 0
@@ -92,7 +96,7 @@ class I2cSlave(I2cSlaveTransmitter):
         return self.phase != TRANSMIT or self._shifting
 
     def is_not_addressed(self) -> bool:
-        """Return True if no byte of this transfer is for us so far."""
+        """Return True if no byte of this transfer has been for this module so far."""
         return self.phase in (ADDRESS, IGNORE, OFF)
 
     def byte(self) -> int:
@@ -112,7 +116,7 @@ class I2cSlave(I2cSlaveTransmitter):
 
     def start(self, now: int) -> None:
         state = self.state
-        self._let_go()
+        self._release_lines()
         flags = STR_AD0
         if state.str & STR_SDIR and state.options.sdir_clear.assume(state.touched) == "any_start_or_stop":
             flags |= STR_SDIR
@@ -136,7 +140,7 @@ class I2cSlave(I2cSlaveTransmitter):
 
     def stop(self, now: int) -> None:
         state, options = self.state, self.state.options
-        self._let_go()
+        self._release_lines()
         if self.own_transfer or options.scd_foreign.assume(state.touched) == "every_stop":
             state.str |= STR_SCD
         flags = STR_BB | STR_AD0 | STR_AAS
@@ -189,7 +193,7 @@ class I2cSlave(I2cSlaveTransmitter):
     # Address ------------------------------------------------------------------------
 
     def _last_rise(self, now: int) -> None:
-        """Rise 8: NACKMOD is looked at; with aas_sdir_point = rise8 the address is judged already."""
+        """Process rise 8: sample NACKMOD and, with aas_sdir_point = rise8, compare the address."""
         state = self.state
         self._nack_armed = bool(state.mdr & MDR_NACKMOD)
         if self.phase == RECEIVE:
@@ -250,18 +254,18 @@ class I2cSlave(I2cSlaveTransmitter):
     # Receiving ------------------------------------------------------------------------
 
     def _policy(self) -> str:
-        """What a byte without room meets: "stretch", "nack" or "overwrite"."""
+        """Return the policy for a byte without room: "stretch", "nack" or "overwrite"."""
         state = self.state
         if state.fifo:
             return state.options.fifo_17th_byte.assume(state.touched)
         return state.options.rx_overrun_policy.assume(state.touched).partition("_")[0]
 
     def _stretches(self, point: str) -> bool:
-        """Return True if the module begins to stretch here for a byte that finds no room."""
+        """Return True if the module begins to stretch here for a byte without room."""
         return self.state.options.rsfull_stretch_point.assume(self.state.touched) == point
 
     def _data_complete(self, now: int) -> None:
-        """Fall 8 of a data byte."""
+        """Process fall 8 of a data byte."""
         state = self.state
         if (
             self._first_byte
@@ -280,10 +284,10 @@ class I2cSlave(I2cSlaveTransmitter):
             else:
                 self.pulls |= SDA
         if state.rrdy_rises_at("fall8") or self._waits_for_room:
-            self._take(now)
+            self._store_byte(now)
 
-    def _take(self, now: int) -> None:
-        """I2CRSR is complete: it moves on, or waits."""
+    def _store_byte(self, now: int) -> None:
+        """Copy the complete I2CRSR, or let it wait for room."""
         state = self.state
         value = self._value()
         if state.rx_blocked():
@@ -301,14 +305,14 @@ class I2cSlave(I2cSlaveTransmitter):
         return self._shift & 0xFF
 
     def _ack_rise(self, now: int) -> None:
-        """Rise 9 of a byte that we acknowledge."""
+        """Process rise 9 of a byte that we acknowledge."""
         if self.phase == RECEIVE and not self._rsr_waits and self.state.rrdy_rises_at("rise9"):
-            self._take(now)
+            self._store_byte(now)
         if self._address.read and self.phase == ADDRESS:
             self._copy_at_rise9(now)
 
     def drr_read(self, now: int) -> None:
-        """The CPU has read I2CDRR: a waiting byte moves on, a stretch ends."""
+        """Copy a waiting byte and end a stretch after the CPU has read I2CDRR."""
         if not self._rsr_waits or self.state.rx_blocked():
             return
         self._rsr_waits = False
@@ -342,7 +346,7 @@ class I2cSlave(I2cSlaveTransmitter):
     def _data_slot_ends(self, now: int) -> None:
         state = self.state
         if state.rrdy_rises_at("fall9") or (not self._ack and state.rrdy_rises_at("rise9")):
-            self._take(now)
+            self._store_byte(now)
         if self._first_byte and state.mdr & MDR_FDF:
             state.set(now, STR_AAS)
         if self._rsr_waits and self._ack and self._policy() == "stretch" and self._stretches("after_fall9"):
@@ -377,7 +381,7 @@ class I2cSlave(I2cSlaveTransmitter):
 
     # Reset and release ------------------------------------------------------------------------
 
-    def _let_go(self) -> None:
+    def _release_lines(self) -> None:
         self.pulls = 0
         self._waits_for_data = self._waits_for_room = False
         self._copy_at = self._release_at = self.due = NEVER
@@ -385,8 +389,8 @@ class I2cSlave(I2cSlaveTransmitter):
         self._ack = False
 
     def reset(self) -> None:
-        """IRS = 0, or no clock: lines released, nothing going on."""
-        self._let_go()
+        """Release the lines and drop the transfer, as with IRS = 0."""
+        self._release_lines()
         self.phase = OFF
         self.bit = 0
         self._rsr_waits = self.own_transfer = self._address.selected = False
@@ -394,7 +398,7 @@ class I2cSlave(I2cSlaveTransmitter):
             self._address.latch()
 
     def release_bus(self) -> None:
-        """IRS = 1 written over 1, where that ends a stretch."""
+        """End a stretch, for a write of IRS = 1 over 1 that does so."""
         self.pulls &= ~SCL
         self._waits_for_data = self._waits_for_room = False
         self._copy_at = self._release_at = self.due = NEVER

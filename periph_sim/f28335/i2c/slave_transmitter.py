@@ -1,13 +1,13 @@
-"""The I2C module as slave-transmitter: bytes in I2CXSR go in; SDA, bit by bit, stretches and data flags come out.
+"""The I2C module as slave-transmitter: shifts I2CXSR out on SDA, stretches, and sets data flags.
 
     I2CDXR --copy--> I2CXSR --_send--> bit after bit --> answer of the master --> next byte, or NACK
                         +--empty--> underflow: SCL held until I2CDXR is written (BCM = 1)
 
-The addresses, and the way here, are in `slave`. Source: SPRUG03B sections 2 and 3, Tables 8, 10, Figure 17.
+`slave` handles addresses and enters this state. Source: SPRUG03B sections 2 and 3, Tables 8, 10, Figure 17.
 
 Chosen:
 - In free data format a transmitter is loaded at the fall after START.
-- BCM = 0: the copy comes one module clock after the write, the release of SCL after the setup time.
+- BCM = 0: the copy follows one module clock after the write, the release of SCL after the setup time.
 """
 
 # core: compiled
@@ -26,12 +26,16 @@ if TYPE_CHECKING:
     from ...core.options import TextOption
 
 OFF, IGNORE, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT = range(6)
-LISTENS = ADDRESS  # and in every phase behind it: what comes may be meant
+LISTENS = ADDRESS  # in this phase and the following ones, bytes may be for this module
 ONES = 0xFF
 
 
 class I2cSlaveTransmitter:
-    """pulls: mask of the lines held low. due: when it must be called by itself (`timer`), or NEVER."""
+    """Transmitting half of the slave.
+
+    pulls: mask of the lines held low.
+    due: the cycle of the next call of `timer`, or NEVER.
+    """
 
     STATE = State(
         "pulls phase bit muted own_transfer _n _shift _ack _nack_armed _address _waits_for_data "
@@ -48,7 +52,7 @@ class I2cSlaveTransmitter:
         self.due = NEVER
         self.phase = OFF
         self.bit = 0
-        self.muted = False  # this module is master now: it hears, but answers nothing
+        self.muted = False  # this module is master now: it receives, but does not answer
         self._n = 8
         self._shift = 0
         self._ack = False
@@ -83,7 +87,7 @@ class I2cSlaveTransmitter:
             self._copy(now)
 
     def dxr_written(self, now: int) -> None:
-        """The CPU wrote I2CDXR."""
+        """Send or copy a byte that the CPU has written to I2CDXR."""
         state = self.state
         if self._waits_for_data:
             if state.bcm:
@@ -106,7 +110,7 @@ class I2cSlaveTransmitter:
         self.due = min(self._release_at, self._copy_at)
 
     def timer(self, now: int) -> None:
-        """`due` has come."""
+        """Process `due`."""
         if self._copy_at <= now:
             self._copy_at = NEVER
             self._waits_for_data = False
@@ -120,7 +124,7 @@ class I2cSlaveTransmitter:
         self.due = min(self._copy_at, self._release_at)
 
     def _begin_byte(self, now: int, first: bool) -> None:
-        """Fall 9 of an acknowledged byte (or the fall after START): the next byte of data begins."""
+        """Begin the next data byte at fall 9 of an acknowledged byte (or the fall after START)."""
         state, options = self.state, self.state.options
         self.bit = 0
         self._n = state.bits()
@@ -164,7 +168,7 @@ class I2cSlaveTransmitter:
         self._waits_for_data = True
 
     def _send(self, now: int) -> None:
-        """The byte in I2CXSR begins to be shifted out: its first bit goes to SDA."""
+        """Begin to shift out I2CXSR: its first bit goes to SDA."""
         state = self.state
         state.xsr_full = False
         self._shifting = True
@@ -178,7 +182,7 @@ class I2cSlaveTransmitter:
             self.pulls |= SDA
 
     def _answered(self, now: int, sda: int) -> None:
-        """Rise 9 of a byte that we sent."""
+        """Process rise 9 of a byte that we sent."""
         state, options = self.state, self.state.options
         if sda == 0:
             state.clear(now, STR_NACK)
@@ -194,10 +198,10 @@ class I2cSlaveTransmitter:
         else:
             if options.xsmt_on_final_nack.assume(state.touched) == "0_without_stretch":
                 state.str &= ~STR_XSMT
-        state.nack_received(now, as_slave=True, of="a byte")
+        state.nack_received(now, as_slave=True, refused="a byte")
 
     def _copy_at_rise9(self, now: int) -> None:
-        """The copy, where it comes in the middle of the ACK slot; XRDY may rise with it or at the slot's end."""
+        """Copy to I2CXSR in the middle of the ACK slot, if so configured; XRDY may rise then or at the slot's end."""
         state = self.state
         if state.bcm and state.tx_ready() and self._copies_at("ack_rise9"):
             self._copy(now, xrdy=state.options.xrdy_rise_point.assume(state.touched) == "at_copy")

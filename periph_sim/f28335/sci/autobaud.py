@@ -1,13 +1,13 @@
-"""SCI autobaud: edges on RXD go in; the character 'A' or 'a' and the length of its bits come out.
+"""SCI autobaud: recognizes the character 'A' or 'a' from edges on RXD and measures the length of its bits.
 
     'A' = 0x41    start 1 0 0 0 0 0 1 0 stop      edges at bits 0 1 2 7 8 9
     'a' = 0x61    start 1 0 0 0 0 1 1 0 stop      edges at bits 0 1 2 6 8 9
 
 Chosen, where the manual is silent: the nine bits from the first fall to the rise of the
-stop bit are measured in LSPCLK periods; each edge between must lie within an eighth of
-a bit of its place; the character counts when 7/8 of its stop bit have passed high. While
-a measurement waits the ordinary receiver is off: it would see the same edges at a wrong
-rate, as breaks and errors. Any other character is lost.
+stop bit are measured in LSPCLK periods; each edge between must be within an eighth of a
+bit of its nominal position; the character is accepted when RXD has been high for 7/8 of
+its stop bit. During a measurement the normal receiver is off, because it would see the
+same edges at a wrong rate, as breaks and errors. Any other character is lost.
 
 Source: TI SPRUFZ5A section 1.2.10.3, table 2-11.
 """
@@ -26,7 +26,7 @@ PLACES = {0x41: (0, 1, 2, 7, 8, 9), 0x61: (0, 1, 2, 6, 8, 9)}
 
 @final
 class SciAutobaud:
-    """`due`: the cycle at which `character` counts, if the line stays high until then."""
+    """Autobaud detector. due: the cycle at which `character` is accepted, if the line stays high until then."""
 
     STATE = State("armed character nine_bits _edges", cycles="due")
 
@@ -35,7 +35,7 @@ class SciAutobaud:
         self.due = NEVER
         self.character = 0
         self.nine_bits = 0  # cycles from the first fall to the stop bit
-        self._edges: list[int] = []  # a fall first
+        self._edges: list[int] = []  # falls and rises, beginning with a fall
 
     def arm(self, on: bool) -> None:
         if on != self.armed:
@@ -44,7 +44,7 @@ class SciAutobaud:
             self._edges.clear()
 
     def edge(self, now: int, level: int) -> None:
-        """RXD is at `level` from cycle `now` on; a second edge of one cycle takes the first back."""
+        """Set the level of RXD from cycle `now` on; a second edge in one cycle cancels the first."""
         edges = self._edges
         self.due = NEVER
         if edges and edges[-1] == now:
@@ -57,7 +57,7 @@ class SciAutobaud:
             self._compare(edges[-6:])
 
     def brr(self, divider: int, phase: int, nearest: bool) -> int:
-        """The baud divider for the measured length, 1 to 65535."""
+        """Return the baud divider for the measured length, 1 to 65535."""
         last = self._edges[-1]
         first = last - self.nine_bits
         lspclks = (last - phase) // divider - (first - phase) // divider

@@ -1,4 +1,4 @@
-"""A character's format: SCICCR goes in, the places of its bits come out, for both directions.
+"""Format of characters, derived from SCICCR, with the positions of their bits, for both directions.
 
     start  data LSB first  [address]  [parity]  stop [stop]
 
@@ -29,9 +29,9 @@ BREAK_TICKS = {"10": 80, "9.625": 77}
 
 @final
 class SciFormat:
-    """Bits are numbered from the start bit, 0; ticks are counted from the start bit's first low sample.
+    """Character format. Bits are numbered from the start bit, 0; ticks are counted from its first low sample.
 
-    Options place the search, the votes and the break; the receiver records them where a frame depends on them.
+    Options set the positions of search, votes and break; the receiver records them when a frame depends on them.
     """
 
     STATE = State(
@@ -74,18 +74,18 @@ class SciFormat:
         self.early_hunt = self.address
         self.hunt = stop + options.start_hunt_point.unrecorded() - 1
         if self.address:  # erratum: sub-sample 6 of the address bit
-            behind = self.parity and options.addrbit_hunt_with_parity.unrecorded() == "parity_bit"
-            self.hunt = 8 * (1 + self.data_bits + behind) + 5
+            bit_later = self.parity and options.addrbit_hunt_with_parity.unrecorded() == "parity_bit"
+            self.hunt = 8 * (1 + self.data_bits + bit_later) + 5
         counted_from = self.voted_at if options.break_count_from.unrecorded() == "last_stop_sample" else stop + 7
         self.break_at = counted_from + BREAK_TICKS[options.break_bits.unrecorded()]
 
     def parity_bit(self, word: int, address: int) -> int:
-        """The bit that makes the ones of `word`, the address bit and itself even (or odd)."""
+        """Return the parity bit: the ones in `word`, the address bit and it are even (or odd) in number."""
         ones = word.bit_count() + (address if self.address else 0)
         return ones & 1 if self.even else ones & 1 ^ 1
 
     def levels(self, word: int, address: int, whole_byte: bool) -> int:
-        """The frame's levels as a number, start bit in bit 0; stop bits are ones."""
+        """Return the frame's levels as a number, with the start bit in bit 0; stop bits are ones."""
         data = word & self.data_mask
         at = 1 + self.data_bits
         levels = data << 1

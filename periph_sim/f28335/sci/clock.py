@@ -1,14 +1,14 @@
-"""The SCI's sample clock: SYSCLKOUT cycles go in, numbers of SCICLK ticks come out, and back.
+"""The SCI's sample clock: conversion between SYSCLKOUT cycles and numbers of SCICLK ticks.
 
     SYSCLKOUT --/divider--> LSPCLK --/(BRR + 1)--> SCICLK: tick n, n + 1, n + 2 ...
 
 Receiver and transmitter count in ticks, so a change of the rate or a stopped clock
-never touches them: only this mapping changes. Ticks fall on LSPCLK edges, which lie at
-cycles = phase mod divider. Each half of an SCI has a clock of its own, alike unless
+does not affect them: only this mapping changes. Ticks fall on LSPCLK edges, which are at
+cycles = phase mod divider. Each half of an SCI has its own clock; both are the same unless
 the transmitter's is restarted or a debugger lets one half finish.
 
-Chosen: the divider runs whenever the module has a clock; SW RESET does not touch it. A
-changed LSPCLK keeps the number of LSPCLK edges left to the next tick.
+Chosen: the divider runs whenever the module has a clock; SW RESET does not affect it. A
+change of LSPCLK keeps the number of LSPCLK edges left to the next tick.
 
 Source: TI SPRUFZ5A sections 1.2.7 and 2.4; SPRUFB0D section 5.1.
 """
@@ -25,7 +25,7 @@ from ...core.state import State
 
 @final
 class SciClock:
-    """Stopped at first. `period`: one SCICLK in cycles."""
+    """Clock of one half, initially stopped. period: one SCICLK in cycles."""
 
     STATE = State("running divider phase brr period _tick _left", cycles="_cycle")
 
@@ -35,33 +35,33 @@ class SciClock:
         self.phase = 0
         self.brr = 0
         self.period = 8
-        self._tick = 0  # the tick that the mapping starts from ...
-        self._cycle = NEVER  # ... and its cycle
+        self._tick = 0  # the first tick of the mapping
+        self._cycle = NEVER  # the cycle of that tick
         self._left = 2  # while stopped: LSPCLK edges to tick _tick
 
     def passed(self, now: int) -> int:
-        """The last tick at or before `now`."""
+        """Return the last tick at or before `now`."""
         ahead = now - self._cycle
         return self._tick - 1 if ahead < 0 else self._tick + ahead // self.period
 
     def from_cycle(self, cycle: int) -> int:
-        """The first tick at or after `cycle` that the mapping knows."""
+        """Return the first tick of the mapping at or after `cycle`."""
         ahead = cycle - self._cycle
         return self._tick if ahead <= 0 else self._tick - (-ahead // self.period)
 
     def at(self, tick: int) -> int:
-        """The cycle of a tick to come; NEVER while stopped, and of a tick that no run reaches."""
+        """Return the cycle of a future tick; NEVER while stopped, and for a tick that no run reaches."""
         if tick >= NEVER or not self.running:
             return NEVER
         cycle = self._cycle + (tick - self._tick) * self.period
         return cycle if cycle < NEVER else NEVER
 
     def lspclk_after(self, now: int) -> int:
-        """The cycle of the first LSPCLK edge after `now`."""
+        """Return the cycle of the first LSPCLK edge after `now`."""
         return now + self.divider - (now - self.phase) % self.divider
 
     def set_brr(self, now: int, brr: int, at_once: bool) -> None:
-        """A new baud divider, from the next tick on, or with the divider begun anew at the next LSPCLK edge."""
+        """Set the baud divider from the next tick on, or restart the divider at the next LSPCLK edge."""
         self._rebase(now)
         self.brr = brr
         steps = brr + 1 if brr else 2
@@ -73,7 +73,7 @@ class SciClock:
                 self._left = steps
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:
-        """LSPCLK edges at cycles = phase mod divider from now on."""
+        """Set the LSPCLK edges to cycles = phase mod divider."""
         was_running = self.running
         self.stop(now)
         self.divider = divider
@@ -95,7 +95,7 @@ class SciClock:
             self.running = True
 
     def restart(self, now: int) -> None:
-        """The next tick comes with the next LSPCLK edge."""
+        """Put the next tick on the next LSPCLK edge."""
         self._rebase(now)
         if self.running:
             self._cycle = self.lspclk_after(now)
@@ -103,7 +103,7 @@ class SciClock:
             self._left = 1
 
     def reset(self, now: int) -> None:
-        """Stopped, divider 0 loaded; LSPCLK as it was."""
+        """Stop and load divider 0; LSPCLK is unchanged."""
         self.stop(now)
         self.brr = 0
         self.period = 2 * self.divider

@@ -1,19 +1,19 @@
-"""The SCI module between its lines: RXD, clocks and debugger stops go in; TXD, RXINT, TXINT and what is due come out.
+"""The SCI module between its lines RXD, TXD, RXINT and TXINT, with clocks, debugger stops and scheduling.
 
     RXD --> SciRxBits --deliver--> SciRx --> RXINT
                  ^ loop-back
     TXD <-- SciTxBits <--words---- SciTx --> TXINT
 
-The CPU's side, which sets the two halves up, is in `module`. `deliver` and `take_words` are the seams for line
-sides coarser than edges: they leave out the bits, everything else is the same code.
+The CPU's side, which configures the two halves, is in `module`. Line models coarser than edges use `deliver` and
+`take_words`, which skip the bits; all other code is the same.
 
 Chosen, where the manual is silent:
-- Loop-back passes the receiver's synchroniser like the pin, and TXD shows the frames too.
-- rx_int_extra delays every receive request that comes from the line (break and errors
-  too); a request made by a CPU write comes at once.
+- Loop-back passes the receiver's synchroniser like the pin, and TXD also shows the frames.
+- rx_int_extra delays every receive request that the line causes (including break and
+  errors); a request that a CPU write causes is immediate.
 - A debugger stop with SOFT = 1 lets a frame whose start bit was accepted finish; then
-  that half's clock stands still, as both do at once with SOFT = 0.
-- Autobaud: the character, ABD and the new divider come together, 7/8 into the stop bit.
+  the clock of that half stops. With SOFT = 0 both clocks stop at once.
+- Autobaud: the character, ABD and the new divider take effect together, 7/8 into the stop bit.
 
 Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 """
@@ -46,11 +46,11 @@ FREE = SCI_MAP["SCIPRI"]["FREE"].mask
 
 
 class SciLines(Chip):
-    """name: as notes call the module. options: answers to open questions."""
+    """Line side of the SCI. name: the module's name in notes. options: answers to open questions."""
 
     STATE = State(
         "_layout _rx_clock _tx_clock _bits _rx _tx _autobaud _rxd _gated _suspended _rx_stopping _ccr "
-        "_ctl1 _hbaud _lbaud _ffct _pri _abd_asked _listening _word_line",
+        "_ctl1 _hbaud _lbaud _ffct _pri _abd_requested _listening _word_line",
         cycles="_rx_at _tx_at _request_at",
     )
     MAP = SCI_MAP
@@ -82,32 +82,32 @@ class SciLines(Chip):
         self._suspended = False
         self._rx_stopping = False  # the receiver's clock stops when its frame is complete
         self._ccr = 0
-        self._ctl1 = 0  # without TXWAKE, which lives in SciTx
+        self._ctl1 = 0  # without TXWAKE, which SciTx holds
         self._hbaud = 0
         self._lbaud = 0
         self._ffct = 0
         self._pri = 0
-        self._abd_asked = False  # ABD has requested TXINT since CDC was set
+        self._abd_requested = False  # ABD has requested TXINT since CDC was set
         self._listening = False  # the bit receiver follows the line
         self._word_line = False
-        # When each part has something to do, in cycles.
+        # The next event of each part, in cycles.
         self._rx_at = NEVER
         self._tx_at = NEVER
         self._request_at = NEVER
 
-    # The seams for coarser line sides ---------------------------------------
+    # Interface for coarser line models --------------------------------------
 
     @property
     def marks(self) -> SciTx:
-        """Who keeps the mark of each word from its write to its last bit on TXD."""
+        """The keeper of each word's mark from its write to its last bit on TXD."""
         return self._tx
 
     def deliver(self, now: int, word: int, address_bit: int = 0) -> None:
-        """A frame is complete at `now`.
+        """Receive a frame that is complete at `now`.
 
-        word: data with its marks, FE in bit 15 and PE in bit 14. address_bit: the address
-        bit; in idle-line mode 1 when at least ten idle bits came before. Lost while SW
-        RESET, SCIRST, the clock gate or a debugger hold the module.
+        word: data with FE in bit 15 and PE in bit 14.
+        address_bit: the address bit; in idle-line mode 1 after at least ten idle bits.
+        The frame is lost while SW RESET, SCIRST, the clock gate or a debugger hold the module.
         """
         self._run(now)
         if not self._rx_clock.running:
@@ -123,16 +123,16 @@ class SciLines(Chip):
         self._schedule()
 
     def deliver_break(self, now: int) -> None:
-        """A break is complete at `now`; its first frame was delivered before, with FE."""
+        """Receive a break that is complete at `now`; its first frame was delivered before, with FE."""
         self._run(now)
         if self._rx_clock.running and self._tx.running:
-            self._take_break(now)
+            self._break_received(now)
         self._schedule()
 
     def take_words(self) -> list[SentWord]:
-        """From now on words come out in the list returned, which the owner empties, and TXD stays at 1.
+        """Send words through the returned list, which the owner empties, instead of TXD, which stays at 1.
 
-        In loop-back frames are made as ever, for the module itself.
+        In loop-back, frames are still generated for the module itself.
         """
         self._word_line = True
         self._tx.word_line = not self._ccr & LOOPBKENA
@@ -152,20 +152,20 @@ class SciLines(Chip):
             self._line(now, level)
         if now > planned:
             return ALL
-        return OUTPUTS if self.next_wake != planned else NOTHING  # what an edge does shows with a wake-up
+        return OUTPUTS if self.next_wake != planned else NOTHING  # effects of an edge show with a wake-up
 
     def wake(self, now: int) -> int:
         self._run(now)
         return ALL
 
     def gate(self, now: int, on: bool) -> None:
-        """The module's bit in PCLKCR0."""
+        """Switch the module's clock with its bit in PCLKCR0."""
         self._run(now)
         self._gated = not on
         self._set_clocks(now, self._tx.stopping)
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:
-        """LSPCLK has a period of `divider` SYSCLKOUT cycles, with edges at cycles = phase mod divider."""
+        """Set the period of LSPCLK to `divider` SYSCLKOUT cycles, with edges at cycles = phase mod divider."""
         if divider not in (1, 2, 4, 6, 8, 10, 12, 14):
             raise ValueError(f"LSPCLK is SYSCLKOUT / 1, 2, 4, 6, 8, 10, 12 or 14, not / {divider}")
         self._run(now)
@@ -174,7 +174,7 @@ class SciLines(Chip):
         self._replan()
 
     def suspend(self, now: int, on: bool) -> None:
-        """A debugger stops the CPU, or lets it run again."""
+        """Stop with the CPU in the debugger (True), or resume."""
         self._run(now)
         self._suspended = on
         self._rx_stopping = False
@@ -199,7 +199,7 @@ class SciLines(Chip):
         self._replan()
 
     def _line(self, now: int, level: int) -> None:
-        """The receiver's input is at `level` from `now` on."""
+        """Set the level of the receiver's input from `now` on."""
         if self._autobaud.armed:
             self._autobaud.edge(now, level)
             self._schedule()
@@ -207,10 +207,10 @@ class SciLines(Chip):
             self._rx_at = self._rx_clock.at(self._bits.next_tick)
             self._schedule()
 
-    # What is due ------------------------------------------------------------
+    # Events -----------------------------------------------------------------
 
     def _run(self, now: int) -> None:
-        """Everything due up to `now`, in order of time."""
+        """Process everything due up to `now`, in order of time."""
         while self.next_wake <= now:
             at = self.next_wake
             if self._tx_at <= at:
@@ -233,7 +233,7 @@ class SciLines(Chip):
         self.next_wake = due
 
     def _replan(self) -> None:
-        """The clocks or what the halves wait for have changed."""
+        """Reschedule after a change of the clocks or of the next events of the halves."""
         self._plan_tx()
         self._rx_at = self._rx_clock.at(self._bits.next_tick)
         self._schedule()
@@ -280,12 +280,12 @@ class SciLines(Chip):
                 if self.options.rxwake_idle_point.assume(self.touched) == "tenth_bit":
                     self._rx.line_idle()
             elif event == BREAK:
-                self._take_break(at)
+                self._break_received(at)
         self._watch_idle(at)
         self._rx_at = self._rx_clock.at(bits.next_tick)
 
     def _move(self, now: int, word: int, address: int) -> None:
-        """A character leaves RXSHF."""
+        """Move a character out of RXSHF."""
         rx = self._rx
         rx.deliver(word, address, bool(word & FE) and self._is_break_like(word, address))
         self._load_received()
@@ -293,25 +293,25 @@ class SciLines(Chip):
             self._request_rx(now)
 
     def _load_received(self) -> None:
-        """SCIRXBUF may show another word now, or an equal one."""
+        """Update `loaded` if SCIRXBUF shows a new word, possibly an equal one."""
         if self._rx.loaded:
             self._rx.loaded = False
             self.loaded |= RECEIVED
 
     def _is_break_like(self, word: int, address: int) -> bool:
-        """Every bit of the frame was 0; of the parity bit PE tells that."""
+        """Return True if every bit of the frame was 0; the value of the parity bit follows from PE."""
         if word & ~PE != FE or (address and self._layout.address):
             return False
         return not self._layout.parity or bool(word & PE) != self._layout.even
 
-    def _take_break(self, now: int) -> None:
+    def _break_received(self, now: int) -> None:
         if self._rx.line_break() and self.options.rx_after_break.assume(self.touched) == "blocked":
             self._bits.close()
         if self._rx.request:
             self._request_rx(now)
 
     def _request_rx(self, now: int) -> None:
-        """A receive request that comes from the line."""
+        """Request RXINT for an event on the line."""
         self._rx.request = False
         extra = self.options.rx_int_extra.assume(self.touched)
         if extra:
@@ -320,7 +320,7 @@ class SciLines(Chip):
             self.requests |= RXINT
 
     def _watch_idle(self, now: int) -> None:
-        """Ask for the tenth idle bit where somebody could see it."""
+        """Watch for the tenth idle bit only if its effect can be seen."""
         rx = self._rx
         watch = rx.enabled and not rx.status & ST_RXWAKE and not self._layout.address
         if watch != self._bits.watch_idle:
@@ -343,12 +343,12 @@ class SciLines(Chip):
 
     def _set_abd(self) -> None:
         self._ffct |= ABD
-        if not self._abd_asked:
-            self._abd_asked = True
+        if not self._abd_requested:
+            self._abd_requested = True
             self.requests |= TXINT
 
     def _arm_receiver(self, now: int) -> None:
-        """Who listens to RXD: nobody in reset, autobaud while it waits, else the bit receiver."""
+        """Connect RXD to autobaud while it waits, else to the bit receiver; to neither in reset."""
         listening = self._tx.running
         waits = listening and self._ffct & (CDC | ABD) == CDC
         was_listening = self._listening
@@ -359,7 +359,7 @@ class SciLines(Chip):
         elif was_listening and not self._listening:
             self._bits.close()
 
-    # What registers ask for --------------------------------------------------
+    # Register effects ---------------------------------------------------------
 
     def _note(self, code: str, text: str, source: str) -> None:
         self.notes.append(Note(code, f"{self.name}: {text}", source))

@@ -1,10 +1,10 @@
-"""The SCI module as the CPU sees it: register accesses and resets go in; what they mean to its halves comes out.
+"""The SCI module as the CPU sees it: register accesses and resets, with their effects on its halves.
 
     registers --> Sci --> SciRx, SciTx, SciAutobaud and their clocks (`lines`) <--> RXD, TXD, RXINT, TXINT
 
 Chosen, where the manual is silent:
-- The clock gate is off after construction and after `reset`; LSPCLK stays as last told.
-- SCIRST = 0 stops both channels in standard mode too; it leaves SCIRXST as it is.
+- The clock gate is off after construction and after `reset`; LSPCLK keeps its last setting.
+- SCIRST = 0 also stops both channels in standard mode; it does not change SCIRXST.
 - CDC must be written 0 before ABD requests TXINT again.
 
 Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
@@ -42,13 +42,13 @@ AUTOBAUD_LEAST_BIT = 300  # cycles: 500 kbit/s at SYSCLKOUT = 150 MHz
 
 
 class Sci(SciLines):
-    """name: as notes call the module. options: answers to open questions."""
+    """The SCI. name: the module's name in notes. options: answers to open questions."""
 
     mid_byte: tuple[int, ...] = (CCR, CTL1, HBAUD, LBAUD, FFTX, FFCT, PRI)
 
     @property
     def frames_sent(self) -> int:
-        """Frames whose start bits have begun on TXD; resets do not clear it."""
+        """Number of frames whose start bits have begun on TXD; resets do not clear it."""
         return self._tx.frames
 
     # CPU access -------------------------------------------------------------
@@ -169,10 +169,8 @@ class Sci(SciLines):
             raise ValueError(f"{self.name} has offsets 0 to 0xF, not {offset:#x}")
 
     def _no_clock(self, what: str) -> bool:
-        """True if an access without a clock finds nothing."""
-        self._note(
-            "duty", f"was {what} while its PCLKCR0 bit is 0; the clock is to be turned on first", "SPRUFB0D §5.1.1"
-        )
+        """Note an access without a clock; return True if it has no effect."""
+        self._note("duty", f"was {what} while its PCLKCR0 bit is 0; turn its clock on first", "SPRUFB0D §5.1.1")
         return self.options.clock_gate_access.assume(self.touched) == "reads_0"
 
     def _write_ccr(self, now: int, value: int) -> None:
@@ -229,7 +227,7 @@ class Sci(SciLines):
             self._set_running(now)
 
     def _set_running(self, now: int) -> None:
-        """SW RESET or SCIRST has changed."""
+        """Start or stop the halves after a change of SW RESET or SCIRST."""
         if self._ctl1 & SWRESET and self._tx.scifftx & SCIRST:
             self._tx.release(now)
         self._arm_receiver(now)
@@ -240,11 +238,11 @@ class Sci(SciLines):
         if strobes & ABDCLR:
             self._ffct &= ~ABD
         if not self._ffct & CDC:
-            self._abd_asked = False
+            self._abd_requested = False
         elif not before & CDC and self._rx_clock.brr != 1 and 8 * self._rx_clock.period < AUTOBAUD_LEAST_BIT:
             self._note(
                 "duty",
-                f"CDC was set with BRR = {self._rx_clock.brr}, over 500 kbit/s; expected is 1 or a slower rate",
+                f"CDC was set with BRR = {self._rx_clock.brr}, over 500 kbit/s; expected 1 or a slower rate",
                 "SPRUFZ5A §1.2.10.3",
             )
         self._tx.delay = self._ffct & FFTXDLY
@@ -258,7 +256,7 @@ class Sci(SciLines):
         self._ccr = self._ctl1 = self._hbaud = self._lbaud = self._ffct = self._pri = 0
         self._gated = True
         self._suspended = self._rx_stopping = False
-        self._abd_asked = False
+        self._abd_requested = False
         self._request_at = NEVER
         self._rx_clock.reset(now)
         self._tx_clock.reset(now)

@@ -1,8 +1,8 @@
-"""What TI does not say about the SCI: one field a question, the default first.
+"""Undocumented behaviours of the SCI: one field per question, the default first.
 
-Goes in: a dict from a scene file (`core.options.options_from`) or keyword arguments.
-Comes out: the answers that one `Sci` runs on. All but the last three are section 3 of the open
-questions; the last three were met while the model was written.
+`SciOptions` is built from a dict of a scene file (`core.options.options_from`) or keyword
+arguments, and holds the answers for one `Sci`. All but the last three are section 3 of the
+open questions; the last three arose while the model was written.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from ...core.options import Answers, BoolOption, IntOption, TextOption, choice, 
 
 
 class SciOptions(Answers):
-    """Facts, contradictions and the measurement that would decide each: docs, open questions of the SCI."""
+    """Answers for one SCI. Facts, contradictions and deciding measurements: docs, open questions of the SCI."""
 
     # Receiver, line side.
     rxrdy_point: TextOption = choice(
@@ -117,7 +117,7 @@ class SciOptions(Answers):
     fftxdly_first_word: TextOption = choice(
         "no_delay", "delay", question="Whether FFTXDLY also precedes a word written to an idle FIFO."
     )
-    fftxdly_max: IntOption = choice(255, 256, question="How many periods FFTXDLY = 255 stands for.")
+    fftxdly_max: IntOption = choice(255, 256, question="How many periods FFTXDLY = 255 means.")
     fftxdly_unit: TextOption = choice("bit", "sciclk", question="Whether FFTXDLY counts bits or SCICLK periods.")
 
     # Resets.
@@ -125,7 +125,7 @@ class SciOptions(Answers):
         "untouched", "cleared", question="What SW RESET = 0 does to FIFO counters and their flags."
     )
     txbuf_write_in_swreset: TextOption = choice(
-        "lost", "sent_after_release", question="What becomes of a SCITXBUF write while SW RESET = 0."
+        "lost", "sent_after_release", question="What happens to a SCITXBUF write while SW RESET = 0."
     )
     scirst_scope: TextOption = choice(
         "shifters_and_fifos", "shifters", question="Whether SCIRST = 0 also empties the FIFOs and clears their flags."
@@ -142,9 +142,9 @@ class SciOptions(Answers):
         "next_character", "at_once", question="What a SCICCR write does to a character under way."
     )
 
-    # Met while writing the model.
+    # Questions that arose while writing the model.
     clock_gate_access: TextOption = choice(
-        "reads_0", "accessible", question="What a CPU access finds while the module's clock is off."
+        "reads_0", "accessible", question="What a CPU access does while the module's clock is off."
     )
     idle_before_first_frame: BoolOption = choice(
         True, False, question="Whether ten idle bits after SW RESET, before any frame, also begin a block."

@@ -1,21 +1,21 @@
-"""SCI receiver, CPU side: words go in; SCIRXBUF, the FIFO, flags and the receive request come out.
+"""SCI receiver, CPU side: SCIRXBUF, the FIFO, flags and the receive request.
 
     deliver(word) --> RXSHF move --> SCIRXBUF or FIFO --read--> CPU
                         |
                         +--> RXRDY, FE, PE, OE, RXWAKE, RXFFST, RXFFINT, RXFFOVF --> request
 
-The same code serves every fidelity: the bit receiver calls `deliver` at the stop bit, a
-coarser line side does so at the instant it has worked out.
+All levels of fidelity use this code: the bit receiver calls `deliver` at the stop bit, a
+coarser line model at the time that it has computed.
 
 Chosen, where the manual is silent:
-- Every move to SCIRXBUF with RXBKINTENA = 1 requests RXINT, an overrun included; an
-  enable set while its flag stands requests at once, as for the transmitter.
+- Every move to SCIRXBUF with RXBKINTENA = 1 requests RXINT, including an overrun; setting
+  an enable while its flag is set requests at once, as in the transmitter.
 - In FIFO mode RXWAKE is set by an address frame and cleared only by reading SCIRXBUF
   (and the resets), in both multiprocessor modes.
 - A word read from the FIFO stays in SCIRXBUF as "the last word".
-- Words held off by RXFIFORESET = 0 still set their error flags.
-- RXFFOVF is left by RXFIFORESET; RXFFINT is left when SCIFFENA is cleared.
-- BRKDT needs RXENA = 1, as all flags do.
+- Words blocked by RXFIFORESET = 0 still set their error flags.
+- RXFIFORESET does not change RXFFOVF; clearing SCIFFENA does not change RXFFINT.
+- BRKDT needs RXENA = 1, like all flags.
 
 Source: TI SPRUFZ5A sections 1.2.4 to 1.2.10, tables 2-7, 2-8, 2-10.
 """
@@ -57,7 +57,7 @@ DEPTH = 16
 
 @final
 class SciRx:
-    """`request`: RXINT was asked for since the owner last set this to False."""
+    """CPU side of the receiver. request: RXINT was requested since the owner last set this to False."""
 
     STATE = State(
         "bk_enabled enabled error_enabled fifo fifo_mode loaded parity request rxbuf sciffrx sleep status _reached",
@@ -79,7 +79,7 @@ class SciRx:
         # The receiver's own state.
         self.status = 0  # BRKDT, FE, OE, PE, RXWAKE, RXRDY in their SCIRXST places
         self.rxbuf = 0
-        self.loaded = False  # SCIRXBUF shows another word, or an equal one, since the owner last set this to False
+        self.loaded = False  # SCIRXBUF shows a new word, possibly an equal one, since the owner last set this to False
         self.fifo = Fifo(DEPTH)
         self.sciffrx = SCIFFRX.reset  # configuration, RXFFOVF and RXFFINT; RXFFST is counted
         self._reached = False  # RXFFST >= RXFFIL held after the last change
@@ -87,7 +87,7 @@ class SciRx:
     # From the line ----------------------------------------------------------
 
     def deliver(self, word: int, address: int, break_like: bool) -> None:
-        """A character is complete. break_like: every bit of it, the stop bit too, was 0."""
+        """Receive a complete character. break_like: every bit of it, including the stop bit, was 0."""
         if not self.enabled:
             return
         if self.sleep and not address:
@@ -115,12 +115,12 @@ class SciRx:
             self._watch_level()
 
     def line_idle(self) -> None:
-        """The line has been idle for ten bits."""
+        """Set RXWAKE after ten idle bits on the line."""
         if self.enabled:
             self.status |= ST_RXWAKE
 
     def line_break(self) -> bool:
-        """A break is complete. True if it was taken as one."""
+        """Receive a complete break; return True if it was accepted."""
         if not self.enabled:
             return False
         if self.sleep and self.options.brkdt_in_sleep.assume(self.touched) == "suppressed":
@@ -137,13 +137,13 @@ class SciRx:
             self.rxbuf = word & 0xFF
             self.loaded = True
             return
-        asked = self.request
+        requested = self.request
         self._to_fifo(word)
         self._watch_level()
-        self.request = asked
+        self.request = requested
 
     def _to_fifo(self, word: int) -> int:
-        """Add a word. OE's bit if that is an overrun."""
+        """Add a word; return the mask of OE if that is an overrun, else 0."""
         waiting = len(self.fifo)
         overrun = 0
         if waiting and self.options.oe_in_fifo_mode.assume(self.touched) == "per_unread_word":
@@ -177,7 +177,7 @@ class SciRx:
     # FIFO interrupt ---------------------------------------------------------
 
     def _watch_level(self) -> None:
-        """Set RXFFINT where RXFFST has reached RXFFIL."""
+        """Set RXFFINT if RXFFST has reached RXFFIL."""
         reached = self.fifo_mode and len(self.fifo) >= self.sciffrx & RXFFIL
         if (
             reached
@@ -206,7 +206,7 @@ class SciRx:
         return status
 
     def show_buffer(self) -> int:
-        """SCIRXBUF, without the effects of reading it."""
+        """Return SCIRXBUF, without the effects of reading it."""
         if not self.fifo_mode:
             return self.rxbuf & 0xFF
         if self.fifo.words:
@@ -217,7 +217,7 @@ class SciRx:
         return self.sciffrx | len(self.fifo) << RXFFST
 
     def read_buffer(self) -> int:
-        """SCIRXBUF as the CPU reads it: the character is taken."""
+        """Read SCIRXBUF as the CPU does, which removes the character."""
         word = self.show_buffer()
         if self.fifo_mode and self.fifo.words:
             self.rxbuf = self.fifo.pop()
@@ -227,7 +227,7 @@ class SciRx:
         return word
 
     def write_fifo(self, value: int) -> None:
-        """SCIFFRX."""
+        """Write SCIFFRX."""
         before = self.sciffrx
         self.sciffrx, strobes = SCIFFRX.write(before, value)
         if strobes & RXFFOVRCLR:
@@ -241,7 +241,7 @@ class SciRx:
         self._watch_level()
 
     def set_enables(self, bk_enabled: bool, error_enabled: bool) -> None:
-        """RXBKINTENA and RXERRINTENA; one that is set while its flag stands requests at once."""
+        """Set RXBKINTENA and RXERRINTENA; an enable that is set while its flag is set requests at once."""
         if bk_enabled and not self.bk_enabled and not self.fifo_mode and self.status & (ST_RXRDY | ST_BRKDT):
             self.request = True
         if error_enabled and not self.error_enabled and self.show_status() & ST_RXERROR:
@@ -258,16 +258,16 @@ class SciRx:
     # Resets -----------------------------------------------------------------
 
     def clear_flags(self) -> None:
-        """SW RESET = 0."""
+        """Clear the flags, as SW RESET = 0 does."""
         self.status = 0
 
     def clear_fifo(self) -> None:
-        """The FIFO emptied, its flags cleared; nothing is requested by that."""
-        asked = self.request
+        """Empty the FIFO and clear its flags, without a request."""
+        requested = self.request
         self.fifo.clear()
         self.sciffrx &= ~(RXFFINT | RXFFOVF)
         self._watch_level()
-        self.request = asked
+        self.request = requested
 
     def reset(self) -> None:
         self.enabled = False

@@ -1,24 +1,24 @@
-"""SCI receiver, line side: levels on RXD at SCICLK ticks go in; frames, breaks and idle lines come out.
+"""SCI receiver, line side: detects frames, breaks and idle lines from the levels on RXD at SCICLK ticks.
 
     toggle(tick, level) --> [ticks at which the sampled level changed] --step--> FRAME, BREAK, IDLE
 
-Lazy: an edge is only noted. Start bits, votes, breaks and idle times are worked out from
-the noted edges when one of them is due (`next_tick`), with the result that looking at
-every SCICLK would give. A tick is a sample; what happens between two samples is unseen.
+Evaluation is lazy: an edge is only recorded. Start bits, votes, breaks and idle times are
+computed from the recorded edges when one of them is due (`next_tick`), with the same result
+as sampling at every SCICLK. A tick is a sample; changes between two samples are not seen.
 
-Rules: four low samples in a row are a start bit, its first low sample is sub-sample 1;
+Rules: four low samples in a row are a start bit, the first of them is sub-sample 1;
 every bit is the majority of its sub-samples 4, 5, 6; the search for the next start bit
 opens inside the stop bit, in address-bit mode (erratum) inside the address bit.
 
 Chosen, where the manual is silent:
 - After a missing stop bit the line must have been sampled high before a low counts as a
   start bit, except for a start bit that the erratum's early search accepted before. A
-  break thus gives one character, and a high sample in it makes the ten bits begin anew
-  behind the next missing stop bit.
+  break thus yields one character, and a high sample in it restarts the ten bits after the
+  next missing stop bit.
 - Idle bits are counted from the end of the last programmed stop bit; any low sample
-  begins the count anew, also one that is no start bit. With exactly 80 high samples the
-  line is idle.
-- When SW RESET is released on a low line, four low samples are a start bit as ever.
+  restarts the count, even if it is not part of a start bit. With exactly 80 high samples
+  the line is idle.
+- When SW RESET is released on a low line, four low samples are a start bit as usual.
 
 Source: TI SPRUFZ5A sections 1.2.5 to 1.2.8, table 2-7; SPRZ272N figure 3-1.
 """
@@ -46,36 +46,37 @@ VOTE = 0b11101000  # bit n: the majority of the three samples that are the bits 
 
 @final
 class SciRxBits:
-    """After `step` returned FRAME: `word` with its marks, and `address`, 1 for an address frame.
+    """Line side of the receiver.
 
+    word, address: after `step` returned FRAME, the word with FE and PE, and 1 for an address frame.
     framed: a start bit was accepted and its frame is not complete.
     """
 
     STATE = State(
         "next_tick word address watch_idle framed _layout _open _line _toggles _level _low_from "
-        "_high_from _idle_base _idle _idle_news _start _frame _missing_stop _break_at _sure",
+        "_high_from _idle_base _idle _idle_unreported _start _frame _missing_stop _break_at _sure",
     )
 
     def __init__(self, layout: SciFormat, options: SciOptions, touched: set[str]) -> None:
         self.next_tick = FAR
         self.word = 0
         self.address = 0
-        self.watch_idle = False  # an idle line is worth an event
+        self.watch_idle = False  # an idle line produces an event
         self._layout = layout  # of the next frame
         self._options = options
         self._touched = touched
         self._open = False
         self._line = 1  # the level last toggled to
-        self._toggles: list[int] = []  # ticks at which the sampled level changes, behind _level's run
-        self._level = 1  # of the run being looked at
-        self._low_from = FAR  # first sample of a low run that may be a start bit; FAR: this run may not
-        self._high_from = FAR  # from where ten idle bits are counted in a high run
-        self._idle_base = FAR  # no idle bit is counted before
+        self._toggles: list[int] = []  # ticks at which the sampled level changes, after the present run
+        self._level = 1  # of the present run
+        self._low_from = FAR  # first sample of a low run that may be a start bit; FAR if this run cannot be one
+        self._high_from = FAR  # the start of the count of ten idle bits in a high run
+        self._idle_base = FAR  # no idle bit is counted before this tick
         self._idle = False  # the line was idle since the last frame
-        self._idle_news = False  # ... and this is not told yet
+        self._idle_unreported = False  # the idle line has not been reported yet
         self.framed = False
-        self._start = 0  # first low sample of the start bit accepted
-        self._frame = layout  # its format
+        self._start = 0  # first low sample of the accepted start bit
+        self._frame = layout  # the format of the present frame
         self._missing_stop = 0  # last sample of the stop bit that armed the break
         self._break_at = FAR
         self._sure = True  # no later edge can move next_tick
@@ -83,13 +84,13 @@ class SciRxBits:
     # Inputs -----------------------------------------------------------------
 
     def toggle(self, tick: int, level: int) -> bool:
-        """The samples from `tick` on are `level`. True if `next_tick` may have changed."""
+        """Set the level of the samples from `tick` on. Return True if `next_tick` may have changed."""
         if level == self._line:
             return False
         self._line = level
         toggles = self._toggles
         if toggles and toggles[-1] >= tick:
-            toggles.pop()  # the level before lasted for no sample
+            toggles.pop()  # the previous level was not sampled
         else:
             toggles.append(tick)
         if self._sure:
@@ -100,7 +101,7 @@ class SciRxBits:
         return True
 
     def set_layout(self, tick: int, layout: SciFormat, at_once: bool) -> None:
-        """A new format from the next start bit on, or for the frame under way too. `tick`: the last one past."""
+        """Set the format from the next start bit on, or also of the present frame. tick: the last past one."""
         self.settle(tick)
         self._layout = layout
         if at_once:
@@ -109,14 +110,14 @@ class SciRxBits:
         self.next_tick = max(self.next_tick, tick + 1)
 
     def set_watch(self, tick: int, watch: bool) -> None:
-        """Tell of tenth idle bits to come, or do not. `tick`: the last one past."""
+        """Report tenth idle bits, or stop reporting them. tick: the last past one."""
         self.settle(tick)
-        self._idle_news = False  # the idle line up to now was nobody's business
+        self._idle_unreported = False  # an idle line up to now is not reported
         self.watch_idle = watch
         self._plan()
 
     def settle(self, tick: int) -> None:
-        """Accept what was a start bit by `tick`."""
+        """Accept a start bit up to `tick`."""
         if self._break_at != FAR:
             self._end_break_on_high(tick)
         if self._open and not self.framed:
@@ -133,7 +134,7 @@ class SciRxBits:
         self._plan()
 
     def close(self) -> None:
-        """Forget the frame under way and look at nothing."""
+        """Drop the present frame and ignore the line."""
         self._open = False
         self.framed = False
         self._break_at = FAR
@@ -142,14 +143,14 @@ class SciRxBits:
     # Events -----------------------------------------------------------------
 
     def step(self, tick: int) -> int:
-        """The first event up to `tick`; NOTHING when all are told, then `next_tick` is the next."""
+        """Return the first event up to `tick`; NOTHING after the last, when `next_tick` is the tick of the next."""
         if self._open:
             if self._break_at != FAR:
                 self._end_break_on_high(tick)
             if not self.framed:
                 self._hunt(tick)
-            if self._idle_news:
-                self._idle_news = False
+            if self._idle_unreported:
+                self._idle_unreported = False
                 if self.watch_idle:
                     return IDLE
             due = self._start + self._frame.due if self.framed else FAR
@@ -170,7 +171,7 @@ class SciRxBits:
             if self._level:
                 if not self._idle and self._high_from + IDLE_TICKS <= min(end, tick):
                     self._idle = True
-                    self._idle_news = True
+                    self._idle_unreported = True
             elif end - self._low_from >= 4 and self._low_from + 3 <= tick:
                 self.framed = True
                 self._start = self._low_from
@@ -182,7 +183,7 @@ class SciRxBits:
             self._turn(end)
 
     def _turn(self, tick: int) -> None:
-        """The next run begins at `tick`."""
+        """Begin the next run at `tick`."""
         self._level ^= 1
         if self._level:
             self._high_from = max(tick, self._idle_base)
@@ -198,7 +199,7 @@ class SciRxBits:
                 return
 
     def _wait_for_high(self) -> None:
-        """A break is complete: no frame is under way, and this low is no start bit."""
+        """End a complete break: no frame is in progress, and this low level is not a start bit."""
         self._drop(self._break_at)
         self._break_at = FAR
         self.framed = False
@@ -206,14 +207,14 @@ class SciRxBits:
         self._idle_base = 0
 
     def _finish(self) -> None:
-        """The frame is complete: its votes, and where the search goes on."""
+        """Complete the frame: take its votes, and continue the search."""
         start, frame = self._start, self._frame
         stop_at = frame.stop_at
         last = stop_at + 8
         third: int
         fourth: int
         fifth: int
-        third = fourth = fifth = 0  # bit n: sub-samples 4, 5 and 6 of the frame's bit n, those that are voted on
+        third = fourth = fifth = 0  # bit n: sub-samples 4, 5 and 6 of the frame's bit n, which vote
         stop: int = 0  # bit n: the sample n ticks into the stop bit
         t: int
         for t in self._toggles:
@@ -238,7 +239,7 @@ class SciRxBits:
             self._after_missing_stop(stop, start, frame)
 
     def _read_word(self, votes: int, stop: int, frame: SciFormat) -> None:
-        """votes: the frame's bits, the start bit's first. stop: the samples of the stop bit."""
+        """Decode the frame. votes: its bits, beginning with the start bit. stop: the samples of the stop bit."""
         place = 1 + frame.data_bits
         word = votes >> 1 & frame.data_mask
         self.address = votes >> place & 1
@@ -254,7 +255,7 @@ class SciRxBits:
         self.word = word
 
     def _after_missing_stop(self, stop: int, start: int, frame: SciFormat) -> None:
-        """Count for a break while the line stays low, and take no start bit from this low."""
+        """Count towards a break while the line stays low, and accept no start bit in this low run."""
         voted = start + frame.voted_at
         since_vote = stop >> frame.voted_at - frame.stop_at
         if self._break_at == FAR and not since_vote & 1:
@@ -272,10 +273,10 @@ class SciRxBits:
             if not since_vote & between:
                 self._low_from = FAR
 
-    # What is due next -------------------------------------------------------
+    # Scheduling -------------------------------------------------------------
 
     def _drop(self, tick: int) -> None:
-        """Take the toggles up to `tick` as past."""
+        """Apply and remove the toggles up to `tick`."""
         toggles = self._toggles
         passed: int = 0
         t: int
@@ -294,7 +295,7 @@ class SciRxBits:
         self._low_from = tick
 
     def _plan(self) -> None:
-        """next_tick from all edges known; _sure when no later edge can change it."""
+        """Compute `next_tick` from all known edges, and `_sure`: no later edge can change it."""
         self._sure = True
         if not self._open:
             self.next_tick = FAR

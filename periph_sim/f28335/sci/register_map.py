@@ -1,4 +1,4 @@
-"""The SCI's registers as data: names as in C2000Ware's DSP2833x_Sci.h, offsets in words from the module's base.
+"""Table of the SCI's registers: names as in C2000Ware's DSP2833x_Sci.h, offsets in words from the module's base.
 
 All three modules (0x7050, 0x7750, 0x7770) have this map. An 8-bit register reads 0 in
 its high byte and drops what is written there.
@@ -24,7 +24,7 @@ SCI_MAP = RegisterMap(
                 field("STOPBITS", "7", doc="1 sends two stop bits; the receiver checks only the first."),
                 field("PARITY", "6", doc="1 even, 0 odd."),
                 field("PARITYENA", "5", doc="A parity bit is sent and expected."),
-                field("LOOPBKENA", "4", doc="The receiver listens to the transmitter inside the module."),
+                field("LOOPBKENA", "4", doc="The receiver is connected to the transmitter inside the module."),
                 field("ADDRIDLE_MODE", "3", doc="1 address-bit mode, 0 idle-line mode."),
                 field("SCICHAR", "2:0", doc="Data bits of a character, less one."),
             ),
@@ -93,7 +93,7 @@ SCI_MAP = RegisterMap(
             (
                 field("SCIFFFE", "15", "R", doc="Framing error of the word at the FIFO's head (FIFO mode)."),
                 field("SCIFFPE", "14", "R", doc="Parity error of the word at the FIFO's head (FIFO mode)."),
-                field("RXDT", "7:0", "R", doc="The character; reading it takes it."),
+                field("RXDT", "7:0", "R", doc="The character; reading removes it."),
             ),
             read_acts=True,
             yields=Yields.DATA,
@@ -117,7 +117,7 @@ SCI_MAP = RegisterMap(
                 field("SCIFFENA", "14", doc="FIFO mode."),
                 field("TXFIFOXRESET", "13", reset=1, doc="0 empties the transmit FIFO and holds it so."),
                 field("TXFFST", "12:8", "R", doc="Words waiting, 0 to 16."),
-                field("TXFFINT", "7", "R", doc="TXFFST came down to TXFFIL."),
+                field("TXFFINT", "7", "R", doc="TXFFST fell to TXFFIL."),
                 field("TXFFINTCLR", "6", "W1", doc="Clears TXFFINT."),
                 field("TXFFIENA", "5", doc="TXFFINT requests TXINT."),
                 field("TXFFIL", "4:0", doc="Level of the transmit interrupt."),
@@ -128,7 +128,7 @@ SCI_MAP = RegisterMap(
             0xB,
             "SPRUFZ5A F2-12, T2-10",
             (
-                field("RXFFOVF", "15", "R", doc="A word came while 16 were waiting."),
+                field("RXFFOVF", "15", "R", doc="A word arrived while 16 were waiting."),
                 field("RXFFOVRCLR", "14", "W1", doc="Clears RXFFOVF."),
                 field("RXFIFORESET", "13", reset=1, doc="0 empties the receive FIFO and holds it so."),
                 field("RXFFST", "12:8", "R", doc="Words waiting, 0 to 16."),

@@ -1,18 +1,18 @@
-"""SCI transmitter, CPU side: SCITXBUF and the FIFO go in; frames, flags and the transmit request come out.
+"""SCI transmitter, CPU side: sends frames from SCITXBUF and the FIFO, with flags and the transmit request.
 
     write --> SCITXBUF or FIFO --load--> TXSHF, WUT --start--> SciTxBits (levels), or `sent` (words)
                                   |
                                   +--> TXRDY, TXFFST, TXFFINT --> request
 
-Time is counted in SCICLK ticks. With the default options a word is loaded into TXSHF at
-the tick of its start bit.
+Times are SCICLK ticks. With the default options a word is loaded into TXSHF at the tick of
+its start bit.
 
 Chosen, where the manual is silent:
-- TXWAKE works in FIFO mode as in standard mode: the next word loaded takes it.
-- A word written less than FFTXDLY after the end of the one before waits for the rest.
-- SCITXBUF and FIFO keep what they hold when SCIFFENA changes; only the selected one is sent.
+- TXWAKE works in FIFO mode as in standard mode: it applies to the next word loaded.
+- A word written less than FFTXDLY after the end of the previous one waits for the rest.
+- SCITXBUF and FIFO keep their words when SCIFFENA changes; only the selected one is sent.
 - Words written to the FIFO while SW RESET = 0 or SCIRST = 0 with scope "shifters" wait.
-- SW RESET making TXRDY 1 requests nothing.
+- If SW RESET sets TXRDY to 1, there is no request.
 
 Source: TI SPRUFZ5A sections 1.2.3 to 1.2.10, tables 2-4, 2-6, 2-9, 2-11.
 """
@@ -50,7 +50,7 @@ DEPTH = 16
 
 
 class SentWord(NamedTuple):
-    """A frame on its way, as `Sci.deliver` of another module wants it.
+    """A frame in transit, in the form that `Sci.deliver` of another module expects.
 
     address: the address bit, or in idle-line mode 1 after ten idle bits.
     start, end: cycles of the start edge and of the end of the last stop bit, at the present rate.
@@ -64,10 +64,11 @@ class SentWord(NamedTuple):
 
 @final
 class SciTx:
-    """`request`: TXINT was asked for since the owner last set this to False.
+    """CPU side of the transmitter. The FIFO stores marks above the eight bits of its words.
 
-    mark: the owner's number for a write of SCITXBUF to come. out_mark: that of the word whose bits TXD shows; 0 once
-    it was cut off. The FIFO keeps marks above the eight bits of its words.
+    request: TXINT was requested since the owner last set this to False.
+    mark: the owner's number for the next write of SCITXBUF.
+    out_mark: the mark of the word whose bits TXD shows; 0 after it was cut off.
     """
 
     STATE = State(
@@ -85,17 +86,17 @@ class SciTx:
         self.touched = touched
         self.request = False
         self.bits = SciTxBits()
-        self.word_line = False  # words are handed over in `sent`, no levels are made
+        self.word_line = False  # words are passed on in `sent`, without levels
         self.sent: list[SentWord] = []
-        self.frames = 0  # whose start bits have begun, since the model was made
-        self.lost: list[str] = []  # what happened to words that will never be sent
+        self.frames = 0  # number of frames whose start bits have begun, since construction
+        self.lost: list[str] = []  # messages about lost words
         self.mark = 0
         self.out_mark = 0
         # Enables and modes, copied here from the registers of the whole module.
         self.enabled = False  # TXENA
         self.running = False  # neither SWRESET nor SCIRST holds it
         self.in_swreset = True
-        self.stopping = False  # nothing follows the frame being sent
+        self.stopping = False  # the transmitter stops after the frame being sent
         self.int_enabled = False
         self.delay = 0  # FFTXDLY
         # The transmitter's own state.
@@ -105,31 +106,31 @@ class SciTx:
         self.fifo = Fifo(DEPTH)
         self.scifftx = SCIFFTX.reset  # configuration and TXFFINT; TXFFST is counted
         self.fifo_mode = False  # SCIFFENA
-        self.active = False  # a frame or an idle time is being sent ...
+        self.active = False  # a frame or an idle time is being sent
         self.next_tick = FAR
-        self.next_cycle = NEVER  # for what falls between ticks
+        self.next_cycle = NEVER  # of events between ticks
         self._clock = clock
         self._layout = layout
-        self._waiting = False  # SCITXBUF holds a character ...
+        self._waiting = False  # SCITXBUF holds a character
         self._drain = 0  # words that TXENA = 0 does not hold back
         self._loaded = False  # TXSHF holds a word whose start bit has not begun
         self._txshf = 0
         self._txbuf_mark = 0
         self._txshf_mark = 0
-        self._data_frame = False  # what is being sent is a frame, no idle time
-        self._began = 0  # ... since this tick
-        self._end = FAR  # ... until this tick
+        self._data_frame = False  # a frame is being sent, not an idle time
+        self._began = 0  # first tick of the frame or idle time
+        self._end = FAR  # end of the frame or idle time
         self._last_end = -FAR
         self._start_at = FAR  # tick of the next start bit
         self._load_at = FAR  # tick of the next load
-        self._load_cycle = NEVER  # cycle of the next load, where it needs no tick
+        self._load_cycle = NEVER  # cycle of the next load, if it is not at a tick
         self._empty_until = 0  # TXEMPTY still reads 1 before this cycle
         self._reached = False  # TXFFST <= TXFFIL held after the last change
 
     # Time -------------------------------------------------------------------
 
     def run(self, now: int) -> None:
-        """Do what is due up to `now`."""
+        """Process everything due up to `now`."""
         tick = self._clock.passed(now)
         if self.stopping and self._end <= tick:
             self._finish()
@@ -146,12 +147,12 @@ class SciTx:
         self._set_next(now)
 
     def replan(self, now: int) -> None:
-        """Something changed that decides when the next word goes out."""
+        """Reschedule the next word. Call after any change that affects it."""
         self._plan(now)
         self._set_next(now)
 
     def resume(self, now: int) -> None:
-        """The clock runs or stands still from now on; what waited for a tick gone by takes the next."""
+        """Continue after a start or stop of the clock; events of past ticks move to the next one."""
         self.stopping = False
         coming = self._clock.passed(now) + 1
         self._start_at = max(self._start_at, coming)
@@ -164,7 +165,7 @@ class SciTx:
         self._end = FAR
 
     def _plan(self, now: int) -> None:
-        """When the next word is loaded and when its start bit begins."""
+        """Compute when the next word is loaded and when its start bit begins."""
         if self._loaded:
             return
         planned = self._start_at
@@ -172,12 +173,12 @@ class SciTx:
             self._start_at = self._load_at = FAR
             self._load_cycle = NEVER
         elif self.active:
-            self._plan_behind(now)
+            self._plan_after_frame(now)
         elif planned == FAR:
             self._plan_from_idle(now)
 
-    def _plan_behind(self, now: int) -> None:
-        """A frame is being sent: the next follows it."""
+    def _plan_after_frame(self, now: int) -> None:
+        """Schedule the next word after the frame that is being sent."""
         if self.fifo_mode:
             self._start_at = self._load_at = self._end + self._pause()
             return
@@ -187,7 +188,7 @@ class SciTx:
             self._load_at = max(stop, self._clock.passed(now) + 1)
 
     def _plan_from_idle(self, now: int) -> None:
-        """The transmitter stands still: the phase of the divider decides."""
+        """Schedule the next word of an idle transmitter, from the phase of the divider."""
         clock = self._clock
         phase = self.options.tx_phase.assume(self.touched)
         if phase == "restart":
@@ -206,7 +207,7 @@ class SciTx:
             self._load_cycle = clock.lspclk_after(now)
 
     def _pause(self) -> int:
-        """FFTXDLY in ticks."""
+        """Return FFTXDLY in ticks."""
         delay = self.delay
         if not delay:
             return 0
@@ -219,7 +220,7 @@ class SciTx:
         return waiting and self.running and (self.enabled or self._drain > 0)
 
     def _load(self) -> None:
-        """A word moves to TXSHF, TXWAKE to WUT."""
+        """Move a word to TXSHF, and TXWAKE to WUT."""
         self._load_at = FAR
         self._load_cycle = NEVER
         self._loaded = True
@@ -237,7 +238,7 @@ class SciTx:
             self.request = True
 
     def _start(self, now: int) -> None:
-        """TXSHF's word begins, or the idle time that TXWAKE made of it."""
+        """Begin to send the word in TXSHF, or the idle time that TXWAKE requests instead."""
         layout = self._layout
         tick = self._start_at
         self._start_at = FAR
@@ -287,7 +288,7 @@ class SciTx:
     # From the CPU -----------------------------------------------------------
 
     def write_buffer(self, now: int, value: int) -> None:
-        """SCITXBUF."""
+        """Write SCITXBUF."""
         was_empty = self._is_empty()
         before = self._txbuf_mark, self.txbuf
         self._txbuf_mark, self.txbuf = self.mark, value & 0xFF
@@ -321,7 +322,7 @@ class SciTx:
             self.watch_level()
 
     def write_fifo(self, now: int, value: int) -> None:
-        """SCIFFTX. The owner looks after SCIRST and SCIFFENA in the rest of the module."""
+        """Write SCIFFTX. The owner applies SCIRST and SCIFFENA to the rest of the module."""
         before = self.scifftx
         self.scifftx, strobes = SCIFFTX.write(before, value)
         self.fifo_mode = bool(self.scifftx & SCIFFENA)
@@ -337,7 +338,7 @@ class SciTx:
         self.replan(now)
 
     def watch_level(self) -> None:
-        """Set TXFFINT where TXFFST has come down to TXFFIL."""
+        """Set TXFFINT if TXFFST has fallen to TXFFIL."""
         reached = self.fifo_mode and len(self.fifo) <= self.scifftx & TXFFIL and not self._is_held()
         if (
             reached
@@ -350,11 +351,11 @@ class SciTx:
         self._reached = reached
 
     def _is_held(self) -> bool:
-        """SCIRST = 0 holds the FIFO empty and its flag at 0."""
+        """Return True if SCIRST = 0 holds the FIFO empty and its flag at 0."""
         return not self.scifftx & SCIRST and self.options.scirst_scope.assume(self.touched) == "shifters_and_fifos"
 
     def set_enabled(self, now: int, on: bool) -> None:
-        """TXENA."""
+        """Set TXENA."""
         if on == self.enabled:
             return
         self.enabled = on
@@ -365,13 +366,13 @@ class SciTx:
         self.replan(now)
 
     def set_int_enabled(self, on: bool) -> None:
-        """TXINTENA; set while TXRDY = 1 it requests at once."""
+        """Set TXINTENA; it requests at once if TXRDY = 1."""
         if on and not self.int_enabled and not self.fifo_mode and self.show_flags(0) & TXRDY:
             self.request = True
         self.int_enabled = on
 
     def set_layout(self, now: int, layout: SciFormat, at_once: bool) -> None:
-        """A new format from the next frame on, or for the frame under way too."""
+        """Set the format from the next frame on, or also of the present frame."""
         self._layout = layout
         if at_once and self.active and self._data_frame:
             done = (self._clock.passed(now) - self._began) // 8 + 1
@@ -381,7 +382,7 @@ class SciTx:
         self.replan(now)
 
     def show_flags(self, now: int) -> int:
-        """TXRDY and TXEMPTY in their SCICTL2 places."""
+        """Return TXRDY and TXEMPTY in their positions in SCICTL2."""
         if self.in_swreset:
             return TXRDY | TXEMPTY
         if not self.fifo_mode:
@@ -401,7 +402,7 @@ class SciTx:
     # Resets -----------------------------------------------------------------
 
     def halt(self) -> None:
-        """State machines to reset: what is in SCITXBUF and TXSHF is lost, TXD goes to 1."""
+        """Reset the state machines: the words in SCITXBUF and TXSHF are lost, TXD goes to 1."""
         self.running = False
         self.active = False
         self.wut = False
@@ -419,17 +420,17 @@ class SciTx:
         self.next_cycle = NEVER
 
     def release(self, now: int) -> None:
-        """No reset holds the transmitter any more."""
+        """Release the transmitter from reset."""
         self.running = True
         self.replan(now)
 
     def clear_fifo(self) -> None:
-        """The FIFO emptied, its flag cleared; nothing is requested by that."""
-        asked = self.request
+        """Empty the FIFO and clear its flag, without a request."""
+        requested = self.request
         self.fifo.clear()
         self.scifftx &= ~TXFFINT
         self.watch_level()
-        self.request = asked
+        self.request = requested
 
     def reset(self) -> None:
         self.halt()

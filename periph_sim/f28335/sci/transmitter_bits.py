@@ -1,4 +1,4 @@
-"""SCI transmitter, line side: a frame's levels go in; the level of TXD at each SCICLK tick comes out.
+"""SCI transmitter, line side: the level of TXD at each SCICLK tick, from the levels of a frame.
 
     send(tick, levels) --> [ticks of the edges] --step--> level
 
@@ -17,36 +17,41 @@ from .receiver_bits import FAR
 
 @final
 class SciTxBits:
-    """A bit is eight ticks. `level` is that of TXD, and `next_tick` the tick at which it changes."""
+    """Line side of the transmitter. A bit is eight ticks.
+
+    level: level of TXD.
+    next_tick: the tick at which it changes.
+    """
 
     STATE = State("level next_tick _edges")
 
     def __init__(self) -> None:
         self.level = 1
         self.next_tick = FAR
-        self._edges: list[int] = []  # ticks to come, last first
+        self._edges: list[int] = []  # future ticks, last first
 
     def send(self, tick: int, levels: int, bits: int) -> None:
-        """A frame of `bits` bits from `tick` on; bit 0 of `levels` goes first, the line stands at 1."""
+        """Send a frame of `bits` bits from `tick` on, bit 0 of `levels` first. The line must be at 1."""
         changes = levels ^ (levels << 1 | 1)
         edges = [tick + 8 * bit for bit in range(bits - 1, -1, -1) if changes >> bit & 1]
         self._edges = edges
         self.next_tick = edges[-1] if edges else FAR
 
     def resend(self, tick: int, levels: int, bits: int, done: int) -> None:
-        """The frame begun at `tick` has these levels from its bit `done` on."""
+        """Change the levels of the frame begun at `tick` from its bit `done` on."""
         self.send(tick, levels & -(1 << done) | (-self.level & (1 << done) - 1), bits)
         while self._edges and self._edges[-1] < tick + 8 * done:
             self._edges.pop()
         self.next_tick = self._edges[-1] if self._edges else FAR
 
     def step(self) -> None:
-        """`next_tick` has come."""
+        """Toggle TXD at `next_tick`."""
         self._edges.pop()
         self.level ^= 1
         self.next_tick = self._edges[-1] if self._edges else FAR
 
     def stop(self) -> None:
-        """The frame is cut off: TXD goes to 1."""
+        """Cut off the frame: TXD goes to 1."""
+
         self.next_tick = FAR
         self.level = 1

@@ -1,11 +1,12 @@
-"""Buffers of the SPI beside SPIDAT: SPITXBUF, SPIRXBUF, their flags in SPISTS, and the choice of the FIFOs.
+"""Buffers of the SPI besides SPIDAT: SPITXBUF, SPIRXBUF, their flags in SPISTS, and the selection of the FIFOs.
 
-    write --> SPITXBUF or transmit FIFO --take--> SPIDAT --deliver--> SPIRXBUF or receive FIFO --read-->
-                  |                                          |
-                  +--> BUFFULL_FLAG, TXFFST, TXFFINT         +--> INT_FLAG, OVERRUN_FLAG, RXFFST, RXFFINT, RXFFOVF
+    write --> SPITXBUF or transmit FIFO --pop--> SPIDAT --deliver--> SPIRXBUF or receive FIFO --read-->
+                  |                                         |
+                  +--> BUFFULL_FLAG, TXFFST, TXFFINT        +--> INT_FLAG, OVERRUN_FLAG, RXFFST, RXFFINT, RXFFOVF
 
 Chosen, where the manual is silent:
-- SPITXBUF reads as it was last written, whether or not the word was taken.
+- SPITXBUF reads as last written, even after the word has moved to SPIDAT.
+
 - SPITXBUF and the FIFOs keep their words when SPIFFENA changes; only the selected one is used.
 - A word read from the receive FIFO stays in SPIRXBUF.
 - Setting an enable while its flag is set requests at once.
@@ -28,7 +29,12 @@ BUFFULL_FLAG = SPI_MAP["SPISTS"]["BUFFULL_FLAG"].mask
 
 
 class TransmitBuffer:
-    """txbuf: SPITXBUF. full: it holds a character that waits. lost: texts of notes, for the owner to clear."""
+    """Transmit side.
+
+    txbuf: SPITXBUF.
+    full: SPITXBUF holds a waiting character.
+    lost: texts of notes, which the owner clears.
+    """
 
     STATE = State("txbuf full fifo lost")
 
@@ -46,7 +52,7 @@ class TransmitBuffer:
         return bool(self.fifo.words) if self.fifo.on else self.full
 
     def write(self, value: int, enabled: bool) -> None:
-        """SPITXBUF. enabled: neither SW RESET nor SPIRST is 0."""
+        """Write SPITXBUF. enabled: neither SW RESET nor SPIRST is 0."""
         before, self.txbuf = self.txbuf, value
         if self.fifo.on:
             self._write_fifo(value)
@@ -69,29 +75,31 @@ class TransmitBuffer:
         if self.options.txfifo_write_when_full.assume(self.touched) == "overwrites_last":
             self.fifo.words[-1] = value
 
-    def take(self) -> int:
-        """The next word for SPIDAT, taken out."""
+    def pop(self) -> int:
+        """Remove and return the next word for SPIDAT."""
         if self.fifo.on:
             return self.fifo.pop()
         self.full = False
         return self.txbuf
 
     def show_status(self) -> int:
-        """BUFFULL_FLAG in its place."""
+        """Return BUFFULL_FLAG in its position in SPISTS."""
         return BUFFULL_FLAG if self.full and not self.fifo.on else 0
 
     def reset(self) -> None:
-        """XRS."""
+        """Reset by XRS."""
         self.fifo.reset()
         self.txbuf = 0
         self.full = False
 
 
 class ReceiveBuffer:
-    """status: INT_FLAG and OVERRUN_FLAG in their places. enables: those of them that request RXINT.
+    """Receive side.
 
-    request: RXINT was asked for by these flags since the owner last set this to False.
-    loaded: SPIRXBUF took another word, or an equal one, since the owner last set this to False.
+    status: INT_FLAG and OVERRUN_FLAG in their positions in SPISTS.
+    enables: the flags of `status` that request RXINT.
+    request: RXINT was requested by these flags since the owner last set this to False.
+    loaded: SPIRXBUF received a word, possibly an equal one, since the owner last set this to False.
     """
 
     STATE = State("rxbuf enables loaded request status fifo")
@@ -107,7 +115,7 @@ class ReceiveBuffer:
         self.loaded = False
 
     def deliver(self, word: int) -> None:
-        """A character is complete."""
+        """Receive a complete character."""
         if self.fifo.on:
             self.loaded = self.fifo.push_over(word) or self.loaded
             if self.options.status_in_fifo_mode.assume(self.touched) == "stays_0":
@@ -124,11 +132,11 @@ class ReceiveBuffer:
             self.request = True
 
     def _repeats(self) -> bool:
-        """True if a character requests RXINT although INT_FLAG is set already."""
+        """Return True if a character requests RXINT although INT_FLAG is already set."""
         return self.enables & INT_FLAG > 0 and self.options.int_request.assume(self.touched) == "every_character"
 
     def show(self) -> int:
-        """SPIRXBUF, without the effects of reading it."""
+        """Return SPIRXBUF, without the effects of reading it."""
         if self.fifo.on and self.fifo.words:
             return self.fifo.words[0]
         if self.fifo.on and self.options.rxfifo_read_when_empty.assume(self.touched) == "zero":
@@ -136,7 +144,7 @@ class ReceiveBuffer:
         return self.rxbuf
 
     def read(self) -> int:
-        """SPIRXBUF as the CPU reads it: the character is taken."""
+        """Read SPIRXBUF as the CPU does, which removes the character."""
         word = self.show()
         if self.fifo.on and self.fifo.words:
             self.rxbuf = self.fifo.pop()
@@ -145,13 +153,13 @@ class ReceiveBuffer:
         return word
 
     def set_enables(self, enables: int) -> None:
-        """SPIINTENA and OVERRUNINTENA, each at the place of its flag."""
+        """Set SPIINTENA and OVERRUNINTENA, each in the position of its flag."""
         if enables & ~self.enables & self.status and not self.fifo.on:
             self.request = True
         self.enables = enables
 
     def reset(self) -> None:
-        """XRS."""
+        """Reset by XRS."""
         self.fifo.reset()
         self.rxbuf = self.status = self.enables = 0
         self.request = self.loaded = False

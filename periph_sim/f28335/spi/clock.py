@@ -1,4 +1,4 @@
-"""Timer of the SPI master: LSPCLK edges to wait for go in; the cycle of the event comes out.
+"""Timer of the SPI master: computes the cycle of an event from the number of LSPCLK edges before it.
 
     SYSCLKOUT --/divider--> LSPCLK: edges at cycles = phase mod divider --> n-th edge from now = event
 
@@ -12,10 +12,10 @@ from ...core.state import State
 
 
 class LspclkTimer:
-    """Counts LSPCLK edges to one event. Stopped at first.
+    """Timer that counts LSPCLK edges to one event. Initially stopped.
 
     at: cycle of the event; NEVER without one, and while the clock is stopped.
-    divider: an LSPCLK cycle in SYSCLKOUT cycles.
+    divider: one LSPCLK cycle in SYSCLKOUT cycles.
     """
 
     STATE = State("running divider _phase _left", cycles="at")
@@ -28,12 +28,12 @@ class LspclkTimer:
         self._left = 0  # while stopped: LSPCLK edges to the event; 0 without one
 
     def plan(self, now: int, edges: int) -> None:
-        """Plan the event for the `edges`-th LSPCLK edge after `now`."""
+        """Schedule the event for the `edges`-th LSPCLK edge after `now`."""
         self._left = edges
         self.at = self._edge_after(now) + (edges - 1) * self.divider if self.running else NEVER
 
     def cancel(self) -> None:
-        """Plan no event."""
+        """Cancel the event."""
         self._left = 0
         self.at = NEVER
 
@@ -50,7 +50,7 @@ class LspclkTimer:
                 self.at = NEVER
 
     def start(self, now: int) -> None:
-        """Let the clock run."""
+        """Start the clock."""
         if not self.running:
             self.running = True
             if self._left:

@@ -1,7 +1,7 @@
-"""One FIFO of the SPI with its register: words and register writes go in; words, flags and requests come out.
+"""One FIFO of the SPI with its register, flags and interrupt request.
 
     push --> 16 words --> pop        SPIFFTX: TXFFINT when TXFFST <= TXFFIL
-               |                     SPIFFRX: RXFFINT when RXFFST >= RXFFIL, RXFFOVF when a 17th word comes
+               |                     SPIFFRX: RXFFINT when RXFFST >= RXFFIL, RXFFOVF when a 17th word arrives
                +--> level, flag --> request
 
 Chosen, where the manual is silent:
@@ -38,9 +38,11 @@ RXFFOVFCLR = SPI_MAP["SPIFFRX"]["RXFFOVFCLR"].mask
 
 
 class InterruptFifo:
-    """register: SPIFFTX or SPIFFRX. is_reached: (words, level) -> whether the interrupt is due.
+    """FIFO with its register.
 
-    request: the FIFO's interrupt was asked for since the owner last set this to False.
+    register: SPIFFTX or SPIFFRX.
+    is_reached: (words, level) -> True if the interrupt is due.
+    request: the FIFO's interrupt was requested since the owner last set this to False.
     """
 
     STATE = State("control fifo on request _held _was_reached")
@@ -70,13 +72,13 @@ class InterruptFifo:
         return self.control & RESET > 0 and not self._held
 
     def push(self, word: int) -> bool:
-        """Add a word. False if the FIFO is full or held empty."""
+        """Add a word. Return False if the FIFO is full or held empty."""
         pushed = self.accepts and self.fifo.push(word)
         self.update_flag()
         return pushed
 
     def push_over(self, word: int) -> bool:
-        """Add a received word; into a full FIFO in the place of the oldest, which is lost. True if the head changed."""
+        """Add a received word, replacing the oldest if the FIFO is full. Return True if the head changed."""
         if not self.accepts or self.push(word):
             return len(self.words) == 1
         self.fifo.pop()
@@ -87,7 +89,7 @@ class InterruptFifo:
         return True
 
     def pop(self) -> int:
-        """Take the oldest word."""
+        """Remove and return the oldest word."""
         word = self.fifo.pop()
         self.update_flag()
         return word
@@ -105,7 +107,7 @@ class InterruptFifo:
         self._was_reached = reached
 
     def write(self, value: int) -> None:
-        """Write the register; the owner acts on SPIRST and SPIFFENA by `hold` and `turn`."""
+        """Write the register; the owner applies SPIRST and SPIFFENA with `hold` and `turn`."""
         before = self.control
         self.control, strobes = self.register.write(before, value)
         if strobes & FLAG_CLEAR:
@@ -119,18 +121,18 @@ class InterruptFifo:
         self.update_flag()
 
     def show(self) -> int:
-        """The register as the CPU reads it."""
+        """Return the register as the CPU reads it."""
         return self.control | len(self.fifo) << STATUS
 
     def turn(self, on: bool) -> None:
-        """FIFO mode on or off."""
+        """Turn FIFO mode on or off."""
         if on and not self.on and self.control & FLAG and self.control & ENABLE:
             self.request = True
         self.on = on
         self.update_flag()
 
     def hold(self, held: bool) -> None:
-        """SPIRST = 0 holds the FIFO empty with its flags at 0."""
+        """Hold the FIFO empty with its flags at 0, as SPIRST = 0 does, or release it."""
         self._held = held
         if held:
             self.clear()
@@ -144,7 +146,7 @@ class InterruptFifo:
             self.control &= ~RXFFOVF
 
     def reset(self) -> None:
-        """XRS."""
+        """Reset by XRS."""
         self.fifo.clear()
         self.control = self.register.reset
         self.on = self.request = self._held = self._was_reached = False

@@ -1,4 +1,4 @@
-"""The SPI module between its pins: inputs, clocks and debugger stops go in; outputs, requests, what is due come out.
+"""The SPI module between its pins, with clocks, debugger stops, requests and scheduling.
 
     master, CLKPOLARITY = 0, two bits; h: second half of a bit, the longer one where SPIBRR + 1 is odd
 
@@ -10,18 +10,18 @@
 A master counts LSPCLK edges from one edge of SPICLK to the next (`LspclkTimer`); a slave follows the pins. The CPU's
 side is in `module`.
 
-`out` has 1 for a pin that the module does not drive, so that outputs that are joined on a wire which is 0 if any of
-them is 0 act as push-pull outputs with enables do. `driven` tells which pins are driven.
+`out` is 1 for a pin that the module does not drive: outputs joined on a wired-AND wire then behave like push-pull
+outputs with enables. `driven` is the mask of the driven pins.
 
 Chosen, where the manual is silent:
-- Words follow each other without a gap; a word that is written later than that begins as after idle.
-- A slave loads the next word with the last edge of the one before; TXDLY is for masters only.
-- An edge of SPICLK counts that comes in the cycle in which SPISTE rises, not one in which it falls.
-- SIMO and SOMI keep the last level put out; it is 0 after reset.
-- A master that is made a slave, or the reverse, drops its character.
-- SOFT = 1: a stop waits for all words that were written, where SPICLK has made its first edge before; a slave's
-  character has begun with its first latched bit.
-- Loop-back shows on the pins too, and has no effect on a slave.
+- Words follow each other without a gap; a word that is written too late for that begins as after idle.
+- A slave loads the next word at the last edge of the previous one; TXDLY is for masters only.
+- An edge of SPICLK in the cycle in which SPISTE rises counts; one in the cycle in which it falls does not.
+- SIMO and SOMI keep their last output level, which is 0 after reset.
+- A change between master and slave drops the character.
+- SOFT = 1: a stop waits for all written words, if SPICLK has already made its first edge; a slave's character begins
+  with its first latched bit.
+- Loop-back also shows on the pins, and has no effect on a slave.
 
 Source: TI SPRUEU3 sections 1.3.2, 1.4.3, 1.5, 2.1.9 and 2.1.10; SPRS439M, SPI timing, for SPISTE of a master;
 SPRUFB0D section 5.1 for the clock gate.
@@ -74,7 +74,12 @@ class Step(Enum):
 
 
 class SpiLines(Chip):
-    """name: the module's name in notes. options: answers to open questions. driven: bit i: OUTPUTS[i] is driven."""
+    """Line side of the SPI.
+
+    name: the module's name in notes.
+    options: answers to open questions.
+    driven: bit i is set if OUTPUTS[i] is driven.
+    """
 
     STATE = State(
         "driven _shifter _tx _rx _timer _step _begun _clk_active _ste _levels _gated _suspended "
@@ -107,11 +112,11 @@ class SpiLines(Chip):
         self._clk_active = False  # SPICLK of a master is at its active level
         self._ste = STE  # of a master
         self._levels = SIMO | SOMI | CLK | STE  # of the pins, `_latency` ago
-        self._inputs: list[tuple[int, int]] = []  # (cycle, levels) to come
-        self._last_leading = -NEVER  # edge of SPICLK that came to a slave
+        self._inputs: list[tuple[int, int]] = []  # future (cycle, levels)
+        self._last_leading = -NEVER  # leading edge of SPICLK at a slave
         self._gated = True  # the clock gate is off
         self._suspended = False
-        self._finishing = False  # suspended, but words are sent to their end
+        self._finishing = False  # suspended, but still sending
         self._ccr = self._ctl = self._brr = self._ffct = self._pri = 0
 
     # State ------------------------------------------------------------------
@@ -127,7 +132,7 @@ class SpiLines(Chip):
 
     @property
     def _halves(self) -> tuple[int, int]:
-        """LSPCLK cycles of SPICLK at its active and at its idle level."""
+        """LSPCLK cycles for which SPICLK is at its active and at its idle level."""
         period = self._brr + 1 if self._brr >= 3 else 4
         return period // 2, period - period // 2
 
@@ -143,7 +148,7 @@ class SpiLines(Chip):
         if late:
             self._run(now - 1)
         shows = not self._is_master and (self._levels ^ levels) & (CLK | STE)
-        self._take_inputs(now, levels)
+        self._apply_inputs(now, levels)
         return ALL if late or shows else NOTHING
 
     def wake(self, now: int) -> int:
@@ -151,13 +156,13 @@ class SpiLines(Chip):
         return ALL
 
     def gate(self, now: int, on: bool) -> None:
-        """The module's bit in PCLKCR0."""
+        """Switch the module's clock with its bit in PCLKCR0."""
         self._run(now)
         self._gated = not on
         self._set_clock(now)
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:
-        """LSPCLK has a period of `divider` SYSCLKOUT cycles, with edges at cycles = phase mod divider."""
+        """Set the period of LSPCLK to `divider` SYSCLKOUT cycles, with edges at cycles = phase mod divider."""
         if divider not in (1, 2, 4, 6, 8, 10, 12, 14):
             raise ValueError(f"LSPCLK is SYSCLKOUT / 1, 2, 4, 6, 8, 10, 12 or 14, not / {divider}")
         self._run(now)
@@ -165,7 +170,7 @@ class SpiLines(Chip):
         self._schedule()
 
     def suspend(self, now: int, on: bool) -> None:
-        """A debugger stops the CPU, or lets it run again."""
+        """Stop with the CPU in the debugger (True), or resume."""
         self._run(now)
         was_stopped = self._is_stopped
         self._suspended = on
@@ -185,14 +190,14 @@ class SpiLines(Chip):
             self._timer.start(now)
         self._schedule()
 
-    # What is due ------------------------------------------------------------
+    # Events -----------------------------------------------------------------
 
     def _run(self, now: int) -> None:
-        """Do everything due up to `now`, in order of time; inputs of a cycle come before the timer's event."""
+        """Process everything due up to `now`, in order of time; inputs of a cycle precede the timer's event."""
         while self.next_wake <= now:
             at = self.next_wake
             if self._inputs and self._inputs[0][0] <= at:
-                self._take_inputs(at, self._inputs.pop(0)[1])
+                self._apply_inputs(at, self._inputs.pop(0)[1])
             if self._timer.at <= at:
                 self._advance(at)
                 self._show(at)
@@ -201,7 +206,7 @@ class SpiLines(Chip):
         self.next_wake = min(self._timer.at, self._inputs[0][0]) if self._inputs else self._timer.at
 
     def _show(self, now: int) -> None:
-        """Bring outputs, requests, notes and the next wake-up up to date."""
+        """Update outputs, requests, notes and the next wake-up."""
         if self._finishing and not (self._begun or self._shifter.busy or self._tx.waiting):
             self._finishing = False
             self._set_clock(now)
@@ -233,7 +238,7 @@ class SpiLines(Chip):
 
     # Slave --------------------------------------------------------------------
 
-    def _take_inputs(self, now: int, levels: int) -> None:
+    def _apply_inputs(self, now: int, levels: int) -> None:
         """Apply these levels of the pins to the shift register."""
         before, self._levels = self._levels, levels
         selected = not (self._is_master or before & STE or self._gated or self._is_stopped) and self._enabled
@@ -247,7 +252,7 @@ class SpiLines(Chip):
         self._show(now)
 
     def _check_rate(self, now: int) -> None:
-        """Note a leading edge of SPICLK that comes too early for a slave."""
+        """Add a note if a leading edge of SPICLK is too early for a slave."""
         period, self._last_leading = now - self._last_leading, now
         if period < 4 * self._timer.divider:
             text = (
@@ -256,7 +261,7 @@ class SpiLines(Chip):
             self._note("duty", text, "SPRUEU3 §1.3.2, §2.1.4")
 
     def _cuts(self, option: TextOption, answer: str) -> bool:
-        """True if a character is under way that this answer would cut off."""
+        """Return True if this answer cuts off a character in progress."""
         return self._shifter.bits > 0 and option.assume(self.touched) == answer
 
     # Both ---------------------------------------------------------------------
@@ -283,7 +288,7 @@ class SpiLines(Chip):
 
     def _load_next(self) -> None:
         if self._tx.waiting:
-            self._shifter.load(self._tx.take())
+            self._shifter.load(self._tx.pop())
             self._shifter.present()
 
     # Master -------------------------------------------------------------------
@@ -293,7 +298,7 @@ class SpiLines(Chip):
         self._timer.plan(now, edges)
 
     def _fill(self, now: int) -> None:
-        """Load a word that waits into SPIDAT if it is free; a master begins a transfer."""
+        """Load a waiting word into SPIDAT if it is free; a master also begins a transfer."""
         if not self._enabled or self._shifter.busy or not self._tx.waiting or self._step is Step.DELAY:
             return
         if not self._is_master:
@@ -301,7 +306,7 @@ class SpiLines(Chip):
         elif self._delay and self.options.txdly_first_word.assume(self.touched) == "delay":
             self._wait(now, Step.DELAY, self._delay)
         else:
-            self._shifter.load(self._tx.take())
+            self._shifter.load(self._tx.pop())
             self._begin(now)
 
     @property
@@ -310,14 +315,14 @@ class SpiLines(Chip):
         return self._ffct * sum(self._halves) if self._tx.fifo.on else 0
 
     def _begin(self, now: int) -> None:
-        """Begin a transfer unless one is under way."""
+        """Begin a transfer unless one is in progress."""
         if self._step in (Step.IDLE, Step.DELAY, Step.RELEASE):
             aligned = self.options.start_point.assume(self.touched) == "bit_clock"
             edges = self._timer.edges_to_multiple(now, sum(self._halves)) if aligned else 1
             self._wait(now, Step.BEGIN, edges)
 
     def _advance(self, at: int) -> None:
-        """Do what the timer of a master waited for."""
+        """Process the timer event of a master."""
         step, self._step = self._step, Step.IDLE
         self._timer.cancel()
         active, idle = self._halves
@@ -346,7 +351,7 @@ class SpiLines(Chip):
             self._release()
 
     def _follow(self, at: int) -> None:
-        """Go on with the next character, or end the transfer."""
+        """Continue with the next character, or end the transfer."""
         if not self._tx.waiting:
             if self._shifter.delayed:
                 self._release()

@@ -1,11 +1,11 @@
-"""The SPI module as the CPU sees it: register accesses and resets go in; `lines` has what they start.
+"""The SPI module as the CPU sees it: register accesses and resets. `lines` handles the pins.
 
 Chosen, where the manual is silent:
 - The clock gate is off after construction and after `reset`; LSPCLK keeps its last setting.
-- SW RESET = 0 and SPIRST = 0 leave SPIDAT, SPIRXBUF and SPITXBUF; SPIRST = 0 leaves SPISTS.
+- SW RESET = 0 and SPIRST = 0 do not change SPIDAT, SPIRXBUF and SPITXBUF; SPIRST = 0 does not change SPISTS.
 - Words written to the FIFO while SW RESET = 0 are sent after it.
 - An SPIDAT write within a character replaces the bits that have not been shifted out.
-- A new character length, rate, phase or polarity acts at once.
+- A new character length, rate, phase or polarity takes effect at once.
 
 Source: TI SPRUEU3 chapter 2; SPRUFB0D section 5.1 for the clock gate.
 """
@@ -36,7 +36,7 @@ CCR, CTL, STS, BRR, RXEMU, RXBUF, TXBUF, DAT, FFTX, FFRX, FFCT, PRI = (register.
 
 
 class Spi(SpiLines):
-    """name: the module's name in notes. options: answers to open questions."""
+    """The SPI. name: the module's name in notes. options: answers to open questions."""
 
     # CPU access -------------------------------------------------------------
 
@@ -111,7 +111,7 @@ class Spi(SpiLines):
             raise ValueError(f"{self.name} has offsets 0 to 0xF, not {offset:#x}")
 
     def _is_cut_off(self, what: str) -> bool:
-        """True if an access without a clock finds nothing."""
+        """Note an access without a clock; return True if it has no effect."""
         self._note("duty", f"was {what} while its PCLKCR0 bit is 0; turn its clock on first", "SPRUFB0D §5.1.1")
         return self.options.clock_gate_access.assume(self.touched) == "reads_0"
 

@@ -1,7 +1,7 @@
 """Open questions about the SPI: one field for each, the default first.
 
-Goes in: a dict from a scene file (`core.options.options_from`) or keyword arguments. Comes out: the answers that one
-`Spi` runs on.
+`SpiOptions` is built from a dict of a scene file (`core.options.options_from`) or keyword arguments, and holds the
+answers for one `Spi`.
 """
 
 from __future__ import annotations
@@ -87,5 +87,5 @@ class SpiOptions(Answers):
         question="How many bits follow a stop within a character: section 2.1.10 names both and shows the first.",
     )
     clock_gate_access: TextOption = choice(
-        "reads_0", "accessible", question="What a CPU access finds while the module's clock is off."
+        "reads_0", "accessible", question="What a CPU access does while the module's clock is off."
     )

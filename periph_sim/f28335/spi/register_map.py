@@ -1,4 +1,4 @@
-"""Registers of the SPI as data: names as in C2000Ware's DSP2833x_Spi.h, offsets in words from the module's base.
+"""Table of the SPI's registers: names as in C2000Ware's DSP2833x_Spi.h, offsets in words from the module's base.
 
 An 8-bit register reads 0 in its high byte and drops what is written there. SPIPRI of the 2833x has only the two bits
 for debugger stops: TRIWIRE and STEINV are bits of later devices.
@@ -71,7 +71,7 @@ SPI_MAP = RegisterMap(
             "SPIRXBUF",
             0x7,
             "SPRUEU3 §2.1.6",
-            (field("RXB", "15:0", "R", doc="The character received, right-justified; reading it takes it."),),
+            (field("RXB", "15:0", "R", doc="The character received, right-justified; reading removes it."),),
             read_acts=True,
             yields=Yields.DATA,
             data="RXB",
@@ -99,7 +99,7 @@ SPI_MAP = RegisterMap(
                 field("SPIFFENA", "14", doc="FIFO mode."),
                 field("TXFIFO", "13", reset=1, doc="0 empties the transmit FIFO and holds it so."),
                 field("TXFFST", "12:8", "R", doc="Words waiting, 0 to 16."),
-                field("TXFFINT", "7", "R", doc="TXFFST came down to TXFFIL."),
+                field("TXFFINT", "7", "R", doc="TXFFST fell to TXFFIL."),
                 field("TXFFINTCLR", "6", "W1", doc="Clears TXFFINT."),
                 field("TXFFIENA", "5", doc="TXFFINT requests TXINT."),
                 field("TXFFIL", "4:0", doc="Level of the transmit interrupt."),
@@ -110,7 +110,7 @@ SPI_MAP = RegisterMap(
             0xB,
             "SPRUEU3 §2.1.9",
             (
-                field("RXFFOVF", "15", "R", doc="A word came while 16 were waiting."),
+                field("RXFFOVF", "15", "R", doc="A word arrived while 16 were waiting."),
                 field("RXFFOVFCLR", "14", "W1", doc="Clears RXFFOVF."),
                 field("RXFIFORESET", "13", reset=1, doc="0 empties the receive FIFO and holds it so."),
                 field("RXFFST", "12:8", "R", doc="Words waiting, 0 to 16."),

@@ -1,4 +1,4 @@
-"""SPIDAT and its bit counter: words and edges of SPICLK go in; the data output and complete characters come out.
+"""SPIDAT and its bit counter, which shift words out and in at the edges of SPICLK.
 
     word --load--> SPIDAT: bit 15 --> level        CLK_PHASE   leading edge   trailing edge
     data input --> bit 0                           0           output         latch
@@ -19,9 +19,9 @@ class SpiShifter:
 
     dat: SPIDAT.
     level: the serial data output.
-    bits: latched bits of the character under way.
+    bits: number of latched bits of the present character.
     loaded: SPIDAT holds a character to send.
-    length: bits of a character.
+    length: number of bits of a character.
     delayed: CLK_PHASE.
     """
 
@@ -45,7 +45,7 @@ class SpiShifter:
         return self.bits >= self.length
 
     def load(self, word: int) -> None:
-        """Take a character to send."""
+        """Load a character to send."""
         self.dat = word
         self.loaded = True
 
@@ -63,6 +63,6 @@ class SpiShifter:
             self.level = self.dat >> 15
 
     def finish(self) -> None:
-        """End the character; what was shifted in stays in SPIDAT."""
+        """End the character; the bits shifted in stay in SPIDAT."""
         self.bits = 0
         self.loaded = False

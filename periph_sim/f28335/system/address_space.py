@@ -1,7 +1,7 @@
 """Contents of the address space: memory that may hold code or data, or registers, for each address.
 
-The space is that of the chip, whatever a scene names of it; `memory_map` has the modules that a scene named. Parts of
-the family with less flash than the F28335 have nothing at its low addresses. Words have 16 bits.
+This is the whole space of the chip; `memory_map` has only the modules that a scene names. Parts of the family with less
+flash than the F28335 have nothing at the low addresses of flash. Words have 16 bits.
 
 Source: SPRS439M Figure 3-2, Tables 3-1, 3-5, 3-8 to 3-11.
 """
@@ -66,7 +66,7 @@ AREAS = tuple(
 )
 _BASES = [area.base for area in AREAS]
 
-OTHER_PARTS = (  # what C28x parts have where the F28335 has nothing
+OTHER_PARTS = (  # memory of other C28x parts where the F28335 has nothing
     (range(0x01_0000, 0x02_0000), "an F2806x and an F2837x have memory there"),
     (range(0x08_0000, 0x10_0000), "an F2837x has its flash there"),
     (range(0x3D_8000, 0x3F_8000), "an F281x, F280x, F2803x or F2806x has its flash there"),
@@ -75,7 +75,7 @@ LOADABLE = frozenset((Content.RAM, Content.FLASH, Content.OTP, Content.EXTERNAL)
 
 
 def area_at(address: int) -> Area | None:
-    """Return the area that an address of the F28335 lies in; None where the chip has nothing."""
+    """Return the area that contains an address of the F28335; None where the chip has nothing."""
     at = bisect_right(_BASES, address) - 1
     return AREAS[at] if at >= 0 and address < AREAS[at].end else None
 

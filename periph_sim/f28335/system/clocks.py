@@ -1,29 +1,29 @@
-"""System control: register writes in; the clock ratio, prescalers, module gates and the watchdog's verdicts out.
+"""System control: clock ratio, prescalers, module gates, and the watchdog's resets and interrupts.
 
     PLLCR, PLLSTS  -->  sysclk_numerator / sysclk_denominator   (SYSCLKOUT in terms of OSCCLK)
     LOSPCP, HISPCP -->  lspclk_divider, lspclk_phase, hspclk_divider
     PCLKCR0/1/3    -->  gates, enabled()                        (2 cycles after the write)
     SCSR, WDCR, .. -->  reset_requested, WAKEINT in `requests`
 
-Time is SYSCLKOUT cycles as for every chip, but this chip decides how long a cycle is. The
+Times are SYSCLKOUT cycles as for every chip, but this chip sets the length of a cycle. The
 owner compares the ratio after every input: cycles from that input's `now` on have the
-new length. OSCCLK counts (PLL lock, watchdog) go on exactly through such a change.
+new length. OSCCLK counts (PLL lock, watchdog) continue exactly through such a change.
 
-After `reset_requested` the owner resets every chip, this one among them, and lets the
-CPU start WDRST_CYCLES later: the watchdog holds XRS low that long.
+After `reset_requested` the owner resets every chip, including this one, and starts the CPU
+WDRST_CYCLES later: the watchdog holds XRS low for that time.
 
 Source: SPRUFB0D section 5; lock time SPRS439M Table 6-9; boot ROM SPRS439M Table 3-17.
 
 Chosen:
-- Every write of PLLCR starts a lock, the same value or 0 included (Table 22 speaks of the
-  write, not of a change).
+- Every write of PLLCR starts a lock, even with the same value or 0 (Table 22 refers to the
+  write, not to a change).
 - While the PLL locks, a DIVSEL other than 0 (which the manual forbids) divides the bypass clock.
-- A reserved PLLCR value runs on as bypass; DIVSEL = 3 with the PLL on divides by 1.
-- New prescaler values act at once.
-- A read where there is no register gives 0, a write there does nothing.
+- A reserved PLLCR value acts as bypass; DIVSEL = 3 with the PLL on divides by 1.
+- New prescaler values take effect at once.
+- A read where there is no register returns 0, a write there has no effect.
 
 Not modelled: missing-clock detection and limp mode, STANDBY and HALT; their bits are
-kept, and a note says so when firmware asks for them.
+stored, and a note is added when firmware selects one of them.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ PLL_LOCK_OSCCLKS = 131072  # SPRS439M Table 6-9
 VCO_MAX_HZ = 300_000_000  # section 5.2.1
 GATE_DELAY = 2  # SYSCLKOUT from a PCLKCR write to its effect, section 5.1.1
 WDINTS_DELAY = 2  # SYSCLKOUT from WDINT to SCSR.WDINTS, Table 27
-WDRST_CYCLES = WDINT_OSCCLKS // 4  # how long a watchdog reset lasts, at the reset's OSCCLK/4
+WDRST_CYCLES = WDINT_OSCCLKS // 4  # duration of a watchdog reset, at the reset's OSCCLK/4
 WDFLAG_DELAY = WDRST_CYCLES + 8192  # SYSCLKOUT from a watchdog reset to WDFLAG, notes below Table 30
 
 DIVIDE = (4, 4, 2, 1)  # by DIVSEL
@@ -76,12 +76,16 @@ ENABLES = tuple(  # bit of `gates`, bit of the register, and whether that is PCL
 
 
 def prescale(code: int) -> int:
-    """The divider that a LOSPCP or HISPCP code stands for: 1, 2, 4, 6, 8, 10, 12, 14."""
+    """Return the divider of a LOSPCP or HISPCP code: 1, 2, 4, 6, 8, 10, 12, 14."""
     return 2 * code or 1
 
 
 class SystemControl(Chip):
-    """oscclk_hz: frequency of OSCCLK, for the check of the PLL's limit. sysclk_hz: that of SYSCLKOUT, exact."""
+    """System control.
+
+    oscclk_hz: frequency of OSCCLK, for the check of the PLL's limit.
+    sysclk_hz: exact frequency of SYSCLKOUT.
+    """
 
     STATE = State(
         "_clock _watchdog sysclk_hz sysclk_numerator sysclk_denominator reset_requested gates "
@@ -109,7 +113,7 @@ class SystemControl(Chip):
         self._options = options
         self._clock = OscClock()
         self._watchdog = Watchdog(options, self.touched)
-        self._pllsts: int  # registers: `reset` gives them their values
+        self._pllsts: int  # `reset` sets the registers
         self._pllcr: int
         self._hispcp: int
         self._lospcp: int
@@ -117,13 +121,13 @@ class SystemControl(Chip):
         self._pclkcr1: int
         self._pclkcr3: int
         self._lpmcr0: int
-        self.sysclk_hz = Fraction(oscclk_hz)  # in bypass:
-        self.sysclk_numerator = self.sysclk_denominator = 1  # what OSCCLK is multiplied and divided by
+        self.sysclk_hz = Fraction(oscclk_hz)  # in bypass
+        self.sysclk_numerator = self.sysclk_denominator = 1  # SYSCLKOUT = OSCCLK * numerator / denominator
         self._gates_to_come: list[tuple[int, int]] = []  # (cycle, gates)
         self._wdints_to_come: list[tuple[int, int]] = []  # (cycle, level)
         self.reset(0)
 
-    # What the owner asks ----------------------------------------------------
+    # Queries ----------------------------------------------------------------
 
     def enabled(self, gate: str) -> bool:
         """Return True if the clock that a field of PCLKCR0 or PCLKCR3 switches is on. ValueError for other names."""
@@ -148,13 +152,13 @@ class SystemControl(Chip):
         return self.peek(now, offset)
 
     def peek(self, now: int, offset: int) -> int:
-        """The register's value. Nothing here has a read effect."""
+        """Return the register's value; no register here has a read effect."""
         self._sync(now)
         register = MAP.at(offset)
         return 0 if register is None else register.read(self._value(now, offset))[0]
 
     def write(self, now: int, offset: int, value: int) -> None:
-        """EALLOW is the bus's business: a protected write that comes here counts."""
+        """Write a register. The bus checks EALLOW, so a protected write that arrives here takes effect."""
         self._sync(now)
         if offset == PLLSTS.offset:
             self._write_pllsts(now, value)
@@ -180,7 +184,7 @@ class SystemControl(Chip):
         self._schedule()
 
     def reset(self, now: int) -> None:
-        """XRS, or the watchdog's reset if `reset_requested`: WDFLAG then follows WDFLAG_DELAY cycles later."""
+        """Reset by XRS, or by the watchdog if `reset_requested`; WDFLAG then follows WDFLAG_DELAY cycles later."""
         by_watchdog = self.reset_requested
         self._pllcr = PLLCR.reset
         self._pllsts = PLLSTS.reset
@@ -191,13 +195,13 @@ class SystemControl(Chip):
         self._schedule()
 
     def debugger_reset(self, now: int) -> None:
-        """A reset from the debugger: as `reset`, but PLLCR, PLLSTS and so SYSCLKOUT stay."""
+        """Reset by the debugger: like `reset`, but PLLCR, PLLSTS and therefore SYSCLKOUT are unchanged."""
         self._sync(now)
         self._reset_all_but_pll(now)
         self._schedule()
 
     def boot(self, now: int) -> None:
-        """What the boot ROM leaves behind for user code: DIVSEL = 2."""
+        """Set DIVSEL = 2, as the boot ROM does before user code."""
         self._sync(now)
         self._pllsts = DIVSEL.put(self._pllsts, 2)
         self._tune(now)
@@ -206,7 +210,7 @@ class SystemControl(Chip):
     # Registers --------------------------------------------------------------
 
     def _value(self, now: int, offset: int) -> int:
-        """What is stored at an offset the map knows."""
+        """Return the stored value at an offset of the map."""
         if offset == WDCR.offset or offset == WDKEY.offset:
             return self._watchdog.wdcr
         if offset == WDCNTR.offset:
@@ -248,7 +252,7 @@ class SystemControl(Chip):
         if divsel:
             self._duty(f"PLLCR was written with PLLSTS.DIVSEL = {divsel}; it must be 0 first", "SPRUFB0D section 5.2.4")
         if not self._pllsts & MCLKOFF:
-            self._duty("PLLCR was written with PLLSTS.MCLKOFF = 0; the procedure sets it first", "SPRUFB0D Figure 22")
+            self._duty("PLLCR was written with PLLSTS.MCLKOFF = 0; set it first", "SPRUFB0D Figure 22")
         if self._watchdog.enabled:
             self._duty("PLLCR was written with the watchdog on; it should be off", "SPRS439M section 3.6.1.2")
         if self._pllcr > 10:
@@ -282,7 +286,7 @@ class SystemControl(Chip):
             self._watchdog.write_wdcr(position, value)
         elif offset == SCSR.offset:
             self._watchdog.write_scsr(position, value)
-        self._look_at_watchdog(now)
+        self._update_from_watchdog(now)
 
     # Inside -----------------------------------------------------------------
 
@@ -295,7 +299,7 @@ class SystemControl(Chip):
         self._lpmcr0 = LPMCR0.reset
         self.hspclk_divider = prescale(self._hispcp)
         self.lspclk_divider = prescale(self._lospcp)
-        self.lspclk_phase = now  # LSPCLK begins a period at this cycle, and each divider cycles from it
+        self.lspclk_phase = now  # LSPCLK begins a period at this cycle and every `lspclk_divider` cycles from it
         self.gates = self._gates()  # bit i: the clock that GATES[i] switches is on
         self._gates_to_come.clear()
         self._watchdog.reset(self._clock.at(now))
@@ -310,7 +314,7 @@ class SystemControl(Chip):
         while self.next_wake <= now:
             cycle = self.next_wake
             self._watchdog.advance(self._clock.at(cycle))
-            self._look_at_watchdog(cycle)
+            self._update_from_watchdog(cycle)
             if self._clock.at(cycle) >= self._locked_at:
                 self._locked_at = NEVER
                 self._pllsts |= PLLLOCKS
@@ -335,7 +339,7 @@ class SystemControl(Chip):
             wake = min(wake, self._wdints_to_come[0][0])
         self.next_wake = wake
 
-    def _look_at_watchdog(self, cycle: int) -> None:
+    def _update_from_watchdog(self, cycle: int) -> None:
         dog = self._watchdog
         if dog.wdint != self._wdint:
             self._wdint = dog.wdint
@@ -346,11 +350,11 @@ class SystemControl(Chip):
         self.reset_requested = dog.reset_requested
 
     def _ratio(self) -> int:
-        """What the PLL multiplies by; 1 in bypass, which every setting without a defined ratio falls back to."""
+        """Return the PLL's multiplier; 1 in bypass, and for every setting without a defined ratio."""
         return self._pllcr if 1 <= self._pllcr <= 10 and not self._pllsts & PLLOFF else 1
 
     def _tune(self, now: int) -> None:
-        """Take over the clock that PLLCR, DIVSEL and the lock state make."""
+        """Apply the clock that results from PLLCR, DIVSEL and the lock state."""
         divide = DIVIDE[DIVSEL.of(self._pllsts)]
         ratio = self._ratio()
         if not self._pllsts & PLLLOCKS:

@@ -1,4 +1,4 @@
-"""System control registers as data: PLL, clock prescalers and gates, low-power mode, watchdog.
+"""Table of the system control registers: PLL, clock prescalers and gates, low-power mode, watchdog.
 
 Source: SPRUFB0D section 5, Table 14. All of them are EALLOW-protected. PCLKCR1 and the
 parts of PCLKCR0 and PCLKCR3 that gate modules the simulator does not have are kept,
@@ -92,10 +92,10 @@ LPMCR0 = Register(
     "SPRUFB0D Figure 25, Table 25",
     (
         field("WDINTE", "15", doc="1: the watchdog may wake the device from STANDBY"),
-        # Figure 25 prints a single 1 for the six bits, Table 25 calls zero the default; the figure is kept,
-        # read as "all bits 1" as in the other registers it draws so.
-        field("QUALSTDBY", "7:2", "R/W", 0x3F, doc="OSCCLK periods that qualify the pin that wakes from STANDBY"),
-        field("LPM", "1:0", doc="what IDLE enters: 0 IDLE, 1 STANDBY, 2 and 3 HALT"),
+        # Figure 25 shows a single 1 for the six bits, Table 25 gives zero as the default; the figure is followed,
+        # read as "all bits 1" as in other registers that are drawn like this.
+        field("QUALSTDBY", "7:2", "R/W", 0x3F, doc="OSCCLK periods to qualify the pin that wakes from STANDBY"),
+        field("LPM", "1:0", doc="mode that IDLE enters: 0 IDLE, 1 STANDBY, 2 and 3 HALT"),
     ),
     protected=True,
 )
@@ -128,7 +128,7 @@ SCSR = Register(
     0x12,
     "SPRUFB0D Table 27",
     (
-        field("WDINTS", "2", "R", 1, doc="the level of WDINT, two SYSCLKOUT late"),
+        field("WDINTS", "2", "R", 1, doc="the level of WDINT, delayed by two SYSCLKOUT cycles"),
         field("WDENINT", "1", doc="1: the watchdog interrupts instead of resetting"),
         field("WDOVERRIDE", "0", "R/W1C", 1, doc="0: WDDIS cannot be changed any more; only a reset sets it"),
     ),

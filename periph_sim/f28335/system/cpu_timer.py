@@ -1,22 +1,22 @@
-"""32-bit CPU timer: SYSCLKOUT cycles and register accesses in; TINT out.
+"""32-bit CPU timer, which counts SYSCLKOUT cycles and requests TINT.
 
     SYSCLKOUT --> PSCH:PSC (TDDRH:TDDR + 1) --> TIMH:TIM --zero--> TIF, and with TIE: TINT
                                                   ^   |
                                       PRDH:PRD ---+<--+ the step after zero, or TRB
 
-Nothing is counted cycle by cycle: the count of a cycle is worked out when somebody looks,
-and `next_wake` is the next zero that anybody can see (TIE = 1, or TIF still 0).
-TIM and PSC themselves move without a wake-up: `timer_map` marks them as free-running.
+Cycles are not counted one by one: the count is computed when it is read, and `next_wake`
+is the next zero that is observable (TIE = 1, or TIF still 0). TIM and PSC themselves
+change without a wake-up: `cpu_timer_map` marks them as free-running.
 
 Source: SPRUFB0D section 5.5, Tables 31 to 38.
 
 Chosen:
-- Only a step ends at zero: a TRB load or a CPU write of 0 sets no flag. With PRD = 0 every
-  step does, so that the period is (PRD + 1)(TDDR + 1) there, too.
-- With timer_tif_point = on_reload every reload sets TIF, also the first one after reset.
-- A zero in the cycle of a TCR write comes first; a 1 written to TIF clears its flag.
-- With its clock off the timer stands still; its registers can be read and written.
-- The timer does not know breakpoints; FREE and SOFT are only kept.
+- Only a step to zero sets the flag, not a TRB load or a CPU write of 0. With PRD = 0 every
+  step sets it, so the period is also (PRD + 1)(TDDR + 1) there.
+- With timer_tif_point = on_reload every reload sets TIF, including the first one after reset.
+- A zero in the cycle of a TCR write precedes it; a 1 written to TIF clears its flag.
+- With its clock off the timer stops; its registers can be read and written.
+- The timer ignores breakpoints; FREE and SOFT are only stored.
 """
 
 # core: compiled
@@ -39,7 +39,7 @@ AT_TCR, AT_TIM, AT_TIMH, AT_PRD, AT_PRDH, AT_TPR, AT_TPRH = (r.offset for r in (
 
 @final
 class CpuTimer(Chip):
-    """number: 0, 1 or 2. Runs from reset, as the hardware does."""
+    """CPU timer, which runs from reset as in hardware. number: 0, 1 or 2."""
 
     STATE = State("_clocked _tcr _prd _tddr _tim _psc", cycles="_since _event_at")
     MAP = MAP
@@ -85,7 +85,7 @@ class CpuTimer(Chip):
         return self.peek(now, offset)
 
     def peek(self, now: int, offset: int) -> int:
-        """The register's value; no register here has a read effect. 0 where there is none."""
+        """Return the register's value; 0 where there is none. No register here has a read effect."""
         self._sync(now)
         self._schedule()
         if offset == AT_TCR:
@@ -124,13 +124,13 @@ class CpuTimer(Chip):
         self._schedule()
 
     def gate(self, now: int, on: bool) -> None:
-        """PCLKCR3.CPUTIMERnENCLK took effect."""
+        """Switch the timer's clock: PCLKCR3.CPUTIMERnENCLK takes effect at `now`."""
         self._sync(now)
         self._clocked = on
         self._schedule()
 
     def reset(self, now: int) -> None:
-        """XRS: stands at 0 with the longest 16-bit period, and runs."""
+        """Reset by XRS: the count is 0, the period the longest of 16 bits, and the timer runs."""
         self._clocked = True
         self._tcr = TCR.reset
         self._prd = PRDH.reset << 16 | PRD.reset
@@ -161,7 +161,7 @@ class CpuTimer(Chip):
         return self._clocked and not self._tcr & TSS
 
     def _sync(self, now: int) -> None:
-        """Bring count, prescaler and TIF up to `now`."""
+        """Advance count, prescaler and TIF to `now`."""
         if now >= self._event_at:
             self._tcr |= TIF
             self._options.timer_tif_point.assume(self.touched)
@@ -183,7 +183,7 @@ class CpuTimer(Chip):
             self._tim = self._prd - (steps - self._tim - 1) % (self._prd + 1)
 
     def _schedule(self) -> None:
-        """When TIF is set next, and whether anybody can see it."""
+        """Compute when TIF is set next, and schedule a wake-up if that is observable."""
         if not self._running():
             self._event_at = self.next_wake = NEVER
             return

@@ -1,4 +1,4 @@
-"""CPU timer registers as data. Source: SPRUFB0D section 5.5, Tables 31 to 38. None is EALLOW-protected.
+"""Table of the CPU timer registers. Source: SPRUFB0D section 5.5, Tables 31 to 38. None is EALLOW-protected.
 
 TIM with TIMH and PRD with PRDH are one 32-bit `all` in C2000Ware's DSP2833x_CpuTimers.h.
 """
@@ -9,7 +9,7 @@ from ...core.registers import Register, RegisterMap, Yields, field
 
 BASES = (0x0C00, 0x0C08, 0x0C10)  # timers 0, 1, 2
 
-# Where their TINT lines go (SPRUFB0D Figure 32, Table 112): a PIE group and line, or a CPU interrupt number.
+# Destinations of their TINT lines (SPRUFB0D Figure 32, Table 112): a PIE group and line, or a CPU interrupt number.
 TINT0_PIE = (1, 7)
 TINT1_CPU = 13
 TINT2_CPU = 14
@@ -40,7 +40,7 @@ TCR = Register(
     (
         field("TIF", "15", "R/W1C", doc="1: the count has reached zero"),
         field("TIE", "14", doc="1: reaching zero requests an interrupt"),
-        field("FREE", "11", doc="1: runs on at a breakpoint"),
+        field("FREE", "11", doc="1: continues at a breakpoint"),
         field("SOFT", "10", doc="with FREE = 0: 1 stops at zero, 0 at the next step, after a breakpoint"),
         field("TRB", "5", "W1", doc="1: reload count and prescaler"),
         field("TSS", "4", doc="1: stopped"),

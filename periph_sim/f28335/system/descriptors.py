@@ -9,7 +9,7 @@ VECTORS = ("TINT0", "INT13", "INT14")  # SPRUFB0D Figure 32
 
 
 def timer(number: int) -> ModuleDescriptor:
-    """The descriptor of CPU timer `number`. Timer 1 shares INT13 with the pin XNMI."""
+    """Return the descriptor of CPU timer `number`. Timer 1 shares INT13 with the pin XNMI."""
     return ModuleDescriptor(
         name=f"TIMER{number}",
         registers=cpu_timer_map.MAP,

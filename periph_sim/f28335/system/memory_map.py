@@ -1,4 +1,4 @@
-"""The peripheral frames: an address goes in, the module behind it, its register and its wait states come out.
+"""The peripheral frames: the module, register and wait states at an address.
 
 Source: SPRS439M Table 3-5 (wait states), SPRUFB0D section 7.2 and Tables 86-96 (frames,
 EALLOW), section 7.4 (block protection).
@@ -16,16 +16,16 @@ from ...core.suggest import did_you_mean
 from ..descriptor import Frame
 from .options import SystemOptions
 
-# A read in here waits for a write in here to complete (PROTSTART, PROTRANGE as the boot ROM leaves them).
+# A read in this range waits for a write in this range to complete (PROTSTART, PROTRANGE as set by the boot ROM).
 PROTECTED_BLOCK = range(0x4000, 0x8000)
-WRITE_TO_READ = 3  # cycles of that wait, less what passes in between
+WRITE_TO_READ = 3  # cycles of that wait, less the cycles in between
 
-LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # 16-bit words of a register that an access moves
+LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # 16-bit words of a register that an access transfers
 WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # their bits in the register's value
 
 
 class ModuleRange(Struct, frozen=True, dict=True):
-    """Where a module lives: `base` is the address of its offset 0."""
+    """Addresses of a module. base: the address of its offset 0."""
 
     name: str
     base: int
@@ -47,7 +47,7 @@ class ModuleRange(Struct, frozen=True, dict=True):
 
 
 class WaitStates:
-    """Extra cycles of one access, by frame. Where TI leaves a doubt they are options, which `Bus` records."""
+    """Extra cycles of one access, by frame. Where TI is unclear, options set them, which `Bus` records."""
 
     def __init__(self, options: SystemOptions) -> None:
         self.read = (1, 2, options.pf2_read_ws.unrecorded())
@@ -55,11 +55,11 @@ class WaitStates:
 
 
 class NoSuchAddress(ValueError):
-    """Nothing of this scene answers at an address, or no register stands there."""
+    """No module of this scene has an address, or no register is there."""
 
 
 class AddressMap:
-    """Every module of one F28335. Modules that the scene does not name are not here."""
+    """Modules of one F28335 that the scene names."""
 
     def __init__(self) -> None:
         self.places: dict[str, ModuleRange] = {}
@@ -85,7 +85,7 @@ class AddressMap:
         return next((place for place in self.places.values() if 0 <= address - place.base < place.size), None)
 
     def find(self, address: int) -> tuple[ModuleRange, Register, int]:
-        """Return the same. NoSuchAddress if no register is there."""
+        """Return the result of `at`. NoSuchAddress if no register is there."""
         found = self.at(address)
         if found is None:
             raise self.refusal(address)
@@ -104,7 +104,7 @@ class AddressMap:
         )
 
     def named(self, text: str) -> tuple[ModuleRange, Register]:
-        """The register that "I2C-A.I2CSTR" names. NoSuchAddress otherwise, with the nearest right name."""
+        """Return the register of a name like "I2C-A.I2CSTR". NoSuchAddress, with the nearest name, if none has it."""
         module, _, name = text.partition(".")
         if module not in self.places:
             raise NoSuchAddress(f"there is no module {module!r} in this scene; {did_you_mean(module, self.places)}")
@@ -117,6 +117,6 @@ class AddressMap:
 
 
 def nearest(place: ModuleRange, offset: int) -> str:
-    """The registers around a hole, with their addresses."""
+    """Return the registers nearest to a hole, with their addresses, as text."""
     by_distance = sorted(place.socket.chip.MAP, key=lambda r: (abs(r.offset - offset), r.offset))[:2]
     return " and ".join(f"{r.name} {place.base + r.offset:#06x}" for r in sorted(by_distance, key=lambda r: r.offset))

@@ -16,7 +16,7 @@ class SystemOptions(Answers):
         16,
         unit="cycles",
         question="From a peripheral's request to the first instruction of its service routine: 14 in the field, "
-        "while the documents count spans that add up to 13 to 16. vector_fetch_waits adds to it.",
+        "while the documents give delays that add up to 13 to 16. vector_fetch_waits adds to it.",
     )
     vector_fetch_waits: IntOption = choice(
         0,
@@ -82,7 +82,7 @@ class SystemOptions(Answers):
     stalls: BoolOption = choice(
         True,
         False,
-        question="Do instructions wait for registers and words that earlier ones are still to write? The rules are "
+        question="Do instructions wait for registers and words that earlier ones have not written yet? The rules are "
         "printed (SPRU430F 4.4), but no cycle trace of compiled code is public.",
     )
     b_unc_cycles: IntOption = choice(
@@ -100,8 +100,7 @@ class SystemOptions(Answers):
     saram_conflict: IntOption = choice(
         0,
         1,
-        question="How many cycles does an access to data take in addition that lie in the block from which the program "
-        "is fetched?",
+        question="How many additional cycles does a data access take in the block from which the program is fetched?",
     )
     fpu_delay_slot: TextOption = choice(
         "at_once",
@@ -115,7 +114,7 @@ class SystemOptions(Answers):
         "two_words_ahead",
         question="With FOPT.ENPIPE = 1, does a read of data in flash wait for a fetch under way, and the next fetch "
         "for the read; or does the prefetch fill its two words of 64 bits and the CPU's queue whatever data are read; "
-        "or do two words come ahead and no more? SPRUFB0D section 2.2 says that data reads from flash bypass the "
+        "or are only two words fetched ahead? SPRUFB0D section 2.2 says that data reads from flash bypass the "
         "prefetch buffer and wait for a prefetch in progress; it draws no cycles.",
     )
     rptc_width: IntOption = choice(16, 8, question="How many bits of a location does RPT take?")

@@ -1,7 +1,7 @@
-"""The memory of one F28335 that holds no registers: an address goes in, its 16-bit word and its wait states come out.
+"""The memory of one F28335 that holds no registers: 16-bit words and their wait states.
 
-What nobody wrote reads 0. L0 to L7 come into being with the first write to them.
-Flash, OTP and boot ROM are not here: nothing of this project runs from them yet.
+Words that were never written read 0. L0 to L7 are created by the first write to them.
+Flash, OTP and boot ROM are not included: no code of this project runs from them yet.
 
 Source: SPRS439M Figure 3-2 (map), Table 3-5 (wait states); SPRUFB0D Tables 86 (EALLOW), 112 (vectors).
 """
@@ -20,13 +20,13 @@ from ..cpu.pie_map import VECTOR_TABLE
 MEMORY = "memory"  # in records, in place of a module's name
 PAGE = 8  # bits of an address within a page
 IN_PAGE = (1 << PAGE) - 1
-END = 0x1_0000  # of what is mapped here
-LOW_WORDS = 0x1000  # M0, M1 and the vectors lie below
+END = 0x1_0000  # of the addresses mapped here
+LOW_WORDS = 0x1000  # M0, M1 and the vectors are below this address
 HIGH, HIGH_WORDS = 0x8000, 0x8000  # L0 to L7
 
 
 class RamBlock(NamedTuple):
-    """base, size: in words. protected: a write needs EALLOW."""
+    """Block of memory. base, size: in words. protected: a write needs EALLOW."""
 
     name: str
     base: int
@@ -56,7 +56,7 @@ BY_PAGE = _by_page()
 
 
 def block_at(address: int) -> RamBlock | None:
-    """The block of memory that an address lies in; None where there is none."""
+    """Return the block of memory that contains an address; None if there is none."""
     return BY_PAGE[address >> PAGE] if 0 <= address < END else None
 
 
@@ -76,7 +76,7 @@ class HighRam:
 
 @final
 class Ram:
-    """The words by address. Who uses an address makes sure that `block_at` knows it."""
+    """Words by address. Callers must only use addresses for which `block_at` returns a block."""
 
     STATE = State("_high _low")
 
@@ -102,7 +102,7 @@ class Ram:
         self._high.words[address & HIGH_WORDS - 1] = value & 0xFFFF
 
     def words(self, address: int, count: int) -> list[int]:
-        """So many words from an address on."""
+        """Return `count` words from an address on."""
         return [self.word(place) for place in range(address, address + count)]
 
     def put_words(self, address: int, values: Sequence[int]) -> None:
@@ -110,7 +110,7 @@ class Ram:
             self.put(address + offset, value)
 
     def word32(self, address: int) -> int:
-        """32 bits, the low word first; an odd address is that of the high word."""
+        """Return 32 bits, the low word first; an odd address is that of the high word."""
         low = address & ~1
         return self.word(low) | self.word(low + 1) << 16
 

@@ -1,7 +1,7 @@
-"""Every peripheral register of the F28335 by its address: an address goes in, "I2C-A.I2CMDR" or "ADC + 0x01" comes out.
+"""Names of all peripheral registers of the F28335 by address, such as "I2C-A.I2CMDR" or "ADC + 0x01".
 
-Registers of modules that are modelled have their names, and those that firmware waits for or sets the chip up with; of
-the others only the module is known, and the offset in it.
+Registers of modelled modules have names, as do those that firmware polls or uses to set up the chip; for the others,
+only the module and the offset in it are known.
 
 Source: SPRS439M Tables 3-8 to 3-11, SPRUFB0D Tables 86 to 96; the bases of the linker command files that TI ships.
 """
@@ -16,7 +16,7 @@ from ..parts.f28335 import PART
 
 
 class Module(NamedTuple):
-    """registers: None where the module is not modelled."""
+    """Addresses of a module. registers: None if the module is not modelled."""
 
     name: str
     base: int
@@ -56,12 +56,12 @@ VECTORS = "PIE vectors"
 
 
 def module_at(address: int) -> Module | None:
-    """The module that has an address among its registers."""
+    """Return the module whose registers include an address; None if there is none."""
     return next((module for module in MODULES if 0 <= address - module.base < module.size), None)
 
 
 def register_name(address: int) -> tuple[str, str]:
-    """(module, register) at an address; "+0x01" for a register without a name, ("", "0x000900") outside all modules."""
+    """Return (module, register) at an address; "+0x01" for an unnamed one, ("", "0x000900") outside all modules."""
     if address in pie_map.VECTOR_TABLE:
         return VECTORS, f"+{address - pie_map.VECTOR_TABLE.start:#04x}"
     module = module_at(address)
@@ -77,7 +77,7 @@ def register_name(address: int) -> tuple[str, str]:
 
 
 def full_name(address: int) -> str:
-    """ "ADC.ADCST", "eCAN-A + 0x08"; the address itself outside all modules."""
+    """Return a name like "ADC.ADCST" or "eCAN-A + 0x08"; the address itself outside all modules."""
     module, name = register_name(address)
     if not module:
         return name
@@ -85,7 +85,7 @@ def full_name(address: int) -> str:
 
 
 def address_of(text: str) -> int | None:
-    """The address of "ADC.ADCST", "eCAN-A + 0x08" or "0x7119"; None if nothing has that name."""
+    """Return the address of "ADC.ADCST", "eCAN-A + 0x08" or "0x7119"; None if nothing has that name."""
     module, plus, offset = (part.strip() for part in text.partition("+"))
     if not plus:
         module, _, name = (part.strip() for part in text.partition("."))
@@ -114,7 +114,7 @@ def _number(text: str) -> int | None:
 
 
 def is_protected(address: int) -> bool:
-    """True if a write there needs EALLOW."""
+    """Return True if a write at an address needs EALLOW."""
     if address in pie_map.VECTOR_TABLE:
         return True
     module = module_at(address)

@@ -1,22 +1,22 @@
-"""Watchdog: OSCCLK positions and register writes in; reset request, WDINT and WAKEINT pulse out.
+"""Watchdog, which counts OSCCLK and drives the reset request, WDINT and the WAKEINT pulse.
 
     OSCCLK --> /512 --> WDPS --> WDCNTR --overflow--> WDENINT = 0: reset
                                    ^                  WDENINT = 1: WDINT low for 512 OSCCLK
     WDKEY 0x55, 0xAA --------------+                                ^
     WDCR.WDCHK other than 5 ----------------------------------------+
 
-It lives inside `SystemControl`, which translates between SYSCLKOUT cycles and OSCCLK
-positions (`oscclk`), delays WDINTS and WDFLAG, and owns the registers' addresses.
+It is part of `SystemControl`, which converts between SYSCLKOUT cycles and OSCCLK positions
+(`oscclk`), delays WDINTS and WDFLAG, and owns the registers' addresses.
 
 Source: SPRUFB0D section 5.4, Tables 26 to 30; SPRZ272N section 3.1.3.
 
 Chosen:
-- Disabling holds the count; enabling again goes on from it.
-- A wrong WDCHK counts if the same write leaves the watchdog enabled. The rest of that
-  write is taken.
-- With wd_bad_key = reset the verdict falls with the write. The errata's "a good key after it
-  prevents the reset" has no time in which it could; it is left out.
-- A new prescale acts at once; the divider is one chain whose taps WDPS selects.
+- Disabling holds the count; enabling continues from it.
+- A wrong WDCHK takes effect if the same write leaves the watchdog enabled. The rest of
+  that write also takes effect.
+- With wd_bad_key = reset the write resets at once. This leaves no time for the errata's
+  "a good key after it prevents the reset", which is not modelled.
+- A new prescale takes effect at once; the divider is one chain whose taps WDPS selects.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ PRESCALE = (1, 1, 2, 4, 8, 16, 32, 64)
 
 
 class Watchdog:
-    """All times are OSCCLK positions in `oscclk.PARTS`. touched: where consulted options are named."""
+    """Watchdog. All times are OSCCLK positions in `oscclk.PARTS`. touched: receives the names of consulted options."""
 
     STATE = State("wdcr scsr wdint interrupt reset_requested next_due _armed _origin _since _count _low_until")
 
@@ -53,11 +53,11 @@ class Watchdog:
         self.reset(0)
 
     def reset(self, position: int) -> None:
-        """XRS: enabled, counting from 0, WDFLAG 0."""
+        """Reset by XRS: enabled, counting from 0, WDFLAG = 0."""
         self.wdcr = WDCR.reset
         self.scsr = SCSR.reset
         self.wdint = 1  # level of WDINT
-        self.interrupt = False  # WDINT fell; whoever sees it sets this to False
+        self.interrupt = False  # WDINT fell; the owner sets this to False
         self.reset_requested = False
         self._armed = False  # 0x55 was the last key
         self._origin = position  # an edge of the divider chain; all its taps step at multiples from here
@@ -71,18 +71,18 @@ class Watchdog:
         return not self.wdcr & WDDIS
 
     def count(self, position: int) -> int:
-        """WDCNTR at a position up to which `advance` has come."""
+        """Return WDCNTR at a position, after `advance` to it."""
         if not self.enabled:
             return self._count
         period = self._period()
         return self._count + (position - self._origin) // period - (self._since - self._origin) // period
 
     def rounds(self, parts: int) -> int:
-        """Return the overflows in this number of parts, if nothing restarts it."""
+        """Return the number of overflows in this number of parts, if the count is not restarted."""
         return parts // (OVERFLOW * self._period())
 
     def advance(self, position: int) -> None:
-        """Let everything due up to this position happen."""
+        """Process everything due up to this position."""
         while self.next_due <= position:
             due = self.next_due
             if due == self._low_until:
@@ -116,7 +116,7 @@ class Watchdog:
         self._schedule()
 
     def write_scsr(self, position: int, value: int) -> None:
-        """A reset follows at once if WDENINT is cleared while WDINT is low."""
+        """Write SCSR. Clearing WDENINT while WDINT is low resets at once."""
         self.scsr, _ = SCSR.write(self.scsr, value)
         if not self.wdint and not self.scsr & WDENINT:
             self._fire(position)
@@ -132,12 +132,12 @@ class Watchdog:
         if not self.scsr & WDENINT:
             self.reset_requested = True
             return
-        self.interrupt = self.interrupt or self.wdint == 1  # only a falling edge asks
+        self.interrupt = self.interrupt or self.wdint == 1  # only a falling edge requests
         self.wdint = 0
         self._low_until = position + WDINT_OSCCLKS * PARTS
 
     def _period(self) -> int:
-        """One step of WDCNTR, in parts."""
+        """Return the duration of one step of WDCNTR, in parts."""
         return PARTS * DIVIDER * PRESCALE[WDPS.of(self.wdcr)]
 
     def _schedule(self) -> None:

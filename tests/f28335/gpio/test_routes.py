@@ -23,11 +23,11 @@ def test_pins_of_one_module_are_one_note():
     texts = [note.text for _, note in told]
     assert len(notes) > 42 and len(texts) == 2
     assert texts[0].startswith(
-        "pins are given to XINTF, which is not modelled, and stay high-impedance: GPIO28 (XZCS6), "
+        "pins are assigned to XINTF, which is not modelled, and stay high-impedance: GPIO28 (XZCS6), "
     )
     assert (
         texts[-1]
-        == "pins are given to McBSP, which is not modelled, and stay high-impedance: GPIO20 (MDXA), GPIO21 (MDRA)"
+        == "pins are assigned to McBSP, which is not modelled, and stay high-impedance: GPIO20 (MDXA), GPIO21 (MDRA)"
     )
 
 

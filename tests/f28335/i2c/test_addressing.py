@@ -75,7 +75,7 @@ def test_an_own_address_written_with_irs_1_is_checked_at_once():
     rig.begin(oar=OWN)
     rig.write("I2COAR", 0x2C8)
     assert rig.duties() == [
-        "I2COAR was written with IRS = 1; configuration belongs into IRS = 0",
+        "I2COAR was written with IRS = 1; write configuration while IRS = 0",
         "I2COAR = 0x2c8 has bits 9 to 7 set with XA = 0; expected 0 there",
     ]
 

@@ -274,8 +274,8 @@ def test_a_repeated_start_leaves_bb_1():
 
 
 WRONG_BB = {
-    0: "STT was set with BB = 0, left from before IRS rose, while a transfer is on the bus; wait after IRS = 1 as long "
-    "as the longest transfer lasts",
+    0: "STT was set with BB = 0, left from before IRS rose, while a transfer is in progress; wait after IRS = 1 as "
+    "long as the longest transfer lasts",
     1: "STT was set with BB = 1, left from before IRS rose, while the bus is free; wait after IRS = 1 as long as the "
     "longest transfer lasts",
 }

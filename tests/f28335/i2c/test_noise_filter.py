@@ -35,7 +35,7 @@ class Rig:
     def run_until(self, time: int) -> None:
         while self.filter.due <= time:
             before, due = self.filter.levels, self.filter.due
-            assert self.filter.take(due) != before and self.filter.due > due
+            assert self.filter.apply_due(due) != before and self.filter.due > due
             self.changes += 1
 
     def show(self, signal: str) -> int:

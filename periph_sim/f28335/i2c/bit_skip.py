@@ -42,7 +42,7 @@ class I2cMasterBitSkip(I2cMasterTransmitter):
         return self._bit
 
     def only_clocks(self) -> bool:
-        """Return True if nothing but the bits of a byte of eight is under way."""
+        """Return True if only the bits of a byte of eight are in progress."""
         return not (self.frozen or self.halting) and self._n == SKIPPED_BITS + 1 and self.due == NEVER
 
     def byte(self) -> int:

@@ -152,7 +152,8 @@ class I2c(Chip):
         return self._visible_changes()
 
     def _visible_changes(self) -> int:
-        """Return what edges and timers have changed for the owner; most of them change no readable register."""
+        """Return the kind of change by edges and timers; most of them change no readable register."""
+
         before, self._readable = self._readable, self.state.readable()
         return OUTPUTS if before == self._readable and not self.notes else ALL
 

@@ -78,8 +78,8 @@ class I2cNoiseFilter:
     def visible_due(self, silent: int) -> int:
         """Return the cycle of the first pending change with an observable effect, or NEVER.
 
-        silent: the number of SCL edges without an effect, which also makes edges of SDA while SCL is low ineffective;
-        with -1, every change has an effect.
+        silent: the number of SCL edges without an effect; edges of SDA while SCL is low have none then, either. With
+        -1, any edge may have an effect.
         """
         scl, sda = self._scl_due, self._sda_due
         if silent < 0:

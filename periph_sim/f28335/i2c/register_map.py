@@ -125,7 +125,7 @@ I2CFFTX = Register(
         field("I2CFFEN", "14", doc="1: FIFO mode, both ways."),
         field("TXFFRST", "13", doc="0: the TX FIFO is emptied and held empty."),
         field("TXFFST", "12:8", "R", doc="Bytes in the TX FIFO, 0 to 16."),
-        field("TXFFINT", "7", "R", doc="TXFFST came to or below TXFFIL."),
+        field("TXFFINT", "7", "R", doc="TXFFST fell to or below TXFFIL."),
         field("TXFFINTCLR", "6", "W1", doc="1 clears TXFFINT."),
         field("TXFFIENA", "5", doc="Enables the request of TXFFINT."),
         field("TXFFIL", "4:0", doc="Level of TXFFINT."),
@@ -138,7 +138,7 @@ I2CFFRX = Register(
     (
         field("RXFFRST", "13", doc="0: the RX FIFO is emptied and held empty."),
         field("RXFFST", "12:8", "R", doc="Bytes in the RX FIFO, 0 to 16."),
-        field("RXFFINT", "7", "R", doc="RXFFST came to or above RXFFIL."),
+        field("RXFFINT", "7", "R", doc="RXFFST rose to or above RXFFIL."),
         field("RXFFINTCLR", "6", "W1", doc="1 clears RXFFINT."),
         field("RXFFIENA", "5", doc="Enables the request of RXFFINT."),
         field("RXFFIL", "4:0", doc="Level of RXFFINT."),

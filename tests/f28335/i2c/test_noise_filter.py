@@ -125,7 +125,7 @@ def test_the_last_levels_given_for_a_cycle_are_its_sample(steps, together, seed)
         now += gap
         while once.due <= now:
             due = once.due
-            assert often.due == due and once.take(due) == often.take(due)
+            assert often.due == due and once.apply_due(due) == often.apply_due(due)
         for wrong in chance.choices(range(4), k=3):
             often.sample(now, wrong, WIDTH, WIDTH)
         often.sample(now, pins, WIDTH, WIDTH)
@@ -146,7 +146,7 @@ def test_it_does_what_looking_at_every_cycle_would(steps):
         for line in (0, 1):
             run[line] = run[line] % WIDTH + 1 if (pins ^ levels) >> line & 1 else 0
         if lazy.due <= cycle:
-            lazy.take(cycle)
+            lazy.apply_due(cycle)
         if cycle in given:
             lazy.sample(cycle, pins, WIDTH, WIDTH)
         assert lazy.levels == levels and lazy.due > cycle

@@ -1,31 +1,31 @@
-"""One CPU and what runs on it: a program and the modules of a chip go in; cycles, accesses and interrupts come out.
+"""One CPU, the program that it runs, and the modules of its chip.
 
-    kernel --wake-up--> Processor --run(until)--> Program      why it stopped <--
+    kernel --wake-up--> Processor --run(until)--> Program      reason of the stop <--
                             |                       |
-                            |   reach, rest, take, iret: True, it is done; False, stop and be run again
+                            |   reach, rest, take, iret: True if complete; False: stop, and be run again
                             |                       |
          CpuTime <----------+-- Bus <---------------+-- reads, writes in a cycle that the bus named
-           cycle, lease,        wait states, protection, EALLOW, writes on their way, records, RAM
+           cycle, lease,        wait states, protection, EALLOW, posted writes, records, RAM
            wake-up                 ^
                                Interrupts <-- requests of modules
                                    due, context to and from the stack, vectors from the PIE's table
 
-Data flow one way. `CpuTime` knows the kernel and nothing of accesses. `Bus` tells it where a lease must end, since a
-write lands there; it serves no interrupt and moves no clock. `Interrupts` wakes a sleeping CPU, and keeps nothing of an
-interrupt but what it stored in memory. `Processor` joins them and lets time pass between the steps. Upwards goes one
-question only: at which statement the program stands (`Program.place`), for records and for messages.
+Data flow in one direction. `CpuTime` depends on the kernel, not on accesses. `Bus` ends a lease where a posted write
+lands; it serves no interrupt and advances no clock. `Interrupts` wakes a sleeping CPU; the state of an interrupt is in
+memory alone. `Processor` joins them and lets time pass between the steps. The only call upwards is `Program.place`, the
+present statement of the program for records and messages.
 
-A program makes an access so, here a read of an address:
+A program makes an access in these steps, here a read of an address:
 
     at = bus.reads_at(time.cycle, address)    the cycle in which it has its value
-    if not processor.reach(at): stop          landings of earlier writes are done on the way
-    time.meet()                               the kernel's time is that cycle: chips may be told
+    if not processor.reach(at): stop          earlier writes land on the way
+    time.meet()                               the kernel's time is that cycle: chips may be accessed
     value = bus.read(at, address)
 
-and at the boundary before the next instruction:
+and these at the boundary before the next instruction:
 
     number = interrupts.due(time.cycle)
-    if number and not processor.take(number): stop       `enter(vector)` was called when it is run again
+    if number and not processor.take(number): stop       `enter(vector)` is called before it is run again
 
-`Dsp` builds all this as a scene names it. `python` holds the program that runs Python functions.
+`Dsp` builds the unit of a scene. `python` contains the program that runs Python functions, `image` that of images.
 """

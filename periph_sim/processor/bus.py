@@ -1,15 +1,15 @@
-"""Accesses of one CPU: an operand or an address, and a cycle, go in; values, records and effects come out.
+"""Bus of one CPU: register and memory accesses in a given cycle, with their values, records and effects.
 
     read    issued | wait for writes, wait states | fetched
     write   issued | wait states | posted . . | lands
     field   issued | wait for writes, wait states | fetched, posted . . | lands      while the CPU goes on
 
 A write leaves the pipeline in its last stage, W, two cycles after the stage in which a read has its value, R2. So it is
-posted: it takes effect at the end of a later cycle, while the CPU goes on. A read in the protected block, or of the
+posted: it takes effect at the end of a later cycle, while the CPU continues. A read in the protected block, or of the
 same register, waits for it; any other may overtake it, and one in the cycle of the landing does.
 
-The bus serves no interrupt and moves no clock: it says in which cycle an access can be made, and the program sees to it
-that it is that cycle (`CpuTime.advance`, and `meet` for whatever is not harmless) before it makes it.
+The bus serves no interrupt and advances no clock: it returns the cycle in which an access can be made. The program
+advances to that cycle (`CpuTime.advance`, and `meet` for accesses with effects) before it makes the access.
 
 Source: SPRS439M Table 3-5 (wait states); SPRU430E sections 4.1, 4.4.1, 4.5 (pipeline, write to read); SPRUFB0D
 sections 7.2, 7.4.
@@ -45,9 +45,9 @@ REGISTERS_END = 0x8000  # no register lies above
 
 @final
 class Posted:  # core: freelist 4
-    """A write on its way. where, cause: of the instruction that issued it; where is None where nobody wants to know.
+    """A posted write. where, cause: place and record of the instruction that issued it; where is None if unused.
 
-    following: what lands after it.
+    following: the write that lands next.
     """
 
     STATE = State("operand value where", cycles="lands", records="cause", made=True)
@@ -66,8 +66,8 @@ class Posted:  # core: freelist 4
 class Bus:
     """map: the modules by address. ram: memory without registers.
 
-    free_from: from this cycle on a read in the protected block need not wait for a write. free_of: the same of a
-    register outside of the block, by its address. issued_at: where the write was issued that lands now.
+    free_from: the cycle from which a read in the protected block need not wait for a write. free_of: that cycle for
+    registers outside of the block, by address. issued_at: the statement that issued the write that lands now.
     """
 
     STATE = State("ram _posted_last issued_at", cycles="free_from free_of _last_pf1_write", chains="_posted")
@@ -122,7 +122,7 @@ class Bus:
         options: SystemOptions,
         place: Callable[[], SourceLocation | None],
     ) -> None:
-        """place: the statement of the program that makes the access."""
+        """place: returns the statement that makes the access."""
         self.map = memory
         self.ram = Ram()
         self.free_from = 0
@@ -143,21 +143,21 @@ class Bus:
         self._pf2_read_ws, self._pf2_write_ws = options.pf2_read_ws, options.pf2_write_ws
         self._write_lands = options.write_lands
         self._read_listed = self._write_listed = False  # an access in frame 2
-        self._words: list[Operand | None] = []  # by address, once an address was accessed
-        self._pairs: list[Operand | None] = []  # those of 32 bits
-        self._nothing: Operand = Operand.__new__(Operand)  # in their place where no register is
-        self._named: dict[tuple[Operand, int], Operand] = {}  # by what is read, and the bits of it that count
-        self._posted: Posted | None = None  # the first of a chain,
-        self._posted_last: Posted | None = None  # and its last
+        self._words: list[Operand | None] = []  # by address, made at the first access
+        self._pairs: list[Operand | None] = []  # of 32 bits
+        self._nothing: Operand = Operand.__new__(Operand)  # the entry of an address without a register
+        self._named: dict[tuple[Operand, int], Operand] = {}  # by operand and bits read
+        self._posted: Posted | None = None  # the first of a chain
+        self._posted_last: Posted | None = None  # the last of the chain
         self._last_pf1_write = -NEVER
 
-    # What an access names ------------------------------------------------------
+    # Operands ------------------------------------------------------------
 
     def operand(self, place: ModuleRange, register: Register, words: int, field: Field | None = None) -> Operand:
-        """These words of a register of the map, or the field of them that a program names."""
+        """Return the operand of these words of a register of the map, or of a field in them."""
         operand = Operand(place, register, words, field, self._waits, self._wanted(register))
         if operand.recorded:
-            kind, recorder = Kind.ACCESS, self._recorder  # a name of an enumeration costs what a call does
+            kind, recorder = Kind.ACCESS, self._recorder  # an attribute of an enumeration costs as much as a call
             reads = recorder.topic(kind, self._name, f"R {operand.name}")
             operand.record(reads, recorder.topic(kind, self._name, f"W {operand.name}"))
         return operand
@@ -189,16 +189,16 @@ class Bus:
         return found
 
     def at(self, address: int, width: int) -> Operand:
-        """Return the same. NoSuchAddress if no register is there."""
+        """Return the register at an address as `find` does. Raise NoSuchAddress if no register is there."""
         found = self.find(address, width)
         if found is None:
             raise self.map.refusal(address & ~1 if width == 32 else address)
         return found
 
     def naming(self, operand: Operand, mask: int) -> Operand:
-        """The same words, with the field named that these bits are of; as they are where it is none, or several.
+        """Return the same words with the field named that has these bits; the same operand if it is not one field.
 
-        mask: in the word that moves, before it has its place in the register.
+        mask: bits of the word that is transferred, not shifted to its place in the register.
         """
         found = self._named.get((operand, mask))
         if found is None:
@@ -228,32 +228,32 @@ class Bus:
     # By address ----------------------------------------------------------------
 
     def reads_at(self, cycle: int, address: int, width: int = 16) -> int:
-        """The cycle in which a read issued in `cycle` has its value. NoSuchAddress where nothing answers."""
+        """Return the cycle in which a read issued in `cycle` has its value. Raise NoSuchAddress if nothing is there."""
         block = block_at(address)
         if block is not None:
             return cycle + block.read_waits
         return self.fetches_at(cycle, self.at(address, width))
 
     def writes_at(self, cycle: int, address: int, width: int = 16) -> int:
-        """The cycle in which a write issued in `cycle` is posted. NoSuchAddress where nothing answers."""
+        """Return the cycle in which a write issued in `cycle` is posted. Raise NoSuchAddress if nothing is there."""
         block = block_at(address)
         return cycle + block.write_waits if block is not None else self.posts_at(cycle, self.at(address, width))
 
     def read(self, at: int, address: int, width: int = 16) -> int:
-        """What a 16- or 32-bit read of an address sees in cycle `at`."""
+        """Return the value of a 16- or 32-bit read of an address in cycle `at`."""
         if block_at(address) is not None:
             return self.ram.word32(address) if width == 32 else self.ram.word(address)
         return self.load(at, self.at(address, width), width)
 
     def load(self, at: int, operand: Operand, width: int) -> int:
-        """Return what a read of a register in cycle `at` brings, which is 0 for 32 bits in frame 2."""
+        """Return the value of a read of a register in cycle `at`, which is 0 for 32 bits in frame 2."""
         if width == 32 and operand.frame2:
             self.note_width(at, operand)
             return 0
         return self.fetch(at, operand) >> operand.shift
 
     def write(self, at: int, address: int, value: int, width: int = 16) -> None:
-        """A 16- or 32-bit write to an address. Memory takes it at once; to a register it is posted."""
+        """Write 16 or 32 bits to an address: to memory at once, to a register by a posted write."""
         block = block_at(address)
         if block is None:
             self.save(at, self.at(address, width), value, width)
@@ -272,7 +272,7 @@ class Bus:
             self.store(at, operand, value << operand.shift)
 
     def note_width(self, cycle: int, operand: Operand) -> None:
-        """Frame 2 has 16-bit accesses only: a wider one is not performed, and noted."""
+        """Note a 32-bit access to frame 2, which has 16-bit accesses only and does not perform it."""
         what = f"{operand.register.name} of {operand.place.name}"
         text = f"{what} was accessed with 32 bits; peripheral frame 2 takes 16 only"
         self._notes.note(cycle, Note("duty", text, "SPRUFB0D Table 88"))
@@ -280,14 +280,14 @@ class Bus:
     # Reads -----------------------------------------------------------------------
 
     def read_waits(self, operand: Operand) -> int:
-        """The wait states of a read that is made now."""
+        """Return the wait states of a read that is made now."""
         if operand.frame2 and not self._read_listed:
-            self._read_listed = True  # the list of the CPU keeps what it has
+            self._read_listed = True  # the CPU's list keeps its entries
             self._pf2_read_ws.assume(self._core.touched)
         return operand.read_waits
 
     def free(self, operand: Operand) -> int:
-        """Write-to-read protection: from this cycle on a read need not wait for writes to the block or the register."""
+        """Return the cycle from which write-to-read protection of the block or the register delays no read."""
         return self.free_from if operand.block else self.free_of.get(operand.address, 0)
 
     def fetches_at(self, cycle: int, operand: Operand) -> int:
@@ -295,17 +295,17 @@ class Bus:
         return max(cycle, self.free(operand)) + self.read_waits(operand)
 
     def fetch(self, at: int, operand: Operand) -> int:
-        """The value of these words of the register in cycle `at`, each in its place."""
+        """Return the value of these words of the register in cycle `at`, each in its place."""
         if not operand.recorded:
             return operand.see(at) if operand.harmless else self._read(at, operand)
         return self._recorded(at, operand, self._place() if operand.tells_place() else None)
 
     def tell_look(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
-        """The record of a read that is a look at the chip, and brought this value. where: as of `_recorded`."""
+        """Record a read that was a look at the chip and returned this value. where: see `_recorded`."""
         operand.reads.emit(self._clock.tick(at), value, where or "", operand.named)
 
     def _recorded(self, at: int, operand: Operand, where: SourceLocation | None) -> int:
-        """The same of a read that is recorded, before what it sets off. where: None where nobody wants to know."""
+        """Return the value of a read that is recorded, before its effects. where: its statement; None if unused."""
         recorder = self._recorder
         outer = recorder.cause
         seen = operand.see(at)
@@ -323,7 +323,7 @@ class Bus:
     # Writes ----------------------------------------------------------------------
 
     def posts_at(self, cycle: int, operand: Operand) -> int:
-        """The cycle in which a write issued in `cycle` is posted."""
+        """Return the cycle in which a write issued in `cycle` is posted."""
         if operand.frame2 and not self._write_listed:
             self._write_listed = True
             self._pf2_write_ws.assume(self._core.touched)
@@ -334,23 +334,23 @@ class Bus:
     def store(self, at: int, operand: Operand, value: int) -> None:
         """Post these words of a register, each in its place in `value`, in cycle `at`.
 
-        Ignored where EALLOW protects the register.
+        The write is ignored if EALLOW protects the register.
         """
         self._post(at, operand, value, self._place() if self._wants_place(operand) else None)
         if operand.pieack:
             self._core.wrote_pieack(at)
 
     def modify(self, at: int, operand: Operand, number: int) -> None:
-        """A bit-field write as the compiler makes it: one instruction that reads the word with the field and writes it.
+        """Write a bit field by one instruction that reads and writes the word with the field, as the compiler does.
 
-        It costs what a read costs; the write lands while the CPU goes on.
+        It costs as much as a read; the write lands while the CPU continues.
         """
         where = self._place() if self._wants_place(operand) else None
         value = self._recorded(at, operand, where) if operand.recorded else self.fetch(at, operand)
         self._post(at, operand, value & ~operand.mask | number << operand.lsb & operand.mask, where)
 
     def _wants_place(self, operand: Operand) -> bool:
-        """Of a write, or a read for one: whether anybody wants to know where in the firmware it is made."""
+        """Return True if the statement of a write, or of the read for a modify, is needed."""
         return self._notes.placed or (operand.recorded and operand.reads.places + operand.writes.places > NOWHERE)
 
     def _post(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
@@ -381,7 +381,7 @@ class Bus:
         self._notes.note(cycle, Note("duty", text, "SPRUFB0D section 7.2"))
 
     def land(self) -> None:
-        """Let the posted write whose cycle it is take effect."""
+        """Let the first posted write take effect in its cycle."""
         first = self._posted
         assert first is not None
         self._posted = after = first.following
@@ -401,12 +401,12 @@ class Bus:
         recorder.cause = outer
 
     def forget(self) -> None:
-        """The program is over: nothing that it posted lands."""
+        """Drop all posted writes, since the program has ended."""
         self._posted = None
 
     # Both ------------------------------------------------------------------------
 
     def _met(self, at: int) -> None:
-        """RuntimeError if the kernel's time is not that of an access which acts."""
+        """Raise RuntimeError if the kernel's time is not that of an access with effects."""
         if self._time.met != at:
             raise RuntimeError(f"{self._name}: an access acts in cycle {at}; call CpuTime.meet there before")

@@ -1,10 +1,10 @@
-"""The time of one CPU: the cycle that its program wants goes in; a wake-up of the kernel, or none, comes out.
+"""Time of one CPU: advances to the cycle that its program requests, at once or by a wake-up of the kernel.
 
     program --> cycle wanted --lease--> it is that cycle now
-                               \\------> wake-up promised --> kernel --> the processor goes on there
+                               \\------> wake-up scheduled --> kernel --> the processor continues
 
-As long as nothing else can act (`Kernel.quiet_until`: a lease) the CPU moves its time by itself; else it is woken by
-an event. Here nothing is called that could read, write or take an interrupt.
+As long as nothing else can act (`Kernel.quiet_until`: a lease) the CPU advances its time by itself; else it is woken by
+an event. Nothing is called here that could read, write or take an interrupt.
 """
 
 # core: compiled
@@ -21,11 +21,11 @@ from ..core.time import LAST_TICK, Clock
 
 @final
 class CpuTime:
-    """cycle: how many SYSCLKOUT cycles have passed for this CPU.
+    """cycle: number of SYSCLKOUT cycles that have passed for this CPU.
 
-    lease: before this cycle nothing can act but this CPU's program; 0: not known.
+    lease: before this cycle only this CPU's program can act; 0: unknown.
     lands: the cycle at whose end the next posted write takes effect; NEVER if there is none. The lease ends there.
-    met: the cycle for which the kernel's time was last made this CPU's.
+    met: the cycle at which the kernel's time was last set to this CPU's.
     asleep: at an instruction boundary, so that an interrupt can wake it.
     watching: it executes passes of a wait that it could sleep through; `wakes` is the cycle at which it would be woken.
     """
@@ -49,7 +49,7 @@ class CpuTime:
     )
 
     def __init__(self, kernel: Kernel, clock: Clock, agent: Agent) -> None:
-        """agent: acts when the cycle has come for which a wake-up was promised; it calls `arrive` first."""
+        """agent: acts at the cycle of a scheduled wake-up; it calls `arrive` first."""
         self.cycle = 0
         self.lease = 0
         self.lands = NEVER
@@ -58,30 +58,30 @@ class CpuTime:
         self.wakes = NEVER
         self._kernel = kernel
         self._clock = clock
-        self._wake: Event = kernel.event(agent, CPU)  # the promise by which this CPU is woken
+        self._wake: Event = kernel.event(agent, CPU)  # the event that wakes this CPU
         self._wake_tick = 0
         self._wake_cycle = 0
         self._until = NEVER  # a sleeping CPU's time does not pass beyond this cycle
 
     def instant(self) -> tuple[int, int]:
-        """What changes with simulated time."""
+        """Return values that change with simulated time."""
         return self.cycle, self._kernel.now
 
     @property
     def waits_for_input(self) -> bool:
-        """Asleep, and no cycle is known at which this CPU goes on: a watched register or an interrupt must come."""
+        """True if asleep without a scheduled wake-up: only a watched register or an interrupt can wake it."""
         return self.wakes == NEVER if self.watching else self.asleep and not self._wake.queued
 
     def left(self) -> int:
-        """Cycles from here to the last tick that there is."""
+        """Return the cycles from here to the last possible tick."""
         return self._clock.cycle_at(LAST_TICK) - self.cycle
 
-    # Moving on ---------------------------------------------------------------
+    # Advancing ---------------------------------------------------------------
 
     def advance(self, cycle: int) -> bool:
-        """True: it is `cycle` now. False: something else may act before; the CPU is woken then.
+        """Return True if it is `cycle` now, False if something else may act before; the CPU is woken then.
 
-        The past is where a replayed pass of a wait moves: free.
+        A cycle in the past, as in a replayed pass of a wait, is always possible.
         """
         if cycle >= self.lease:
             quiet = self._clock.cycle_at(self._kernel.quiet_until())
@@ -93,13 +93,13 @@ class CpuTime:
         return True
 
     def renew(self) -> int:
-        """The lease as it is now: up to where something else may act, or behind the next posted write."""
+        """Return a new lease: up to where something else may act, or after the next posted write."""
         quiet = self._clock.cycle_at(self._kernel.quiet_until())
         self.lease = lease = quiet if quiet <= self.lands else self.lands + 1
         return lease
 
     def rest(self, cycle: int) -> bool:
-        """True: it is `cycle` now, or was already. False: asleep up to it, or to an interrupt; NEVER: to that only."""
+        """Return True if it is `cycle` now; else sleep until it or an interrupt. NEVER: until an interrupt only."""
         if cycle < NEVER:
             kernel, tick = self._kernel, self._clock.tick(cycle)
             if tick < kernel.quiet_until():
@@ -111,16 +111,16 @@ class CpuTime:
         return False
 
     def sleep(self, until: int) -> None:
-        """Asleep at an instruction boundary; whoever calls has promised a wake-up, or waits for `resume_by`."""
+        """Sleep at an instruction boundary, until a wake-up that the caller scheduled, or `resume_by`."""
         self.asleep = True
         self._until = until
 
     def watch(self, until: int) -> None:
-        """Go on, and note for when a sleeping CPU would have been woken: at `until`, or by `resume_by`."""
+        """Continue, and keep the cycle at which a sleeping CPU would have been woken: `until`, or by `resume_by`."""
         self.watching, self.wakes = True, until
 
     def meet(self) -> None:
-        """The kernel's time becomes this CPU's: an access is made that acts. It may promise events: the lease ends."""
+        """Set the kernel's time to this CPU's for an access with effects. It may schedule events: the lease ends."""
         kernel, cycle = self._kernel, self.cycle
         tick = self._clock.tick(cycle)
         if tick > kernel.now:
@@ -129,7 +129,7 @@ class CpuTime:
         self.lease = 0
 
     def limit(self, lands: int) -> None:
-        """A write was posted that takes effect at the end of this cycle."""
+        """Limit the lease: a posted write takes effect at the end of this cycle."""
         if lands < self.lands:
             self.lands = lands
         if lands < self.lease:
@@ -138,12 +138,12 @@ class CpuTime:
     # Waking ------------------------------------------------------------------
 
     def begin(self, delay: int) -> None:
-        """Be woken `delay` cycles after now."""
+        """Schedule a wake-up `delay` cycles after now."""
         self.cycle = self._clock.cycle_at(self._kernel.now) + delay
         self.wake_at(self.cycle)
 
     def arrive(self) -> None:
-        """The wake-up that was promised has come."""
+        """Set the time at a scheduled wake-up."""
         self.lease = 0
         if self.asleep:
             self.asleep = False
@@ -154,14 +154,14 @@ class CpuTime:
             self.cycle = self._wake_cycle
 
     def wake_at(self, cycle: int) -> None:
-        """Promise a wake-up at `cycle`; now, if that is past."""
+        """Schedule a wake-up at `cycle`; now, if that is past."""
         tick, now = self._clock.tick(cycle), self._kernel.now
         self._wake_cycle = cycle
         self._wake_tick = tick = tick if tick > now else now
         self._kernel.renew(self._wake, tick, 0)
 
     def resume_by(self, cycle: int) -> None:
-        """Be woken at `cycle`, or sooner if that is promised already."""
+        """Schedule a wake-up at `cycle`, unless an earlier one is scheduled."""
         if self.watching:
             self.wakes = min(self.wakes, cycle)
             return
@@ -170,17 +170,17 @@ class CpuTime:
             self.wake_at(cycle)
 
     def restored(self) -> None:
-        """The state has been restored, in which the lease is not known."""
+        """Forget the lease, which is not part of a restored state."""
         self.lease = 0
 
     def reclock(self) -> None:
-        """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""
+        """Move a scheduled wake-up to the new tick of its cycle after the clock was retuned."""
         if self._wake.queued:
             self._kernel.cancel(self._wake)
             self.wake_at(self._wake_cycle)
 
     def stop(self) -> None:
-        """No wake-up, no landing: the program is over."""
+        """Cancel the wake-up and the landing, since the program has ended."""
         self._kernel.cancel(self._wake)
         self.lands = NEVER
         self.asleep = self.watching = False

@@ -1,10 +1,10 @@
-"""One F28335 as a scene names it: its clock, the modules asked for, interrupts, and the CPU that runs the firmware.
+"""One F28335 of a scene: its clock, the requested modules, interrupts, and the CPU that runs the firmware.
 
     modules --> sockets --> address map --> Processor <-- program: Cpu <-- firmware
                    |  requests --> PIE --> CPU interrupts
                    pins --> Router --> wires
 
-Only what is named is built: a unit without SCI has no SCI object, events or cost.
+Only requested modules are built: a unit without SCI has no SCI object, events or cost.
 System control, PIE and the CPU's interrupt logic belong to every unit.
 """
 
@@ -56,11 +56,11 @@ WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
 
 
 class DspPlan(Struct):
-    """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal. pulled_down: GPIO numbers.
+    """Contents of a unit. wires: GPIO number -> wire. ppm: error of its crystal. pulled_down: GPIO numbers.
 
-    seed: of the values drawn from spreads.
+    seed: seed of the values drawn from spreads.
     options: answers to open questions about modules, by group; modules take their defaults where a group is missing.
-    part: of the family.
+    part: the part of the family.
     """
 
     name: str
@@ -74,7 +74,7 @@ class DspPlan(Struct):
     keeps_decoded: bool = True
     strict: bool = False
     seed: int = 0
-    stall_limit: float = 0.0  # seconds of CPU time that firmware may take at one instant; 0: any
+    stall_limit: float = 0.0  # seconds of CPU time that firmware may take at one instant; 0: unlimited
     pulled_down: frozenset[int] = frozenset()
     part: Part = PART
     code: CodeCosts = field(default_factory=CodeCosts)
@@ -88,7 +88,7 @@ class DspPlan(Struct):
 
 
 class Dsp(FirmwareView):
-    """A running F28335, which firmware is handed and sees as a `FirmwareView`."""
+    """A running F28335, passed to firmware as a `FirmwareView`."""
 
     STATE = State("resets _random")
 
@@ -111,8 +111,8 @@ class Dsp(FirmwareView):
         self._gates = self.control.gates
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
         self.resets = 0
-        self.note_places: dict[tuple[str, int], SourceLocation] = {}  # of duties, by module and tick
-        self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []  # of them; tick, where the program was
+        self.note_places: dict[tuple[str, int], SourceLocation] = {}  # of violated duties, by module and tick
+        self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []  # tick and statement
         self.on_reset: list[Callable[[], None]] = []
         for name in plan.modules:
             if name not in plan.part.selectable:
@@ -130,16 +130,17 @@ class Dsp(FirmwareView):
         self.router = self._route(plan)
         cycle = self.clock.cycle_at(kernel.now)
         for socket in self._sockets.values():
-            socket.publish(cycle)  # what a chip has due from the first cycle on: the watchdog, if boot left it on
+            socket.publish(cycle)  # plan a chip's first wake-ups: the watchdog, if boot left it on
 
     # Life ----------------------------------------------------------------------
 
     def start(self, firmware: Callable[[], None]) -> None:
+        """Run Python firmware."""
         self._firmware = firmware
         self.cpu.start(firmware)
 
     def start_image(self, image: Image, boot: Boot = "entry", stubs: Iterable[Stub] = ()) -> ImageProgram:
-        """Run a firmware image in place of Python firmware; a reset begins it anew. BadImage where it cannot boot."""
+        """Run an image instead of Python firmware; a reset restarts it. Raise BadImage if it cannot boot."""
         from ..image.load import require_loadable
         from ..image.shared_memory import shared_memory
         from .image.boot import entry_of
@@ -172,11 +173,11 @@ class Dsp(FirmwareView):
         return program
 
     def _answered(self, program: ImageProgram) -> None:
-        """A stub answers otherwise from now on: a program that waits for it looks."""
+        """Wake a program that waits for a stub, which has changed its value."""
         program.cpu.polls.resume(self.clock.cycle_at(self._kernel.now))
 
     def _leave_boot_rom(self) -> None:
-        """The clock as the boot ROM leaves it."""
+        """Set the clock as the boot ROM leaves it."""
         cycle = self.clock.cycle_at(self._kernel.now)
         self.control.boot(cycle)
         self._sockets["SYS"].publish(cycle)
@@ -193,7 +194,7 @@ class Dsp(FirmwareView):
 
     @property
     def touched(self) -> set[str]:
-        """Open questions on whose answers the run depended so far, as "module.option"."""
+        """Open questions whose answers have affected the run so far, as "module.option"."""
         found = {f"system.{name}" for name in self.core.touched}
         for name, socket in self._sockets.items():
             if not socket.chip.touched:
@@ -228,7 +229,7 @@ class Dsp(FirmwareView):
         self.memory.add(ModuleRange(name, descriptor.base, descriptor.size, descriptor.frame, socket))
 
     def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
-        """A duty that the firmware breaks, as a rule by an access of its own, whose statement is kept."""
+        """Keep the statement that violates a duty of the firmware, as a rule by its own access."""
         if note.code != "duty":
             return
         self.processor.notes.insist(note, socket.name)
@@ -278,13 +279,13 @@ class Dsp(FirmwareView):
             number += 1
 
     def restored(self) -> None:
-        """The state has been restored: system control was followed."""
+        """Read back system control, whose settings are in effect already, from the restored state."""
         control = self.control
         self._nominal_hz, self._gates = control.sysclk_hz, control.gates
         self._lspclk = (control.lspclk_divider, control.lspclk_phase)
 
     def _follow_control(self, cycle: int) -> None:
-        """Clocks and gates as system control now says."""
+        """Apply changed clocks and gates of system control."""
         control = self.control
         lspclk = (control.lspclk_divider, control.lspclk_phase)
         retuned = control.sysclk_hz != self._nominal_hz
@@ -313,7 +314,7 @@ class Dsp(FirmwareView):
             self._kernel.at(self._kernel.now, self._reset)
 
     def gate(self, cycle: int) -> None:
-        """Every module's clock on or off, as PCLKCR says."""
+        """Set every module's clock on or off, as in PCLKCR."""
         for name, socket in self._sockets.items():
             descriptor = self.plan.part.by_name[name]
             if gate := descriptor.gate or descriptor.input_gate:
@@ -340,7 +341,7 @@ class Dsp(FirmwareView):
         for signal, (socket, index) in inputs.items():
             wire = plan.wires.get(self.plan.part.pins[signal])
             if wire is not None:
-                socket.inputs.listen(index, wire)  # seen at the next SYSCLKOUT edge
+                socket.inputs.listen(index, wire)  # sampled at the next SYSCLKOUT edge
         for signal, (socket, index) in outputs.items():
             wire = plan.wires.get(self.plan.part.pins[signal])
             if wire is not None:
@@ -350,11 +351,11 @@ class Dsp(FirmwareView):
     # Reset -------------------------------------------------------------------------
 
     def connect_reset(self, xrs: Wire) -> None:
-        """The XRS pin: low holds this unit in reset."""
+        """Connect the XRS pin: low holds this unit in reset."""
         xrs.watch(self._xrs_changed)
 
     def _xrs_changed(self, tick: int, level: int) -> None:
-        """Seen with the next cycle, since clocks change there."""
+        """Reset, or end the reset, at the next cycle, since clocks change there."""
         action = self._begin if level else self._enter_reset
         self._kernel.at(self.clock.tick(self.clock.cycle_at(tick)), action)
 
@@ -362,32 +363,32 @@ class Dsp(FirmwareView):
         self._begin_anew(0)
 
     def _reset(self) -> None:
-        """XRS by the watchdog."""
+        """Reset the unit by the watchdog, which asserts XRS."""
         if self.control.reset_requested:
             self.watchdog_resets.append((self._kernel.now, self.program.place()))
             self._enter_reset()
             self._begin_anew(WDRST_CYCLES)
 
     def _enter_reset(self) -> None:
-        """Every module to its reset state; firmware stops where it stands."""
+        """Reset every module, and stop the firmware at its present position."""
         self._kernel.materialize()
         self.resets += 1
-        for told in self.on_reset:
-            told()
+        for callback in self.on_reset:
+            callback()
         cycle = self.clock.cycle_at(self._kernel.now)
         self.processor.kill(GreenletExit)
         self.core.reset(cycle)
         for socket in self._sockets.values():
             socket.chip.reset(cycle)
         for socket in self._sockets.values():
-            socket.publish(cycle)  # once all are reset: the clock that falls with SYS concerns none that still works
+            socket.publish(cycle)  # after the reset of all, since that of SYS changes the clock
         self.gate(cycle)
 
     def _python_from_reset(self, delay: int) -> None:
         self.cpu.start(self._from_reset, delay)
 
     def _from_reset(self) -> None:
-        """What runs after a reset: TI's start-up code, unless the firmware has its own, and then the firmware."""
+        """Run TI's start-up code, unless the firmware has its own, and then the firmware."""
         if not self.plan.from_boot:
             control = self.module("SYS")
             self.eallow()
@@ -407,7 +408,7 @@ def pie_lines(descriptor: ModuleDescriptor) -> tuple[tuple[int, int], ...]:
 
 
 def start_up(control: SystemControl, pll: int) -> int:
-    """What TI's start-up code does before main: watchdog off, PLL at `pll`/2. Returns the cycle at which main is."""
+    """Apply TI's start-up code before main: watchdog off, PLL at `pll`/2. Return the cycle at which main begins."""
 
     def write(cycle: int, register: str, value: int) -> None:
         control.write(cycle, clocks_map.MAP[register].offset, value)
@@ -419,12 +420,12 @@ def start_up(control: SystemControl, pll: int) -> int:
     control.wake(locked)
     write(locked + 1, "PLLSTS", 0)
     write(locked + 2, "PLLSTS", 2 << 7)
-    control.touched.clear()  # what was done before main does not bear on the run
+    control.touched.clear()  # the settings before main do not affect the run
     return locked + 100
 
 
 def _nothing() -> None:
-    """No firmware: the modules are alone."""
+    """Run no firmware: the unit has its modules only."""
 
 
 def _no_request(cycle: int, asked: int) -> None:

@@ -1,4 +1,4 @@
-"""Whose fault an exception is: an exception goes in; the place in the firmware to blame, or none, comes out."""
+"""Origin of exceptions: the statement of the firmware that caused one, if any."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ FIRMWARE_VIEW = (
     str(Path("processor", "python", "register_view.py")),
     str(Path("processor", "python", "port_fields.py")),
     str(Path("processor", "python", "firmware_view.py")),
-)  # they refuse wrong names
+)  # these reject wrong names
 
 
 class FirmwareError(Exception):
-    """Firmware that cannot go on: it raised, or it did what a scene with `strict` does not allow."""
+    """Firmware that cannot continue: it raised, or it violated a rule of a scene with `strict`."""
 
 
 class Misuse(FirmwareError):
-    """A call or a value that the DSP's interface refuses. The firmware's statement is told with it."""
+    """A call or a value that the DSP's interface rejects. Reported with the firmware's statement."""
 
 
 class FirmwareStalled(FirmwareError):
@@ -38,15 +38,15 @@ class FirmwareStalled(FirmwareError):
 
 
 class FirmwareLost(FirmwareStalled):
-    """Compiled code that cannot go on, as at an illegal instruction. The run fails there."""
+    """Compiled code that cannot continue, as at an illegal instruction. The run fails there."""
 
 
 class InterruptFault(FirmwareError):
-    """An interrupt whose context or vector is where no memory is."""
+    """An interrupt whose context or vector is outside of memory."""
 
 
 def flaw_of(function: Callable[..., object], arguments: int) -> str:
-    """Why a function cannot be firmware that is called with so many arguments, as a clause; empty if it can."""
+    """Return, as a clause, why a function cannot be firmware with this number of arguments; empty if it can."""
     plain = getattr(function, "__func__", function)
     if _takes(plain, arguments + (plain is not function)):
         return ""
@@ -58,16 +58,16 @@ def flaw_of(function: Callable[..., object], arguments: int) -> str:
         signature(function).bind(*[None] * arguments)
     except TypeError:
         return f"takes {signature(function)}"
-    except ValueError:  # of something built in nobody knows what it takes
+    except ValueError:  # a builtin without a signature
         return ""
     return ""
 
 
-RUNS_NOTHING = CO_COROUTINE | CO_GENERATOR | CO_ASYNC_GENERATOR  # when it is called
+RUNS_NOTHING = CO_COROUTINE | CO_GENERATOR | CO_ASYNC_GENERATOR  # a call of such a function executes none of its code
 
 
 def _takes(function: object, arguments: int) -> bool:
-    """True for a function as most are, which its code alone says all about; a signature takes 30 times as long."""
+    """Return True for an ordinary function, checked by its code alone; a signature takes 30 times as long."""
     if type(function) is not FunctionType or function.__dict__:  # a decorator's mark, or what it wraps
         return False
     code = function.__code__
@@ -76,13 +76,13 @@ def _takes(function: object, arguments: int) -> bool:
 
 
 def defined_at(function: object) -> str:
-    """Where a function is defined, "line 3 of blink.py"; empty if it is not written in Python."""
+    """Return the place of a definition, "line 3 of blink.py"; empty if the function is not written in Python."""
     code = getattr(function, "__code__", None)
     return f"line {code.co_firstlineno} of {Path(code.co_filename).name}" if isinstance(code, CodeType) else ""
 
 
 def raised_at(error: BaseException) -> str:
-    """Where in the firmware an exception comes from, "line 7 of blink.py"; empty if the fault is our own."""
+    """Return the origin of an exception in the firmware, "line 7 of blink.py"; empty if the fault is our own."""
     place = ""
     ours = False
     refused = isinstance(error, Misuse | NoProgress)  # raised by us, about the firmware

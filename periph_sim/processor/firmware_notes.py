@@ -1,4 +1,4 @@
-"""What is told about the firmware of one CPU: notes go in; records, counts, and with `strict` an error come out."""
+"""Notes on the firmware of one CPU, as records and counts; with `strict`, violated duties as errors."""
 
 # core: compiled
 
@@ -19,10 +19,10 @@ from .source_location import SourceLocation
 
 @final
 class FirmwareNotes:
-    """counts: how often each note was made. first_at: the tick of the first. places: where it was first, if known.
+    """counts: occurrences of each note. first_at: the tick of the first one. places: its statement, if known.
 
-    strict: a duty that the firmware breaks ends the run. placed: writes keep where they were issued until they land,
-    which costs little in an image.
+    strict: a violated duty ends the run. placed: writes keep the place that issued them until they land, at little cost
+    in an image.
     """
 
     STATE = State("counts places", ticks="first_at")
@@ -49,7 +49,7 @@ class FirmwareNotes:
         strict: bool,
         place: Callable[[], SourceLocation | None],
     ) -> None:
-        """place: the statement of the firmware that is to blame for what happens now; None where there is none."""
+        """place: returns the statement that causes the present action; None if there is none."""
         self.counts: dict[Note, int] = {}
         self.first_at: dict[Note, int] = {}
         self.places: dict[Note, SourceLocation] = {}
@@ -61,13 +61,13 @@ class FirmwareNotes:
         self._place = place
 
     def take(self, cycle: int, notes: list[Note]) -> None:
-        """All notes of a machine, which then has none."""
+        """Move all notes of a machine here."""
         for note in notes:
             self.note(cycle, note)
         notes.clear()
 
     def note(self, cycle: int, note: Note) -> None:
-        """Tell something about the firmware."""
+        """Count and record a note."""
         tick = self._clock.tick(cycle)
         self._insist(note, self._name, max(tick, self._kernel.now))
         if note not in self.counts:
@@ -80,7 +80,7 @@ class FirmwareNotes:
             self._recorder.emit(tick, Kind.NOTE, self._name, note.code, self.counts[note], note.text)
 
     def insist(self, note: Note, who: Text) -> None:
-        """With `strict` a duty that the firmware breaks ends the run: FirmwareError. who: noted it, now."""
+        """Raise FirmwareError for a violated duty if `strict`. who: the module that noted it now."""
         self._insist(note, who, self._kernel.now)
 
     def _insist(self, note: Note, who: Text, tick: int) -> None:

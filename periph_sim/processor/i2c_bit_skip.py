@@ -1,10 +1,10 @@
-"""An F28335's I2C module as a party whose bits are skipped, as a slave and as the master of the bus.
+"""An F28335's I2C module as a party of bit skipping, as slave and as master of the bus.
 
     out SCL  __|~~|__|~~|_ ... _|~~|_          cycles of SYSCLKOUT
     wire     ___|~~|__|~~|_ ... _|~~|_         later by the delay from output to pin
-               ^ the master asks here
+               ^ the master tries to skip here
 
-`bus.i2c.bit_skip` says when bits are skipped; `f28335.i2c.bit_skip` has the master's states.
+`bus.i2c.bit_skip` decides when bits are skipped; `f28335.i2c.bit_skip` has the master's states.
 """
 
 # core: compiled
@@ -25,13 +25,13 @@ from ..f28335.i2c.register_map import SCL
 if TYPE_CHECKING:
     from ..core.wire import Pin
 
-MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
+MARGIN = 2  # cycles: an edge between two cycles is sampled at the later one
 SCL_INDEX = 0  # among the module's outputs
 
 
 @final
 class I2cModuleParty(BitParty):
-    """socket: of the module. clock: SYSCLKOUT."""
+    """socket: the module's. clock: SYSCLKOUT."""
 
     __slots__ = ("_asking", "_calm", "_calm_for", "_chip", "_clock", "_hz", "_release_cause", "_socket")
 
@@ -42,13 +42,13 @@ class I2cModuleParty(BitParty):
         self._chip = chip
         self._clock = clock
         self._calm = False
-        self._calm_for = -1  # sum of the figures that `_calm` depends on,
-        self._hz = clock.hz  # and the rate
+        self._calm_for = -1  # key of the values that `_calm` depends on,
+        self._hz = clock.hz  # and the clock rate
         self._asking = False  # the module, as the master, is about to skip bits
         self._release_cause = 0  # the record under which it released SCL for the first of them
 
     def act(self, tag: int) -> None:
-        """SCL is released for the first bit once more, and now passes edge by edge."""
+        """Release SCL for the first bit again; the byte now passes edge by edge."""
         self._socket.reclock()
         self._socket.repeat_output(SCL_INDEX, self._release_cause)
 
@@ -74,7 +74,7 @@ class I2cModuleParty(BitParty):
         return self._clock.tick(cycle + chip.filter_width + self._socket.out_delay)
 
     def separates(self, fall: int, moved: int) -> bool:
-        """Edges less than a module clock apart may be one event to it (option `unequal_arrival`)."""
+        """Return True if the edges are separate events: at least a module clock apart (option `unequal_arrival`)."""
         return self._clock.cycle_at(moved) - self._clock.cycle_at(fall) >= self._chip.state.tm
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
@@ -88,9 +88,7 @@ class I2cModuleParty(BitParty):
         return self._calm
 
     def _is_calm(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True if each level outlasts the noise filter, and SDA, also where this module moves it, moves apart
-        from SCL.
-        """
+        """Return True if each level outlasts the noise filter, and SDA, also as driven here, changes apart from SCL."""
         width, module_clock = self._chip.filter_width, self._chip.state.tm
         apart = max(width, module_clock) + MARGIN
         low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)
@@ -100,7 +98,7 @@ class I2cModuleParty(BitParty):
         return min(high, low - hold, low - own) >= apart
 
     def _cycles(self, ticks: int) -> int:
-        """Return the number of whole cycles in so many ticks."""
+        """Return the number of whole cycles in a number of ticks."""
         return self._clock.cycle_at(self._clock.tick(0) + ticks) - 1
 
     def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
@@ -127,7 +125,7 @@ class I2cModuleParty(BitParty):
 
 @final
 class I2cMasterGate(PinReleaseGate):
-    """Holds SCL's pin low while the bits are skipped that the module clocks."""
+    """Gate that holds SCL's pin low while bits that the module clocks are skipped."""
 
     __slots__ = ("_bit_skip", "_chip", "_party", "_times")
 
@@ -145,7 +143,7 @@ class I2cMasterGate(PinReleaseGate):
 
 
 def party_of(socket: Socket, clock: Clock, bit_skip: BitSkip, clocks: bool) -> I2cModuleParty:  # core: python
-    """Return an I2C module as a party. clocks: as the master it skips the bits of the bytes that it clocks."""
+    """Return an I2C module as a party. clocks: as master it skips bits of the bytes that it clocks."""
     chip = socket.chip
     assert isinstance(chip, I2c)
     party = I2cModuleParty(socket, chip, clock)

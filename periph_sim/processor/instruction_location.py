@@ -1,6 +1,6 @@
-"""A place in an image as text: function, source line and address go in; "_serve (imu_hil.asm:77, 0x009051)" comes out.
+"""Location in an image as text: function, source line and address, "_serve (imu_hil.asm:77, 0x009051)".
 
-Recordings keep the text alone; `parsed` gives its parts back. Without debug data it is "_serve+0x11 (0x009051)".
+Recordings keep the text alone; `parsed` returns its parts. Without debug data it is "_serve+0x11 (0x009051)".
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class InstructionLocation(SourceLocation):
 
 
 class Parts(NamedTuple):
-    """file: its name alone; "" without debug data, `line` then is 0."""
+    """file: name without folder; "" without debug data, `line` is then 0."""
 
     function: str
     file: str
@@ -33,8 +33,8 @@ class Parts(NamedTuple):
 
 
 def instruction_location(function: str, begins: int, path: str, line: int, pc: int) -> InstructionLocation:
-    """The place of an instruction. function: "" where nobody knows it. begins: where it does."""
-    path = path.replace("\\", "/")  # of a compiler that ran on Windows
+    """Return the location of an instruction. function: "" if unknown. begins: its first address."""
+    path = path.replace("\\", "/")  # the compiler may have run on Windows
     if path:
         where = f"{Path(path).name}:{line}, {pc:#08x}"
         text = f"{function} ({where})" if function else where
@@ -48,7 +48,7 @@ def instruction_location(function: str, begins: int, path: str, line: int, pc: i
 
 
 def parsed(text: str) -> Parts | None:
-    """What a recorded place says; None if it is no instruction's, or its function is not known."""
+    """Return the parts of a recorded location; None if it is not an instruction's, or the function is unknown."""
     found = TEXT.fullmatch(text)
     if found is None:
         return None
@@ -56,7 +56,7 @@ def parsed(text: str) -> Parts | None:
 
 
 def statement(text: str) -> str:
-    """What of a place all instructions of a source line have in common; of any other place all of it."""
+    """Return the part of a location that all instructions of a source line share; any other location unchanged."""
     if not text.endswith(")"):
         return text
     found = parsed(text)

@@ -1,11 +1,11 @@
-"""Interrupts of one CPU: requests go in; whether one is due, its vector and the context in memory come out.
+"""Interrupts of one CPU: requests, vectors, and the context in memory.
 
     request --> CpuInterrupts --> due --> take --vector_delay--> fetch --> entered ... iret --> returned
                                            |                      |                     |
                                    context to the stack    PIE, vector table    context from the stack
 
-Each step is a call at a cycle; the processor lets time pass in between (`Processor.take`, `Processor.iret`). Nothing is
-kept of an interrupt but what is in memory, so that firmware may return through a frame that it made up, or another one.
+Each step is a call at a cycle; the processor lets time pass in between (`Processor.take`, `Processor.iret`). The state
+of an interrupt is in memory alone, so that firmware may return through another frame, or one that it made.
 
 Source: SPRU430F section 3.4, Table 3-4 (context); SPRUFB0D sections 8.1 to 8.5, Table 112 (vectors).
 """
@@ -31,12 +31,12 @@ from .error_origin import InterruptFault
 from .firmware_notes import FirmwareNotes
 
 NAME_OF = {address: name for name, address in VECTORS.items()}
-CODE_ADDRESS = 0x3F_FFFF  # bits of a vector that count
+CODE_ADDRESS = 0x3F_FFFF  # valid bits of a vector
 
 
 @final
 class Interrupts:
-    """core: masks, flags and timing. taken: the vector of the interrupt taken last, by name."""
+    """core: masks, flags and timing. taken: name of the vector of the last interrupt taken."""
 
     STATE = State("core taken _number", records="_causes")
 
@@ -78,10 +78,10 @@ class Interrupts:
         self._notes = notes
         self._records_irq = recorder.wants(Kind.IRQ)
         self._number = 0  # of the interrupt being taken
-        self._causes: list[tuple[str, int]] = []  # of entries: vector, and the cause that was interrupted
+        self._causes: list[tuple[str, int]] = []  # by entry: vector, and the interrupted cause
 
     def request(self, cycle: int, number: int) -> None:
-        """INTn was pulsed at `cycle`."""
+        """Receive a pulse of INTn at `cycle`."""
         core = self.core
         core.raise_line(cycle, number)
         if self._time.asleep or self._time.watching:
@@ -90,15 +90,15 @@ class Interrupts:
                 self._time.resume_by(max(due, cycle))
 
     def due(self, cycle: int) -> int:
-        """The number of the interrupt to take at this instruction boundary, or 0."""
+        """Return the number of the interrupt to take at this instruction boundary, or 0."""
         return self.core.next_taken(cycle)
 
     # Entry -----------------------------------------------------------------------
 
     def take(self, cycle: int, number: int, context: Sequence[int]) -> None:
-        """Interrupt `number` is taken at this boundary: the context goes to the stack.
+        """Take interrupt `number` at this boundary: store the context on the stack.
 
-        context: 14 words as `frame_of` orders them; ST1 and IER are filled in here. InterruptFault where no memory is.
+        context: 14 words in the order of `frame_of`; ST1 and IER are set here. Raise InterruptFault outside of memory.
         """
         self._number = number
         saved = self.core.enter(cycle, number)
@@ -107,7 +107,7 @@ class Interrupts:
         self._ram.put_words(self._frame(cycle, saved.sp), words)
 
     def fetch(self, cycle: int) -> int:
-        """The vector of the interrupt that was taken, fetched now: a code address, from the table in memory."""
+        """Fetch the vector of the interrupt that was taken, a code address, from the table in memory."""
         number = self._number
         if number > GROUPS:
             address, self.taken = self._pie.cpu_vector(cycle, number), f"INT{number}"
@@ -124,7 +124,7 @@ class Interrupts:
         return self._ram.word32(address) & CODE_ADDRESS
 
     def entered(self, cycle: int, where: Text) -> None:
-        """The service routine's first instruction begins. where: the routine does."""
+        """Record the entry, at the service routine's first instruction. where: the place of the routine."""
         self._causes.append((self.taken, self._recorder.cause))
         if self._records_irq:
             tick = self._clock.tick(cycle)
@@ -133,14 +133,14 @@ class Interrupts:
     # Return ----------------------------------------------------------------------
 
     def iret(self, cycle: int) -> Sequence[int]:
-        """IRET begins: the 14 words that it takes off the stack, in the order of `frame_of`."""
+        """Begin IRET, and return the 14 words that it pops off the stack, in the order of `frame_of`."""
         core = self.core
         words = self._ram.words(self._frame(cycle, core.returning_sp), CONTEXT_WORDS)
         core.iret(cycle, words[ST1_WORD], words[IER_WORD])
         return words
 
     def returned(self, cycle: int) -> None:
-        """IRET is over: what goes on is not the routine's doing."""
+        """Record the return, at the end of IRET, and restore the interrupted cause."""
         if self._causes:
             vector, outer = self._causes.pop()
             if self._records_irq:
@@ -149,7 +149,7 @@ class Interrupts:
         self.take_notes(cycle)
 
     def forget(self) -> None:
-        """The program is over, with all its service routines."""
+        """Drop all entries, since the program has ended."""
         self._causes.clear()
 
     def take_notes(self, cycle: int) -> None:
@@ -157,7 +157,7 @@ class Interrupts:
             self._notes.take(cycle, self.core.notes)
 
     def _frame(self, cycle: int, sp: int) -> int:
-        """The address of the context's first word, for SP as it was at the entry. InterruptFault if it is no RAM."""
+        """Return the address of the context's first word, from SP at the entry. Raise InterruptFault outside of RAM."""
         first = frame_of(sp)
         for address in (first, first + CONTEXT_WORDS - 1):
             if block_at(address) is None:

@@ -1,4 +1,4 @@
-"""What a register access moves, and where: a module and a register go in; all that the bus must know comes out, once.
+"""Operand of a register access: the words that it transfers, and all that the bus must know about them.
 
 An instruction that names the same register each time is resolved once, not at each pass.
 """
@@ -21,14 +21,13 @@ if TYPE_CHECKING:
 
 @final
 class Operand:
-    """words: of the register, that move. field: that the program named; None: all of these words.
+    """words: those of the register that are transferred. field: the one that the program named; None: whole words.
 
-    mask: the bits that the program looks at or writes; lsb: of the field, the lowest. shift: where an access by address
-    has the word moved. block: inside the protected block, where reads wait for writes. steady: a read has no effect,
-    and nothing that counts by itself is read. meets: an access acts, or the module is told something first. looks: a
-    read is one look at the chip, and no more than a record of it to those who do not look about as they are told.
-    reads, writes: the records that are made, where `recorded`. named: the field, as they have it. placed: those of
-    reads tell where in the firmware they are made.
+    mask: the bits that the program reads or writes; lsb: the lowest bit of the field. shift: bits by which an access by
+    address shifts the word. block: inside the protected block, where reads wait for writes. steady: a read has no
+    effect, and its value does not change with time. meets: an access has an effect, or the module is updated before.
+    looks: a read is one look at the chip, and its record, if any, goes to listeners and keepers only. reads, writes:
+    topics of the records, if `recorded`. named: the field's name in them. placed: records of reads contain the place.
     """
 
     __slots__ = (
@@ -93,7 +92,7 @@ class Operand:
         waits: WaitStates,
         recorded: bool,
     ) -> None:
-        neighbour = words == BOTH and register.width == 16 and not register.upper  # read as half of a 32-bit word
+        neighbour = words == BOTH and register.width == 16 and not register.upper  # also in a 32-bit access
         socket, harmless = place.socket, register.reads_are_harmless
         self.place = place
         self.register = register
@@ -123,17 +122,17 @@ class Operand:
         self.looks = harmless and words == LOW and register.width == 16 and socket.before is None
 
     def record(self, reads: Topic, writes: Topic) -> None:
-        """The records that are made of it."""
+        """Set the topics of its records."""
         self.reads, self.writes = reads, writes
         self.placed = self.tells_place()
         self.looks = self.looks and not reads.tells_records()
 
     def tells_place(self) -> bool:
-        """Whether anybody wants to know where in the firmware it is read; of a modify that is another question."""
+        """Return True if records of a read contain its statement; those of a modify may differ."""
         return self.reads.places > (OF_MODIFIES if self.field is not None else NOWHERE)
 
     def see(self, cycle: int) -> int:
-        """What the CPU reads of these words, each in its place, without what a read sets off; nothing moves."""
+        """Return what the CPU reads of these words, each in its place, without side effects."""
         socket, words = self.socket, self.words
         value = socket.see(cycle, self.offset) if words & LOW else 0
         return value | socket.see(cycle, self.offset + 1) << 16 if words & HIGH else value

@@ -1,10 +1,10 @@
-"""Joins wires, the GPIO multiplexer and the peripherals of one F28335.
+"""Connections between wires, the GPIO multiplexer and the peripherals of one F28335.
 
     wires --> pads --> (synchroniser, qualifier, MUX) --> inputs of a peripheral, one sample a cycle
     peripheral output, GPIO latch --> MUX --> pad --> wire
 
-An asynchronous pin costs nothing here: its wire is an input of its peripheral (`Socket.inputs`), and the GPIO
-machine is told of it only when somebody reads it.
+An asynchronous pin causes no events here: its wire is an input of its peripheral (`Socket.inputs`), and the GPIO
+machine receives its level only when it is read.
 """
 
 # core: compiled
@@ -28,11 +28,11 @@ from ..form.c_types import BigInt
 
 Port = tuple[Socket, int]  # a peripheral and the index of one of its pins
 
-BETWEEN, RECONNECT = range(2)  # what an event is for: the levels before a SYSCLKOUT edge, outputs to their pins
+BETWEEN, RECONNECT = range(2)  # purposes of events: the levels before a SYSCLKOUT edge, outputs to their pins
 
 
 class Pads(NamedTuple):
-    """wires: GPIO number -> wire. pulled_down: those that a resistor outside holds low while nobody drives them."""
+    """wires: GPIO number -> wire. pulled_down: pads that an external resistor holds low while they are not driven."""
 
     wires: dict[int, Wire]
     pulled_down: frozenset[int] = frozenset()
@@ -69,14 +69,14 @@ class Router(Agent):
         self._inputs = inputs
         self._outputs = outputs
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in pads.wires.items()}
-        self._let_go: dict[int, Pin] = {}  # those of them that no peripheral drives
+        self._let_go: dict[int, Pin] = {}  # pins that no peripheral drives
         self._straight: set[str] = set()  # signals whose wire is an input of their peripheral
         self._feeds: dict[int, Port] = {}  # synchronised pad -> the input that it feeds
-        self.pads = Sampler(kernel, recorder, self)  # those of which the GPIO machine is told
-        self._line = {n: line for line, n in enumerate(pads.wires)}  # pad -> its line there
+        self.pads = Sampler(kernel, recorder, self)  # pads whose edges the GPIO machine receives
+        self._line = {n: line for line, n in enumerate(pads.wires)}  # pad -> its line of `pads`
         self._heard: set[int] = set()
         self._unread = -1  # mask: all other pads
-        self._between_at = NO_TIME  # when it is told next of edges between two SYSCLKOUT edges
+        self._between_at = NO_TIME  # when it next receives edges between two SYSCLKOUT edges
         self._xint = xint
         self._routes = -1
         self._outs = -1
@@ -105,7 +105,7 @@ class Router(Agent):
     # Pads ----------------------------------------------------------------------
 
     def _listen(self) -> None:
-        """The GPIO machine hears of a pad that feeds a peripheral straight only if somebody waits for its level."""
+        """Select the pads to monitor. A pad that feeds a peripheral directly is monitored only for a subscriber."""
         straight = {self._gpio.source(signal) for signal in sorted(self._straight)}
         everything = bool(self._gpio_socket.watchers)
         heard = {n for n in self._wires if everything or n not in straight or self._gpio.watched >> n & 1}
@@ -117,7 +117,7 @@ class Router(Agent):
         self._unread = ~sum(BIT[n] for n in heard)
 
     def sampled(self, tick: int, levels: int) -> None:
-        """Pads have changed: on a SYSCLKOUT edge, or between two, which the machine is told at the later one."""
+        """Pass changed pads to the GPIO machine; changes between two SYSCLKOUT edges at the later edge."""
         cycle = self._clock.cycle_at(tick)
         begin = self._clock.tick(cycle)
         if begin == tick:
@@ -128,11 +128,11 @@ class Router(Agent):
                     fed = True
             if not fed:
                 return
-            begin = self._clock.tick(cycle + 1)  # a synchronised input shows it then
+            begin = self._clock.tick(cycle + 1)  # when a synchronised input changes
         self._plan_between(begin)
 
     def fed(self) -> list[Socket] | None:
-        """The peripherals that synchronised pads feed, if nobody else can tell that one of the pads has moved."""
+        """Return the peripherals fed by synchronised pads; None if an edge of a pad may have another effect, too."""
         if self._gpio_socket.watchers or self._gpio.watched:
             return None
         if any(self._gpio.seen_at(0, n, exact=True) == NEVER for n in sorted(self._heard)):
@@ -148,7 +148,7 @@ class Router(Agent):
                 self._kernel.ask(begin, self, BETWEEN)
 
     def _between(self) -> None:
-        """At a SYSCLKOUT edge: the levels just before it, which are what a synchroniser takes."""
+        """Pass on the levels just before this SYSCLKOUT edge, which a synchroniser samples."""
         self._between_at = NO_TIME
         cycle, levels = self._clock.cycle_at(self._kernel.now), self._levels_of(self.pads.levels)
         self._tell(cycle, levels, exact=False)
@@ -158,7 +158,7 @@ class Router(Agent):
             socket.inputs.put(index, levels >> n & 1)
 
     def _levels_of(self, lines: int) -> BigInt:
-        """The sampler's lines as levels of pads."""
+        """Return the sampler's lines as levels of pads."""
         levels = 0
         for n, line in self._line.items():
             if lines >> line & 1:
@@ -166,7 +166,7 @@ class Router(Agent):
         return levels
 
     def _tell(self, cycle: int, levels: BigInt, exact: bool = True) -> BigInt:
-        """The GPIO machine is told of the pads that it hears of; those that moved for it."""
+        """Pass the monitored pads to the GPIO machine; return those that changed."""
         gpio = self._gpio
         levels = levels & ~self._unread | gpio.pads & self._unread
         moved = levels ^ gpio.pads
@@ -176,7 +176,7 @@ class Router(Agent):
         return moved
 
     def _tell_all_pads(self, cycle: int) -> None:
-        """Before an access: also the pads that the machine is not told of edge by edge."""
+        """Pass the levels of all pads before an access, also of those that are not monitored."""
         self._kernel.materialize()
         self._gpio.edges(cycle, self._levels_on_wires())
 
@@ -199,7 +199,7 @@ class Router(Agent):
     # Routes --------------------------------------------------------------------
 
     def look(self, cycle: int) -> None:
-        """After each input of the GPIO machine: new routes, new levels on its outputs, qualified edges."""
+        """Apply new routes, output levels and qualified edges after an input of the GPIO machine."""
         gpio = self._gpio
         if gpio.routes_version != self._routes:
             self._routes = gpio.routes_version
@@ -217,7 +217,7 @@ class Router(Agent):
                     self._xint.inputs.put(int(signal[4:]) - 1, level)
 
     def _before_xint(self, cycle: int) -> None:
-        """Before an access to XINT: its lines as they are. Afterwards: hear of the edges of enabled ones only."""
+        """Set the levels of all lines of XINT before an access. Otherwise only enabled lines are monitored."""
         assert self._xint is not None and self._xint_chip is not None
         self._tell_all_pads(cycle)
         levels = self._gpio.xint_levels(cycle)
@@ -257,7 +257,7 @@ class Router(Agent):
         self._kernel.ask(max(after, self._kernel.now), self, RECONNECT)
 
     def _reconnect(self) -> None:
-        """Outputs to the pins that are theirs now."""
+        """Connect outputs to their present pins."""
         self._kernel.materialize()
         for signal in OUTPUTS:
             if signal in self._outputs:
@@ -269,7 +269,7 @@ class Router(Agent):
         self._drive()
 
     def _drive(self) -> None:
-        """Pads that GPIO drives; all others but those of peripherals are let go."""
+        """Drive the pads that GPIO drives; release all others except the peripherals' own."""
         driven, high = self._gpio.driven, self._gpio.driven_high
         pin: Pin
         for n, pin in self._let_go.items():

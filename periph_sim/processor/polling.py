@@ -1,6 +1,6 @@
-"""Waits in progress: the reads of a pass go in; for how long every further pass comes out the same comes out.
+"""Waits in progress: the reads of a pass, and the time for which further passes have the same result.
 
-A pass whose reads have no side effect cannot come out otherwise before a bit that it looked at changes.
+A pass whose reads have no side effect repeats until a bit that it looked at changes.
 """
 
 # core: compiled
@@ -20,9 +20,9 @@ from .source_location import SourceLocation
 
 @final
 class Poll:
-    """A read of a pass: of what, and the value that came. before: the value that came in the pass that is replayed.
+    """A read of a pass: operand and value. before: the value that was read in the pass that is replayed.
 
-    where: in the firmware, if that is known without looking.
+    where: the statement in the firmware, if it is already known.
     """
 
     STATE = State("operand value before where", made=True)
@@ -37,15 +37,15 @@ class Poll:
 
 @final
 class Spin:
-    """A wait in progress. since: the cycle at which it began. made: reads that the present pass has made.
+    """A wait in progress. since: the cycle at which it began. made: number of reads in the present pass.
 
-    pass_cycles: what a pass takes in all; None: its reads, their tests and the branch back of the unit's code.
-    ends: the cycle from which on it has timed out.
+    pass_cycles: all cycles of a pass; None: those of its reads, their tests and the branch back of the unit's code.
+    ends: the cycle of its timeout.
     pure: no write, no read with a side effect, no interrupt, no stall in this pass.
     start: cycle at which the present pass began. held_up: cycles of it that interrupts and stalls took.
-    bare: its present pass took nothing but its reads and their tests.
-    live_from: reads before this cycle are answered by what came before.
-    last: operands and values of the pass before, where passes are executed that could be skipped; else empty.
+    bare: the present pass took no time but that of its reads and their tests.
+    live_from: reads before this cycle return the earlier values.
+    last: operands and values of the previous pass, if passes are executed that could be skipped; else empty.
     """
 
     STATE = State("pass_cycles made reads pure bare held_up last", cycles="since ends start live_from", made=True)
@@ -69,7 +69,7 @@ class Spin:
         self.pass_cycles = pass_cycles
         self.ends = ends
         self.made = 0
-        self.reads: list[Poll] = []  # those made, in order; behind them, of earlier passes, those to come
+        self.reads: list[Poll] = []  # of this pass, in order; then the remaining ones of earlier passes
         self.pure = True
         self.bare = False
         self.start = 0
@@ -79,15 +79,15 @@ class Spin:
 
     @property
     def polls(self) -> list[Operand]:
-        """The operands read by the present pass; by the last one, if passes are executed that could be skipped."""
+        """The operands read by the present pass; by the last one if passes are executed that could be skipped."""
         return [operand for operand, _ in self.last] or [read.operand for read in self.reads[: self.made]]
 
     def executes_next(self) -> None:
-        """The present pass is over, and one that could be skipped is executed."""
+        """Keep the reads of the present pass: the next one is executed, though it could be skipped."""
         self.last = [(read.operand, read.value) for read in self.reads[: self.made]]
 
     def unchanged(self, cycle: int) -> bool:
-        """True if such a pass would still read what the last one read."""
+        """Return True if such a pass would read the same values as the last one."""
         operand: Operand
         value: int
         for operand, value in self.last:
@@ -102,7 +102,7 @@ class Spin:
         self.held_up = 0
 
     def take_length(self, cycle: int) -> None:
-        """The reads of the present pass are over at this cycle."""
+        """Set `bare` from the cycle at which the reads of the present pass are complete."""
         place: int
         for place in range(self.made):
             read: Poll = self.reads[place]
@@ -110,7 +110,7 @@ class Spin:
         self.bare = cycle == self.start + (self.made - 1) * cpu_costs.SB_NOT_TAKEN
 
     def note(self, operand: Operand, value: int, where: SourceLocation | None) -> None:
-        """The present pass has read this, in this place if that is known."""
+        """Append a read to the present pass. where: its statement, if known."""
         if self.made == len(self.reads):
             self.reads.append(Poll())
         read: Poll = self.reads[self.made]
@@ -120,12 +120,12 @@ class Spin:
             self.pure = False
 
     def answer(self) -> int:
-        """What the next read of the present pass brings, as it is a replay."""
+        """Return the value of the next read in a replay."""
         read: Poll = self.reads[self.made]
         return read.before
 
     def answer_before(self, cycle: int) -> None:
-        """The next pass is a replay of the present one as far as its reads lie before this cycle."""
+        """Replay the present pass in the next one, up to its reads before this cycle."""
         if self.made < len(self.reads):
             del self.reads[self.made :]
         read: Poll
@@ -135,24 +135,24 @@ class Spin:
             self.live_from = cycle
 
     def hold_up(self, cycles: int) -> None:
-        """An interrupt or a stall takes time from the present pass, which so is not as the others."""
+        """Note cycles that an interrupt or a stall adds to the present pass, which then differs from the others."""
         self.pure = False
         self.held_up += cycles
 
     def rest(self, cycle: int, branch: int) -> int:
-        """Cycles from here to the end of the present pass. branch: those of the branch back."""
+        """Return the cycles from here to the end of the present pass. branch: those of the branch back."""
         return branch if self.pass_cycles is None else max(0, self.pass_cycles - (cycle - self.start - self.held_up))
 
     def waits_for(self) -> str:
         return " and ".join(dict.fromkeys([str(poll) for poll in self.polls]))
 
 
-NO_SOCKETS: list[Socket] = []  # never added to
+NO_SOCKETS: list[Socket] = []  # stays empty
 
 
 @final
 class Lease(Onlooker):
-    """As long as no bit that a pass looked at has changed, every further pass comes out the same."""
+    """The time for which further passes have the same result: until a bit that the pass looked at changes."""
 
     STATE = State("_sockets _spin", cycles="_first")
 
@@ -165,12 +165,12 @@ class Lease(Onlooker):
         self._sockets = NO_SOCKETS
 
     def take(self, spin: Spin) -> None:
-        """From now on it is about the pass that has ended now."""
+        """Set the pass, which has just ended."""
         self._first = self._time.cycle
         self._spin = spin
 
     def broken(self, cycle: int) -> bool:
-        """Whether a pass begun at `cycle` could come out otherwise."""
+        """Return True if a pass begun at `cycle` could differ."""
         spin = self._spin
         assert spin is not None
         place: int
@@ -183,7 +183,7 @@ class Lease(Onlooker):
         return False
 
     def begin(self) -> None:
-        """From now on the modules that were read wake the sleeping CPU when a bit changes."""
+        """Subscribe to the modules that were read, to wake the sleeping CPU when a bit changes."""
         spin = self._spin
         assert spin is not None
         place: int
@@ -204,6 +204,6 @@ class Lease(Onlooker):
             socket.unwatch(self)
 
     def look(self, cycle: int) -> None:
-        """A module that was read has had an input."""
+        """Wake the CPU if an input of a module that was read has changed the result."""
         if self.broken(cycle):
             self._time.resume_by(max(cycle, self._first))

@@ -1,10 +1,10 @@
 """One CPU: its time, bus and interrupts, and the program that runs on them.
 
     kernel --wake-up--> Processor --run--> Program --> Bus, Interrupts, CpuTime
-                            ^--- reach, rest, take, iret: what the program has to wait for; stops
+                            ^--- reach, rest, take, iret: steps that take time; stops
 
-What takes time is asked for here. The answer True says that it is done, and the program goes on in the same call; after
-False it stops, the rest is done when the kernel wakes this CPU, and then the program is run again.
+Steps that take time are requested here. True means that the step is complete, and the program continues in the same
+call. After False it stops; the step is completed when the kernel wakes this CPU, and then the program is run again.
 """
 
 # core: compiled
@@ -29,12 +29,12 @@ from .interrupts import Interrupts
 from .program import Program, Stop
 from .source_location import SourceLocation
 
-NONE, FETCHES, ENTERS, RETURNS = range(4)  # what is under way: the vector's fetch, the entry, IRET
+NONE, FETCHES, ENTERS, RETURNS = range(4)  # the pending step: fetch of the vector, entry, IRET
 
 
 @final
 class Processor(Agent):
-    """stopped: why the program stopped last; None where none has run."""
+    """stopped: reason of the last stop; None before the first."""
 
     STATE = State("time notes bus interrupts stopped _under_way _vector", cycles="_goal", records="_cause")
 
@@ -77,14 +77,15 @@ class Processor(Agent):
         self.interrupts = Interrupts(name, core, pie, self.bus.ram, self.time, clock, recorder, self.notes)
         self._recorder = recorder
         self._program: Program | None = None
-        self._cause = 0  # under which record the program goes on
-        self._goal = 0  # the cycle that it is to reach
-        self._outer = 0  # under which record the kernel gave it its turn
+        self._cause = 0  # the record under which the program continues
+        self._goal = 0  # the cycle to reach
+        self._outer = 0  # the record under which the kernel called `act`
         self._under_way = NONE
         self._vector = 0
 
     @property
     def program(self) -> Program:
+        """The program that runs here."""
         if self._program is None:
             raise RuntimeError(f"{self.name} has no program; give it one with Processor.start")
         return self._program
@@ -92,20 +93,20 @@ class Processor(Agent):
     # Life --------------------------------------------------------------------
 
     def start(self, program: Program, delay: int = 0) -> None:
-        """Run a program from its beginning on, `delay` cycles after now."""
+        """Run a program from its beginning, `delay` cycles after now."""
         self._program = program
         self._cause = 0
         self.time.begin(delay)
 
     def kill(self, how: type[BaseException]) -> None:
-        """Stop the program where it stands; what it posted does not land. how: raised in it, if it is Python."""
+        """Stop the program at its present position; its posted writes are dropped. how: raised in Python firmware."""
         self._forget()
         if self._program is not None:
             self._program.kill(how)
-            self._forget()  # what it still asked for as it ended
+            self._forget()  # requests that it made while it ended
 
     def _forget(self) -> None:
-        """Nothing that the program is waiting for will come."""
+        """Cancel all that the program is waiting for."""
         self.time.stop()
         self.bus.forget()
         self.interrupts.forget()
@@ -113,9 +114,9 @@ class Processor(Agent):
         self._goal = 0
 
     def stands_at(self) -> SourceLocation | None:
-        """The statement to blame for what happens now: of the write that lands, or the one that runs or goes on next.
+        """Return the statement that causes the present action: that of the landing write, or the program's.
 
-        None where the program has not begun or is over.
+        None before the program begins and after it ends.
         """
         return self._place() if self.bus.issued_at is None else self.bus.issued_at
 
@@ -123,7 +124,7 @@ class Processor(Agent):
         return None if self._program is None else self._program.place()
 
     def act(self, tag: int) -> None:
-        """The cycle has come for which a wake-up was promised."""
+        """Continue at the cycle of a scheduled wake-up."""
         time, recorder = self.time, self._recorder
         time.arrive()
         self._outer, recorder.cause = recorder.cause, self._cause
@@ -136,15 +137,15 @@ class Processor(Agent):
         self.stops(why)
 
     def stops(self, why: Stop | None) -> None:
-        """The program's turn is over, for this reason."""
+        """End the program's turn, for this reason."""
         recorder = self._recorder
         self.stopped = why
         self._cause, recorder.cause = recorder.cause, self._outer
 
-    # What takes time ------------------------------------------------------------
+    # Steps that take time ------------------------------------------------------------
 
     def reach(self, cycle: int) -> bool:
-        """Let time pass to `cycle`, which no interrupt cuts short; posted writes of earlier cycles land on the way."""
+        """Let time pass to `cycle`, without interrupts; posted writes of earlier cycles land on the way."""
         time = self.time
         while time.lands < cycle:
             if not time.advance(time.lands):
@@ -164,28 +165,28 @@ class Processor(Agent):
         return self.time.rest(min(cycle, max(now, self.interrupts.core.earliest())))
 
     def next_output(self, cycle: int) -> int:
-        """Before this cycle nothing that the program writes reaches a register. cycle: of the next wake-up."""
+        """Return the cycle before which no write of the program can land. cycle: that of the next wake-up."""
         first = max(cycle, self._goal)
         if self._under_way == FETCHES:
             first = max(first, self.interrupts.core.ready)
         return min(self.time.lands, first + self.bus.lands_after)
 
     def take(self, number: int) -> bool:
-        """Take this interrupt at the present boundary: context, vector, and the program enters its routine."""
+        """Take this interrupt at the present boundary: store the context, fetch the vector, enter the routine."""
         self.interrupts.take(self.time.cycle, number, self.program.context())
         core = self.interrupts.core
         self._under_way = FETCHES
         return self.reach(core.ready - core.entry_cycles + core.vector_delay) and self._go_on()
 
     def iret(self) -> bool:
-        """IRET: the context comes back, and after its 8 cycles the program goes on with what was interrupted."""
+        """Execute IRET: restore the context, and return to the interrupted code after its 8 cycles."""
         words = self.interrupts.iret(self.time.cycle)
         self.program.restore(words)
         self._under_way = RETURNS
         return self.reach(self.time.cycle + cpu_costs.IRET) and self._go_on()
 
     def _go_on(self) -> bool:
-        """The next steps of what is under way, up to its end or to where time has to pass."""
+        """Continue the pending step, up to its end or until time has to pass."""
         if self._under_way == FETCHES:
             self._vector = self.interrupts.fetch(self.time.cycle)
             self._under_way = ENTERS

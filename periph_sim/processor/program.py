@@ -1,12 +1,11 @@
-"""What runs on a processor: the cycle up to which it may go, goes in; why it stopped, comes out.
+"""Interface between a processor and the program that it runs.
 
     Processor --run(until)--> program --reads, writes--> Bus
                  why  <------|         --interrupt due at a boundary--> Processor.take --> enter(vector)
 
-A program executes instructions: it counts `CpuTime.cycle` on, makes its accesses in the cycles that the bus names, and
-asks at each boundary between two instructions whether an interrupt is due. It keeps its place between two calls of
-`run`, wherever it stopped, by whatever means it has: Python firmware by a greenlet, an instruction-set simulator by its
-registers and the access that is still to be made.
+A program executes instructions: it advances `CpuTime.cycle`, makes its accesses in the cycles that the bus names, and
+checks at each boundary between two instructions whether an interrupt is due. It keeps its position between two calls of
+`run`: Python firmware in a greenlet, an instruction-set simulator in its registers and the pending access.
 """
 
 # core: compiled
@@ -27,7 +26,7 @@ NOTHING_SAVED = (0,) * CONTEXT_WORDS
 
 
 class Stop(Enum):
-    """Why a program stopped. It is run again when the cycle has come that it asked for."""
+    """Reason why a program stopped. It is run again at the cycle that it requested."""
 
     WAITS = "something else may act before the cycle that it is to reach"
     SLEEPS = "it sleeps at an instruction boundary"
@@ -35,7 +34,7 @@ class Stop(Enum):
 
 
 class UnansweredWait(NamedTuple):
-    """A wait for what nothing models. since: the cycle at which it began. what, unanswered: see `Program`."""
+    """A wait for an unmodelled register. since: the cycle at which it began. what, unanswered: see `Program`."""
 
     since: int
     what: str
@@ -44,9 +43,9 @@ class UnansweredWait(NamedTuple):
 
 
 class Program:
-    """spin: the wait in progress. polls_skipped: passes of waits that were not made for real.
+    """spin: the wait in progress. polls_skipped: number of passes of waits that were not executed.
 
-    returned_at: the cycle at which main returned, if it did.
+    returned_at: the cycle at which main returned; None before.
     """
 
     STATE = State("spin polls_skipped", cycles="returned_at")
@@ -58,59 +57,59 @@ class Program:
 
     @property
     def finished(self) -> bool:
-        """Main has returned."""
+        """True if main has returned."""
         return self.returned_at is not None
 
     def run(self, until: int) -> Stop | None:
-        """Go on from where it stopped, and say why it stops again; None where it does so itself (`Processor.stops`).
+        """Continue, and return the reason of the next stop; None if the program reports it itself (`Processor.stops`).
 
-        until: before this cycle nothing else can act: the lease as it is now. An access that acts ends it
-        (`CpuTime.lease`); `Processor.reach`, `rest`, `take` and `iret` say whether it is the cycle asked for already.
-        Where they say no, the program stops, and finds that done when it is run again.
+        until: nothing else can act before this cycle, the end of the present lease. An access with an effect ends the
+        lease (`CpuTime.lease`). If `Processor.reach`, `rest`, `take` or `iret` returns False, the program stops; the
+        step is complete when it is run again.
         """
         raise NotImplementedError
 
     def waits_for(self) -> str:
-        """What the wait in progress looks at."""
+        """Return what the wait in progress polls."""
         return "" if self.spin is None else self.spin.waits_for()
 
     def unanswered(self) -> str:
-        """What it waits for that nothing models, and how the case can answer; "" if it does not."""
+        """Return what unmodelled register it waits for, and how the case can answer; "" if there is none."""
         return ""
 
     def unanswered_wait(self) -> UnansweredWait | None:
-        """Return the wait for nothing but what nothing models, even if a service routine interrupts it."""
+        """Return the wait that reads unmodelled registers only, even while a service routine interrupts it."""
         return None
 
     def waits_for_memory(self) -> bool:
-        """Whether the wait in progress reads no register, so that only a service routine can end it."""
+        """Return True if the wait in progress reads no register, so that only a service routine can end it."""
         return False
 
     def ending(self, at: Text) -> str:
-        """What a note says of a program that is over. at: `returned_at` as a time."""
+        """Return the text of the note about the end of the program. at: `returned_at` as a time."""
         return f"main returned at {at}; from then on only service routines run"
 
     def place(self) -> SourceLocation | None:
-        """The statement that is executed, or goes on next; None where nobody knows."""
+        """Return the statement that is executed, or is next; None if it is unknown."""
         raise NotImplementedError
 
     def enter(self, vector: int) -> Text:
-        """A service routine is entered at its vector, a code address. Returns where it begins, "" if nobody knows.
+        """Enter the service routine at a vector, a code address. Return the place of its begin, "" if it is unknown.
 
-        FirmwareError if there is nothing.
+        Raise FirmwareError if the vector has no routine.
         """
         raise NotImplementedError
 
     def context(self) -> Sequence[int]:
-        """The 14 words that an interrupt saves, as `frame_of` orders them; ST1 and IER are the processor's."""
+        """Return the 14 words that an interrupt saves, in the order of `frame_of`; the processor sets ST1 and IER."""
         return NOTHING_SAVED
 
     def restore(self, words: Sequence[int]) -> None:
-        """The context that IRET brought back."""
+        """Restore the context that IRET read from the stack."""
 
     def let_go(self) -> None:
-        """Nobody will run it again: what it holds is free."""
+        """Free the resources of a program that is not run again."""
 
     def kill(self, how: type[BaseException]) -> None:
-        """It ends where it stands. how: what is raised in it, if that is how it ends."""
+        """End the program at its present position. how: the exception raised in Python firmware."""
         self.spin = None

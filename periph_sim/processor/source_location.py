@@ -1,6 +1,6 @@
-"""A place in the firmware: a frame of a running program, or a routine, goes in; "function:line" and file come out.
+"""Source location in Python firmware, of a frame or a routine: "function:line" and file.
 
-Records show it as text. Who has the record of a running scene, and not of a file, can ask for the file, too.
+Records show it as text. A record of a running scene, unlike one from a file, has the path, too.
 """
 
 # core: compiled
@@ -16,13 +16,13 @@ from typing import final
 
 from .. import __file__ as package_file
 
-PACKAGE = f"{Path(package_file).parent}{os.sep}"  # what a place in the firmware is never in,
-COMPILED = "periph_sim/"  # nor in this: so the frames of a traceback name the files of compiled modules
-FIRMWARE_ROOMS = (  # but for
-    f"{PACKAGE}firmware{os.sep}",  # the start-up code that firmware imports,
-    f"{PACKAGE}examples{os.sep}",  # and the shipped programs, which a wheel has here
+PACKAGE = f"{Path(package_file).parent}{os.sep}"  # no location in the firmware is in here,
+COMPILED = "periph_sim/"  # nor in here: file names of compiled modules in tracebacks
+FIRMWARE_ROOMS = (  # exceptions
+    f"{PACKAGE}firmware{os.sep}",  # start-up code that firmware imports
+    f"{PACKAGE}examples{os.sep}",  # shipped programs, here in a wheel
 )
-STDLIB = f"{sysconfig.get_path('stdlib')}{os.sep}"  # nor in this, which our own calls go through
+STDLIB = f"{sysconfig.get_path('stdlib')}{os.sep}"  # not firmware either; our own calls pass through it
 INSTALLED = f"{STDLIB}site-packages{os.sep}"  # which may hold firmware
 
 
@@ -40,19 +40,19 @@ class SourceLocation(str):
 
 @final
 class SourceLocator:
-    """The places that one program was seen at, each made once."""
+    """The source locations of one program, each made once."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[CodeType, int], SourceLocation] = {}
-        self._places: dict[int, dict[int, SourceLocation] | None] = {}  # by code, by instruction; None: no firmware
-        self._codes: list[CodeType] = []  # which those are: their ids last as long as they do
+        self._places: dict[int, dict[int, SourceLocation] | None] = {}  # by code, by instruction; None: not firmware
+        self._codes: list[CodeType] = []  # the keys of `_places`, kept so that their ids stay unique
 
     def of_frame(self, frame: FrameType | None) -> SourceLocation | None:
-        """The innermost frame of firmware from this one outwards; None if there is none."""
+        """Return the location of the innermost frame of firmware from this one outwards; None if there is none."""
         while frame is not None:
             code = frame.f_code
             try:
-                places = self._places[id(code)]  # a code's own hash takes longer than all else here
+                places = self._places[id(code)]  # hashing the code itself would take most of the time here
             except KeyError:
                 places = self._of_code(code)
             if places is not None:
@@ -64,17 +64,17 @@ class SourceLocator:
         return None
 
     def _of_code(self, code: CodeType) -> dict[int, SourceLocation] | None:
-        """Where a code seen for the first time is to have its places."""
+        """Create and return the table of locations of a code seen for the first time."""
         self._codes.append(code)
         places = self._places[id(code)] = {} if is_firmware(code.co_filename) else None
         return places
 
     def of_line(self, code: CodeType, line: int) -> SourceLocation | None:
-        """A line of a code; None if that is no firmware."""
+        """Return a line of a code; None if that is not firmware."""
         return self._place(code, line) if is_firmware(code.co_filename) else None
 
     def of(self, routine: Callable[[], None]) -> SourceLocation | None:
-        """Where a routine begins; None if it is not written in Python."""
+        """Return the first line of a routine; None if it is not written in Python."""
         code = getattr(routine, "__code__", None)
         return self._place(code, code.co_firstlineno) if isinstance(code, CodeType) else None
 
@@ -87,17 +87,17 @@ class SourceLocator:
 
 
 def is_ours(file: str) -> bool:
-    """True if this file belongs to the simulation, and not to firmware."""
+    """Return True if this file belongs to the simulation, and not to firmware."""
     return file.startswith((PACKAGE, COMPILED)) and not file.startswith(FIRMWARE_ROOMS)
 
 
 def is_helper(file: str) -> bool:
-    """True for the start-up code that firmware imports, such as `start_i2c`."""
+    """Return True for the start-up code that firmware imports, such as `start_i2c`."""
     return file.startswith(FIRMWARE_ROOMS[0])
 
 
 def is_firmware(file: str) -> bool:
-    """True if code of this file is neither ours nor Python's own."""
+    """Return True if code of this file is neither ours nor Python's own."""
     if is_ours(file) or file.startswith("<frozen "):
         return False
     return not file.startswith(STDLIB) or file.startswith(INSTALLED)

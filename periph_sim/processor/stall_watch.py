@@ -1,8 +1,8 @@
-"""Firmware that lets no simulated time pass: CPUs go in; one that takes too much CPU time at one instant is stopped.
+"""Guard against firmware that lets no simulated time pass: too much CPU time at one instant stops it.
 
-A thread of the process looks at the running CPUs a few times a second. CPU time, of the thread that simulates, is what
-counts: a loaded machine, or firmware that blocks, takes none. A firmware being debugged is left alone. The exception is
-raised between two bytecodes of whatever the thread executes, in the main thread or any other, and in worker processes.
+A thread of the process checks the running CPUs ten times a second. Only CPU time of the simulating thread counts: a
+loaded machine, or firmware that blocks, takes none. Firmware in a debugger is not stopped. The exception is raised
+between two bytecodes of the simulating thread, which may be any thread, also of a worker process.
 """
 
 from __future__ import annotations
@@ -15,27 +15,27 @@ from types import FrameType
 from typing import Protocol
 from weakref import WeakSet
 
-PERIOD = 0.1  # seconds between two looks
+PERIOD = 0.1  # seconds between two checks
 
 
 class NoProgress(BaseException):
-    """Raised in firmware that lets no simulated time pass; no `except Exception` of the firmware's swallows it."""
+    """Raised in firmware that lets no simulated time pass; `except Exception` in the firmware does not catch it."""
 
 
 class RunWatch(Protocol):
-    """thread: that simulates, while it executes this CPU's firmware; 0 otherwise. stall_limit: seconds of CPU time."""
+    """thread: the thread that executes this CPU's firmware; 0 if none. stall_limit: seconds of CPU time."""
 
     thread: int
     stall_limit: float
 
     def instant(self) -> tuple[int, int]:
-        """What changes with simulated time."""
+        """Return values that change with simulated time."""
 
 
 class _Watch:
-    """One a process: its thread runs as long as there is a CPU to look at.
+    """The guard of the process; its thread runs as long as there is a CPU to check.
 
-    stops: the threads in which it has begun to stop a CPU, at any time; before, nobody needs to `leave`.
+    stops: threads in which it has ever begun to stop a CPU; without any, `leave` need not be called.
     """
 
     def __init__(self) -> None:
@@ -43,10 +43,11 @@ class _Watch:
         self._cpus: WeakSet[RunWatch] = WeakSet()
         self._lock = Lock()
         self._thread: Thread | None = None
-        self._stopping = False  # from the look at a CPU to the exception that stops it
-        self._stopped: set[int] = set()  # threads with an exception on its way, or raised
+        self._stopping = False  # from the check of a CPU to the exception that stops it
+        self._stopped: set[int] = set()  # threads with a pending or raised exception
 
     def add(self, cpu: RunWatch) -> None:
+        """Check this CPU as long as it exists."""
         with self._lock:
             self._cpus.add(cpu)
             if self._thread is None or not self._thread.is_alive():  # none yet, or lost in a fork
@@ -54,16 +55,16 @@ class _Watch:
                 self._thread.start()
 
     def leave(self, thread: int) -> None:
-        """The thread no longer executes firmware: an exception on its way to it ends here.
+        """Catch a pending exception of the thread, which no longer executes firmware.
 
-        No lock: an exception between its acquiring and the block that releases it would keep it for ever.
+        No lock: an exception between its acquisition and the `with` block would leave it locked.
         """
         try:
             while self._stopping:
                 time.sleep(0)
             if thread in self._stopped:
-                # To take it back as such would leave CPython 3.11's eval breaker set for good: every later bytecode
-                # slower, and a traced one never done. So it is raised, and caught, here.
+                # Cancelling it would leave CPython 3.11's eval breaker set: each later bytecode would be slower, and
+                # a traced one would never end. So it is raised, and caught, here.
                 _raise_in(thread, NoProgress)
                 while True:
                     time.sleep(0)
@@ -80,7 +81,7 @@ class _Watch:
         self._stopping = False
 
     def _look_on(self) -> None:
-        seen: dict[int, tuple[tuple[int, int, int], float]] = {}  # CPU -> where it was, and the CPU time then
+        seen: dict[int, tuple[tuple[int, int, int], float]] = {}  # CPU -> its instant, and the CPU time then
         pause = Event()
         while True:
             pause.wait(PERIOD)
@@ -104,7 +105,7 @@ class _Watch:
 
 
 def _cpu_seconds(thread: int) -> float:
-    """CPU time of a thread; of the process where the system does not tell."""
+    """Return the CPU time of a thread; the process's if the system does not provide it."""
     try:
         return time.clock_gettime(time.pthread_getcpuclockid(thread))
     except (AttributeError, OSError):
@@ -112,12 +113,12 @@ def _cpu_seconds(thread: int) -> float:
 
 
 def _raise_in(thread: int, what: type[BaseException]) -> None:
-    """Let the thread raise this at its next bytecode, instead of what was on its way."""
+    """Raise this in the thread at its next bytecode; it replaces a pending exception."""
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(what))
 
 
 def _debugged(frame: FrameType | None) -> bool:
-    """True if a debugger traces one of these frames; a tool that measures coverage traces, too, and is none."""
+    """Return True if a debugger traces one of these frames; a coverage tool is not one."""
     monitoring = getattr(sys, "monitoring", None)  # Python 3.12
     if monitoring is not None and monitoring.get_tool(monitoring.DEBUGGER_ID) is not None:
         return True

@@ -1,14 +1,14 @@
 """The guard around user code: firmware, service routines, devices and their files.
 
-    error that user code raised --as_firmware_error--> FirmwareError with its place, or None: it passes as it is
-    guard(function, ...)        --> what it returns; FirmwareError; FirmwareStalled if it does not return
+    error that user code raised --as_firmware_error--> FirmwareError with its place, or None: it passes unchanged
+    guard(function, ...)        --> its result; FirmwareError; FirmwareStalled if it does not return
     with output_muted(): ...    --> prints of user code in a run that repeats an earlier one are dropped
 
-What user code may not do:
+User code may not:
 
 - exit: `sys.exit` becomes an error, as does every exception that is no `Exception`. Only Ctrl-C passes.
-- run without end: a call that uses more CPU time than its limit is stopped with its line.
-- poll for long in silence: `warn` writes a sentence while it runs.
+- run forever: a call that uses more CPU time than its limit is stopped with its line.
+- poll for long without notice: `warn` writes a sentence during the run.
 - print twice: a case that is run again for an explanation prints nothing the second time.
 
 Exits that Python does not see, such as `os._exit`, are noticed by `periph_sim.entry` from outside of the process.
@@ -38,7 +38,7 @@ NO_EXIT = "user code cannot end the command; return, or raise an error, instead 
 def as_firmware_error(error: BaseException, who: str) -> FirmwareError | None:
     """Return the FirmwareError, with its place, for an error raised in user code.
 
-    Return None if `error` is passed on as it is: Ctrl-C, an error that names its place already, and faults of our own.
+    Return None if `error` passes unchanged: Ctrl-C, an error that names its place already, and faults of our own.
     """
     if isinstance(error, PASSES):
         return None
@@ -60,7 +60,7 @@ def message_of(error: BaseException) -> str:
 class UserCode:
     """A guard that calls functions of one piece of user code.
 
-    who: its name in messages. stall_limit: seconds of CPU time that one call may take; 0: any.
+    who: its name in messages. stall_limit: seconds of CPU time that one call may take; 0: unlimited.
     thread: the thread that is in a call; 0 if none is.
     """
 
@@ -73,11 +73,11 @@ class UserCode:
             watch.add(self)
 
     def instant(self) -> tuple[int, int]:
-        """A different value in each call."""
+        """Return a different value in each call."""
         return self._calls, 0
 
     def __call__(self, function: Callable[..., Returned], *arguments: object) -> Returned:
-        """Return the result. FirmwareError, with its place, if the function raises; FirmwareStalled if it runs on."""
+        """Return the result. Raise FirmwareError, with its place, for an exception; FirmwareStalled for a timeout."""
         try:
             return self.in_time(function, *arguments)
         except BaseException as error:
@@ -87,7 +87,7 @@ class UserCode:
             raise found from None
 
     def in_time(self, function: Callable[..., Returned], *arguments: object) -> Returned:
-        """Return the result. The function's exceptions pass; FirmwareStalled, with the line, if it runs on."""
+        """Return the result. The function's exceptions pass. Raise FirmwareStalled, with the line, for a timeout."""
         try:
             return self._watched(function, *arguments)
         except NoProgress as stopped:
@@ -114,7 +114,7 @@ class _Nowhere(io.TextIOBase):
 
 
 class _Aside(io.TextIOBase):
-    """A text stream that writes to standard error, which stays open as this one is closed."""
+    """A text stream that writes to standard error, and leaves that open when it is closed."""
 
     def write(self, text: str) -> int:
         return 0 if sys.stderr is None else sys.stderr.write(text)

@@ -1,7 +1,7 @@
-"""What a wait of an image is about: the loop and what it read go in; registers with their bits, for people, come out.
+"""Description of a wait of an image: the registers and bits that its loop reads.
 
-The bits are those that the loop's first test of a bit, or mask, names; all of a register where it has none. A loop that
-reads no register, and has a way out, waits for memory: its words come out by the symbols before them.
+The bits are those of the loop's first bit test or mask; without one, all bits of a register. A loop that reads no
+register, and has an exit, waits for memory: its words are named by the symbols before them.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from ...image.model import Image
 from ..operand import Operand
 from .cpu import ImageCpu
 
-LONGEST = 64  # words of a loop that are looked at
+LONGEST = 64  # words of a loop that is examined
 ALL = 0xFFFF
 BY_SP, BEHIND_BY_SP, BY_POINTER = 0x40, 0x80, 0xC0  # operand fields: below them by DP, *-SP[n], *+XARn[i]
-MEMORY = "memory"  # whose words are not known
+MEMORY = "memory"  # unknown words
 
 
 class Awaited(NamedTuple):
-    """texts: what is read, "I2C-A.I2CSTR.XRDY". unanswered: of what nothing models, as a sentence; "" if nothing is.
+    """texts: what is read, "I2C-A.I2CSTR.XRDY". unanswered: a sentence on unmodelled registers; "" if none is read.
 
     memory: no register is read, so only a service routine can end the wait.
     """
@@ -46,7 +46,7 @@ class LoopRange(NamedTuple):
 def awaited(
     cpu: ImageCpu, loop: LoopRange, operands: Sequence[Operand], elsewhere: Sequence[int], unit: str, image: Image
 ) -> Awaited:
-    """Return what a loop waits for that reads these registers of modules, and these words that nothing models."""
+    """Return what a loop waits for that reads these registers of modules, and these unmodelled words."""
     if not operands and not elsewhere:
         names = [_name(image, address) for address in _memory_read(cpu, loop)] if _may_end(cpu, loop) else None
         return Awaited([] if names is None else names or [MEMORY], "", names is not None)
@@ -73,7 +73,7 @@ def _unanswered(cpu: ImageCpu, addresses: Sequence[int], unit: str) -> str:
 
 
 def fields_of(register: Register, mask: int) -> str:
-    """The fields of a register that the bits belong to; "all" where the mask says no more."""
+    """Return the fields of a register that have bits of the mask; "all" for a full mask or no field."""
     if mask == ALL:
         return "all"
     return "+".join(field.name for field in register.fields if field.mask & mask) or "all"
@@ -81,7 +81,7 @@ def fields_of(register: Register, mask: int) -> str:
 
 @lru_cache(maxsize=256)
 def mask_of(first: int, words: tuple[int, ...]) -> int:
-    """Return the bits that a loop of these words looks at. first: where it begins."""
+    """Return the bits that a loop of these words tests. first: its first address."""
     for one in _instructions(first, words):
         mnemonic, values = one.encoding.mnemonic, one.values
         if mnemonic == "TBIT" and "b" in values:
@@ -110,7 +110,7 @@ def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
 
 
 def _may_end(cpu: ImageCpu, loop: LoopRange) -> bool:
-    """Whether the loop has a branch out; one without is how programs end."""
+    """Return True if the loop has an exit; a loop without one is the end of a program."""
     for one in _instructions(loop.first, _words(cpu, loop)):
         goal = flow.target(one)
         if goal is None or flow.is_call(one) or not flow.goes_on(one):
@@ -121,10 +121,10 @@ def _may_end(cpu: ImageCpu, loop: LoopRange) -> bool:
 
 
 def _memory_read(cpu: ImageCpu, loop: LoopRange) -> list[int]:
-    """Words of RAM that the loop reads, as far as its instructions say where they are."""
+    """Return the words of RAM that the loop reads, as far as its instructions determine their addresses."""
     found: list[int] = []
     dp: int | None = cpu.dp
-    changed: set[str] = set()  # registers that are no longer as they are at its start
+    changed: set[str] = set()  # registers that differ from the start of the loop
     for one in _instructions(loop.first, _words(cpu, loop)):
         field, dp_written = one.values.get("l", -1), "DP" in _places(one.encoding.writes)
         if "r" in one.encoding.accesses:
@@ -141,7 +141,7 @@ def _memory_read(cpu: ImageCpu, loop: LoopRange) -> list[int]:
 
 
 def _address(cpu: ImageCpu, field: int, dp: int | None, changed: set[str]) -> int | None:
-    """Where an operand is [SPRU430F Table 5-1]; None where that is not known."""
+    """Return the address of an operand [SPRU430F Table 5-1]; None if unknown."""
     if 0 <= field < BY_SP:
         return None if dp is None else dp << 6 | field
     if field < BEHIND_BY_SP:
@@ -156,7 +156,7 @@ def _places(columns: Sequence[str]) -> list[str]:
 
 
 def _name(image: Image, address: int) -> str:
-    """A word of memory by the symbol at or before it in its section; its address where there is none."""
+    """Return the name of a word by the symbol at or before it in its section; else its address."""
     section = next((one for one in image.sections if one.runs_at(address)), None)
     if section is not None:
         before = [at for at in image.symbol_at if section.run <= at <= address]

@@ -1,10 +1,10 @@
-"""How an image begins: an image and a way to boot go in; where PC begins, and what stubs answer, come out.
+"""Boot modes of an image, and stubs of registers.
 
-    entry   at the entry that the linker wrote, at the reset's clock: as a debugger begins it
+    entry   at the linker's entry, with the clock of a reset, as a debugger starts it
     flash   at 0x33FFF6, where the boot ROM goes with GPIO87 to 84 high; it leaves SYSCLKOUT = OSCCLK / 2
     ram     at 0, its "M0 SARAM" mode
 
-Time that the ROM takes, and what its stack leaves in M0, are not modelled. Source: SPRU963A.
+The ROM's run time, and the words that its stack leaves in M0, are not modelled. Source: SPRU963A.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ BEGINS: dict[Boot, int] = {"flash": 0x33_FFF6, "ram": 0}
 
 
 class Stub(Struct, frozen=True):
-    """From this tick on a read of the address brings the value."""
+    """A value that reads of the address return from this tick on."""
 
     tick: int
     address: int
@@ -31,11 +31,11 @@ class Stub(Struct, frozen=True):
 
 
 class BadStub(ValueError):
-    """A stub of what needs none, in one sentence."""
+    """A stub for an address that cannot have one, in one sentence."""
 
 
 def entry_of(image: Image, boot: Boot) -> int:
-    """Where PC begins. BadImage if nothing is loaded there."""
+    """Return the first PC. Raise BadImage if nothing is loaded there."""
     if boot == "entry":
         return image.entry
     address = BEGINS[boot]
@@ -47,7 +47,7 @@ def entry_of(image: Image, boot: Boot) -> int:
 
 
 def stubbed(register: str | int, memory: AddressMap) -> int:
-    """The address of a register that nothing models. BadStub otherwise."""
+    """Return the address of a register that is not modelled. Raise BadStub otherwise."""
     address = register if isinstance(register, int) else address_of(register)
     if address is None:
         raise BadStub(

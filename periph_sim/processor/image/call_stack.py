@@ -1,11 +1,11 @@
-"""Which functions of an image are under way: jumps go in; calls and returns come out, to whoever wants to know.
+"""Call stack of an image, derived from its jumps; listeners receive calls and returns.
 
     ImageProgram --jumped, routine--> CallStack --called, returned--> CallListener: spans, a profile
                                           '-- frames: the innermost last
 
-A call pushes a frame with the address that it comes back to; whatever arrives at that address ends it, and what it had
-called. A jump to another function is a tail call: that function takes the frame over. So an RTOS, which returns through
-frames that it made, and `exit` which never returns, leave a stack that is right for what runs.
+A call pushes a frame with its return address; a jump to that address ends the frame and all inner ones. A jump to
+another function is a tail call: that function takes the frame over. So the stack is right for the running function even
+with an RTOS, which returns through frames that it made, and with `exit`, which never returns.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from ...core.state import State
 from ...core.time import Clock
 from .function_map import FunctionMap
 
-NOWHERE = -1  # instead of an address: it does not come back
+NOWHERE = -1  # instead of a return address: it does not return
 
 
 class Frame:
-    """A function under way. return_to: the address behind its call. first, end: the addresses that are its own.
+    """An active function. return_to: the address after its call. first, end: the range of its addresses.
 
     since: the tick at which it began.
     """
@@ -38,24 +38,24 @@ class Frame:
 
 
 class CallListener:
-    """Who wants to know of calls. tick: as the first instruction begins of what goes on then."""
+    """A listener to calls. tick: begin of the first instruction after the call or return."""
 
     __slots__ = ()
 
     def called(self, name: str, tick: int) -> None:
-        """A function begins."""
+        """Receive the begin of a function."""
         raise NotImplementedError
 
     def returned(self, name: str, tick: int) -> None:
-        """The function that began last, of those that are under way, is over."""
+        """Receive the end of the innermost active function."""
         raise NotImplementedError
 
     def slept(self, ticks: int) -> None:
-        """So much time of the innermost function has passed without an instruction."""
+        """Receive the time for which the innermost function has executed no instruction."""
 
 
 class CallStack:
-    """frames: what is under way, the innermost last."""
+    """frames: active functions, the innermost last."""
 
     STATE = State("frames _listeners")
 
@@ -66,18 +66,18 @@ class CallStack:
         self._listeners: list[CallListener] = []
 
     def tell(self, listener: CallListener) -> None:
-        """`listener` is told of calls from now on, and of those under way."""
+        """Add a listener, and pass the active functions to it."""
         self._listeners.append(listener)
         for frame in self.frames:
             listener.called(frame.name, frame.since)
 
     def began(self, pc: int, cycle: int) -> None:
-        """The program begins there."""
+        """Begin the program at `pc`."""
         self._drop(0, cycle)
         self._push(pc, NOWHERE, cycle)
 
     def jumped(self, f: Operation, pc: int, cycle: int) -> None:
-        """An instruction did not go on to the next one, but to `pc`."""
+        """Apply a jump of an instruction to `pc`."""
         mnemonic = f.encoding.mnemonic
         if mnemonic in CALLS or mnemonic in INTERRUPTS:
             self._push(pc, f.next, cycle)
@@ -88,7 +88,7 @@ class CallStack:
         self.came_back(pc, cycle)
 
     def came_back(self, pc: int, cycle: int) -> None:
-        """A function is over, and `pc` is where it was called from; if nobody called from there, another one runs."""
+        """Return to `pc`. If no frame has this return address, the innermost frame is replaced."""
         for place in range(len(self.frames) - 1, -1, -1):
             if self.frames[place].return_to == pc:
                 self._drop(place, cycle)
@@ -96,16 +96,16 @@ class CallStack:
         self._replace(pc, cycle)
 
     def slept(self, ticks: int) -> None:
-        """Nothing was executed for so long: IDLE, or a wait whose passes were skipped."""
+        """Pass on a time without instructions: IDLE, or a wait whose passes were skipped."""
         for listener in self._listeners:
             listener.slept(ticks)
 
     def routine(self, pc: int, interrupted: int, cycle: int) -> None:
-        """A service routine begins at `pc`, in the middle of what goes on at `interrupted`."""
+        """Enter a service routine at `pc`, which returns to `interrupted`."""
         self._push(pc, interrupted, cycle)
 
     def _replace(self, pc: int, cycle: int) -> None:
-        """The innermost frame becomes that of another function, if it is one."""
+        """Replace the innermost frame if `pc` is in another function."""
         frame = self.frames[-1]
         if frame.first <= pc < frame.end:
             return
@@ -121,7 +121,7 @@ class CallStack:
             listener.called(name, tick)
 
     def _drop(self, place: int, cycle: int) -> None:
-        """Frames from this one on are over."""
+        """End the frames from this one on."""
         tick = self._clock.tick(cycle)
         while len(self.frames) > place:
             name = self.frames.pop().name

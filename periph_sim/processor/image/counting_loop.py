@@ -1,13 +1,13 @@
-"""Loops that count: one pass, instruction by instruction, goes in; how many further passes only count comes out.
+"""Analysis of loops that count: how many passes after a traced one differ only in their counters.
 
     pass --executed--> trace; words that differ before and after it --> counters, each with its step
-    trace, walked again with counters in place of values --> number of passes in which nothing else differs
+    trace, repeated with counters in place of values --> number of passes in which nothing else differs
 
 A counter is a word of 16 bits, of ACC, an XARn or plain RAM, that changes by the same step in each pass. An instruction
-either reads no counter, so that it does in each pass what it did in this one, or it is one of FORMS: its result counts,
-too, and its flags stay as they are until an operand, or the exact result, comes to a multiple of half its range. If
-that ends with every counter one step further, and all other registers and the pipeline are as before, the passes up to
-that bound take the same cycles, the same branches, and make the same accesses.
+either reads no counter, so that it has the same effect in each pass, or it is one of FORMS: its result is a counter,
+too, and its flags keep their values until an operand, or the exact result, reaches a multiple of half its range. If
+each counter ends one step further, and all other registers and the pipeline are as before, the passes up to that bound
+take the same cycles and branches, and make the same accesses.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ MOST_TRACED = 256  # instructions of a pass
 WORD = 1 << 16
 PLAIN_RAM = (range(LOW_RAM), range(RAM_FROM, RAM_TO))
 
-# "RESULT = LEFT + RIGHT", "RESULT = LEFT", or LEFT - RIGHT for its flags alone, as the column `op` of the table has it.
+# "RESULT = LEFT + RIGHT", "RESULT = LEFT", or LEFT - RIGHT for its flags alone, as in the column `op` of the table.
 FORMS: Mapping[str, str] = {
     "ADDB_ACC_8": "ACC = ACC + c",
     "ADDB_AX_8s": "AX = AX + s8",
@@ -67,14 +67,14 @@ FORMS: Mapping[str, str] = {
     **{f"MOVL_loc32_XAR{n}": f"loc = XAR{n}" for n in range(8)},
 }
 ACC = ("AL", "AH")
-COUNTERS = 9  # of a state: ACC and XAR0 to XAR7 come first
+COUNTERS = 9  # first entries of a state: ACC and XAR0 to XAR7
 XAR = tuple((f"AR{n}", f"AR{n}H") for n in range(8))
 AX_FIELDS = {0xA8: ("AH",), 0xA9: ("AL",)}  # operand fields of 16 bits
 ACC_FIELDS = (0xA8, 0xA9)  # and of 32 bits
 # Names in the columns `reads` and `writes` where no counter can be. Address registers are in `needs` and `makes`.
 UNCOUNTED = re.compile(r"X?AR.*|P|PH|PL|T|TL|XT|OVC|ST0|ST1|STF|R[0-7a-f]H|R0H-R7H|SP|DP|PC|RPC|RPTC|RB|IER|address")
 
-Place = str | int  # a word: of a register by its name, of memory by its address
+Place = str | int  # a word: register name or memory address
 
 
 class NotCounting(Exception):
@@ -85,8 +85,8 @@ class Traced(NamedTuple):
     """An instruction of a pass.
 
     at: the cycle in which it was executed. operand: the words that its operand field names, low one first; empty if no
-    counter can be there. pointers: address registers that the operand's address is made of, a bit each. needs: all that
-    it needs in D2. sp: before and behind it. values: of words, behind it.
+    counter can be there. pointers: mask of the address registers that form the operand's address. needs: mask of those
+    that it needs in D2. sp: before and after it. values: of words, after it.
     """
 
     f: Operation
@@ -99,7 +99,7 @@ class Traced(NamedTuple):
 
 
 class Store(NamedTuple):
-    """A word of memory that an instruction writes: in which cycle, what, and by how much more in the next pass."""
+    """A word of memory that an instruction writes: cycle, address, value, and its change in the next pass."""
 
     at: int
     address: int
@@ -108,14 +108,14 @@ class Store(NamedTuple):
 
 
 class Number(NamedTuple):
-    """Some value in this pass, and by how much it is more in the next."""
+    """A value in this pass, and its change in the next."""
 
     value: int
     step: int
 
 
 def passes_within(number: Number, unit: int) -> int:
-    """How many passes it takes until the number comes to a multiple of `unit` or beyond; the last one before it."""
+    """Return for how many passes the number stays strictly between two multiples of `unit`."""
     value, step = number
     if not step:
         return NEVER
@@ -135,7 +135,7 @@ def signed(value: int, bits: int) -> int:
 
 
 class CountingLoop(InstructionWatch):
-    """A pass of a loop, from here on. does_more: it does more than count, so that later passes will, too."""
+    """Trace of the pass of a loop that begins now. does_more: it does more than count, and so will later passes."""
 
     STATE = State(
         "does_more _moved _stores _state _arp _sp _trace _steps _time _cpu _memory _over",
@@ -144,7 +144,7 @@ class CountingLoop(InstructionWatch):
     )
 
     def __init__(self, cpu: ImageCpu, time: CpuTime, memory: Ram, over: Callable[[InstructionWatch], None]) -> None:
-        """over: told when nobody wants to know of this pass any more."""
+        """over: called when the trace is no longer needed."""
         super().__init__()
         self.does_more = False
         self._time = time
@@ -157,7 +157,7 @@ class CountingLoop(InstructionWatch):
         self._state = cpu.state()
         self._arp, self._sp = cpu.arp, cpu.sp  # before the next instruction
         self._trace: list[Traced] = []
-        self._steps: dict[Place, int] = {}  # by word, how much a pass adds to it
+        self._steps: dict[Place, int] = {}  # by word: what a pass adds to it
 
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
         super().executed(f, cpu, cycle)
@@ -198,10 +198,10 @@ class CountingLoop(InstructionWatch):
             return ()
         return (address & ~1, address | 1) if f.wide else (address,)
 
-    # What further passes do -------------------------------------------------------------
+    # Effects of further passes -----------------------------------------------------------
 
     def passes(self, changed: Mapping[int, int]) -> int:
-        """How many passes behind this one only count. changed: words of memory that differ, as they were before it."""
+        """Return how many passes after this one only count. changed: words that it changed, with earlier values."""
         before, after = self._state, self._cpu.state()
         self.does_more = before[COUNTERS:] != after[COUNTERS:]
         if self.does_more:
@@ -222,7 +222,7 @@ class CountingLoop(InstructionWatch):
         return walk.passes if walk.counters == further else 0
 
     def _counters(self, changed: Mapping[int, int]) -> Iterable[tuple[Place, Number]]:
-        """Words that this pass has changed, as they were before it."""
+        """Yield the words that this pass has changed, with their values before it."""
         acc, xars = self._state[0], self._state[1:COUNTERS]
         pairs: list[tuple[Place, int, int]] = [
             ("AL", acc & M16, self._cpu.acc & M16),
@@ -236,13 +236,13 @@ class CountingLoop(InstructionWatch):
                 yield place, Number(before, signed(after - before, 16))
 
     def cut_off(self, cycles: int) -> None:
-        """A reset comes so many cycles into the pass behind those moved by: leave memory as it would by then."""
+        """Make the stores of the next pass up to a reset, which occurs this number of cycles after its begin."""
         for store in self._stores:
             if store.at - self._began < cycles:
                 self._memory.put(store.address, store.value + store.step * (self._moved + 1) & M16)
 
     def move(self, passes: int) -> None:
-        """Let so many passes have been made."""
+        """Advance the counters by this number of passes."""
         self._moved = passes
         cpu = self._cpu
         xars = list(cpu.xar)
@@ -261,10 +261,10 @@ class CountingLoop(InstructionWatch):
 
 
 class Walk:
-    """Instructions of a pass, one after the other, with counters in place of values.
+    """Repetition of a traced pass with counters in place of values.
 
-    counters: words that count, as they are at this place of the present pass. passes: for how many further ones all of
-    it holds. stores: to memory.
+    counters: words that count, with their values at this point of the pass. passes: upper bound of the further passes
+    for which all of it is true. stores: to memory.
     """
 
     def __init__(self, counters: Mapping[Place, Number]) -> None:
@@ -273,7 +273,7 @@ class Walk:
         self.stores: list[Store] = []
 
     def step(self, traced: Traced) -> None:
-        """The next instruction. NotCounting if it does something with a counter that is none of FORMS."""
+        """Repeat the next instruction. Raise NotCounting if it uses a counter in none of the FORMS."""
         self._execute(traced)
         for place in writes(traced):
             if place in traced.values and isinstance(place, int):
@@ -293,7 +293,7 @@ class Walk:
             self.counters.pop(place, None)
 
     def _counts(self, traced: Traced, form: Sequence[str]) -> bool:
-        """Compute the result of a form. False if its operands do not count, so that it does not, either."""
+        """Compute the result of a form. Return False if no operand is a counter, so that the result is none."""
         result, (left, *operation) = (form[0], form[2:]) if form[1] == "=" else ("", form)
         sources = [places_of(left, traced)]
         if operation:
@@ -331,11 +331,11 @@ class Walk:
         return self._number(places, traced)
 
     def _number(self, places: Sequence[Place], traced: Traced) -> Number:
-        """The value of words that the instruction leaves as they are."""
+        """Return the number in words that the instruction does not change."""
         return self._before(places, _value(places, traced))
 
     def _before(self, places: Sequence[Place], value: int) -> Number:
-        """Words of this value as a number that counts with the low one of them."""
+        """Return this value as a number with the step of its low word."""
         if not places:
             raise NotCounting
         if any(place in self.counters for place in places[1:]):
@@ -344,7 +344,7 @@ class Walk:
         return Number(value, 0 if low is None else low.step)
 
     def _put(self, places: Sequence[Place], number: Number) -> None:
-        """The result. Its upper word stays as it is until the lower one comes to its end."""
+        """Set the result. Its upper word stays constant until the lower one overflows."""
         low = Number(number.value & M16, number.step)
         if len(places) > 1:
             self._bound(low, WORD)
@@ -376,7 +376,7 @@ def constant(name: str, f: Operation) -> int:
 
 
 def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
-    """The words of an operand, low one first; none for a number, or where no counter can be."""
+    """Return the words of an operand, low one first; none for a number, or where no counter can be."""
     f = traced.f
     match name:
         case "ACC":
@@ -395,14 +395,14 @@ def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
 
 
 def reads(traced: Traced) -> Iterable[Place]:
-    """Words that an instruction reads, of those that may count. NotCounting if the table does not say."""
+    """Yield the possible counters that an instruction reads. Raise NotCounting if the table does not list them."""
     for name in _names(traced.f.encoding.reads):
         yield from _words(name, traced, range(traced.sp[1], traced.sp[0]))
     yield from _address_registers(traced.needs)
 
 
 def writes(traced: Traced) -> Iterable[Place]:
-    """Words that it writes, of those that may count. NotCounting if the table does not say, or it may leave them."""
+    """Yield the possible counters that it writes. Raise NotCounting if they are not listed, or may stay unwritten."""
     f, encoding = traced.f, traced.f.encoding
     if _writes_in_part(encoding):
         raise NotCounting
@@ -434,7 +434,7 @@ def _address_registers(mask: int) -> Iterable[Place]:
 
 
 def _writes_in_part(encoding: Encoding) -> bool:
-    """Bytes, and what is written under a condition."""
+    """Return True for writes of bytes and conditional writes."""
     return any(part in encoding.id for part in ("LSB", "MSB")) or (
         "_COND" in encoding.id and "PC" not in encoding.writes
     )

@@ -1,4 +1,4 @@
-"""Which instructions of an image were executed: each one goes in; counts come out, and how often its jump was taken."""
+"""Coverage of an image: executions of each instruction, and taken jumps."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .instruction_watch import InstructionWatch
 
 
 class Coverage(InstructionWatch):
-    """executed: by address, how often. jumped: of these, how often the next instruction was not the one behind."""
+    """executed_at: executions by address. jumped_at: executions after which the next address did not follow."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -17,7 +17,7 @@ class Coverage(InstructionWatch):
         self.jumped_at: Counter[int] = Counter()
 
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
-        if not cpu.passes:  # else a further pass of a repeated one
+        if not cpu.passes:  # not a further pass of a repeated one
             self.executed_at[f.address] += 1
             if cpu.pc != f.next:
                 self.jumped_at[f.address] += 1

@@ -1,9 +1,9 @@
-"""The C28x of an image on a unit's bus: instructions go in; accesses are made, status goes to the interrupt logic.
+"""The C28x of an image on a unit's bus: executes instructions, makes accesses, and updates the interrupt logic.
 
     Engine --load16, store16--> Ram | Bus | Elsewhere: flash, and frames that are not modelled
            --ST1, IER, IFR----> CpuInterrupts
 
-Accesses are made in the present cycle: `access_at` says beforehand which cycle that is for an operand.
+Accesses are made in the present cycle; `access_at` returns beforehand the cycle for an operand.
 """
 
 # core: compiled
@@ -47,19 +47,19 @@ from .polls import Polls
 from .variable_records import VariableRecords
 
 WATCHDOG_KEY = clocks_map.BASE + clocks_map.WDKEY.offset
-RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, but for M0 and M1 below
+RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, as M0 and M1 below
 LOW_RAM = 0x800
 STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # operand fields *-SP[n]
 PUSHES, POPS = 0xBD, 0xBE  # *SP++, *--SP
-TIMING = 38  # of a state: where the pipeline's part begins
+TIMING = 38  # index in a state at which the pipeline's part begins
 PACKED = TIMING + STORES_PACKED + QUEUE_PACKED
 WAITED_FROM = 0xC000  # L4 to L7, as program memory
-L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # where L0 to L3 are once more
+L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # second addresses of L0 to L3
 MIRROR = L0_AGAIN - 0x8000
 
 
 class UnwrittenReads(Protocol):
-    """Who is told that a word was read which nothing has written, once for a word."""
+    """A subscriber to the first read of each unwritten word."""
 
     def read_unwritten(self, address: int) -> None: ...
 
@@ -70,11 +70,11 @@ def in_plain_ram(address: int) -> bool:  # core: noexcept
 
 @final
 class ImageCpu(Engine):
-    """watched: who is told of writes to some words of memory. reads_unwritten: and of reads of what nobody wrote.
+    """watched: receives writes to some words of memory. reads_unwritten: receives reads of unwritten words.
 
     ended: ESTOP0 was reached.
 
-    returning, idling: IRET or IDLE was executed, which the program sees to.
+    returning, idling: IRET or IDLE was executed, which the program completes.
     """
 
     STATE = State("elsewhere timing polls ended returning idling _tested _kept _written _slots_seen watched")
@@ -90,7 +90,7 @@ class ImageCpu(Engine):
         self._core = processor.interrupts.core
         super().__init__()
         self.keeps_decoded = keeps_decoded
-        self._slots_seen: set[int] = set()  # addresses of FPU instructions whose delay slots were looked at
+        self._slots_seen: set[int] = set()  # addresses of FPU instructions whose delay slots were checked
         self._processor = processor
         self._time = processor.time
         self._bus = processor.bus
@@ -101,17 +101,17 @@ class ImageCpu(Engine):
         self._options = options
         self._delays = options.fpu_delay_slot.unrecorded() == "old_value"
         self._decoding = False
-        self._tested = 0  # bits that the present instruction looks at in its operand
-        self._written = [0] * RAM_TO  # 1 for a word that somebody wrote
-        self._packed = [0] * PACKED  # see `state`
-        self._kept = [0] * PACKED  # it, as of the last call of `is_as_before`
+        self._tested = 0  # bits that the present instruction tests in its operand
+        self._written = [0] * RAM_TO  # 1 for a word that was written
+        self._packed = [0] * PACKED  # the present state, see `state`
+        self._kept = [0] * PACKED  # the state at the last call of `is_as_before`
         self.watched: VariableRecords | None = None
         self.polls = Polls(self._time, self._core, skip_polls)
         self.reads_unwritten: UnwrittenReads | None = None
         self.reset()
 
     def reset(self) -> None:
-        """Registers as the boot ROM leaves them; memory stays."""
+        """Set the registers as the boot ROM leaves them; memory keeps its contents."""
         Cpu.__init__(self)
         self.left = 0
         self.timing.drain()
@@ -122,7 +122,7 @@ class ImageCpu(Engine):
     # Memory -------------------------------------------------------------------------
 
     def fill(self, address: int, value: int) -> None:
-        """A word that is there before the program begins."""
+        """Set a word before the program begins."""
         if L0_AGAIN <= address < L4_AGAIN:
             address -= MIRROR
         if block_at(address) is not None:
@@ -177,7 +177,7 @@ class ImageCpu(Engine):
         return value
 
     def _load_elsewhere(self, address: int, width: int) -> int:
-        """Words that no bus knows: flash, ROM, frames that nothing models."""
+        """Return words outside of the bus: flash, ROM, frames that are not modelled."""
         cycle = self._time.cycle
         value: int = self.elsewhere.read(cycle, address)
         if width == 32:
@@ -215,7 +215,7 @@ class ImageCpu(Engine):
             self._store(address, value, 32)
 
     def _even(self, address: int, how: str) -> int:
-        """32 bits are at the even address [SPRU430F 5.11]. On the stack of a service routine that is meant."""
+        """Return the even address of a 32-bit access [SPRU430F 5.11]. Raise IllegalOperation except on the stack."""
         on_stack = STACK_FIELDS <= self.field < BEHIND_STACK_FIELDS or self.field in (PUSHES, POPS)
         if self.ea == address and not on_stack:
             raise IllegalOperation(
@@ -277,7 +277,7 @@ class ImageCpu(Engine):
         return self.elsewhere.read(self._time.cycle, address)
 
     def word_at(self, address: int) -> int:
-        """A word of code, at no cost."""
+        """Return a word of code, without cost."""
         if L0_AGAIN <= address < L4_AGAIN:
             address -= MIRROR
         return self._ram.word(address) if in_plain_ram(address) else self.elsewhere.peek(address)
@@ -286,7 +286,7 @@ class ImageCpu(Engine):
         if self.elsewhere.write(self._time.cycle, address, value):
             self.written(address)
 
-    # When ---------------------------------------------------------------------------
+    # Time ---------------------------------------------------------------------------
 
     def _decode(self) -> Operation:
         pc = self.pc
@@ -306,7 +306,7 @@ class ImageCpu(Engine):
         return made
 
     def _prepare(self, made: Operation, first: int, second: int) -> None:
-        """Complete a decoded instruction of these words with what its execution needs to know."""
+        """Complete a decoded instruction of these words for execution."""
         self.timing.prepare(made)
         if made.encoding.kind == "fpu":
             found = decode_at(made.address, first, second)
@@ -324,7 +324,7 @@ class ImageCpu(Engine):
         return made
 
     def _look_at_slots(self, f: Operation) -> None:
-        """Note each result of the FPU that the program does not wait for."""
+        """Note each FPU result that the program does not wait for."""
         if f.address in self._slots_seen:
             return
         self._slots_seen.add(f.address)
@@ -339,11 +339,11 @@ class ImageCpu(Engine):
         self.repeat = self.timing.repeats(wanted)
         Engine._repeat(self)
         if wanted and self.left == 1:
-            text = f"RPT stands before what cannot be repeated, at {self.pc:#08x}; it is executed once"
+            text = f"RPT precedes an instruction that cannot be repeated, at {self.pc:#08x}; it is executed once"
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRU430F RPT"))
 
     def access_at(self, f: Operation, cycle: int) -> int:
-        """The cycle in which its operand can be accessed, or what it names with *(0:16); not before this one."""
+        """Return the first cycle from this one in which the operand, or the one of *(0:16), can be accessed."""
         if self.ea != REGISTER and f.accesses and not in_plain_ram(self.ea):
             self._tested = f.tested
             cycle = self._access_at(cycle, self.ea, f.accesses & READS != 0, f.wide)
@@ -365,7 +365,7 @@ class ImageCpu(Engine):
         waits = self.elsewhere.read_waits(address)
         return cycle + waits + self.timing.read(self.pc, address, cycle, waits)
 
-    # Status, which the interrupt logic holds --------------------------------------------
+    # Status held by the interrupt logic --------------------------------------------
 
     def whole_st1(self) -> int:
         return self._core.st1 & ~ARP_MASK | self.arp << ARP
@@ -414,9 +414,9 @@ class ImageCpu(Engine):
             core.st1 &= ~(mask & ~INTM)
 
     def state(self) -> tuple[int, ...]:
-        """Return all that a next instruction depends on, but for memory and the chip: ACC, XAR0 to XAR7, others.
+        """Return all that a next instruction depends on, except memory and the chip: ACC, XAR0 to XAR7, others.
 
-        From TIMING on: what is under way in the pipeline and in the fetch queue.
+        From TIMING on: pending entries of the pipeline and the fetch queue.
         """
         self._pack()
         return tuple(self._packed)
@@ -451,7 +451,7 @@ class ImageCpu(Engine):
     # Control ------------------------------------------------------------------------
 
     def enter(self, vector: int) -> None:
-        """TRAP, INTR: whatever the masks say. The context goes where SP points."""
+        """Execute TRAP or INTR regardless of masks, with the context at SP."""
         self.hand_over()
         context = self.context()
         saved = self._core.trap(self._time.cycle, vector)
@@ -475,12 +475,12 @@ class ImageCpu(Engine):
         self.ended = True
 
     def hand_over(self) -> None:
-        """The interrupt logic works with SP and ST1 as they are now."""
+        """Pass SP and ST1 to the interrupt logic."""
         self._core.sp = self.sp
         self._core.st1 = self.whole_st1()
 
     def context(self) -> list[int]:
-        """The 14 words that an entry stores."""
+        """Return the 14 words that an entry stores."""
         xar, st1, ier = self.xar, self.whole_st1(), self._core.ier
         return [
             self.st0(), self.t(), self.acc & 0xFFFF, self.acc >> 16, self.p & 0xFFFF, self.p >> 16, xar[0] & 0xFFFF,
@@ -488,7 +488,7 @@ class ImageCpu(Engine):
         ]  # fmt: skip
 
     def begin_routine(self, address: int) -> None:
-        """The service routine is entered: RPTB's RA waits in RAS."""
+        """Enter the service routine; RPTB's RA is saved in RAS."""
         self.timing.drain()
         self.polls.soil()
         self.polls.routines += 1
@@ -501,7 +501,7 @@ class ImageCpu(Engine):
         self.pc = address
 
     def restore(self, words: list[int]) -> None:
-        """IRET: all of it from memory."""
+        """Restore the context from the words that IRET read."""
         self.polls.soil()
         if self.polls.routines:
             self.polls.routines -= 1

@@ -1,12 +1,11 @@
-"""Memory and frames that no bus of a unit knows: an address goes in; what the chip has there comes out.
+"""Memory and frames outside of the modelled modules, as the chip has them.
 
-    flash, OTP       what the image loaded, else erased
-    ADC_cal, PARTID  as on the chip; ADC_cal returns at once, since it sets trims of the ADC
-    boot ROM         reads 0, which is noted; its math tables, its routines and TI's flash API's check end the run
-    XINTF zones      memory with one wait state, the least, whatever XTIMING says, which is noted
-    frames           of modules that nothing models, or that the unit does not name, keep what is written; each module
-                     is noted once
-    stubs            say what a register answers with, whatever is written
+    flash, OTP       words of the image, else erased
+    ADC_cal, PARTID  as on the chip; ADC_cal, which only sets trims of the ADC, returns at once
+    boot ROM         reads 0, with a note; use of its math tables, its routines or TI's flash API's check ends the run
+    XINTF zones      memory with one wait state, the minimum, regardless of XTIMING, with a note
+    frames           those of modules that are not modelled, or not in the unit, keep written values; one note each
+    stubs            give the value that a register returns, regardless of writes
 
 Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW); SPRUI07 Table 2-19.
 """
@@ -41,17 +40,17 @@ PAGEWAIT = 8  # bit of FBANKWAIT; RANDWAIT is at bit 0
 ADC_CAL, LRETR = 0x38_0080, 0x0006  # start-up code calls it
 PARTID, CLASSID, FLOATING_POINT = 0x38_0090, 0x0882, 0x00EF
 FRAME_RESET = {0x0A84: 0x01FF, 0x0A85: 0x01FF, FBANKWAIT: 0x0F0F, FOTPWAIT: 0x001F, CLASSID: FLOATING_POINT}
-FLASH_COMMANDS = range(0x0A88, 0x0AE0)  # behind what SPRUFB0D documents: TI's flash API alone writes there
+FLASH_COMMANDS = range(0x0A88, 0x0AE0)  # after the documented ones of SPRUFB0D: only TI's flash API writes there
 MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
 BOOT_ROM = range(0x3F_E000, 0x40_0000)
-FLASH_API_CHECK = 0x3F_FFB9  # whether the silicon is one that TI's flash API knows
+FLASH_API_CHECK = 0x3F_FFB9  # TI's flash API compares the silicon revision there
 FRAMES_END = 0x8000  # all frames, and XINTF zone 0, lie below
 SEEN, STUBBED, PROTECTED, REGISTER = 1, 2, 4, 8  # bits of `_states`
 NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not modelled"
 
 
 class Elsewhere:
-    """changed: called as a stub begins to answer something else."""
+    """changed: called when a stub changes its value."""
 
     STATE = State("_frames _states _stored _noted _stubs _to_come _flash")
 
@@ -65,31 +64,31 @@ class Elsewhere:
         self._core = core
         self._notes = notes
         self._frames = [0] * FRAMES_END  # words of frames and of XINTF zone 0
-        self._states = [0] * FRAMES_END  # what is known of them; SEEN: an access has no effect but on the word itself
-        self._stored = {ADC_CAL: LRETR}  # words above
+        self._states = [0] * FRAMES_END  # SEEN: an access affects the word alone
+        self._stored = {ADC_CAL: LRETR}  # words at higher addresses
         for address, value in FRAME_RESET.items():
             self._frames[address] = value
         self._noted: set[str] = set()
         self._stubs: dict[int, int] = {}  # by address
         self._to_come: list[int] = []  # addresses that a stub answers later
-        self._flash = self._fetches(Content.FLASH)  # asked for at every jump there
+        self._flash = self._fetches(Content.FLASH)  # needed at each jump there
         self.set_part(PART)
 
     def set_part(self, part: Part) -> None:
-        """Have the memory of another part of the family."""
+        """Use the memory map of another part of the family."""
         self._part_name = part.name
         self._flash_begin = part.flash.start
         self._stored[PARTID] = part.part_id
 
     def fill(self, address: int, value: int) -> None:
-        """A word that is there before the program begins."""
+        """Set a word before the program begins."""
         if address < FRAMES_END:
             self._frames[address] = value
         else:
             self._stored[address] = value
 
     def answer(self, address: int, value: int) -> None:
-        """From now on a read of this word brings this value."""
+        """Let each later read of this word return this value."""
         self._stubs[address] = value
         if address < FRAMES_END:
             self._states[address] |= STUBBED
@@ -99,7 +98,7 @@ class Elsewhere:
             self.changed()
 
     def expect(self, address: int) -> None:
-        """A stub will answer for this word (`answer`)."""
+        """Announce a stub for this word (`answer`)."""
         self._to_come.append(address)
 
     def will_answer(self, address: int) -> bool:
@@ -111,7 +110,7 @@ class Elsewhere:
         return self._stubs.get(address)
 
     def read(self, cycle: int, address: int) -> int:
-        """A word. IllegalOperation where the chip has nothing, or what nobody can answer."""
+        """Return a word. Raise IllegalOperation if the chip has nothing there, or the contents are unknown."""
         if address < FRAMES_END and self._states[address] & (SEEN | STUBBED) == SEEN:
             return self._frames[address]
         if self._flash_begin <= address < FLASH_END:
@@ -131,11 +130,11 @@ class Elsewhere:
         return self._stored.get(address, ERASED if area.content in (Content.FLASH, Content.OTP) else 0)
 
     def peek(self, address: int) -> int:
-        """What was loaded there."""
+        """Return a word without effects."""
         return self._frames[address] if address < FRAMES_END else self._stored.get(address, ERASED)
 
     def write(self, cycle: int, address: int, value: int) -> bool:
-        """A word. True if it is kept."""
+        """Write a word. Return True if it is kept."""
         known: int = self._states[address] if address < FRAMES_END else 0
         if known & SEEN and (self._core.eallow or not known & PROTECTED):
             self._frames[address] = value
@@ -160,14 +159,14 @@ class Elsewhere:
         return True
 
     def _mark(self, address: int, area: Area) -> None:
-        """Keep what is known of a word, which has been noted, so that its next access looks nothing up."""
+        """Keep the properties of a word that has been noted, so that its next access needs no lookup."""
         if address < FRAMES_END and address not in (FOPT, FBANKWAIT) and address not in FLASH_COMMANDS:
             registers = area.content is Content.REGISTERS
             known = SEEN | PROTECTED * is_protected(address) | REGISTER * registers
             self._states[address] |= known
 
     def read_waits(self, address: int) -> int:
-        """Wait states of a read of data."""
+        """Return the wait states of a data read."""
         if address < FRAMES_END and self._states[address] & REGISTER:
             return FRAME_READ_WAITS
         if address in PASSWORD:
@@ -184,7 +183,7 @@ class Elsewhere:
         return self._waits(area.content)[0]
 
     def fetches(self, address: int) -> tuple[int, int, int]:
-        """Of program memory: (address bits in what is fetched at once, its wait states behind a jump, and else)."""
+        """Return of program memory the address bits of a fetch, and its wait states after a jump and otherwise."""
         if self._flash_begin <= address < FLASH_END:
             return self._flash
         area = area_at(address)
@@ -199,7 +198,7 @@ class Elsewhere:
         return 2 if wide else 1, first, later
 
     def _waits(self, content: Content) -> tuple[int, int]:
-        """Wait states of a first access, and of those behind it."""
+        """Return the wait states of a first access, and of subsequent ones."""
         if content is Content.FLASH:
             waits = self._frames[FBANKWAIT]
             return max(waits & 0xF, 1), max(waits >> PAGEWAIT & 0xF, 1)

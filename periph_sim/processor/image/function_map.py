@@ -1,4 +1,4 @@
-"""Which function an address is in: an image goes in; the function of any address comes out, and its source line."""
+"""Functions and source lines of an image by address."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ...image.model import Image
 
 
 class FunctionMap:
-    """functions: by address, where they run."""
+    """functions: in the order of their run addresses."""
 
     def __init__(self, image: Image) -> None:
         self._debug = DebugInfo(image)
@@ -18,26 +18,26 @@ class FunctionMap:
         self._starts = [function.address for function in self.functions]
 
     def at(self, address: int) -> Function | None:
-        """The function that an address is in; None where there is none."""
+        """Return the function that contains an address; None if there is none."""
         before = bisect_right(self._starts, address) - 1
         if before >= 0 and address < self.functions[before].address + self.functions[before].size:
             return self.functions[before]
         return None
 
     def name_at(self, address: int) -> str:
-        """Its name; the address itself where there is none."""
+        """Return the name of the function at an address; the address itself if there is none."""
         inside = self.at(address)
         return inside.name if inside else f"{address:#08x}"
 
     def named(self, name: str) -> Function | None:
-        """The function of a name; the first one by address where several have it."""
+        """Return the function of a name; the first one by address if several have it."""
         return next((function for function in self.functions if function.name == name), None)
 
     def line_at(self, address: int) -> SourceLine | None:
-        """The source line of an instruction; None where nothing tells it."""
+        """Return the source line of an instruction; None if unknown."""
         return self._debug.line_at(address)
 
     @property
     def has_lines(self) -> bool:
-        """The image tells lines of its source."""
+        """True if the image has source lines."""
         return bool(self._debug.lines)

@@ -1,4 +1,4 @@
-"""Functions of an image as spans: calls go in; a SPAN record comes out as a function begins, and as it is over.
+"""Functions of an image as spans: SPAN records of their begins and ends.
 
 A function that calls itself is one span, from its first call to its last return.
 """
@@ -13,7 +13,7 @@ from .call_stack import CallListener
 
 
 class FunctionSpans(CallListener):
-    """place: of the first instruction of a function, by its name."""
+    """place: returns the place of the first instruction of a named function."""
 
     STATE = State("_depth")
 

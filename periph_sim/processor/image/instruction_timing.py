@@ -1,10 +1,10 @@
-"""What instructions of an image take beside the manual's table: one goes in; cycles before and after it come out.
+"""Cycles that instructions of an image take in addition to the manual's table.
 
-    stall    waiting in D2 for registers, and for instructions that memory with wait states has not brought yet
-    late     waiting for words that were just written, and for program memory that is read as data
-    landing  a jump to where two fetches are needed
+    stall    in D2, for registers, and for instructions from memory with wait states
+    late     for words that were just written, and for data reads of program memory
+    landing  for a jump to an instruction that needs two fetches
 
-Rules whose numbers TI does not print are options. Source: SPRU430F 4.3, 4.4; SPRS439M Table 3-5; SPRUFB0D 2.2.
+Rules whose numbers TI does not document are options. Source: SPRU430F 4.3, 4.4; SPRS439M Table 3-5; SPRUFB0D 2.2.
 """
 
 # core: compiled
@@ -30,14 +30,14 @@ if TYPE_CHECKING:
 
 UNC = 15
 BRANCHES = flow.RELATIVE | {"LB", "XB", "XBANZ"}
-PREFETCHED = 2  # address bits of a unit: flash with FOPT.ENPIPE
+PREFETCHED = 2  # address bits of a fetch from flash with FOPT.ENPIPE
 PUSH_FIELD = 0xBD  # *SP++
 WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3
 
 
 @final
 class InstructionTiming:
-    """pipeline: stalls between instructions. queue: instructions that memory brings.
+    """pipeline: stalls between instructions. queue: fetched instructions.
 
     late: cycles that the present instruction takes in addition.
     conflicts: `conflict` is called for accesses to the block of memory from which the program is fetched.
@@ -65,12 +65,12 @@ class InstructionTiming:
             options.stalls.assume(core.touched)  # without stalls it is unknown whether one would have occurred
 
     def drain(self) -> None:
-        """The program goes on elsewhere, by an interrupt or a return from one."""
+        """Empty the pipeline and the queue at an interrupt or a return from one."""
         self.pipeline.drain()
         self.queue.expected = -1
 
     def prepare(self, f: Operation) -> None:
-        """An instruction was decoded: what is known of its time, and of the bits that it looks at, once and for all."""
+        """Set the properties of a decoded instruction: those of its time, and the bits that it tests."""
         encoding = f.encoding
         f.needs, f.makes = hazards(encoding, f.l, f.n, f.m)
         f.jumps = "PC" in encoding.writes
@@ -85,7 +85,7 @@ class InstructionTiming:
             f.cycles = self._options.push_acc_cycles.assume(self._core.touched)
 
     def stall(self, f: Operation, cpu: Cpu, cycle: int) -> int:
-        """The cycles that pass before the instruction can leave D2. A further pass of RPT waits for nothing: N + 1."""
+        """Return the cycles before the instruction can leave D2. Further passes of RPT do not wait: N + 1 cycles."""
         if cpu.passes:
             return 0
         waits = self._fetch(f, cycle) if f.waited else 0
@@ -97,35 +97,35 @@ class InstructionTiming:
         return waits
 
     def wait_for_word(self, address: int, words: int) -> None:
-        """The present instruction reads these words of memory, which an earlier one may be still to write."""
+        """Delay a read of these words of memory, which an earlier instruction may not have written yet."""
         waits = self.pipeline.read(address, words)
         if waits:
             self._options.stalls.assume(self._core.touched)
             self.late += waits
 
     def conflict(self) -> None:
-        """The present instruction accessed the block of memory from which it was fetched."""
+        """Delay an access to the block of memory from which the instruction was fetched."""
         more = self._options.saram_conflict.assume(self._core.touched)
         self.late += more
         self.conflicts = more > 0
 
     def landing(self, f: Operation) -> int:
-        """The cycles that a jump to this instruction takes in addition; memory with wait states counts them itself."""
+        """Return the additional cycles of a jump to this instruction; 0 in memory with wait states, counted there."""
         if f.address & 1 and f.next - f.address == 2 and not f.waited:
             return self._options.odd_32bit_target.assume(self._core.touched)
         return 0
 
     def read(self, code: int, address: int, cycle: int, waits: int) -> int:
-        """Data are read where memory has wait states, by the instruction at `code`: for how long they wait for fetches.
+        """Return the cycles that a data read by the instruction at `code` waits for fetches.
 
-        Only in flash, from where fetches go on meanwhile.
+        Only in flash, where fetches continue meanwhile.
         """
         if address in FLASH and code in FLASH and self._shared.assume(self._core.touched):
             return self.queue.read(cycle, waits)
         return 0
 
     def repeats(self, count: int) -> int:
-        """How often RPT repeats, of what it took from a location."""
+        """Return the effective count of RPT for a count from a location."""
         if count <= 0xFF:
             return count
         return count & (1 << self._options.rptc_width.assume(self._core.touched)) - 1
@@ -143,5 +143,5 @@ class InstructionTiming:
 
 
 def has_waits(address: int) -> bool:
-    """True if program memory there has wait states."""
+    """Return True if program memory there has wait states."""
     return not any(address in zone for zone in WITHOUT_WAITS)

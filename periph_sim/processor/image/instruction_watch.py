@@ -1,4 +1,4 @@
-"""Who looks at each instruction of an image: what was executed, with registers and time behind it, goes in."""
+"""Observer of each instruction of an image, called after it with registers and time."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from ...core.state import State
 
 
 class InstructionWatch:
-    """beside: who else looks."""
+    """beside: the next observer."""
 
     STATE = State("beside")
 
@@ -15,6 +15,6 @@ class InstructionWatch:
         self.beside: InstructionWatch | None = None
 
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
-        """An instruction, or a pass of a repeated one, is done. cycle: when the next one begins."""
+        """Receive an executed instruction, or a pass of a repeated one. cycle: begin of the next one."""
         if self.beside is not None:
             self.beside.executed(f, cpu, cycle)

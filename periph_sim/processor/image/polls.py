@@ -1,15 +1,15 @@
-"""Waits of an image: passes of a loop go in; that every further one comes out the same comes out, and for how long.
+"""Detection of waits of an image: loops whose further passes all have the same result, and for how long.
 
-    a backward branch, again and again --> state at two of them equal --> Lease of what was read --> sleep
-          ^--- the pass in progress, made anew from its start; what lies in the past is answered as it was <-- woken
+    repeated backward branch --> state at two of them equal --> Lease of the registers read --> sleep
+          ^--- replay of the pass in progress from its start; reads in the past return the earlier values <-- woken
 
-A pass is *clean* if it stored in memory what stood there already, wrote no register, read none that counts or that a
-read changes, did not touch what decides about interrupts, and was not interrupted. If the registers, the pipeline and
-the fetch queue are equal before and after two clean passes of the same cycles, the next one comes out the same as long
-as the registers of the chip that it read do. So skipping changes no cycle and no bit.
+A pass is *clean* if it changed no word of memory, wrote no register, read no register that counts or that a read
+changes, did not access interrupt masks and flags, and was not interrupted. If the registers, the pipeline and the fetch
+queue are equal before and after two clean passes of the same cycles, the next pass has the same result as long as the
+registers of the chip that it read keep their values. So skipping changes no cycle and no bit.
 
-A pass that counts, in a register or in memory, may be followed by others that only count (`counting_loop`): so many are
-skipped in the same way, and the counters moved.
+A pass that counts, in a register or in memory, may be followed by others that only count (`counting_loop`). They are
+skipped in the same way, and the counters advanced.
 """
 
 # core: compiled
@@ -25,21 +25,21 @@ from ..cpu_time import CpuTime
 from ..operand import Operand
 from ..polling import Lease, Spin
 
-FIRST_LOOK = 2  # passes of a loop before anybody looks at it
-LONGEST = 1024  # passes between two looks at a loop that is no wait
-COUNTS_FROM = 64  # passes of a loop before it is taken apart as one that counts, which takes as long as some hundred
-FEWEST = 8  # passes that are worth it
-TRIES = 3  # in turn, at a loop that does not only count
+FIRST_LOOK = 2  # passes of a loop before the first one is examined
+LONGEST = 1024  # most passes between two examined ones of a loop that is no wait
+COUNTS_FROM = 64  # passes of a loop before it is analysed as one that counts, at the cost of some hundred passes
+FEWEST = 8  # fewest passes that are worth skipping
+TRIES = 3  # failed analyses before a loop counts as one that does more than count
 
 
 @final
 class Polls:
-    """tracking: a pass is looked at. clean: nothing in it but what every further pass would do again. counting: it may
-    change words of memory, besides; changed: those, with what they held before.
+    """tracking: a pass is examined. clean: each further pass would repeat all that it did. counting: it may also change
+    words of memory; changed: those words with their values before.
 
-    skips: passes that come out alike are skipped; else they are executed, and only the times are noted at which the
-    program would have begun to sleep and been woken. asleep: between these. replaying: reads are answered as they were
-    up to the cycle `live_from`. elsewhere: words read that nothing models. routines: service routines under way.
+    skips: equal passes are skipped; else they are executed, and only the times are recorded at which the program would
+    have begun to sleep and been woken. asleep: between these times. replaying: reads before the cycle `live_from`
+    return the earlier values. elsewhere: words read that are not modelled. routines: number of active service routines.
     restarts: the pass restarts the watchdog, so that no further one is skipped.
     """
 
@@ -64,14 +64,14 @@ class Polls:
         self.elsewhere: list[int] = []
         self._values: list[int] = []
         self.changed: dict[int, int] = {}
-        self._failed: dict[int, int] = {}  # by branch: how often its loop turned out to do more than count
-        self._compared = False  # the state was kept at the begin of the last pass
+        self._failed: dict[int, int] = {}  # by branch: how often its loop did more than count
+        self._compared = False  # the state was saved at the begin of the last pass
         self._branch = -1
         self._spin = Spin(0)
         self.forget()
 
     def forget(self) -> None:
-        """The program begins anew, or is over."""
+        """Reset: the program begins again, or has ended."""
         self._lease.end()
         self.asleep = self.tracking = self.clean = self.counting = self.replaying = False
         self.restarts = False
@@ -85,7 +85,7 @@ class Polls:
     # Passes ------------------------------------------------------------------------
 
     def again(self, branch: int, cycle: int) -> bool:
-        """A branch back is taken. True if it is time to look at the loop."""
+        """Count a backward branch that is taken. Return True if the loop is due to be examined."""
         if branch != self._branch:
             self._branch, self._passes, self._since = branch, 0, cycle
             if not self.routines:  # loops of service routines do not end the loop that they interrupt
@@ -99,7 +99,7 @@ class Polls:
         return self._passes >= self._look_at
 
     def may_be_alike(self) -> bool:
-        """At the begin of a pass: whether the one behind it was looked at and clean, so that states are compared."""
+        """Return True, at the begin of a pass, if the previous one was examined and clean: states are then compared."""
         if self.tracking and self.clean:
             return True
         if self.tracking:
@@ -110,15 +110,15 @@ class Polls:
         return False
 
     def look_later(self) -> None:
-        """Look again later, and ever less often."""
+        """Examine the loop again after more passes, twice as many each time."""
         self._step = min(2 * self._step, LONGEST)
         self._look_at = self._passes + self._step
         self.tracking = False
 
     def comes_out_alike(self, as_before: bool) -> bool:
-        """At the begin of a pass that may be: whether two clean ones behind it had this state before and after them.
+        """Return True, at the begin of a pass, if the state was this one before and after the last two clean passes.
 
-        as_before: the state is that of the last call.
+        Call it if `may_be_alike` is True. as_before: the state equals that of the last call.
         """
         cycle = self._time.cycle
         equal: bool
@@ -135,7 +135,7 @@ class Polls:
     # Passes that count -------------------------------------------------------------
 
     def may_count(self) -> bool:
-        """At the begin of a pass, the one behind it being none that comes out alike: whether to take this one apart."""
+        """Return True, at the begin of a pass whose predecessor was not repeatable, if this one should be analysed."""
         if self.tracking or self._passes < COUNTS_FROM or self._failed.get(self._branch, 0) >= TRIES:
             return False
         cycle = self._time.cycle
@@ -147,7 +147,7 @@ class Polls:
         return True
 
     def counted(self) -> bool:
-        """At the begin of a pass: whether the one behind it, which was taken apart, took as long as the one before."""
+        """Return True, at the begin of a pass, if the analysed one before it was clean and of the usual length."""
         cycle = self._time.cycle
         alike: bool = self.clean and cycle - self._started == self._period
         self._started = cycle
@@ -156,7 +156,7 @@ class Polls:
         return alike
 
     def fails(self) -> None:
-        """The loop does more than count."""
+        """Count a failed analysis: the loop does more than count."""
         self._failed[self._branch] = self._failed.get(self._branch, 0) + 1
 
     @property
@@ -166,7 +166,7 @@ class Polls:
 
     @property
     def reads(self) -> bool:
-        """Whether the pass reads what may change: the loop is a wait."""
+        """True if the pass reads values that may change, so that the loop is a wait."""
         return self.reads_modules or len(self.elsewhere) > 0
 
     @property
@@ -175,14 +175,14 @@ class Polls:
         return self._since
 
     def changes(self, address: int, before: int) -> None:
-        """The pass changes a word of memory."""
+        """Note that the pass changes a word of memory."""
         if not self.counting:
             self.clean = False
         elif address not in self.changed:
             self.changed[address] = before
 
     def _begin(self) -> None:
-        """Look at the pass that begins now."""
+        """Examine the pass that begins now."""
         self.tracking = self.clean = True
         self.restarts = False
         self.elsewhere.clear()
@@ -191,35 +191,35 @@ class Polls:
 
     @property
     def began(self) -> int:
-        """When the pass began that is looked at."""
+        """The cycle at which the examined pass began."""
         return self._started
 
     def note(self, operand: Operand, value: int) -> None:
-        """The pass reads a register of the chip."""
+        """Note a read of a register of the chip."""
         self._spin.note(operand, value << operand.shift, None)
         self._values.append(value)
         if not operand.steady:
             self.clean = False
 
     def note_elsewhere(self, address: int, value: int) -> None:
-        """The pass reads a word that nothing models."""
+        """Note a read of a word that is not modelled."""
         self.elsewhere.append(address)
         self._values.append(value)
 
     def restart(self) -> None:
-        """The pass writes a key of the watchdog."""
+        """Note a write of a key of the watchdog."""
         self.restarts = True
         if self.counting:
             self.clean = False
 
     def soil(self) -> None:
-        """The pass does what the next one may not do again."""
+        """Note an action that the next pass may not repeat."""
         self.clean = False
 
     # Sleep -------------------------------------------------------------------------
 
     def sleep(self, most: int = NEVER) -> Spin | None:
-        """Sleep until a pass may come out otherwise, `most` of them at most. None if that may be now already."""
+        """Sleep until a pass may differ, for at most `most` passes. Return None if the next one may differ."""
         time, lease, spin = self._time, self._lease, self._spin
         if time.lands < NEVER or self._core.earliest() < NEVER:
             return None
@@ -243,9 +243,9 @@ class Polls:
         return spin
 
     def woken(self, now: int) -> int:
-        """A pass may come out otherwise from this cycle on. How many passes came out alike before the one in progress.
+        """End the sleep, since a pass may differ from this cycle on. Return the number of equal passes before it.
 
-        Where these were skipped, it is made anew from its start, and what lies in the past is answered as it was.
+        If these were skipped, it is replayed from its start; reads in the past return the earlier values.
         """
         time = self._time
         self._lease.end()
@@ -262,19 +262,20 @@ class Polls:
         return passes
 
     def begins_at(self, passes: int) -> int:
-        """Return the cycle at which a pass begins. passes: counted from the one looked at."""
+        """Return the cycle at which a pass begins. passes: counted from the examined one."""
         return self._started + passes * self._period
 
     def resume(self, cycle: int) -> None:
-        """What a word answers that nothing models has changed: a sleeping program looks."""
+        """Wake a sleeping program: a stub has changed its value."""
         if self.asleep:
             self._time.resume_by(max(cycle, self._started))
 
     def answer(self, cycle: int) -> bool:
-        """Whether the read in this cycle is answered as it was (`answered`); if not, the replay is over."""
+        """Return True if the read in this cycle returns its earlier value (`answered`); else end the replay."""
         self.replaying = cycle < self.live_from and self._next < len(self._values)
         return self.replaying
 
     def answered(self) -> int:
+        """Return the value of the next read of the replay."""
         self._next += 1
         return self._values[self._next - 1]

@@ -1,6 +1,6 @@
-"""Memory that a case sets by symbol: numbers by variable go in; they stand in memory as the image begins.
+"""Initial values of variables that a case sets by symbol.
 
-They are put in as the image is loaded, and once more as `main` is entered, since C start-up code sets initialised
+They are stored when the image is loaded, and again when `main` is entered, since C start-up code sets initialised
 variables before.
 """
 
@@ -18,7 +18,7 @@ MAIN = ("main", "_main")
 
 
 class Preset(Struct, frozen=True):
-    """bits: of the variable, as they stand in memory."""
+    """bits: the words of the variable in memory, low one first."""
 
     variable: Variable
     bits: int
@@ -34,7 +34,7 @@ class PresetMemory(CallListener):
         self._put = put
 
     def put(self) -> None:
-        """Into memory, word by word."""
+        """Store all values, word by word."""
         for preset in self._presets:
             for word in range(preset.variable.words):
                 self._put(preset.variable.address + word, preset.bits >> 16 * word & 0xFFFF)

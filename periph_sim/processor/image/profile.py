@@ -1,7 +1,7 @@
-"""Where an image's time goes: calls, and times asleep, go in; time by stack of functions comes out.
+"""Profile of an image: time by stack of functions.
 
 CallStack --called, returned--> Profile <--slept-- ImageProgram
-                                   '-- stacks: (outermost, ..., innermost) -> ticks, of these asleep
+                                   '-- stacks: (outermost, ..., innermost) -> ticks, and ticks asleep
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ Stack = tuple[str, ...]
 
 
 class FunctionTime(Struct, frozen=True):
-    """Time of a function, in ticks. own: in its own code. total: with what it called, and interrupts in between.
+    """Time of a function, in ticks. own: in its own code. total: with called functions and interrupts.
 
-    waits: of `own`, asleep in IDLE or in a wait whose passes were skipped. calls: how often it began.
+    waits: part of `own` asleep in IDLE or in a wait whose passes were skipped. calls: number of calls.
     """
 
     name: str
@@ -29,7 +29,7 @@ class FunctionTime(Struct, frozen=True):
 
 
 class Profile(CallListener):
-    """stacks: ticks by stack. waits: of these, asleep. calls: by function."""
+    """stacks: ticks by stack. waits: part of them asleep. calls: number by function."""
 
     __slots__ = ("_since", "_stack", "calls", "stacks", "waits")
 
@@ -50,11 +50,11 @@ class Profile(CallListener):
         self._stack = self._stack[:-1]
 
     def slept(self, ticks: int) -> None:
-        """So much of the present time passed without an instruction."""
+        """Count a time without instructions."""
         self.waits[self._stack] += ticks
 
     def finish(self, tick: int) -> None:
-        """The run is over."""
+        """Count the time up to the end of the run."""
         self._count(tick)
 
     def _count(self, tick: int) -> None:
@@ -63,7 +63,7 @@ class Profile(CallListener):
             self._since = tick
 
     def functions(self) -> list[FunctionTime]:
-        """Every function that began, the one with the most time of its own first."""
+        """Return the times of all functions that were called, in descending order of their own time."""
         own, total, waits = (Counter[str]() for _ in range(3))
         for stack, ticks in self.stacks.items():
             if stack:

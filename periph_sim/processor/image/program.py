@@ -1,9 +1,9 @@
-"""An image as a program: an image goes in; it runs until it must wait, sleeps or is over.
+"""A firmware image as a program: it runs until it must wait, sleeps or ends.
 
     Processor --run--> ImageProgram --begin--> operand found --reach--> its cycle --finish--> next instruction
-                          ^--- stops wherever time has to pass; what it was about to do is kept in `_ready`
+                          ^--- stops wherever time has to pass; the pending instruction is in `_ready`
 
-Costs are the cycles of the manual's table, what `instruction_timing` adds, and wait states of registers and
+Costs are the cycles of the manual's table, those that `instruction_timing` adds, wait states of registers and the
 write-to-read protection of the bus.
 
 Source: SPRU430F chapters 3 and 4.
@@ -42,11 +42,11 @@ from .unmodelled_wait import UnmodelledWait
 from .variable_records import VariableRecords
 from .wait_records import IDLE, WaitRecords
 
-LAST_JUMPS = 8  # that an error names; a power of two
+LAST_JUMPS = 8  # named in an error; a power of two
 
 
 class ImageProgram(Program):
-    """cpu: its registers. instructions: how many were executed."""
+    """cpu: its registers. instructions: number of executed instructions."""
 
     STATE = State(
         "cpu instructions _ready _executed _idle_began _jumps _jumped _calls _waits _watch _looks "
@@ -70,7 +70,7 @@ class ImageProgram(Program):
     ) -> None:
         """entry: the address at which execution begins.
 
-        skip_polls: passes of a wait that repeat the pass before are not run. keeps_decoded: see `Engine`.
+        skip_polls: passes of a wait that repeat the previous pass are skipped. keeps_decoded: see `Engine`.
         """
         super().__init__()
         self.cpu = ImageCpu(processor, options, skip_polls, keeps_decoded)
@@ -78,27 +78,27 @@ class ImageProgram(Program):
         self.instructions = 0
         self._processor = processor
         self._clock = clock
-        self._ready: Operation | None = None  # whose operand is found, and whose cycle had to be waited for
-        self._executed = False  # an instruction, since the last boundary that looked for interrupts
+        self._ready: Operation | None = None  # the pending instruction, whose operand address is known
+        self._executed = False  # an instruction, since the last check for interrupts
         self._idle_began = False
-        self._asleep_at = 0  # the tick since which nothing was executed
+        self._asleep_at = 0  # the tick since which no instruction was executed
         self._jumps = [0] * LAST_JUMPS  # a ring
         self._jumped = 0
         self._places: dict[int, SourceLocation] = {}
         self._functions: FunctionMap | None = None
-        self._calls: CallStack | None = None  # somebody wants to know what is called
-        self._waits: WaitRecords | None = None  # somebody records when it waits
-        self._watch: InstructionWatch | None = None  # somebody looks at each instruction
-        self._looks = False  # a loop has come to its begin again
+        self._calls: CallStack | None = None  # if calls are observed
+        self._waits: WaitRecords | None = None  # if waits are recorded
+        self._watch: InstructionWatch | None = None  # if instructions are observed
+        self._looks = False  # a loop is at its begin again, and due to be examined
         self._back = -1  # the branch that closed the last executed pass of a wait
-        self._counted = self._pass = 0  # instructions up to there, and of a pass
-        self._unmodelled: UnmodelledWait | None = None  # the last wait that read nothing that is modelled
-        self._counting: CountingLoop | None = None  # a pass of a loop is taken apart, or passes that count are skipped
+        self._counted = self._pass = 0  # instructions up to that begin, and of a pass
+        self._unmodelled: UnmodelledWait | None = None  # the last wait that read unmodelled words only
+        self._counting: CountingLoop | None = None  # set while a pass is traced, or counting passes are skipped
         self._entry = entry
-        self._at = entry  # the instruction that is executed, or was last
+        self._at = entry  # the present instruction, or the last one
         self._stack_begin, self._stack_end = image.stack
-        self._sp = 0  # behind the last instruction
-        self._unwritten: set[str] = set()  # functions that have read what nobody wrote
+        self._sp = 0  # SP after the last instruction
+        self._unwritten: set[str] = set()  # functions that have read unwritten memory
         self.cpu.reads_unwritten = self
 
     def load(self) -> None:
@@ -112,7 +112,7 @@ class ImageProgram(Program):
                 cpu.fill(address + offset, word)
 
     def begin(self) -> None:
-        """Registers as the boot ROM leaves them, PC at the entry; memory stays as it is."""
+        """Set the registers as the boot ROM leaves them, with PC at the entry; memory keeps its contents."""
         self.cpu.reset()
         self.cpu.pc = self._entry
         self._sp = self.cpu.sp
@@ -125,7 +125,7 @@ class ImageProgram(Program):
             self._calls.began(self._entry, self._processor.time.cycle)
 
     def kill(self, how: type[BaseException]) -> None:
-        """See `Program.kill`. A sleep is over, so that what a reset changes in the registers it read wakes nobody."""
+        """See `Program.kill`. A sleep ends first, so that a reset of the registers that it read does not wake it."""
         Program.kill(self, how)
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])
@@ -138,37 +138,37 @@ class ImageProgram(Program):
             self._waits.ends(now)
         polls.forget()
 
-    # Who wants to know ------------------------------------------------------------------
+    # Observers -------------------------------------------------------------------------
 
     @property
     def functions(self) -> FunctionMap:
-        """Which function an address is in, and its line."""
+        """Functions and source lines by address."""
         if self._functions is None:
             self._functions = FunctionMap(self.image)
         return self._functions
 
     def tell_calls(self, listener: CallListener) -> None:
-        """`listener` is told of calls; before the first instruction."""
+        """Add a listener to calls. Call it before the first instruction."""
         if self._calls is None:
             self._calls = CallStack(self.functions, self._clock)
             self._calls.began(self.cpu.pc, self._processor.time.cycle)
         self._calls.tell(listener)
 
     def watch_memory(self, watch: VariableRecords) -> None:
-        """`watch` is told of writes to the words that it names."""
+        """Record the variables of `watch` when their words are written."""
         watch.begin()
         self.cpu.watched = watch
 
     def record_waits(self, waits: WaitRecords) -> None:
-        """Have a record made as it begins to wait, and as that is over."""
+        """Record the begin and the end of each wait."""
         self._waits = waits
 
     def watch_instructions(self, watch: InstructionWatch) -> None:
-        """`watch` looks at each instruction, beside those that do already."""
+        """Add an observer of each executed instruction."""
         watch.beside, self._watch = self._watch, watch
 
     def unwatch_instructions(self, watch: InstructionWatch) -> None:
-        """`watch`, the last that came, looks at no more of them."""
+        """Remove the observer if it is the one added last."""
         if self._watch is watch:
             self._watch = watch.beside
 
@@ -190,7 +190,7 @@ class ImageProgram(Program):
             self._woken(time.cycle)
         if cpu.ended:
             return self._ended()
-        f: Operation | None = None  # the last one of this turn
+        f: Operation | None = None  # the last instruction of this turn
         while True:
             if self._ready is not None:
                 f, self._ready = self._ready, None
@@ -275,7 +275,7 @@ class ImageProgram(Program):
     # Waits --------------------------------------------------------------------------
 
     def _sleeps(self) -> bool:
-        """At the begin of another pass of a loop: it sleeps if that can only come out as those before did."""
+        """Sleep, at the begin of a pass of a loop, if it must repeat the previous ones. Return True if asleep."""
         polls, passed = self.cpu.polls, self.instructions - self._counted
         self._counted = self.instructions
         if polls.counting:
@@ -298,7 +298,7 @@ class ImageProgram(Program):
             return False
         self._pass = passed
         if self._counting is not None and not polls.reads:
-            return True  # it is no wait: nothing can end it before
+            return True  # it is no wait: nothing ends it earlier
         self.spin = spin
         self._unmodelled = None
         if self._counting is None:
@@ -309,14 +309,14 @@ class ImageProgram(Program):
         return True
 
     def _keep_unmodelled(self, since: int) -> None:
-        """Passes come out alike: remember the loop if they read only what nothing models."""
+        """Keep the loop of equal passes if they read unmodelled words only."""
         polls, cpu = self.cpu.polls, self.cpu
         if polls.elsewhere and not polls.reads_modules:
             loop = LoopRange(cpu.pc, self._at)
             self._unmodelled = UnmodelledWait(since, loop, cpu.sp, polls.routines, list(polls.elsewhere))
 
     def _sleeps_counting(self) -> Spin | None:
-        """At the end of a pass that was taken apart: sleep through those that only count, if there are some."""
+        """Sleep, at the end of a traced pass, through the passes that only count, if there are enough."""
         polls, loop = self.cpu.polls, self._counting
         assert loop is not None
         self.unwatch_instructions(loop)
@@ -331,7 +331,7 @@ class ImageProgram(Program):
         return None
 
     def _follow_wait(self) -> None:
-        """At a boundary of a wait whose passes are executed: it is over if a sleeping program would have been woken."""
+        """End, at a boundary, a wait whose passes are executed, if a sleeping program would have been woken."""
         time, back = self._processor.time, self._back
         self._back = -1
         if time.wakes <= time.cycle:
@@ -341,7 +341,7 @@ class ImageProgram(Program):
                 self._looks = self.cpu.polls.again(back, time.cycle)
 
     def _woken(self, cycle: int) -> None:
-        """A pass may come out otherwise from this cycle on; see `Polls.woken`."""
+        """End a wait, since a pass may differ from this cycle on; see `Polls.woken`."""
         polls, counting = self.cpu.polls, self._counting
         passes = polls.woken(cycle)
         self.spin = self._counting = None
@@ -359,7 +359,7 @@ class ImageProgram(Program):
 
     @property
     def asleep_since(self) -> int | None:
-        """The tick since which nothing is executed, in a wait or in IDLE; None while it runs."""
+        """The tick since which no instruction is executed, in a wait or in IDLE; None while it runs."""
         return self._asleep_at if self.spin is not None or self._idle_began else None
 
     def waits_for(self) -> str:
@@ -387,7 +387,7 @@ class ImageProgram(Program):
         return UnansweredWait(wait.since, " and ".join(found.texts), self.place_at(wait.loop.branch), found.unanswered)
 
     def _slept(self) -> bool:
-        """IDLE: over once an interrupt comes that IER enables."""
+        """Wait in IDLE. Return True once an interrupt that IER enables has ended it."""
         processor, core = self._processor, self._processor.interrupts.core
         time = processor.time
         if not self._idle_began:
@@ -407,7 +407,7 @@ class ImageProgram(Program):
         return True
 
     def _ended(self) -> Stop:
-        """ESTOP0: over, once what was posted has landed."""
+        """End the program at ESTOP0, once its posted writes have landed."""
         time = self._processor.time
         if self.returned_at is None:
             self.returned_at = time.cycle
@@ -447,19 +447,19 @@ class ImageProgram(Program):
     # Places -------------------------------------------------------------------------
 
     def place(self) -> SourceLocation | None:
-        """The instruction that is executed, or was last, as function, file and line."""
+        """Return the present instruction, or the last one, as function, file and line."""
         known = self._places.get(self._at)
         if known is None:
             known = self._places[self._at] = self.place_at(self._at)
         return known
 
     def place_of(self, function: str) -> SourceLocation | str:
-        """The place of a function's first instruction."""
+        """Return the place of a function's first instruction, or the name of an unknown function."""
         found = self.functions.named(function)
         return self.place_at(found.address) if found else function
 
     def place_at(self, address: int) -> SourceLocation:
-        """The place of an instruction."""
+        """Return the place of an instruction."""
         functions = self.functions
         source, inside = functions.line_at(address), functions.at(address)
         name, begins = (inside.name, inside.address) if inside else ("", address)
@@ -467,18 +467,18 @@ class ImageProgram(Program):
         return instruction_location(name, begins, path, line, address)
 
     def _last_jumps(self) -> list[int]:
-        """Where the last jumps were made from, the oldest first."""
+        """Return the addresses of the last jumps, the oldest first."""
         return [self._jumps[n & LAST_JUMPS - 1] for n in range(max(0, self._jumped - LAST_JUMPS), self._jumped)]
 
     def _left_stack(self, f: Operation) -> None:
-        """SP is outside of its section. It may be set so, to another stack, but not get there step by step."""
+        """Check SP outside of its section: it may be set to another stack, but not leave the section step by step."""
         begin, end = self._stack_begin, self._stack_end
         if begin <= self._sp <= end and not (f.l == SP_FIELD and f.accesses & WRITES):
             how = "grew beyond" if self.cpu.sp > end else "was taken from below"
             raise IllegalOperation(f"the stack {how} its section .stack, {begin:#06x} to {end - 1:#06x}")
 
     def read_unwritten(self, address: int) -> None:
-        """A word was read that nothing has written: noted once for a function."""
+        """Note a read of unwritten memory, once for each function."""
         name = self.functions.name_at(self._at)
         if name not in self._unwritten:
             self._unwritten.add(name)
@@ -488,7 +488,7 @@ class ImageProgram(Program):
             )
 
     def _told(self, why: str) -> str:
-        """An error with pc, function, last jumps and registers."""
+        """Return an error message with pc, function, last jumps and registers."""
         cpu = self.cpu
         jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in self._last_jumps())
         registers = {"ACC": cpu.acc, "P": cpu.p, "XT": cpu.xt, **{f"XAR{n}": cpu.xar[n] for n in range(8)}}

@@ -1,4 +1,4 @@
-"""How much of its stack an image uses: SP behind each instruction goes in; each new most, in words, comes out.
+"""Stack depth of an image: a record of each new maximum, in words.
 
 The stack is the section `.stack`; SP elsewhere is the stack of a task, which does not count. The 14 words that an
 interrupt saves count from its routine's first instruction on.
@@ -16,8 +16,8 @@ from ...image.model import Section
 from .instruction_watch import InstructionWatch
 
 SECTION = ".stack"
-STACK = "stack"  # in place of a register's name
-CPU = "CPU"  # and of a module's
+STACK = "stack"  # instead of a register's name
+CPU = "CPU"  # instead of a module's name
 
 
 class StackDepth(InstructionWatch):
@@ -26,7 +26,7 @@ class StackDepth(InstructionWatch):
     def __init__(
         self, section: Section, recorder: Recorder, clock: Clock, unit: str, place: Callable[[], str | None]
     ) -> None:
-        """place: of the instruction that was executed."""
+        """place: returns that of the executed instruction."""
         super().__init__()
         self._place = place
         self._begin, self._end = section.run, section.run + section.size

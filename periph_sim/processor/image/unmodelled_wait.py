@@ -1,7 +1,7 @@
-"""A wait for what nothing models: its loop goes in; whether the program is still in it comes out, interrupts or not.
+"""A wait for unmodelled registers, which continues across interrupts.
 
 asleep in the loop --interrupt--> service routine --IRET--> first passes of the loop --> asleep again
-                   |<------------------------- the wait goes on ------------------>|
+                   |<------------------------- the wait continues ----------------->|
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ LCR_WORDS = 2
 
 
 class UnmodelledWait(NamedTuple):
-    """since: the cycle at which it began. addresses: the words that it reads, none of which is modelled.
+    """since: the cycle at which it began. addresses: the unmodelled words that it reads.
 
-    sp: the stack pointer in the loop. routines: service routines that were under way there.
+    sp: the stack pointer in the loop. routines: number of service routines active there.
     """
 
     since: int

@@ -1,7 +1,4 @@
-"""Variables of an image as they change: writes to memory go in; FLAG records of `UNIT.memory` come out.
-
-Only variables that somebody names are looked at.
-"""
+"""FLAG records of `UNIT.memory` for each change of selected variables of an image."""
 
 from __future__ import annotations
 
@@ -15,7 +12,7 @@ from ...image.variables import Variable
 
 
 class VariableRecords:
-    """addresses: of the words that they are in."""
+    """addresses: variables by the address of each of their words."""
 
     STATE = State("_values")
 
@@ -28,7 +25,7 @@ class VariableRecords:
         unit: str,
         place: Callable[[], str | None],
     ) -> None:
-        """place: of the instruction that writes."""
+        """place: returns that of the instruction that writes."""
         self._place = place
         self.addresses: dict[int, list[Variable]] = {}
         self._ram, self._recorder, self._clock = ram, recorder, clock
@@ -39,17 +36,17 @@ class VariableRecords:
                 self.addresses.setdefault(address, []).append(variable)
 
     def begin(self) -> None:
-        """The image has been loaded: what is there now are the values from which they change."""
+        """Read the initial values after the image has been loaded."""
         for variables in self.addresses.values():
             for variable in variables:
                 self._values[variable.name] = self._value(variable)
 
     def value(self, name: str) -> int:
-        """What a variable holds."""
+        """Return the value of a variable."""
         return self._values[name]
 
     def written(self, address: int, cycle: int) -> None:
-        """A word at one of `addresses` may have changed."""
+        """Record the variables in a word at one of `addresses` that have changed."""
         for variable in self.addresses[address]:
             value = self._value(variable)
             if value != self._values[variable.name]:

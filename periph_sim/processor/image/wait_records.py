@@ -1,4 +1,4 @@
-"""Waits of an image as records: when it sleeps or polls goes in; WAIT records come out, as of Python firmware."""
+"""WAIT records of an image, in the same form as those of Python firmware."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from ...core.state import State
 from ...core.time import Clock
 
 IDLE = "IDLE"
-ENDLESS = "endless loop"  # which reads no register
+ENDLESS = "endless loop"  # one that reads no register
 
 
 class WaitRecords:
@@ -18,10 +18,10 @@ class WaitRecords:
         self._what = ""
 
     def begins(self, what: str, cycle: int, place: str) -> None:
-        """From this cycle on it waits for `what`, or in IDLE; "": in a loop of its own."""
+        """Record the begin of a wait for `what`, or in IDLE; "": an endless loop that reads no register."""
         self._what = what or ENDLESS
         self._recorder.emit(self._clock.tick(cycle), Kind.WAIT, self._unit, self._what, 1, place)
 
     def ends(self, cycle: int) -> None:
-        """The wait that began last is over."""
+        """Record the end of the last wait."""
         self._recorder.emit(self._clock.tick(cycle), Kind.WAIT, self._unit, self._what, 0)

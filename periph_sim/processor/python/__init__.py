@@ -2,9 +2,9 @@
 
     firmware --> Cpu --> Waits, Accesses --> Instructions --> Processor: time, bus, interrupts
                                                   |     <-- enter(vector)
-                                            PythonProgram: a greenlet; gives way, and goes on there
+                                            PythonProgram: a greenlet; yields its turn, and continues
 
-The firmware calls; each call makes its accesses and lets their cycles pass. Where the processor says that something
-else may act first, the program gives way: the kernel does on the firmware's own stack what is due, up to its next turn.
-A service routine is called on that stack, too.
+Each call of the firmware makes its accesses and lets their cycles pass. If something else may act first, the program
+yields its turn: the kernel runs the due events on the firmware's own stack, up to the program's next turn. A service
+routine is called on that stack, too.
 """

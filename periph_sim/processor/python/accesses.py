@@ -1,7 +1,7 @@
-"""Register accesses of Python firmware: an operand goes in; the cycles it costs pass, and what is read comes out.
+"""Register accesses of Python firmware, with the cycles that they take.
 
-firmware --> wait for writes, wait states --> Bus --> value, or a write on its way --> boundary
-                                                ^--- a replayed pass of a wait is answered by what was read before
+firmware --> wait for writes, wait states --> Bus --> value, or a posted write --> boundary
+                                                ^--- reads of a replayed pass of a wait return the earlier values
 """
 
 # core: compiled
@@ -25,7 +25,7 @@ from .instructions import Instructions
 from .program import PythonProgram
 
 MANY_READS = 1000  # registers read in a row, without a write or a wait
-CYCLES_OF_A_PASS = 100  # most cycles for each read of a loop that polls; one that takes more computes
+CYCLES_OF_A_PASS = 100  # most cycles for each read of a loop that only polls
 POLLING = Note(
     "polling",
     "a loop polls registers pass by pass, which takes long to simulate; wait with dsp.spin(lambda: CONDITION), which "
@@ -36,7 +36,7 @@ POLLING = Note(
 
 @final
 class Accesses:
-    """Each costs one cycle and the frame's wait states."""
+    """Register and memory accesses: each takes one cycle and the frame's wait states."""
 
     __slots__ = (
         "_between",
@@ -62,11 +62,11 @@ class Accesses:
         self._time: CpuTime = processor.time
         self._notes = processor.notes
         self._reads = 0  # since the last write or wait
-        self._reads_from = 0  # the cycle at which they began, at the latest
+        self._reads_from = 0  # the latest cycle at which they may have begun
         self._polling_places: set[str] = set()
 
     def read(self, operand: Operand, where: SourceLocation | None = None) -> int:
-        """The value of the operand's words, each in its place. where: in the firmware, if that is known."""
+        """Return the value of the operand's words, each in its place. where: the statement, if known."""
         time, instructions, spin = self._time, self._instructions, self._program.spin
         if spin is None:
             instructions.run(self._between)
@@ -74,7 +74,7 @@ class Accesses:
             if self._reads == MANY_READS:
                 self._look_for_polling()
         elif spin.made:
-            instructions.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the value before, in the same pass
+            instructions.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the previous value
         bus = self._bus
         free = bus.free_from if operand.block else bus.free(operand)
         if time.cycle < free:
@@ -120,7 +120,7 @@ class Accesses:
         self._instructions.instruction(1)
 
     def modify(self, operand: Operand, number: int) -> None:
-        """A bit-field write: a read-modify-write of the word with the field."""
+        """Write a bit field by a read-modify-write of its word."""
         self._before_write()
         time = self._time
         self._wait_for_writes(operand, self._program.spin)
@@ -131,7 +131,7 @@ class Accesses:
         self._instructions.instruction(1)
 
     def load(self, address: int, width: int = 16) -> int:
-        """What a 16- or 32-bit read of an address sees. NoSuchAddress where nothing answers."""
+        """Return a 16- or 32-bit value from an address. Raise NoSuchAddress if nothing is there."""
         bus, time, instructions = self._bus, self._time, self._instructions
         if block_at(address) is not None:
             instructions.run(self._between)
@@ -146,7 +146,7 @@ class Accesses:
         return self.read(operand) >> operand.shift
 
     def store(self, address: int, value: int, width: int = 16) -> None:
-        """A 16- or 32-bit write to an address. NoSuchAddress where nothing answers."""
+        """Write 16 or 32 bits to an address. Raise NoSuchAddress if nothing is there."""
         bus, time, instructions = self._bus, self._time, self._instructions
         if block_at(address) is not None:
             self._before_write()
@@ -161,7 +161,7 @@ class Accesses:
             self.write(operand, value << operand.shift)
 
     def _refuse(self, operand: Operand) -> None:
-        """An access of a width that the frame does not take passes, and does nothing."""
+        """Let the cycles of an access pass whose width the frame does not support; it has no effect."""
         self._instructions.instruction(1 + self._bus.read_waits(operand))
         self._bus.note_width(self._time.cycle, operand)
 
@@ -178,7 +178,7 @@ class Accesses:
             self._instructions.go_to(free)
 
     def _before_write(self) -> None:
-        """The code between two accesses; a pass of a wait has its own, and with a write in it cannot be skipped."""
+        """Execute the code between two accesses. A pass of a wait has its own; one with a write is not skipped."""
         spin = self._program.spin
         self._reads = 0
         if spin is None:

@@ -1,4 +1,4 @@
-"""Records of what Python firmware does besides its accesses: spans and waits go in; records, where wanted, come out."""
+"""Records of the spans and waits of Python firmware."""
 
 # core: compiled
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @final
 class Waited:
-    """What the passes of a wait polled, in order, and the records of such waits. following: another kind of wait."""
+    """Operands that a kind of wait polls, in order, and the topic of its records. following: another kind of wait."""
 
     __slots__ = ("following", "polls", "topic")
 
@@ -30,7 +30,7 @@ class Waited:
         self.polls = polls
 
     def polled_by(self, spin: Spin) -> bool:
-        """Whether the present pass of this wait did."""
+        """Return True if the present pass of this wait polled the same operands."""
         if spin.made != len(self.polls):
             return False
         place: int
@@ -43,8 +43,8 @@ class Waited:
 
 @final
 class CodeRecords:
-    """spans, waits: whether anybody wants records of them. kept: whether anybody who is told of them, or of accesses,
-    may keep a wait.
+    """spans, waits: any subscriber needs records of them. kept: a subscriber to records of waits or accesses may keep a
+    reference to a wait.
     """
 
     __slots__ = ("_clock", "_name", "_program", "_recorder", "_waited", "kept", "spans", "waits")
@@ -59,20 +59,20 @@ class CodeRecords:
         self._recorder = recorder
         self._name = program.name
         self._program = program
-        self._waited: Waited | None = None  # each kind of wait so far: the first of a chain
+        self._waited: Waited | None = None  # the kinds of wait so far: the first of a chain
 
     def span(self, cycle: int, name: Text, begins: int) -> None:
-        """A named stretch begins (1) or ends (0) at this cycle."""
+        """Record that a named span begins (1) or ends (0) at this cycle."""
         if self.spans:
             self.tell(self._recorder.topic(Kind.SPAN, self._name, name), cycle, begins)
 
     def wait(self, cycle: int, what: Text, begins: int) -> None:
-        """A wait for `what` begins (1) or ends (0)."""
+        """Record that a wait for `what` begins (1) or ends (0)."""
         if self.waits:
             self.tell(self._recorder.topic(Kind.WAIT, self._name, what), cycle, begins)
 
     def waited_for(self, spin: Spin) -> Topic:
-        """The records of waits that poll what this one does."""
+        """Return the topic of waits that poll the same operands as this one."""
         waited = self._waited
         while waited is not None and not waited.polled_by(spin):
             waited = waited.following
@@ -83,6 +83,6 @@ class CodeRecords:
         return waited.topic
 
     def tell(self, topic: Topic, cycle: int, begins: int) -> None:
-        """A record of this topic."""
+        """Make a record of this topic."""
         where = (self._program.place() or "") if begins and topic.places else ""
         topic.emit(self._clock.tick(cycle), begins, where)

@@ -1,4 +1,4 @@
-"""What a wait asks a register for, declared: bits and their value go in; each pass reads and compares, without Python.
+"""Conditions of waits, declared as bits of a register and their value: passes need no Python.
 
 i2c.I2CSTR.when(XRDY=1)                 i2c.I2CSTR.XRDY == 1
 i2c.I2CSTR.when(mask=0x18, value=0x8)   i2c.I2CSTR.all & 0x18 == 0x8
@@ -20,7 +20,7 @@ EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how the bits compare with the value
 
 @final
 class Condition:
-    """Bits of a register that compare with a value: `holds` makes the read that a pass of a wait makes."""
+    """A comparison of bits of a register with a value: `holds` makes the read of a pass of a wait."""
 
     __slots__ = ("_accesses", "_mask", "_operand", "_test", "_value", "_where")
 
@@ -33,7 +33,7 @@ class Condition:
         test: int = EQUAL,
         where: SourceLocation | None = None,
     ) -> None:
-        """mask, value: in place, as they stand in the register. where: in the firmware it asks, if that is known."""
+        """mask, value: unshifted, as in the register. where: its statement in the firmware, if known."""
         self._accesses = accesses
         self._operand = operand
         self._mask = mask
@@ -42,7 +42,7 @@ class Condition:
         self._where = where
 
     def holds(self) -> bool:
-        """Read the register; its cycles pass."""
+        """Read the register, and return True if the condition is true; the cycles of the read pass."""
         bits, test = self._accesses.read(self._operand, self._where) & self._mask, self._test
         if test == EQUAL:
             return bits == self._value

@@ -1,4 +1,4 @@
-"""The C28x as Python firmware sees it: accesses, computations, waits and instructions go in; cycles pass.
+"""The C28x as Python firmware uses it: accesses, computations, waits and instructions, with their cycles.
 
 firmware --> Cpu --> Accesses, Waits --> Instructions --> Processor
 """
@@ -24,9 +24,9 @@ from .waits import Waits
 
 
 class Cpu:
-    """One processor with its Python firmware. accesses: by operand or address.
+    """One processor with its Python firmware. accesses: register accesses, by operand or address.
 
-    skip_polls: False makes every pass of every spin for real.
+    skip_polls: False executes every pass of every spin.
     """
 
     __slots__ = ("_core", "_instructions", "_records", "_waits", "accesses", "processor", "program", "time")
@@ -71,12 +71,12 @@ class Cpu:
 
     @property
     def cycle(self) -> int:
-        """How many SYSCLKOUT cycles have passed."""
+        """Number of SYSCLKOUT cycles that have passed."""
         return self.time.cycle
 
     @property
     def finished(self) -> bool:
-        """Main has returned."""
+        """True if main has returned."""
         return self.program.finished
 
     @property
@@ -86,29 +86,29 @@ class Cpu:
     # Code ----------------------------------------------------------------------
 
     def load(self, address: int, width: int = 16) -> int:
-        """What a 16- or 32-bit read of an address sees. NoSuchAddress where nothing answers."""
+        """Return a 16- or 32-bit value from an address. Raise NoSuchAddress if nothing is there."""
         return self.accesses.load(address, width)
 
     def store(self, address: int, value: int, width: int = 16) -> None:
-        """A 16- or 32-bit write to an address. NoSuchAddress where nothing answers."""
+        """Write 16 or 32 bits to an address. Raise NoSuchAddress if nothing is there."""
         self.accesses.store(address, value, width)
 
     def spin(self, condition: Callable[[], object], pass_cycles: int | None = None, timeout: int | None = None) -> bool:
-        """Whether the condition came before `timeout` cycles had passed: see `Waits.spin`."""
+        """Wait for a condition. Return False if it timed out: see `Waits.spin`."""
         return self._waits.spin(condition, pass_cycles, timeout)
 
     def spin_either(
         self, ready: Callable[[], object], over: Callable[[], object], pass_cycles: int | None = None
     ) -> bool:
-        """Whether `over` ended the wait: see `Waits.spin_either`."""
+        """Wait for either condition. Return True if `over` ended the wait: see `Waits.spin_either`."""
         return self._waits.spin_either(ready, over, pass_cycles)
 
     def instruction(self, cycles: int) -> None:
-        """One instruction, or an inseparable few: interrupts wait for its end."""
+        """Execute one instruction, or an inseparable group: interrupts wait for its end."""
         self._instructions.instruction(cycles)
 
     def compute(self, cycles: int, name: Text = "") -> None:
-        """A stretch of single-cycle instructions; interrupts cut in at any of them. A name makes it a span."""
+        """Execute single-cycle instructions, interruptible after each of them. A name makes it a span."""
         if name:
             self.mark_span(name, 1)
         self._instructions.busy_cycles += cycles
@@ -121,13 +121,13 @@ class Cpu:
         self._records.span(self.time.cycle, name, begins)
 
     def idle(self) -> None:
-        """IDLE: nothing until an interrupt that IER enables; with INTM = 0 it is served first."""
+        """Execute IDLE: wait for an interrupt that IER enables; with INTM = 0 it is served first."""
         self._records.wait(self.time.cycle, "IDLE", 1)
         self._instructions.idle()
         self._records.wait(self.time.cycle, "IDLE", 0)
         self._instructions.serve()
 
-    # Instructions about interrupts and protection ------------------------------------
+    # Interrupt and protection instructions -------------------------------------------
 
     def eint(self) -> None:
         self._core.clrc_intm(self.time.cycle)

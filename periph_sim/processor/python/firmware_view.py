@@ -1,6 +1,6 @@
-"""What firmware sees of its F28335: registers, waits, computations, interrupts and pins go in; cycles pass.
+"""Python firmware's view of its F28335: registers, waits, computations, interrupts and pins.
 
-`Dsp` builds the unit behind it.
+`Dsp` builds the unit.
 """
 
 # core: compiled
@@ -26,11 +26,11 @@ from ..error_origin import Misuse, flaw_of
 from .cpu import Cpu
 from .register_view import ModulePort
 
-LONG = 1 << 31  # cycles: less surely fits whatever is made of it
+LONG = 1 << 31  # cycles: times below this need no check against the end of time
 
 
 class Span:  # core: python
-    """A `with` statement's stretch. A class, since contextlib would stand between the firmware and its place."""
+    """Context manager of a span. Not made by contextlib, whose frames would be between the firmware and the call."""
 
     def __init__(self, cpu: Cpu, name: str) -> None:
         self._cpu = cpu
@@ -44,7 +44,7 @@ class Span:  # core: python
 
 
 class FirmwareView:
-    """One unit as its firmware sees it. seed: of the values drawn from spreads."""
+    """One unit as its firmware sees it. seed: seed of the values drawn from spreads."""
 
     _random: Random
     name: str
@@ -59,10 +59,11 @@ class FirmwareView:
         self._random = Random(f"{seed} {name} computations")
 
     def has(self, module: Text) -> bool:
+        """Return True if the unit has this module."""
         return module in self._sockets
 
     def module(self, name: Text) -> ModulePort:
-        """The registers of a module: "I2C-A", "SCI-A", "GPIO", "PIE", "SYS", "TIMER0". KeyError if it is not built."""
+        """Return the registers of a module, such as "I2C-A", "PIE" or "TIMER0". Raise KeyError if it is not built."""
         if name not in self._sockets:
             known = name in PART.selectable
             way = f"name it in modules of [unit.{self.name}]" if known else did_you_mean(name, self._sockets)
@@ -78,12 +79,12 @@ class FirmwareView:
         pass_cycles: int | None = None,
         timeout: Fraction | int | None = None,
     ) -> bool:
-        """Wait until `condition()` is true, as `while (!...);` does. True if it came, False if the wait timed out.
+        """Wait until `condition()` is true, as `while (!...);` does. Return False if the wait timed out.
 
-        pass_cycles: what one pass of this loop takes in all, counted in its disassembly; else the unit's
-        `code.poll_pass` and what further reads add to it. timeout: cycles, or seconds (rounded up to a cycle), from the
-        begin of the wait, service routines included; it is looked at between two passes. The condition is asked anew
-        only where a bit that it read has another value, or an interrupt was served: nothing else may bear on it.
+        pass_cycles: all cycles of one pass of this loop, counted in its disassembly; by default the unit's
+        `code.poll_pass` and the cycles of further reads. timeout: cycles, or seconds (rounded up to a cycle), from the
+        begin of the wait, service routines included; it is checked between two passes. The condition is called again
+        only if a bit that it read has changed, or an interrupt was served: it must depend on nothing else.
         """
         if not callable(condition):
             raise _no_condition("spin", condition)
@@ -94,7 +95,7 @@ class FirmwareView:
     def spin_either(
         self, ready: Callable[[], object], over: Callable[[], object], *, pass_cycles: int | None = None
     ) -> bool:
-        """`while (!ready) if (over) break;`: True if `over` ended the wait. pass_cycles: as for `spin`."""
+        """Wait as `while (!ready) if (over) break;` does. Return True if `over` ended it. pass_cycles: see `spin`."""
         if not (callable(ready) and callable(over)):
             raise _no_condition("spin_either", over if callable(ready) else ready)
         if pass_cycles is not None:
@@ -102,15 +103,15 @@ class FirmwareView:
         return self.cpu.spin_either(ready, over, pass_cycles)
 
     def _pass(self, what: Text, cycles: BigInt) -> BigInt:
-        """Misuse if a pass of a wait cannot take so many cycles."""
+        """Return the cycles. Raise Misuse if a pass of a wait cannot take this number."""
         if type(cycles) is not int or cycles < 1:
             raise Misuse(f"dsp.{what}: pass_cycles is {cycles!r}; expected a whole number of cycles above 0")
         return self._fitting(cycles, f"dsp.{what}: pass_cycles = {cycles}") if cycles > LONG else cycles
 
     def compute(self, cost: Spread | Fraction | int, name: Text = "") -> None:  # core: python
-        """Work that takes `cost`: a whole number of cycles, or seconds (rounded up to a cycle).
+        """Compute for `cost`: a whole number of cycles, or seconds (rounded up to a cycle).
 
-        Of a spread each occurrence takes a whole number of cycles, all of them equally likely.
+        Each call draws a whole number of cycles from a spread, all of them equally likely.
         """
         self.cpu.compute(self._drawn(cost) if isinstance(cost, Spread) else self._cycles(cost), name)
 
@@ -129,7 +130,7 @@ class FirmwareView:
         return self._fitting(cycles, f"a time of {cycles} cycles") if cycles > LONG else cycles
 
     def _fitting(self, cycles: BigInt, what: Text) -> BigInt:
-        """So many, but not beyond the last tick. Misuse where not even a run from the first tick on has them."""
+        """Return the cycles, limited to the last tick. Raise Misuse if they exceed the longest possible run."""
         time = self.cpu.time
         left = time.left()
         if cycles > left + time.cycle:
@@ -140,7 +141,7 @@ class FirmwareView:
         return self._random.randint(self._cycles(spread.least), self._cycles(spread.most))
 
     def span(self, name: Text) -> Span:
-        """A named stretch of firmware, for budgets and recordings; costs no cycles. For a `with` statement."""
+        """Return a context manager that names a span of firmware, for budgets and recordings; it costs no cycles."""
         if not isinstance(name, str) or not name:
             raise Misuse(f"dsp.span needs the name of the stretch, but got {name!r}")
         return Span(self.cpu, name)
@@ -148,21 +149,21 @@ class FirmwareView:
     def report_overflow(self, text: Text) -> None:  # core: python
         """Report a result of fixed-point arithmetic that does not fit, for the notes of the run and `overflows`.
 
-        text: which result, and what it does not fit.
+        text: the result, and the format that it exceeds.
         """
         self.cpu.processor.notes.note(self.cpu.time.cycle, Note("overflow", text, "IQmath guide V1.70"))
 
     def set_pin(self, pin: BigInt) -> None:  # core: python
-        """GPxSET = bit: one whole-register write. Nothing where the scene has no GPIO."""
+        """Set a pin by one whole-register write, GPxSET = bit. Without GPIO in the scene, do nothing."""
         self._write_pin("SET", pin)
 
     def clear_pin(self, pin: BigInt) -> None:  # core: python
-        """GPxCLEAR = bit."""
+        """Clear a pin by one whole-register write, GPxCLEAR = bit."""
         self._write_pin("CLEAR", pin)
 
     def _write_pin(self, what: Text, pin: BigInt) -> None:
         if self.has("GPIO"):
-            from ...f28335.gpio.register_map import PINS  # loaded where a scene names the GPIO module
+            from ...f28335.gpio.register_map import PINS  # loaded only if the scene names the GPIO module
 
             _require(pin, range(PINS), "a pin")
             self.module("GPIO")[f"GP{'ABC'[pin // 32]}{what}"].all = 1 << pin % 32
@@ -180,12 +181,12 @@ class FirmwareView:
         self.cpu.dint()
 
     def enable_interrupt(self, number: BigInt) -> None:  # core: python
-        """IER |= M_INTn. number: 1 to 14 for INT1 to INT14, 15 for DLOGINT, 16 for RTOSINT."""
+        """Set a bit of IER, IER |= M_INTn. number: 1 to 14 for INT1 to INT14, 15 for DLOGINT, 16 for RTOSINT."""
         _require(number, range(1, MASKABLE + 1), "a CPU interrupt")
         self.cpu.or_ier(1 << (number - 1))
 
     def handle(self, name: Text, handler: Callable[[], None]) -> tuple[int, int]:
-        """Make `handler` the service routine of a vector; returns its PIE group and line ((n, 0) for INTn)."""
+        """Make `handler` the service routine of a vector. Return its PIE group and line, (n, 0) for INTn."""
         _routine(name, handler)
         if name not in pie_map.VECTORS:
             raise KeyError(f"there is no vector {name!r}; {did_you_mean(name, [*pie_map.LINES, *pie_map.CPU_VECTORS])}")
@@ -194,7 +195,7 @@ class FirmwareView:
 
 
 def _require(number: BigInt, numbers: range, what: Text) -> None:
-    """Misuse if this is not one of these numbers."""
+    """Raise Misuse if this is not one of these numbers."""
     if type(number) is not int or number not in numbers:
         raise Misuse(f"{number!r} does not name {what}; expected a number from {numbers[0]} to {numbers[-1]}")
 
@@ -205,7 +206,7 @@ def _no_condition(what: Text, given: object) -> Misuse:
 
 
 def _routine(name: Text, handler: Callable[[], None]) -> None:
-    """Misuse if this cannot be a service routine."""
+    """Raise Misuse if this cannot be a service routine."""
     if not callable(handler):
         raise Misuse(f"the routine of {name!r} is {handler!r}; give the function itself, without calling it")
     what = flaw_of(handler, 0)

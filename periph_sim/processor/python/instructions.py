@@ -1,9 +1,9 @@
-"""What Python firmware executes between two accesses: cycles go in; they pass, and interrupts cut in at boundaries.
+"""Instructions of Python firmware between two accesses: cycles, and interrupts at their boundaries.
 
     instruction, run, idle --boundary--> Processor.take --> vector --> service routine --> Processor.iret
 
-A service routine is called on the firmware's own stack, where an instruction boundary meets a pending request, exactly
-as on the chip.
+A service routine is called on the firmware's own stack, at the instruction boundary at which the chip would take the
+interrupt.
 """
 
 # core: compiled
@@ -26,7 +26,7 @@ SLEEPS = Stop.SLEEPS
 
 @final
 class Instructions:
-    """busy_cycles: spent in computations and service routines, not in waits."""
+    """busy_cycles: cycles of computations and service routines, not of waits."""
 
     __slots__ = ("_core", "_epilogue", "_processor", "_program", "_prologue", "_time", "busy_cycles")
 
@@ -43,7 +43,7 @@ class Instructions:
         self._epilogue = code.isr_epilogue
 
     def instruction(self, cycles: int) -> None:
-        """One instruction, or an inseparable few: interrupts wait for its end."""
+        """Execute one instruction, or an inseparable group: interrupts wait for its end."""
         time, core = self._time, self._core
         cycle = time.cycle + cycles
         if cycle >= time.lease and not self._processor.reach(cycle):
@@ -53,12 +53,12 @@ class Instructions:
             self.serve()
 
     def go_to(self, cycle: int) -> None:
-        """Let time pass to `cycle`, which no interrupt cuts short."""
+        """Let time pass to `cycle`, without interrupts."""
         if not self._processor.reach(cycle):
             self._program.give_way()
 
     def run(self, cycles: int) -> None:
-        """Straight-line code: interrupts cut in at each cycle."""
+        """Execute straight-line code, interruptible at each cycle."""
         time, core = self._time, self._core
         end = time.cycle + cycles
         if end < time.lease and core.next_wake > end and not core.ifr and not core.owes_instruction:
@@ -77,7 +77,7 @@ class Instructions:
                 self.serve()
 
     def idle(self) -> None:
-        """IDLE: nothing until an interrupt that IER enables; with INTM = 0 it is served first."""
+        """Wait in IDLE for an interrupt that IER enables; with INTM = 0 the caller serves it next."""
         time, core = self._time, self._core
         core.idle(time.cycle)
         self.go_to(time.cycle + cpu_costs.IDLE)
@@ -87,7 +87,7 @@ class Instructions:
             self.go_to(core.ready)
 
     def after_main(self) -> None:
-        """The endless loop that ends exit() of the run-time library, a branch to itself: service routines still run."""
+        """Run the run-time library's endless loop of exit(), a branch to itself; service routines still run."""
         time = self._time
         while True:
             began = time.cycle

@@ -1,7 +1,7 @@
-"""Ports of registers, whichever unit they are of: `port.NAME` and `port.NAME = number` go in; accesses come out.
+"""Ports of registers, which turn `port.NAME` and `port.NAME = number` into accesses.
 
     port.XRDY           --> PortField.__get__ --> Accesses.read --> the field's number
-    port.IRS = 1        --> Port.__setattr__ --> Accesses.modify; Accesses.write where the name is whole words
+    port.IRS = 1        --> Port.__setattr__ --> Accesses.modify; Accesses.write if the name is whole words
     port.when(XRDY=1)   --> Condition, for a wait to read and compare: no access yet
 
 Each register has a class of ports, with a descriptor for each name; `register_view` makes it, once in a process.
@@ -27,13 +27,13 @@ from .conditions import Condition
 
 
 class Registers:
-    """One module's registers by name, each a `Port` that stays: what it has in its `vars`."""
+    """One module's registers by name; its `vars` hold the ports that were made."""
 
     __slots__ = ()
 
 
 class Port:
-    """One register of one module of a unit. where, fields: "I2C-A.I2CSTR", and the names; its class has them."""
+    """One register of one module of a unit. where, fields: "I2C-A.I2CSTR" and its names, set in subclasses."""
 
     __slots__ = ("_accesses", "_bus", "_fields", "_half", "_operands", "_place")
     where = ""
@@ -45,11 +45,11 @@ class Port:
         self._place = place
         self._fields = fields
         self._half: Port | None = None
-        self._operands: list[Operand | None] = [None] * len(fields)  # by `PortField.number`, as they are needed
+        self._operands: list[Operand | None] = [None] * len(fields)  # by `PortField.number`, made when needed
 
     def __setattr__(self, name: str, value: int) -> None:
         if name in STATE:
-            object.__setattr__(self, name, value)  # compiled, they are no attributes for Python
+            object.__setattr__(self, name, value)  # in compiled form, they are no Python attributes
         else:
             self._assign(name, value)
 
@@ -60,7 +60,7 @@ class Port:
         field.assign(self, value)
 
     def when(self, *, mask: object = None, value: object = None, **wanted: object) -> Condition:
-        """The condition that a field has a number, when(XRDY=1), or that register & mask == value."""
+        """Return the condition that a field has a value, when(XRDY=1), or that register & mask == value."""
         if len(wanted) > 1 and mask is None and value is None:
             raise self._one_at_a_time(wanted)
         if len(wanted) + (mask is not None or value is not None) != 1 or (mask is None) != (value is None):
@@ -74,7 +74,7 @@ class Port:
         return self._fields["all"].masked(self, mask, value)
 
     def _one_at_a_time(self, wanted: dict[str, object]) -> Exception:
-        """Why several fields are no condition: what is wrong with one of them, else the mask that asks all of them."""
+        """Return the error for several fields: that of an invalid one, else one that suggests a mask of them all."""
         mask = value = 0
         for name, number in wanted.items():
             if name not in self._fields:
@@ -91,12 +91,12 @@ class Port:
         )
 
     def asked(self, name: Text, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
-        """The condition that a field compares so with a number; None where `PortField.asked` has none."""
+        """Return the condition that compares a field with a number; None if `PortField.asked` returns none."""
         found = self._fields.get(name)
         return None if found is None else found.asked(self, number, test, where)
 
     def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:  # core: python
-        """The port of the register's halves, which is made of this class once it is asked for."""
+        """Return the port of the register's halves, made at the first call."""
         if self._half is None:
             self._half = made(self._accesses, self._bus, self._place, fields)
         return self._half
@@ -107,7 +107,7 @@ STATE = frozenset(Port.__slots__)
 
 @final
 class PortField:
-    """What a name stands for: a field, or whole words of the register. number: its place among the port's names."""
+    """A name of a port: a field, or whole words of the register. number: its index among the port's names."""
 
     __slots__ = ("_field", "_lsb", "_mask", "_most", "_register", "_where", "_words", "number")
 
@@ -116,7 +116,7 @@ class PortField:
     _most: BigInt
 
     def __init__(self, number: int, register: Register, words: int, field: Field | None, where: str) -> None:
-        """words: that an access moves. where: the name in full, for messages."""
+        """words: those that an access transfers. where: the full name, for messages."""
         self.number = number
         self._register = register
         self._words = words
@@ -143,7 +143,7 @@ class PortField:
             port._accesses.modify(operand, value)
 
     def condition(self, port: Port, number: object) -> Condition:
-        """That this field has a number, of which Misuse is raised where it cannot have it."""
+        """Return the condition that this field has a value. Raise Misuse if it cannot have it."""
         value = self.in_place(number)
         return Condition(port._accesses, port._operands[self.number] or self._operand(port), self._mask, value)
 
@@ -152,12 +152,14 @@ class PortField:
         return self._mask
 
     def in_place(self, number: object) -> BigInt:
-        """The number as it stands in the register. Misuse where the field cannot have it."""
+        """Return the number shifted to the field's bits. Raise Misuse if the field cannot have it."""
         return self._whole(f"{self._where} == {number!r} never holds", number, self._most) << self._lsb
 
     def asked(self, port: Port, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
-        """That this field compares so with a number that it can have. where: in the firmware. None where a read of it
-        is more than a look at the chip, or its record is to tell a place that is not known."""
+        """Return the condition that compares this field with a number. where: its statement in the firmware.
+
+        Return None if a read has effects, its record needs a place that is unknown, or the number is out of range.
+        """
         operand: Operand = port._operands[self.number] or self._operand(port)
         if not operand.placed:
             where = None
@@ -168,7 +170,7 @@ class PortField:
         return Condition(port._accesses, operand, self._mask, number << self._lsb, test, where)
 
     def masked(self, port: Port, mask: object, value: object) -> Condition:
-        """That these bits have this value. Misuse where they cannot."""
+        """Return the condition that these bits have this value. Raise Misuse if they cannot."""
         where = f"{self._where}.when(mask={mask!r}, value={value!r})"
         bits = self._whole(f"{where}: the mask does not fit", mask, self._most)
         wanted = self._whole(f"{where}: the value does not fit", value, self._most)
@@ -179,7 +181,7 @@ class PortField:
         return Condition(port._accesses, port._operands[self.number] or self._operand(port), bits, wanted)
 
     def _whole(self, what: Text, value: object, most: BigInt) -> BigInt:
-        """The value as a number of Python's. Misuse if it is none, or larger than these bits can be."""
+        """Return the value as an int. Raise Misuse if it is none, or exceeds `most`."""
         try:
             number = index(value)  # type: ignore[arg-type]
         except TypeError:
@@ -194,7 +196,7 @@ class PortField:
         return operand
 
     def _fitting(self, value: object) -> BigInt:
-        """The value as a number of Python's, whatever whole number it is. Misuse if it is none, or does not fit."""
+        """Return any integer type as an int. Raise Misuse if the value is none, or does not fit."""
         most = self._most
         try:
             number = index(value)  # type: ignore[arg-type]
@@ -210,7 +212,7 @@ def no_such_name(where: str, name: str, names: tuple[str, ...]) -> AttributeErro
 
 
 def cannot_be_written(where: str, name: str, names: tuple[str, ...]) -> AttributeError:
-    """A name that is not there, or one that stands for names of its own."""
+    """Return the error for an assignment to an unknown name, or to one that has names of its own."""
     if name not in names:
         return no_such_name(where, name, names)
     return AttributeError(f"{where}.{name} cannot be assigned to; it has names of its own, which can")

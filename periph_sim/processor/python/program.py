@@ -1,12 +1,12 @@
-"""A Python function as a program: the function goes in; it runs in a greenlet, until it must wait or is over.
+"""A Python function as a program, which runs in a greenlet until it must wait or returns.
 
     Processor.act --> run --> greenlet --> firmware --> instructions --> give_way --> Kernel.help, until it is run again
 
-A program that gives way does what is due meanwhile from where it stands: nobody changes stacks until another program is
-to go on, or the run is over. What comes of that is no concern of the firmware: an exception is raised at home, where
-the kernel was asked to run.
+A program that yields its turn runs the due events on its own stack; stacks are switched only when another program
+continues, or the run ends. An exception of such an event is not raised in the firmware, but in the outer loop, where
+the kernel was started.
 
-Service routines have code addresses of their own, so that their vectors are words in the PIE's table as any others.
+Service routines have code addresses of their own, so that their vectors are ordinary words in the PIE's table.
 """
 
 # core: compiled
@@ -34,16 +34,16 @@ from ..source_location import SourceLocation, SourceLocator
 from ..stall_watch import NoProgress, watch
 from ..user_code import as_firmware_error, output_aside
 
-ROUTINES = 0x30_0000  # service routines begin in flash, as far from its begin as their vector in the table is from 0
+ROUTINES = 0x30_0000  # code address of a service routine, in flash: this plus the address of its vector
 
 Handler = Callable[[], None]
 
 
 class _ProgramsOfThread:  # core: python
-    """The programs that a thread has begun: no other thread can run or end them.
+    """Programs that a thread has begun; no other thread can run or end them.
 
-    alive: all that still exist. They end with the thread, as its variables are deleted.
-    leftovers: those whose scene was freed in another thread. They end as the thread begins its next program.
+    alive: all programs that still exist. They end with the thread, when its variables are deleted.
+    leftovers: programs whose scene was freed in another thread. They end when the thread begins its next program.
     """
 
     def __init__(self) -> None:
@@ -56,7 +56,7 @@ class _ProgramsOfThread:  # core: python
             self.leftovers.pop().end_quietly()
 
     def __del__(self) -> None:
-        if not sys.is_finalizing():  # Python itself ends, and takes its modules apart
+        if not sys.is_finalizing():  # modules are being deleted
             for program in list(self.alive):
                 program.end_quietly()
 
@@ -71,11 +71,11 @@ _threads = _Threads()
 
 @final
 class PythonProgram(Program):
-    """handlers: service routines by vector. entered: the routine that is to be called now.
+    """handlers: service routines by vector. entered: the routine to call now.
 
-    stall_limit: seconds of CPU time that the firmware may take at one instant; 0: any.
-    placed: says where the firmware is, if its statements are none of Python's.
-    thread: that runs the firmware, while it does.
+    stall_limit: seconds of CPU time that the firmware may take at one instant; 0: unlimited.
+    placed: returns the position of firmware whose statements are not Python's.
+    thread: the thread that runs the firmware; 0 otherwise.
     """
 
     __weakref__: object
@@ -97,16 +97,16 @@ class PythonProgram(Program):
         self._code: dict[int, Handler] = {}  # service routines by their code address
         self._places = SourceLocator()
         self._greenlet: greenlet | None = None
-        self._leftovers: list[PythonProgram] = []  # of the thread in which it was begun
+        self._leftovers: list[PythonProgram] = []  # of the thread that began it
         self._watched = 0  # the thread that runs the firmware
         self._stops = watch.stops
 
     # Life --------------------------------------------------------------------
 
     def begin(self, firmware: Callable[[], None], after_main: Callable[[], None]) -> None:
-        """Run `firmware` from its beginning on when the processor next runs this program.
+        """Run `firmware` from its beginning when the processor next runs this program.
 
-        after_main: what is executed once it has returned.
+        after_main: called when it has returned.
         """
         self.returned_at = None
         programs = _threads.programs
@@ -128,7 +128,7 @@ class PythonProgram(Program):
             watch.add(self)
 
     def _execute(self, firmware: Callable[[], None], after_main: Callable[[], None]) -> None:
-        """All that the program does. FirmwareError, where it is the firmware's fault."""
+        """Execute the program. Raise FirmwareError for errors of the firmware."""
         self._watched = get_ident()
         self._goes_on()
         try:
@@ -151,7 +151,7 @@ class PythonProgram(Program):
             raise found from error
 
     def _end(self) -> None:
-        """The firmware is over, if it was not killed: whoever is at home goes on."""
+        """End the turn of firmware that returned or raised: the outer loop continues, unless the program was killed."""
         self._waits()
         if self._greenlet is not None:
             self._processor.stops(Stop.ENDED)
@@ -160,7 +160,7 @@ class PythonProgram(Program):
     # Turns -------------------------------------------------------------------
 
     def run(self, until: int) -> None:
-        """It is this program's turn. Its stops are told by `give_way`: here another program may come back."""
+        """Give this program its turn. `give_way` reports its stops, since another program may return from this call."""
         kernel = self._kernel
         kernel.released = True
         if kernel.helper is not self:
@@ -184,9 +184,9 @@ class PythonProgram(Program):
                 del fault
 
     def give_way(self, why: Stop = Stop.WAITS) -> None:
-        """Stop here; returns when the program is run again. What is due meanwhile is done from here."""
+        """Stop, and return when the program is run again; meanwhile run due events from here."""
         kernel, program = self._kernel, self._greenlet
-        if program is None:  # it was killed, and never goes on
+        if program is None:  # it was killed, and never continues
             ender = getcurrent().parent
             assert ender is not None
             ender.switch()
@@ -210,21 +210,21 @@ class PythonProgram(Program):
         return home
 
     def _goes_on(self) -> None:
-        """From here on the firmware is watched."""
+        """Begin to watch the firmware for stalls."""
         self.thread = self._watched
 
     def _waits(self) -> None:
-        """Nothing that comes up to here is of the firmware."""
+        """End the watch for stalls: the time up to `_goes_on` is not the firmware's."""
         self.thread = 0
         if self.stall_limit and self._stops:
             watch.leave(self._watched)
 
     def kill(self, how: type[BaseException]) -> None:
-        """`how` is raised in the firmware, so that its `finally` blocks run."""
+        """Raise `how` in the firmware, so that its `finally` blocks run."""
         Program.kill(self, how)
         dying, self._greenlet = self._greenlet, None
         if dying is not None and not dying.dead:
-            dying.parent = getcurrent()  # goes on here, and this for good if it has to wait
+            dying.parent = getcurrent()  # continues here when it ends, or when it has to wait
             self._goes_on()
             try:
                 dying.throw(how)
@@ -234,7 +234,7 @@ class PythonProgram(Program):
     def let_go(self) -> None:
         """Run its `finally` blocks, in no simulated time; errors in them are ignored.
 
-        In a thread that cannot end it, it is left to the thread that can.
+        A thread that cannot end it leaves it to the thread that can.
         """
         if self._leftovers is _threads.programs.leftovers:
             self.end_quietly()
@@ -246,11 +246,11 @@ class PythonProgram(Program):
             self.kill(GreenletExit)
 
     def instant(self) -> tuple[int, int]:
-        """What changes with simulated time."""
+        """Return values that change with simulated time."""
         return self._processor.time.instant()
 
     def _land(self) -> None:
-        """What main posted last takes effect before main counts as over."""
+        """Let main's posted writes take effect before main counts as finished."""
         processor = self._processor
         while processor.time.lands < NEVER:
             if not processor.reach(processor.time.lands + 1):
@@ -259,7 +259,7 @@ class PythonProgram(Program):
     # Places and routines ---------------------------------------------------------
 
     def place(self) -> SourceLocation | None:
-        """The innermost statement of the firmware; None where main has not begun or is over."""
+        """Return the innermost statement of the firmware; None before main begins and after it returns."""
         if self.placed is not None:
             return self.placed()
         running = self._greenlet
@@ -268,7 +268,7 @@ class PythonProgram(Program):
         return self._places.of_frame(sys._getframe() if getcurrent() is running else running.gr_frame)
 
     def place_in(self, code: CodeType, line: int) -> SourceLocation | None:
-        """What `place` says as this line of a code runs; None where that is not known."""
+        """Return what `place` returns while this line of a code runs; None if that is unknown."""
         return None if self.placed is not None else self._places.of_line(code, line)
 
     def handle(self, vector: Text, routine: Handler) -> None:
@@ -279,7 +279,7 @@ class PythonProgram(Program):
         self._processor.bus.ram.put_word32(entry, ROUTINES + entry)
 
     def routine(self, address: int, routine: Handler) -> None:
-        """Make `routine` what a code address stands for, which firmware stores as a vector by itself."""
+        """Make `routine` the code at an address that firmware itself stores as a vector."""
         self._code[address] = routine
 
     def enter(self, vector: int) -> Text:

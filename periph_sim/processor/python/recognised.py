@@ -1,9 +1,9 @@
-"""Functions that ask what a condition could: one of the firmware goes in; the condition comes out, where it is one.
+"""Recognition of functions that are equivalent to a `Condition`.
 
     lambda: i2c.I2CSTR.XRDY == 1   --seen before--> its code: i2c, I2CSTR, XRDY, ==, 1 --> Condition
 
-The first wait calls the function. Recognised is only a field of a register of a module beside a number: nothing that
-firmware could give another meaning. Where records of the read tell its place, that is the function's line.
+The first wait calls the function. Only a comparison of a field of a module's register with a number is recognised:
+firmware cannot give it another meaning. The place of the read in records is the function's line.
 """
 
 # core: compiled
@@ -23,14 +23,14 @@ from .port_fields import Port, Registers
 from .program import PythonProgram
 
 TESTS = {"==": EQUAL, "!=": UNEQUAL, "<": BELOW, ">": ABOVE}
-NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # opcodes that do nothing here
+NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # opcodes without effect here
 FORM = ("LOAD_DEREF", "LOAD_ATTR", "LOAD_ATTR", "LOAD_CONST", "COMPARE_OP", "RETURN_VALUE")
 
 
 class Asked(NamedTuple):
-    """A field of a register beside a number. place: of the module among the variables from around the function.
+    """A comparison of a field with a number. place: index of the module among the function's free variables.
 
-    line: in which the field is read.
+    line: the line that reads the field.
     """
 
     place: int
@@ -41,9 +41,9 @@ class Asked(NamedTuple):
     line: int
 
 
-@lru_cache(maxsize=256)  # what a code asks is in the code alone, so the firmware of all scenes shares it
+@lru_cache(maxsize=256)  # the query depends on the code alone, so the firmware of all scenes shares it
 def asked_by(code: CodeType) -> Asked | None:
-    """None where it asks otherwise."""
+    """Return the comparison that a code makes; None if it has another form."""
     if code.co_argcount or code.co_kwonlyargcount or code.co_flags & 0x0C:
         return None
     steps = [step for step in get_instructions(code) if step.opname not in NOTHING]
@@ -60,16 +60,16 @@ def asked_by(code: CodeType) -> Asked | None:
 
 @final
 class Question:
-    """What a code asks. condition: about the module that the function named last."""
+    """The query of a code. condition: its condition on the module used last."""
 
     __slots__ = ("code", "condition", "field", "known", "module", "number", "place", "register", "test", "where")
 
     number: BigInt
 
     def __init__(self, code: CodeType) -> None:
-        self.code = code  # kept, so that its id is nobody else's
-        self.known = False  # it was taken apart
-        # Of the module among the variables that the function takes from around it; -1: it asks otherwise.
+        self.code = code  # kept, so that its id stays unique
+        self.known = False  # it was analysed
+        # Index of the module among the function's free variables; -1: the code has another form.
         self.place = -1
         self.register = self.field = ""
         self.test = EQUAL
@@ -78,7 +78,8 @@ class Question:
         self.module: Registers | None = None
         self.condition: Condition | None = None
 
-    def take_apart(self, program: PythonProgram) -> None:
+    def analyse(self, program: PythonProgram) -> None:
+        """Set the query from the code."""
         self.known = True
         asked = None if sys.gettrace() is not None else asked_by(self.code)
         if asked is not None:
@@ -86,7 +87,7 @@ class Question:
             self.where = program.place_in(self.code, line)
 
     def about(self, module: object) -> Condition | None:
-        """The condition on this module's register; None where there is none."""
+        """Return the condition on this module's register; None if there is none."""
         self.module = self.condition = None
         if isinstance(module, Registers):
             port = vars(module).get(self.register)
@@ -97,18 +98,18 @@ class Question:
 
 @final
 class Recogniser:
-    """One CPU's: what was seen of its firmware's functions."""
+    """Queries of one CPU's firmware."""
 
     __slots__ = ("_earlier", "_latest", "_program", "_questions")
 
     def __init__(self, program: PythonProgram) -> None:
         self._program = program
         self._questions: dict[int, Question] = {}
-        self._latest: Question | None = None  # asked last; a loop asks the same one or two again and again
-        self._earlier: Question | None = None  # before it
+        self._latest: Question | None = None  # used last; a loop repeats the same one or two
+        self._earlier: Question | None = None  # used before it
 
     def condition(self, function: object) -> Condition | None:
-        """What the function asks, if it was seen before and asks it so."""
+        """Return the condition equivalent to a function that was seen before; None if there is none."""
         if type(function) is not FunctionType:
             return None
         code = function.__code__
@@ -123,11 +124,11 @@ class Recogniser:
                     return None
             self._latest = question
         if not question.known:
-            question.take_apart(self._program)
+            question.analyse(self._program)
         if question.place < 0:
             return None
         try:
             module = function.__closure__[question.place].cell_contents  # type: ignore[index]
-        except ValueError:  # nothing is there yet
+        except ValueError:  # not yet assigned
             return None
         return question.condition if module is question.module else question.about(module)

@@ -1,4 +1,4 @@
-"""Registers as firmware writes them: attributes go in, bus cycles come out.
+"""Registers in the notation of firmware: attributes that make bus accesses.
 
 i2c.I2CSTR.AAS                read the register, cut the field out
 i2c.I2CMDR.IRS = 0            read the register, put the field in, write it
@@ -23,22 +23,22 @@ from .port_fields import Port, PortField, Registers, no_such_name
 
 
 class RegisterPort(Port):  # core: python
-    """One register of one module. Field names read and write; `all` is the whole register."""
+    """One register of one module. Field names are attributes; `all` is the whole register."""
 
     __slots__ = ()
 
     def __getattr__(self, name: str) -> int:
-        """Only for names that are not there."""
+        """Raise AttributeError: no such field exists."""
         raise no_such_name(self.where, name, self.fields)
 
 
 Ports = tuple[Register, type[RegisterPort], dict[str, PortField]]
 
-_made: dict[str, Ports] = {}  # what the ports of a register have in common, by its name in full
+_made: dict[str, Ports] = {}  # shared data of the ports of a register, by its full name
 
 
 def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterPort:  # core: python
-    """The port of one register."""
+    """Return the port of one register."""
     where = f"{place.name}.{register.name}"
     found = _made.get(where)
     if found is None or found[0] is not register:
@@ -75,7 +75,7 @@ def _class(where: str, names: tuple[str, ...], ports: Mapping[str, object]) -> t
 
 @final
 class ModulePort(Registers):
-    """One module's registers by name. A port is made as it is first named: firmware uses a few of a hundred."""
+    """One module's registers by name. A port is made at its first use: firmware uses a few of a hundred."""
 
     __dict__: dict[str, RegisterPort]
 
@@ -85,7 +85,7 @@ class ModulePort(Registers):
         self._made: dict[str, RegisterPort] = {}
 
     def __getattr__(self, name: str) -> RegisterPort:
-        """Only for names that are not there yet: from then on it is a plain attribute."""
+        """Make the port at its first use; later it is a plain attribute."""
         registers = self._place.socket.chip.MAP
         if name not in registers:
             near = did_you_mean(name, [r.name for r in registers])
@@ -94,11 +94,11 @@ class ModulePort(Registers):
         return port
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Registers are written through their fields or `all`; a module has nothing else to assign to."""
+        """Raise AttributeError: registers are written through their fields or `all`."""
         if name.startswith("_"):
             object.__setattr__(self, name, value)
             return
-        self[name]  # a name that is not there is told so
+        self[name]  # raises for an unknown name
         raise AttributeError(f"{self._place.name}.{name} is a register; write {name}.all = ... or a field of it")
 
     def __getitem__(self, name: str) -> RegisterPort:

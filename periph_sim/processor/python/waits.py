@@ -1,14 +1,14 @@
-"""`while (!condition()) ;` of Python firmware: a condition goes in; the cycle comes at which polling would have ended.
+"""Waits of Python firmware, `while (!condition()) ;`, which end at the cycle at which polling would end.
 
-    condition --first pass--> what it read --Lease--> sleep --wake--> reads alone --a bit differs--> condition
+    condition --first pass--> its reads --Lease--> sleep --wake--> reads alone --a bit differs--> condition
 
-Waiting is skipped: a pass of a spin whose reads have no side effect is made once; it cannot come out otherwise before a
-register that it read changes or an interrupt is due. At that moment the pass in progress is made from its start, reads
-that lie in the past answering with what was read before. As long as the reads bring what they brought, nobody asks the
-condition. So a spin ends at the cycle at which polling pass by pass would have ended, at the cost of one event.
+Passes are skipped: a pass of a spin whose reads have no side effect is executed once; it repeats until a register that
+it read changes or an interrupt is due. Then the pass in progress is replayed from its start, and reads in the past
+return the earlier values. The condition is called only after a read returned another value. So a spin ends at the cycle
+at which polling pass by pass would have ended, at the cost of one event.
 
-A condition is a function, or a `Condition` on one register, which makes its passes without Python; a function that was
-recognised as one is taken for it.
+A condition is a function, or a `Condition` on one register, whose passes need no Python; a function that is recognised
+as a `Condition` is replaced by it.
 """
 
 # core: compiled
@@ -37,13 +37,13 @@ if TYPE_CHECKING:
     from ..operand import Operand
     from ..polling import Poll
 
-NEITHER, READY, OVER = range(3)  # what ended a wait
+NEITHER, READY, OVER = range(3)  # the condition that ended a wait
 SLEEPS = Stop.SLEEPS
 
 
 @final
 class Waits:
-    """skip_polls: False makes every pass of every spin for real (the brute force that the skipping is proven against).
+    """skip_polls: False executes every pass of every spin (the reference for tests of the skipping).
 
     branch: cycles of the branch back to the begin of a pass.
     """
@@ -89,20 +89,20 @@ class Waits:
         self._time: CpuTime = processor.time
         self._lease = Lease(processor.time)
         self._recogniser = Recogniser(program)
-        self._spare: Spin | None = None  # of a wait that is over
+        self._spare: Spin | None = None  # of an earlier wait, for reuse
 
     def spin(self, condition: Callable[[], object], pass_cycles: int | None = None, timeout: int | None = None) -> bool:
-        """`while (!condition()) ;` as the compiler makes it: passes of reads, their tests and the branch back.
+        """Wait as compiled `while (!condition()) ;` does, in passes of reads, their tests and the branch back.
 
-        True as soon as the condition holds; False at the end of the first pass by which `timeout` cycles have passed
-        since the wait began, interrupts included. pass_cycles: what a pass takes in all, if its reads take no longer.
+        Return True as soon as the condition holds, False at the end of the first pass by which `timeout` cycles have
+        passed since the wait began, interrupts included. pass_cycles: all cycles of a pass, if its reads need no more.
         """
         return self._wait(condition, None, pass_cycles, timeout) == READY
 
     def spin_either(
         self, ready: Callable[[], object], over: Callable[[], object], pass_cycles: int | None = None
     ) -> bool:
-        """`while (!ready()) if (over()) break;`: True if `over` ended the wait."""
+        """Wait as `while (!ready()) if (over()) break;` does. Return True if `over` ended the wait."""
         return self._wait(ready, over, pass_cycles, None) == OVER
 
     def _wait(
@@ -112,7 +112,7 @@ class Waits:
         pass_cycles: int | None,
         timeout: int | None,
     ) -> int:
-        """Which of the conditions ended the wait: READY, OVER or, after a timeout, neither."""
+        """Wait, and return the condition that ended the wait: READY, OVER or, after a timeout, NEITHER."""
         time, program, instructions, records = self._time, self._program, self._instructions, self._records
         spin = self._begun(pass_cycles, NEVER if timeout is None else time.cycle + timeout)
         outer, program.spin = program.spin, spin
@@ -137,7 +137,7 @@ class Waits:
                     waited = records.waited_for(spin)
                     records.tell(waited, spin.since, 1)
             if pass_cycles is None and not self._branch_listed:
-                self._branch_listed = True  # it is what `poll_pass` leaves to it; the list of the CPU keeps what it has
+                self._branch_listed = True  # `_branch` depends on it; the CPU's list keeps its entries
                 self._pf2_read_ws.assume(self._core.touched)
             instructions.instruction(spin.rest(time.cycle, self._branch))
             again = spin.pure and time.cycle < spin.ends and self._skip(spin)
@@ -151,7 +151,7 @@ class Waits:
         return came
 
     def _begun(self, pass_cycles: int | None, ends: int) -> Spin:
-        """A wait that begins now: the object of an earlier one that is over, unless somebody may have kept that."""
+        """Return a wait that begins now: the object of an earlier one, unless a subscriber may refer to that."""
         spin, self._spare = self._spare, None
         if spin is None:
             return Spin(self._time.cycle, pass_cycles, ends)
@@ -165,10 +165,10 @@ class Waits:
         return spin
 
     def _skip(self, spin: Spin) -> bool:
-        """Sleep over the passes that must come out as this one did, and set up the replay of the one in progress.
+        """Sleep through the passes that must repeat this one, and set up the replay of the one in progress.
 
-        Where they are executed, `Spin.last` tells that they could have been skipped.
-        True if nothing but reads can make the next pass come out otherwise.
+        If passes are executed instead, keep their reads in `Spin.last`.
+        Return True if only its reads can make the next pass differ.
         """
         time, core = self._time, self._core
         if not spin.made or time.lands < NEVER or core.earliest() < NEVER:
@@ -200,9 +200,9 @@ class Waits:
         return spin.bare and spin.pure
 
     def _repeats(self, spin: Spin) -> bool:
-        """The next pass as far as its reads bring what they brought in the last one. True if all of them do.
+        """Execute the reads of the next pass while they return the values of the last one. Return True if all do.
 
-        False: the pass is the condition's to make, from its start on; reads that were made are answered from memory.
+        False: the condition must be called from the start of the pass; completed reads then return the same values.
         """
         time, instructions = self._time, self._instructions
         cycle: int
@@ -212,7 +212,7 @@ class Waits:
             read: Poll = spin.reads[place]
             operand: Operand = read.operand
             if place:
-                cycle += cpu_costs.SB_NOT_TAKEN  # the test of the value before, in the same pass
+                cycle += cpu_costs.SB_NOT_TAKEN  # the test of the previous value
                 if not self._passes(cycle):
                     break
             if not operand.looks or (operand.placed and read.where is None) or cycle < self._bus.free(operand):
@@ -237,7 +237,7 @@ class Waits:
         return False
 
     def _passes(self, cycle: int) -> bool:
-        """Let time pass to a boundary between two instructions. False if an interrupt may be taken there."""
+        """Let time pass to an instruction boundary. Return False if an interrupt may be taken there."""
         time, core = self._time, self._core
         if cycle < time.lease:
             time.cycle = cycle

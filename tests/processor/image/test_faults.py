@@ -67,7 +67,8 @@ def test_what_rpt_cannot_repeat_is_executed_once_and_noted():
     rig = Rig(HEAD + " RPT #3\n || INC @AR1\n RPT #3\n || ADDB XAR2,#1\n RPT #3\n || NOP\n ESTOP0").run()
     assert rig.program.finished and rig.cpu.xar[2] == 1
     assert [text for text in rig.notes() if "RPT" in text] == [
-        f"RPT stands before what cannot be repeated, at {at}; it is executed once" for at in ("0x009007", "0x009009")
+        f"RPT precedes an instruction that cannot be repeated, at {at}; it is executed once"
+        for at in ("0x009007", "0x009009")
     ]
 
 

@@ -21,7 +21,7 @@ from tempfile import TemporaryDirectory
 from ..f28335.system.memory_map import NoSuchAddress
 from ..processor.dsp import Dsp
 from ..processor.error_origin import FirmwareError, FirmwareLost
-from ..processor.image.elsewhere import Elsewhere
+from ..processor.image.elsewhere import UnmappedMemory
 from ..processor.source_location import SourceLocation
 from .build import BadSources, Sources, compiled, linked
 from .keyboard_interrupt import enter_c, kept_in_c, leave_c
@@ -95,7 +95,7 @@ class _Run:
         self._places: list[Place] = []  # written so far; runtime.c uses their numbers, which begin after PROTECTED
         self._numbers: dict[Place, int] = {}
         self._stores: dict[int, tuple[int, int]] = {}  # after an announced write: `RegisterLayout.stored`, by pc
-        self._elsewhere = Elsewhere(dsp.core, dsp.processor.notes)
+        self._elsewhere = UnmappedMemory(dsp.core, dsp.processor.notes)
         self._elsewhere.set_part(dsp.plan.part)
         cpu = dsp.cpu
         self._assembly: dict[str, Callable[[], None]] = {

@@ -25,7 +25,7 @@ A program makes an access in these steps, here a read of an address:
 and these at the boundary before the next instruction:
 
     number = interrupts.due(time.cycle)
-    if number and not processor.take(number): stop       `enter(vector)` is called before it is run again
+    if number and not processor.take_interrupt(number): stop       `enter(vector)` is called before it is run again
 
 `Dsp` builds the unit of a scene. `python` contains the program that runs Python functions, `image` that of images.
 """

@@ -2,7 +2,7 @@
 
     read    issued | wait for writes, wait states | fetched
     write   issued | wait states | posted . . | lands
-    field   issued | wait for writes, wait states | fetched, posted . . | lands      while the CPU goes on
+    field   issued | wait for writes, wait states | fetched, posted . . | lands      while the CPU continues
 
 A write leaves the pipeline in its last stage, W, two cycles after the stage in which a read has its value, R2. So it is
 posted: it takes effect at the end of a later cycle, while the CPU continues. A read in the protected block, or of the
@@ -215,7 +215,7 @@ class Bus:
         return self.naming(found, found.register[field].mask >> found.shift) if field else found
 
     def _wanted(self, register: Register) -> bool:
-        """True if any subscriber records accesses to this register."""
+        """Return True if any subscriber records accesses to this register."""
         if not self._records_access:
             return False
         return self._subjects is None or register.name in self._subjects or register.upper in self._subjects
@@ -298,9 +298,9 @@ class Bus:
         """Return the value of these words of the register in cycle `at`, each in its place."""
         if not operand.recorded:
             return operand.see(at) if operand.harmless else self._read(at, operand)
-        return self._recorded(at, operand, self._place() if operand.tells_place() else None)
+        return self._recorded(at, operand, self._place() if operand.records_place() else None)
 
-    def tell_look(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
+    def record_poll(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
         """Record a read that was a look at the chip and returned this value. where: see `_recorded`."""
         operand.reads.emit(self._clock.tick(at), value, where or "", operand.named)
 
@@ -315,7 +315,7 @@ class Bus:
         return value
 
     def _read(self, at: int, operand: Operand) -> int:
-        self._met(at)
+        self._require_met(at)
         socket, words = operand.socket, operand.words
         value = socket.read(at, operand.offset) if words & LOW else 0
         return value | socket.read(at, operand.offset + 1) << 16 if words & HIGH else value
@@ -392,7 +392,7 @@ class Bus:
         if operand.recorded:
             recorder.cause = operand.writes.emit(self._clock.tick(at), value, first.where or "", operand.named)
         self.issued_at = first.where
-        self._met(at)
+        self._require_met(at)
         if operand.words & LOW:
             socket.write(at, operand.offset, value & 0xFFFF)
         if operand.words & HIGH:
@@ -406,7 +406,7 @@ class Bus:
 
     # Both ------------------------------------------------------------------------
 
-    def _met(self, at: int) -> None:
+    def _require_met(self, at: int) -> None:
         """Raise RuntimeError if the kernel's time is not that of an access with effects."""
         if self._time.met != at:
-            raise RuntimeError(f"{self._name}: an access acts in cycle {at}; call CpuTime.meet there before")
+            raise RuntimeError(f"{self._name}: an access in cycle {at} has effects; call CpuTime.meet before it")

@@ -107,7 +107,7 @@ class Dsp(FirmwareView):
         self.pie = Pie(plan.system)
         self.core = CpuInterrupts(plan.system)
         self._firmware: Callable[[], None] = _nothing
-        self._begin_anew: Callable[[int], None] = self._python_from_reset
+        self._restart: Callable[[int], None] = self._python_from_reset
         self._gates = self.control.gates
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
         self.resets = 0
@@ -168,7 +168,7 @@ class Dsp(FirmwareView):
                 self._leave_boot_rom()
             self.processor.start(program, delay)
 
-        self._begin_anew = begin
+        self._restart = begin
         begin()
         return program
 
@@ -232,8 +232,8 @@ class Dsp(FirmwareView):
         """Keep the statement that violates a duty of the firmware, as a rule by its own access."""
         if note.code != "duty":
             return
-        self.processor.notes.insist(note, socket.name)
-        where = self.processor.stands_at()
+        self.processor.notes.raise_if_strict(note, socket.name)
+        where = self.processor.causing_statement()
         if where is not None and self.processor.notes.placed:
             self.note_places.setdefault((socket.name, self.clock.tick(cycle)), where)
 
@@ -252,7 +252,7 @@ class Dsp(FirmwareView):
         self.processor.interrupts.request(cycle, interrupt)
 
     def _timer1_requested(self, interrupt: int, cycle: int, asked: int) -> None:
-        """INT13 is timer 1's unless XNMICR gives it to the XNMI pin (SPRUFB0D Table 123)."""
+        """Request INT13 for timer 1, unless XNMICR assigns it to the XNMI pin (SPRUFB0D Table 123)."""
         xint = self._sockets.get("XINT")
         xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
         if int13_source(xnmicr) == "TINT1":
@@ -360,14 +360,14 @@ class Dsp(FirmwareView):
         self._kernel.at(self.clock.tick(self.clock.cycle_at(tick)), action)
 
     def _begin(self) -> None:
-        self._begin_anew(0)
+        self._restart(0)
 
     def _reset(self) -> None:
         """Reset the unit by the watchdog, which asserts XRS."""
         if self.control.reset_requested:
             self.watchdog_resets.append((self._kernel.now, self.program.place()))
             self._enter_reset()
-            self._begin_anew(WDRST_CYCLES)
+            self._restart(WDRST_CYCLES)
 
     def _enter_reset(self) -> None:
         """Reset every module, and stop the firmware at its present position."""

@@ -68,7 +68,7 @@ RUNS_NOTHING = CO_COROUTINE | CO_GENERATOR | CO_ASYNC_GENERATOR  # a call of suc
 
 def _takes(function: object, arguments: int) -> bool:
     """Return True for an ordinary function, checked by its code alone; a signature takes 30 times as long."""
-    if type(function) is not FunctionType or function.__dict__:  # a decorator's mark, or what it wraps
+    if type(function) is not FunctionType or function.__dict__:  # attributes set by a decorator
         return False
     code = function.__code__
     least = code.co_argcount - len(function.__defaults__ or ())

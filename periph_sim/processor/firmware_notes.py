@@ -60,7 +60,7 @@ class FirmwareNotes:
         self._name = name
         self._place = place
 
-    def take(self, cycle: int, notes: list[Note]) -> None:
+    def move_from(self, cycle: int, notes: list[Note]) -> None:
         """Move all notes of a machine here."""
         for note in notes:
             self.note(cycle, note)
@@ -69,7 +69,7 @@ class FirmwareNotes:
     def note(self, cycle: int, note: Note) -> None:
         """Count and record a note."""
         tick = self._clock.tick(cycle)
-        self._insist(note, self._name, max(tick, self._kernel.now))
+        self._raise_if_strict(note, self._name, max(tick, self._kernel.now))
         if note not in self.counts:
             self.first_at[note] = tick
             where = self._place()
@@ -79,11 +79,11 @@ class FirmwareNotes:
         if self._recorder.wants(Kind.NOTE):
             self._recorder.emit(tick, Kind.NOTE, self._name, note.code, self.counts[note], note.text)
 
-    def insist(self, note: Note, who: Text) -> None:
+    def raise_if_strict(self, note: Note, who: Text) -> None:
         """Raise FirmwareError for a violated duty if `strict`. who: the module that noted it now."""
-        self._insist(note, who, self._kernel.now)
+        self._raise_if_strict(note, who, self._kernel.now)
 
-    def _insist(self, note: Note, who: Text, tick: int) -> None:
+    def _raise_if_strict(self, note: Note, who: Text, tick: int) -> None:
         if self.strict and note.code == "duty":
             at = self._clock.timebase.show(tick)
             where = self._place()

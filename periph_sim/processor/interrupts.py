@@ -4,8 +4,8 @@
                                            |                      |                     |
                                    context to the stack    PIE, vector table    context from the stack
 
-Each step is a call at a cycle; the processor lets time pass in between (`Processor.take`, `Processor.iret`). The state
-of an interrupt is in memory alone, so that firmware may return through another frame, or one that it made.
+Each step is a call at a cycle; `Processor` lets time pass in between. The state of an interrupt is in memory alone, so
+that firmware may return through another frame, or one that it made.
 
 Source: SPRU430F section 3.4, Table 3-4 (context); SPRUFB0D sections 8.1 to 8.5, Table 112 (vectors).
 """
@@ -95,7 +95,7 @@ class Interrupts:
 
     # Entry -----------------------------------------------------------------------
 
-    def take(self, cycle: int, number: int, context: Sequence[int]) -> None:
+    def take_interrupt(self, cycle: int, number: int, context: Sequence[int]) -> None:
         """Take interrupt `number` at this boundary: store the context on the stack.
 
         context: 14 words in the order of `frame_of`; ST1 and IER are set here. Raise InterruptFault outside of memory.
@@ -117,7 +117,7 @@ class Interrupts:
         if address not in VECTOR_TABLE:
             raise InterruptFault(
                 f"{self._name}: INT{number} was taken at cycle {cycle} with PIECTRL.ENPIE = 0, so its vector "
-                f"comes from boot ROM ({address:#x}), where no routine of this firmware is; "
+                f"comes from boot ROM ({address:#x}), which has no routine of this firmware; "
                 "set ENPIE before interrupts are enabled"
             )
         self.taken = NAME_OF.get(address, self.taken)
@@ -154,12 +154,12 @@ class Interrupts:
 
     def take_notes(self, cycle: int) -> None:
         if self.core.notes:
-            self._notes.take(cycle, self.core.notes)
+            self._notes.move_from(cycle, self.core.notes)
 
     def _frame(self, cycle: int, sp: int) -> int:
         """Return the address of the context's first word, from SP at the entry. Raise InterruptFault outside of RAM."""
         first = frame_of(sp)
         for address in (first, first + CONTEXT_WORDS - 1):
             if block_at(address) is None:
-                raise InterruptFault(f"{self._name}: SP = {sp:#x} at cycle {cycle}; {address:#06x} is no memory")
+                raise InterruptFault(f"{self._name}: SP = {sp:#x} at cycle {cycle}; {address:#06x} is not memory")
         return first

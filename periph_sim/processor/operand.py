@@ -124,10 +124,10 @@ class Operand:
     def record(self, reads: Topic, writes: Topic) -> None:
         """Set the topics of its records."""
         self.reads, self.writes = reads, writes
-        self.placed = self.tells_place()
+        self.placed = self.records_place()
         self.looks = self.looks and not reads.tells_records()
 
-    def tells_place(self) -> bool:
+    def records_place(self) -> bool:
         """Return True if records of a read contain its statement; those of a modify may differ."""
         return self.reads.places > (OF_MODIFIES if self.field is not None else NOWHERE)
 

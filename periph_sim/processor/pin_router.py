@@ -41,7 +41,7 @@ class Pads(NamedTuple):
 class Router(Agent):
     """inputs, outputs: signal of the pin table -> the peripheral's pin."""
 
-    STATE = State("_pins _let_go _straight _feeds pads _heard _unread _routes _outs _lines", ticks="_between_at")
+    STATE = State("_pins _free_pins _direct _feeds pads _monitored _unread _routes _outs _lines", ticks="_between_at")
 
     _wires: dict[int, Wire]
     _unread: BigInt
@@ -69,12 +69,12 @@ class Router(Agent):
         self._inputs = inputs
         self._outputs = outputs
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in pads.wires.items()}
-        self._let_go: dict[int, Pin] = {}  # pins that no peripheral drives
-        self._straight: set[str] = set()  # signals whose wire is an input of their peripheral
+        self._free_pins: dict[int, Pin] = {}  # pins that no peripheral drives
+        self._direct: set[str] = set()  # signals whose wire is an input of their peripheral
         self._feeds: dict[int, Port] = {}  # synchronised pad -> the input that it feeds
         self.pads = Sampler(kernel, recorder, self)  # pads whose edges the GPIO machine receives
         self._line = {n: line for line, n in enumerate(pads.wires)}  # pad -> its line of `pads`
-        self._heard: set[int] = set()
+        self._monitored: set[int] = set()
         self._unread = -1  # mask: all other pads
         self._between_at = NO_TIME  # when it next receives edges between two SYSCLKOUT edges
         self._xint = xint
@@ -91,9 +91,9 @@ class Router(Agent):
             xint.after = self._watch_lines
         gpio.wire(sum(BIT[n] for n in pads.wires))
         gpio_socket.after = self.look
-        gpio_socket.before = self._tell_all_pads
+        gpio_socket.before = self._pass_all_pads
         gpio_socket.on_peek = self._peek
-        gpio_socket.on_watch = self._listen
+        gpio_socket.on_watch = self._select_pads
         self.look(clock.cycle_at(kernel.now))
 
     def act(self, tag: int) -> None:
@@ -104,24 +104,24 @@ class Router(Agent):
 
     # Pads ----------------------------------------------------------------------
 
-    def _listen(self) -> None:
+    def _select_pads(self) -> None:
         """Select the pads to monitor. A pad that feeds a peripheral directly is monitored only for a subscriber."""
-        straight = {self._gpio.source(signal) for signal in sorted(self._straight)}
+        direct = {self._gpio.source(signal) for signal in sorted(self._direct)}
         everything = bool(self._gpio_socket.watchers)
-        heard = {n for n in self._wires if everything or n not in straight or self._gpio.watched >> n & 1}
-        for n in sorted(self._heard - heard):
+        monitored = {n for n in self._wires if everything or n not in direct or self._gpio.watched >> n & 1}
+        for n in sorted(self._monitored - monitored):
             self.pads.put(self._line[n], self._wires[n].level)
-        for n in sorted(heard - self._heard):
+        for n in sorted(monitored - self._monitored):
             self.pads.listen(self._line[n], self._wires[n])
-        self._heard = heard
-        self._unread = ~sum(BIT[n] for n in heard)
+        self._monitored = monitored
+        self._unread = ~sum(BIT[n] for n in monitored)
 
     def sampled(self, tick: int, levels: int) -> None:
         """Pass changed pads to the GPIO machine; changes between two SYSCLKOUT edges at the later edge."""
         cycle = self._clock.cycle_at(tick)
         begin = self._clock.tick(cycle)
         if begin == tick:
-            moved = self._tell(cycle, self._levels_of(levels))
+            moved = self._pass_pads(cycle, self._levels_of(levels))
             fed = False
             for n in self._feeds:
                 if moved >> n & 1:
@@ -135,7 +135,7 @@ class Router(Agent):
         """Return the peripherals fed by synchronised pads; None if an edge of a pad may have another effect, too."""
         if self._gpio_socket.watchers or self._gpio.watched:
             return None
-        if any(self._gpio.seen_at(0, n, exact=True) == NEVER for n in sorted(self._heard)):
+        if any(self._gpio.seen_at(0, n, exact=True) == NEVER for n in sorted(self._monitored)):
             return None
         return [socket for socket, _ in self._feeds.values()]
 
@@ -151,7 +151,7 @@ class Router(Agent):
         """Pass on the levels just before this SYSCLKOUT edge, which a synchroniser samples."""
         self._between_at = NO_TIME
         cycle, levels = self._clock.cycle_at(self._kernel.now), self._levels_of(self.pads.levels)
-        self._tell(cycle, levels, exact=False)
+        self._pass_pads(cycle, levels, exact=False)
         socket: Socket
         index: int
         for n, (socket, index) in self._feeds.items():
@@ -165,7 +165,7 @@ class Router(Agent):
                 levels |= BIT[n]
         return levels
 
-    def _tell(self, cycle: int, levels: BigInt, exact: bool = True) -> BigInt:
+    def _pass_pads(self, cycle: int, levels: BigInt, exact: bool = True) -> BigInt:
         """Pass the monitored pads to the GPIO machine; return those that changed."""
         gpio = self._gpio
         levels = levels & ~self._unread | gpio.pads & self._unread
@@ -175,7 +175,7 @@ class Router(Agent):
             self._gpio_socket.publish(cycle)
         return moved
 
-    def _tell_all_pads(self, cycle: int) -> None:
+    def _pass_all_pads(self, cycle: int) -> None:
         """Pass the levels of all pads before an access, also of those that are not monitored."""
         self._kernel.materialize()
         self._gpio.edges(cycle, self._levels_on_wires())
@@ -210,7 +210,7 @@ class Router(Agent):
         if gpio.changed:
             changed, gpio.changed = gpio.changed, []
             for signal, level in changed:
-                if signal in self._inputs and signal not in self._straight:
+                if signal in self._inputs and signal not in self._direct:
                     socket, index = self._inputs[signal]
                     socket.inputs.put(index, level)
                 elif self._xint is not None and signal.startswith("XINT"):
@@ -219,7 +219,7 @@ class Router(Agent):
     def _before_xint(self, cycle: int) -> None:
         """Set the levels of all lines of XINT before an access. Otherwise only enabled lines are monitored."""
         assert self._xint is not None and self._xint_chip is not None
-        self._tell_all_pads(cycle)
+        self._pass_all_pads(cycle)
         levels = self._gpio.xint_levels(cycle)
         self._xint_chip.settle(cycle, levels)
         self._xint.inputs.levels = levels
@@ -229,27 +229,27 @@ class Router(Agent):
         if self._xint_chip.enabled != self._lines:
             self._lines = self._xint_chip.enabled
             self._gpio.watch_xints(cycle, self._lines)
-            self._listen()
+            self._select_pads()
 
     def _reroute(self, cycle: int) -> None:
         gpio = self._gpio
-        self._tell_all_pads(cycle)
-        self._straight.clear()
+        self._pass_all_pads(cycle)
+        self._direct.clear()
         self._feeds.clear()
         socket: Socket
         index: int
         for signal, (socket, index) in self._inputs.items():
             pad = gpio.source(signal)
             if pad in self._wires and gpio.seen_at(cycle, pad, exact=True) == cycle:
-                self._straight.add(signal)
+                self._direct.add(signal)
                 socket.inputs.listen(index, self._wires[pad])
                 continue
             if pad in self._wires and gpio.seen_at(cycle, pad, exact=True) == cycle + 1:
                 self._feeds[pad] = (socket, index)
             socket.inputs.put(index, gpio.peripheral_level(cycle, signal))
         theirs = {n for signal in self._outputs for n in gpio.sink(signal)}
-        self._let_go = {n: pin for n, pin in self._pins.items() if n not in theirs}
-        self._listen()
+        self._free_pins = {n: pin for n, pin in self._pins.items() if n not in theirs}
+        self._select_pads()
         if self._feeds:
             self._plan_between(self._clock.tick(cycle + 1))
         delay = gpio.gpio_out_delay.assume(gpio.touched) if theirs else gpio.gpio_out_delay.unrecorded()
@@ -272,5 +272,5 @@ class Router(Agent):
         """Drive the pads that GPIO drives; release all others except the peripherals' own."""
         driven, high = self._gpio.driven, self._gpio.driven_high
         pin: Pin
-        for n, pin in self._let_go.items():
+        for n, pin in self._free_pins.items():
             pin.drive(high >> n & 1 if driven >> n & 1 else self._undriven[n])

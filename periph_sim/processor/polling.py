@@ -164,7 +164,7 @@ class Lease(Onlooker):
         self._spin: Spin | None = None
         self._sockets = NO_SOCKETS
 
-    def take(self, spin: Spin) -> None:
+    def set_pass(self, spin: Spin) -> None:
         """Set the pass, which has just ended."""
         self._first = self._time.cycle
         self._spin = spin

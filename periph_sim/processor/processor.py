@@ -72,7 +72,7 @@ class Processor(Agent):
         self.kernel = kernel
         self.stopped: Stop | None = None
         self.time = CpuTime(kernel, clock, self)
-        self.notes = FirmwareNotes(kernel, clock, recorder, name, strict, self.stands_at)
+        self.notes = FirmwareNotes(kernel, clock, recorder, name, strict, self.causing_statement)
         self.bus = Bus(name, self.time, clock, recorder, memory, core, self.notes, options, self._place)
         self.interrupts = Interrupts(name, core, pie, self.bus.ram, self.time, clock, recorder, self.notes)
         self._recorder = recorder
@@ -113,7 +113,7 @@ class Processor(Agent):
         self._under_way = NONE
         self._goal = 0
 
-    def stands_at(self) -> SourceLocation | None:
+    def causing_statement(self) -> SourceLocation | None:
         """Return the statement that causes the present action: that of the landing write, or the program's.
 
         None before the program begins and after it ends.
@@ -171,9 +171,9 @@ class Processor(Agent):
             first = max(first, self.interrupts.core.ready)
         return min(self.time.lands, first + self.bus.lands_after)
 
-    def take(self, number: int) -> bool:
+    def take_interrupt(self, number: int) -> bool:
         """Take this interrupt at the present boundary: store the context, fetch the vector, enter the routine."""
-        self.interrupts.take(self.time.cycle, number, self.program.context())
+        self.interrupts.take_interrupt(self.time.cycle, number, self.program.context())
         core = self.interrupts.core
         self._under_way = FETCHES
         return self.reach(core.ready - core.entry_cycles + core.vector_delay) and self._go_on()

@@ -1,7 +1,7 @@
 """Interface between a processor and the program that it runs.
 
     Processor --run(until)--> program --reads, writes--> Bus
-                 why  <------|         --interrupt due at a boundary--> Processor.take --> enter(vector)
+                 why  <------|         --interrupt due at a boundary--> Processor.take_interrupt --> enter(vector)
 
 A program executes instructions: it advances `CpuTime.cycle`, makes its accesses in the cycles that the bus names, and
 checks at each boundary between two instructions whether an interrupt is due. It keeps its position between two calls of
@@ -28,7 +28,7 @@ NOTHING_SAVED = (0,) * CONTEXT_WORDS
 class Stop(Enum):
     """Reason why a program stopped. It is run again at the cycle that it requested."""
 
-    WAITS = "something else may act before the cycle that it is to reach"
+    WAITS = "something else may act before the cycle that it has to reach"
     SLEEPS = "it sleeps at an instruction boundary"
     ENDED = "nothing is left to execute"
 
@@ -107,7 +107,7 @@ class Program:
     def restore(self, words: Sequence[int]) -> None:
         """Restore the context that IRET read from the stack."""
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """Free the resources of a program that is not run again."""
 
     def kill(self, how: type[BaseException]) -> None:

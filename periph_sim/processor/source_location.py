@@ -73,7 +73,7 @@ class SourceLocator:
         """Return a line of a code; None if that is not firmware."""
         return self._place(code, line) if is_firmware(code.co_filename) else None
 
-    def of(self, routine: Callable[[], None]) -> SourceLocation | None:
+    def of_routine(self, routine: Callable[[], None]) -> SourceLocation | None:
         """Return the first line of a routine; None if it is not written in Python."""
         code = getattr(routine, "__code__", None)
         return self._place(code, code.co_firstlineno) if isinstance(code, CodeType) else None

@@ -51,7 +51,7 @@ class _Watch:
         with self._lock:
             self._cpus.add(cpu)
             if self._thread is None or not self._thread.is_alive():  # none yet, or lost in a fork
-                self._thread = Thread(target=self._look_on, name="periph-sim stall watch", daemon=True)
+                self._thread = Thread(target=self._check_cpus, name="periph-sim stall watch", daemon=True)
                 self._thread.start()
 
     def leave(self, thread: int) -> None:
@@ -80,7 +80,7 @@ class _Watch:
             _raise_in(at[0], NoProgress)
         self._stopping = False
 
-    def _look_on(self) -> None:
+    def _check_cpus(self) -> None:
         seen: dict[int, tuple[tuple[int, int, int], float]] = {}  # CPU -> its instant, and the CPU time then
         pause = Event()
         while True:

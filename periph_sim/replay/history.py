@@ -55,7 +55,7 @@ class FlagHistory:
             scene.kernel.at(max(tick, scene.kernel.now), partial(self._note_place, tick, dsp))
 
     def _note_place(self, tick: int, dsp: Dsp) -> None:
-        self._places[tick] = dsp.processor.stands_at()
+        self._places[tick] = dsp.processor.causing_statement()
 
     def place(self, instant: int) -> SourceLocation | None:
         """Return the statement executed at an instant; None before the program begins or after its end."""

@@ -26,7 +26,7 @@ from .case.model import Case, Unit
 def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgram, recorder: Recorder) -> None:
     """Look at a program before its first instruction. BadCase for what its image does not have."""
     if recorder.wants(Kind.SPAN):
-        program.tell_calls(FunctionSpans(recorder, name, program.place_of))
+        program.add_call_listener(FunctionSpans(recorder, name, program.place_of))
     if recorder.wants(Kind.WAIT):
         program.record_waits(WaitRecords(recorder, dsp.clock, name))
     if unit.memory:
@@ -65,4 +65,4 @@ def _preset(case: Case, name: str, unit: Unit, program: ImageProgram) -> None:
             raise case.mistake(str(error), "unit", name, "memory", symbol) from None
     memory = PresetMemory(presets, program.cpu.fill)
     memory.put()
-    program.tell_calls(memory)
+    program.add_call_listener(memory)

@@ -42,7 +42,7 @@ def profiled(
             what = "it tells no lines of its source, so there is nothing to cover; compile it with -g"
             raise case.mistake(what, "unit", name, "image")
         found.profiles[name] = Profile()
-        program.tell_calls(found.profiles[name])
+        program.add_call_listener(found.profiles[name])
         if coverage:
             found.coverage[name] = Coverage()
             program.watch_instructions(found.coverage[name])

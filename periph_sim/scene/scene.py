@@ -464,4 +464,4 @@ def _let_go(recorder: Recorder, units: Mapping[str, Dsp]) -> None:
     """Close the recorder and terminate the programs of a deleted scene."""
     recorder.close()
     for dsp in units.values():
-        dsp.program.let_go()
+        dsp.program.release()

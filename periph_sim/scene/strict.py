@@ -14,4 +14,4 @@ if TYPE_CHECKING:
 def insist(units: Mapping[str, Dsp], name: str, note: Note) -> None:
     """Raise the error in the firmware. name: of the chip or device."""
     for dsp in units.values():
-        dsp.processor.notes.insist(note, name)
+        dsp.processor.notes.raise_if_strict(note, name)

@@ -54,7 +54,7 @@ def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
         return "has returned from main"
     spin = dsp.program.spin
     if spin is None:
-        where = dsp.processor.stands_at()
+        where = dsp.processor.causing_statement()
         at = "" if where is None else f" at {where.for_people()}"
         return f"waits in IDLE for an interrupt{at}" if dsp.core.idlestat else f"computes{at}"
     since = timebase.show(dsp.clock.tick(spin.since) - start)

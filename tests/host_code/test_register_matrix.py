@@ -11,7 +11,7 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.host_code import firmware
 from periph_sim.host_code.register_layout import BadLayout, RegisterLayout
-from periph_sim.processor.image.elsewhere import Elsewhere
+from periph_sim.processor.image.elsewhere import UnmappedMemory
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
@@ -36,7 +36,7 @@ max = 0
 """
 
 
-class Recorded(Elsewhere):
+class Recorded(UnmappedMemory):
     """Memory of modules that nothing models, with a log."""
 
     log: list[tuple[str, int, int, int]]
@@ -69,7 +69,7 @@ def run(folder: Path, monkeypatch: pytest.MonkeyPatch, text: str, undefined: str
     """What a main makes of registers that nothing models."""
     (folder / "main.c").write_text(text)
     (folder / "case.toml").write_text(CASE.format(undefined=undefined))
-    monkeypatch.setattr(firmware, "Elsewhere", Recorded)
+    monkeypatch.setattr(firmware, "UnmappedMemory", Recorded)
     monkeypatch.setattr(Recorded, "log", [], raising=False)
     result = Scene(load(folder / "case.toml")).run()
     assert not result.stuck, result.stuck

@@ -58,7 +58,7 @@ class ScriptedProgram(Program):
             if self._doing == BOUNDARY:
                 number = processor.interrupts.due(time.cycle)
                 if number:
-                    if not processor.take(number):
+                    if not processor.take_interrupt(number):
                         return Stop.WAITS
                     continue
                 if self.pc not in self._code:

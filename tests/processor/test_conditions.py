@@ -169,7 +169,7 @@ WRONG = {
     "flags.STATUS.when(A=2)": "{}: FLAGS.STATUS.A == 2 never holds; expected a whole number from 0 to 0x1",
     "flags.STATUS.when(A='up')": "{}: FLAGS.STATUS.A == 'up' never holds; expected a whole number from 0 to 0x1",
     "flags.STATUS.when(mask=0, value=0)": (
-        "{}: FLAGS.STATUS.when(mask=0, value=0) looks at no bit; expected a mask of 1 to 0xffff"
+        "{}: FLAGS.STATUS.when(mask=0, value=0) tests no bit; expected a mask of 1 to 0xffff"
     ),
     "flags.STATUS.when(mask=5, value=6)": (
         "{}: FLAGS.STATUS.when(mask=5, value=6) never holds: 0x2 is outside of the mask 0x5"

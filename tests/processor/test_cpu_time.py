@@ -92,7 +92,7 @@ def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
     assert bench.log == [("ended", 16)]
     bench.kernel.run_until(2000 * TICKS)
     assert (bench.chip.status, bench.cpu.finished, bench.kernel.next_time()) == (4, False, NEVER)
-    assert bench.processor.stands_at() is None
+    assert bench.processor.causing_statement() is None
 
 
 def test_firmware_that_is_ended_in_its_sleep_is_not_woken_by_an_interrupt():

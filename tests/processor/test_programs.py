@@ -212,7 +212,7 @@ def test_where_nothing_answers_is_told(address: int):
 
 def test_an_access_that_acts_without_its_time_is_refused():
     bench = Bench([])
-    with pytest.raises(RuntimeError, match=r"dsp: an access acts in cycle 7; call CpuTime\.meet there before"):
+    with pytest.raises(RuntimeError, match=r"dsp: an access in cycle 7 has effects; call CpuTime\.meet before it"):
         bench.processor.bus.read(7, COUNT)
 
 
@@ -222,7 +222,7 @@ def test_a_stack_that_is_no_memory_ends_the_run(sp: int, address: str):
     bench.enable()
     scripted(bench, work(50), *[work(1)] * 100)
     bench.core.sp = sp
-    with pytest.raises(FirmwareError, match=rf"dsp: SP = {sp:#x} at cycle 104; {address} is no memory"):
+    with pytest.raises(FirmwareError, match=rf"dsp: SP = {sp:#x} at cycle 104; {address} is not memory"):
         bench.kernel.run_until(400 * TICKS)
 
 
@@ -244,7 +244,7 @@ def test_a_processor_without_a_program_says_so():
     with pytest.raises(RuntimeError, match=r"dsp has no program; give it one with Processor\.start"):
         processor.program  # noqa: B018
     processor.kill(SystemExit)
-    assert processor.stands_at() is None and processor.stopped is None
+    assert processor.causing_statement() is None and processor.stopped is None
 
 
 def test_a_program_that_is_none_says_what_is_missing():

@@ -283,7 +283,7 @@ def test_a_place_is_that_of_the_waiting_statement_also_for_those_who_ask_in_the_
     bench, places = Bench([]), []
 
     def look() -> None:
-        places.append(bench.processor.stands_at())
+        places.append(bench.processor.causing_statement())
 
     def firmware() -> None:
         bench.cpu.compute(100)
@@ -293,7 +293,7 @@ def test_a_place_is_that_of_the_waiting_statement_also_for_those_who_ask_in_the_
     bench.kernel.run_until(200 * TICKS)
     line = firmware.__code__.co_firstlineno + 1
     assert [str(place) for place in places] == [f"firmware:{line}"]
-    assert bench.processor.stands_at() is None or bench.cpu.finished
+    assert bench.processor.causing_statement() is None or bench.cpu.finished
 
 
 def test_a_program_that_is_to_go_on_in_what_it_began_itself_is_told():
@@ -309,7 +309,7 @@ def test_a_program_that_is_to_go_on_in_what_it_began_itself_is_told():
 
     bench.cpu.start(lambda: bench.cpu.compute(100))
     bench.kernel.ask(10 * TICKS, Replays())
-    with pytest.raises(RuntimeError, match="dsp was to go on in the middle of something that it had begun itself"):
+    with pytest.raises(RuntimeError, match="dsp cannot continue inside an event that it started itself"):
         bench.kernel.run_until(200 * TICKS)
 
 

@@ -103,7 +103,7 @@ UNMODELLED = "MOVW DP,#0x7100 >> 6\n MOV AL,@0x19\n ANDB AL,#4\n SB again,EQ"  #
 @pytest.mark.parametrize("before", ["NOP", RUNS, RUNS + TINT0 + "CLRC INTM", RUNS + "OR IER,#1\n CLRC INTM"])
 def test_a_poll_of_what_nothing_models_is_told_whatever_else_runs(tmp_path: Path, before: str):
     (told,) = ran(tmp_path, UNMODELLED, before + "\n NOP").stuck
-    assert "and would for ever: nothing models that; answer it by [[unit.dsp.stub]] with register = " in told
+    assert "and would for ever: it is not modelled; answer it by [[unit.dsp.stub]] with register = " in told
 
 
 def test_a_poll_of_what_nothing_models_is_none_where_the_watchdog_ends_it(tmp_path: Path):
@@ -150,7 +150,7 @@ def test_a_poll_of_what_nothing_models_is_told_in_the_middle_of_service_routines
     (told,) = ran(tmp_path, f"{loop}\n ESTOP0\n{more}{ROUTINE.format(restart='')}", TICKS, us=us).stuck
     place = r"_c_int00 \(waits\.asm:\d+, 0x[0-9a-f]+\) since [67]\.\d+ us"
     assert re.match(
-        rf"dsp waits for ADC\.ADCST & 0x(0004|ffff) at {place} and would for ever: nothing models that; ", told
+        rf"dsp waits for ADC\.ADCST & 0x(0004|ffff) at {place} and would for ever: it is not modelled; ", told
     )
 
 

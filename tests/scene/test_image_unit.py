@@ -116,7 +116,7 @@ def test_a_wait_for_what_nothing_models_is_named_and_a_stub_answers_it(periph_si
     stuck = " ".join(periph_sim("run", str(tmp_path / "adc.toml")).out.split())
     assert (
         "dsp waits for ADC.ADCST & 0x0004 at _convert (adc.asm:11, 0x00900c) since 3.467 us and would for ever: "
-        'nothing models that; answer it by [[unit.dsp.stub]] with register = "ADC.ADCST" and a value'
+        'it is not modelled; answer it by [[unit.dsp.stub]] with register = "ADC.ADCST" and a value'
     ) in stuck
     (tmp_path / "adc.toml").write_text(case + STUB)
     answered = " ".join(periph_sim("run", str(tmp_path / "adc.toml")).out.split())

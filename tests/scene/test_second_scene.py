@@ -14,7 +14,7 @@ from periph_sim.core.convert import keys_of
 from periph_sim.core.options import _defaults
 from periph_sim.core.records import RECORDED, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.processor.python.recognised import asked_by
+from periph_sim.processor.python.recognised import comparison_of
 from periph_sim.scene.case.load import _loaded, load
 from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings_for
 from periph_sim.scene.host_motion import encoding_of
@@ -71,7 +71,7 @@ def test_a_second_run_takes_no_wait_of_the_firmware_apart():
         Scene(load(TIMING / "imu_hil.toml")).run(LENGTH)
 
     run()
-    works_nothing_out(run, {"waits": asked_by})
+    works_nothing_out(run, {"waits": comparison_of})
 
 
 def test_who_changes_a_case_changes_it_for_nobody_else():

@@ -69,7 +69,7 @@ def _unanswered(cpu: ImageCpu, addresses: Sequence[int], unit: str) -> str:
             "or a later one by a further stub with after"
         )
     register = full_name(addresses[0])
-    return f'nothing models that; answer it by [[unit.{unit}.stub]] with register = "{register}" and a value'
+    return f'it is not modelled; answer it by [[unit.{unit}.stub]] with register = "{register}" and a value'
 
 
 def fields_of(register: Register, mask: int) -> str:

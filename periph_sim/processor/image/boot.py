@@ -55,7 +55,7 @@ def stubbed(register: str | int, memory: AddressMap) -> int:
         )
     area = area_at(address)
     if area is None or area.content not in (Content.REGISTERS, Content.EXTERNAL):
-        raise BadStub(f"{address:#08x} is no register")
+        raise BadStub(f"{address:#08x} is not a register")
     if memory.at(address) is not None:
-        raise BadStub(f"{full_name(address)} is modelled; a stub answers for what is not")
+        raise BadStub(f"{full_name(address)} is modelled; stubs are for registers that are not")
     return address

@@ -65,7 +65,7 @@ class CallStack:
         self._clock = clock
         self._listeners: list[CallListener] = []
 
-    def tell(self, listener: CallListener) -> None:
+    def add_listener(self, listener: CallListener) -> None:
         """Add a listener, and pass the active functions to it."""
         self._listeners.append(listener)
         for frame in self.frames:
@@ -85,9 +85,9 @@ class CallStack:
         frame = self.frames[-1]
         if frame.first <= pc < frame.end and mnemonic not in RETURNS:
             return
-        self.came_back(pc, cycle)
+        self.on_return(pc, cycle)
 
-    def came_back(self, pc: int, cycle: int) -> None:
+    def on_return(self, pc: int, cycle: int) -> None:
         """Return to `pc`. If no frame has this return address, the innermost frame is replaced."""
         for place in range(len(self.frames) - 1, -1, -1):
             if self.frames[place].return_to == pc:

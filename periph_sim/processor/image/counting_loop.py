@@ -149,7 +149,7 @@ class CountingLoop(InstructionWatch):
         self.does_more = False
         self._time = time
         self._began = time.cycle
-        self._moved = 0  # passes
+        self._moved = 0  # passes that were skipped
         self._stores: list[Store] = []
         self._cpu = cpu
         self._memory = memory
@@ -164,7 +164,7 @@ class CountingLoop(InstructionWatch):
         if not self._cpu.polls.counting:
             self._over(self)
             return
-        if len(self._trace) == MOST_TRACED or cpu.ovm:  # with OVM, results are not what operands make them
+        if len(self._trace) == MOST_TRACED or cpu.ovm:  # OVM saturates results
             self._cpu.polls.soil()
             return
         operand = self._operand(f)

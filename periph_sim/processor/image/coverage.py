@@ -17,7 +17,7 @@ class Coverage(InstructionWatch):
         self.jumped_at: Counter[int] = Counter()
 
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
-        if not cpu.passes:  # not a further pass of a repeated one
+        if not cpu.passes:  # not a further pass of RPT
             self.executed_at[f.address] += 1
             if cpu.pc != f.next:
                 self.jumped_at[f.address] += 1

@@ -1,6 +1,6 @@
 """The C28x of an image on a unit's bus: executes instructions, makes accesses, and updates the interrupt logic.
 
-    Engine --load16, store16--> Ram | Bus | Elsewhere: flash, and frames that are not modelled
+    Engine --load16, store16--> Ram | Bus | UnmappedMemory: flash, and frames that are not modelled
            --ST1, IER, IFR----> CpuInterrupts
 
 Accesses are made in the present cycle; `access_at` returns beforehand the cycle for an operand.
@@ -41,9 +41,9 @@ from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import Ram, block_at
 from ...form.c_types import UInt16
 from ..processor import Processor
-from .elsewhere import BOOT_ROM, Elsewhere
+from .elsewhere import BOOT_ROM, UnmappedMemory
 from .instruction_timing import InstructionTiming
-from .polls import Polls
+from .polls import PollSkipper
 from .variable_records import VariableRecords
 
 WATCHDOG_KEY = clocks_map.BASE + clocks_map.WDKEY.offset
@@ -79,7 +79,7 @@ class ImageCpu(Engine):
 
     STATE = State("elsewhere timing polls ended returning idling _tested _kept _written _slots_seen watched")
 
-    elsewhere: Elsewhere
+    elsewhere: UnmappedMemory
     _packed: Annotated[list[int], PACKED]
     _kept: Annotated[list[int], PACKED]
     _written: Annotated[list[UInt16], RAM_TO]
@@ -95,7 +95,7 @@ class ImageCpu(Engine):
         self._time = processor.time
         self._bus = processor.bus
         self._ram: Ram = processor.bus.ram
-        self.elsewhere = Elsewhere(self._core, processor.notes)
+        self.elsewhere = UnmappedMemory(self._core, processor.notes)
         self.timing = InstructionTiming(self._core, options, self.elsewhere)
         self._pipeline = self.timing.pipeline
         self._options = options
@@ -106,7 +106,7 @@ class ImageCpu(Engine):
         self._packed = [0] * PACKED  # the present state, see `state`
         self._kept = [0] * PACKED  # the state at the last call of `is_as_before`
         self.watched: VariableRecords | None = None
-        self.polls = Polls(self._time, self._core, skip_polls)
+        self.polls = PollSkipper(self._time, self._core, skip_polls)
         self.reads_unwritten: UnwrittenReads | None = None
         self.reset()
 
@@ -271,7 +271,7 @@ class ImageCpu(Engine):
             return self._ram.word(address - MIRROR)
         area = area_at(address)
         if area is None or area.content is Content.REGISTERS:
-            raise IllegalOperation(f"code is fetched from {address:#08x}, where no memory is")
+            raise IllegalOperation(f"code is fetched from {address:#08x}, where there is no memory")
         if address in BOOT_ROM:
             raise IllegalOperation(f"code is fetched from {address:#08x}: routines of the boot ROM are not modelled")
         return self.elsewhere.read(self._time.cycle, address)

@@ -49,7 +49,7 @@ SEEN, STUBBED, PROTECTED, REGISTER = 1, 2, 4, 8  # bits of `_states`
 NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not modelled"
 
 
-class Elsewhere:
+class UnmappedMemory:
     """changed: called when a stub changes its value."""
 
     STATE = State("_frames _states _stored _noted _stubs _to_come _flash")
@@ -217,13 +217,13 @@ class Elsewhere:
     def _note(self, cycle: int, address: int, area: Area) -> None:
         if address in BOOT_ROM and area.name not in self._noted:
             self._noted.add(area.name)
-            text = f"{area.name}: {address:#08x} is read as 0; what is there is not modelled"
+            text = f"{area.name}: {address:#08x} is read as 0; its contents are not modelled"
             self._notes.note(cycle, Note("unknown", text, "SPRUI07 section 2.4"))
         if area.content is Content.EXTERNAL and area.name not in self._noted:
             self._noted.add(area.name)
             text = (
-                f"{area.name}: {address:#08x} is taken as memory with {EXTERNAL_WAITS} wait state, the least that "
-                "XINTF has; what XTIMING says is not modelled"
+                f"{area.name}: {address:#08x} is treated as memory with {EXTERNAL_WAITS} wait state, the minimum of "
+                "XINTF; XTIMING is not modelled"
             )
             self._notes.note(cycle, Note("unknown", text, "SPRS439M Table 3-5"))
         if area.content is not Content.REGISTERS:

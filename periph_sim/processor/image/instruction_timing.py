@@ -23,7 +23,7 @@ from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.descriptor import FLASH
 from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import block_at
-from .elsewhere import Elsewhere
+from .elsewhere import UnmappedMemory
 
 if TYPE_CHECKING:
     from ...core.options import BoolOption
@@ -50,7 +50,7 @@ class InstructionTiming:
     _shared: BoolOption
     _ahead: int
 
-    def __init__(self, core: CpuInterrupts, options: SystemOptions, elsewhere: Elsewhere) -> None:
+    def __init__(self, core: CpuInterrupts, options: SystemOptions, elsewhere: UnmappedMemory) -> None:
         self.pipeline = Pipeline()
         self.pipeline.enabled = options.stalls.unrecorded()
         self.late = 0

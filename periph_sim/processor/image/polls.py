@@ -25,7 +25,7 @@ from ..cpu_time import CpuTime
 from ..operand import Operand
 from ..polling import Lease, Spin
 
-FIRST_LOOK = 2  # passes of a loop before the first one is examined
+FIRST_EXAMINED = 2  # passes of a loop before the first one is examined
 LONGEST = 1024  # most passes between two examined ones of a loop that is no wait
 COUNTS_FROM = 64  # passes of a loop before it is analysed as one that counts, at the cost of some hundred passes
 FEWEST = 8  # fewest passes that are worth skipping
@@ -33,7 +33,7 @@ TRIES = 3  # failed analyses before a loop counts as one that does more than cou
 
 
 @final
-class Polls:
+class PollSkipper:
     """tracking: a pass is examined. clean: each further pass would repeat all that it did. counting: it may also change
     words of memory; changed: those words with their values before.
 
@@ -45,12 +45,12 @@ class Polls:
 
     STATE = State(
         "asleep tracking clean counting replaying restarts routines changed elsewhere _lease _values "
-        "_failed _compared _branch _outer_branch _passes _next _look_at _step _period _most _spin",
+        "_failed _compared _branch _outer_branch _passes _next _examine_at _step _period _most _spin",
         cycles="live_from _outer_since _started _since",
     )
 
     __slots__ = (
-        "_branch", "_compared", "_core", "_failed", "_lease", "_look_at", "_most", "_next", "_outer_branch",
+        "_branch", "_compared", "_core", "_examine_at", "_failed", "_lease", "_most", "_next", "_outer_branch",
         "_outer_since", "_passes", "_period", "_since", "_spin", "_started", "_step", "_time", "_values", "asleep",
         "changed", "clean", "counting", "elsewhere", "live_from", "replaying", "restarts", "routines", "skips",
         "tracking",
@@ -78,7 +78,7 @@ class Polls:
         self.live_from = self.routines = 0
         self._branch = self._outer_branch = -1
         self._outer_since = 0
-        self._passes = self._next = self._look_at = self._step = 0
+        self._passes = self._next = self._examine_at = self._step = 0
         self._period = self._started = self._since = 0
         self._most = NEVER
 
@@ -92,40 +92,40 @@ class Polls:
                 if branch == self._outer_branch:
                     self._since = self._outer_since
                 self._outer_branch, self._outer_since = branch, self._since
-            self._look_at, self._step = FIRST_LOOK, 1
+            self._examine_at, self._step = FIRST_EXAMINED, 1
             self.tracking = self.counting = False
             return False
         self._passes += 1
-        return self._passes >= self._look_at
+        return self._passes >= self._examine_at
 
-    def may_be_alike(self) -> bool:
+    def is_repeatable(self) -> bool:
         """Return True, at the begin of a pass, if the previous one was examined and clean: states are then compared."""
         if self.tracking and self.clean:
             return True
         if self.tracking:
-            self.look_later()
+            self.examine_later()
         else:
             self._compared = False
             self._begin()
         return False
 
-    def look_later(self) -> None:
+    def examine_later(self) -> None:
         """Examine the loop again after more passes, twice as many each time."""
         self._step = min(2 * self._step, LONGEST)
-        self._look_at = self._passes + self._step
+        self._examine_at = self._passes + self._step
         self.tracking = False
 
-    def comes_out_alike(self, as_before: bool) -> bool:
+    def repeats(self, as_before: bool) -> bool:
         """Return True, at the begin of a pass, if the state was this one before and after the last two clean passes.
 
-        Call it if `may_be_alike` is True. as_before: the state equals that of the last call.
+        Call it if `is_repeatable` is True. as_before: the state equals that of the last call.
         """
         cycle = self._time.cycle
         equal: bool
         period, equal = cycle - self._started, as_before and self._compared
         seen: bool = equal and period == self._period
         if self._compared and not equal:
-            self.look_later()
+            self.examine_later()
             return False
         self._compared, self._started, self._period = True, cycle, period if equal else 0
         if not seen:
@@ -140,7 +140,7 @@ class Polls:
             return False
         cycle = self._time.cycle
         self._period, self._started = cycle - self._spin.start, cycle
-        self._look_at = self._passes + 1
+        self._examine_at = self._passes + 1
         self.changed.clear()
         self.counting = True
         self._begin()
@@ -152,10 +152,10 @@ class Polls:
         alike: bool = self.clean and cycle - self._started == self._period
         self._started = cycle
         self.counting = False
-        self.look_later()
+        self.examine_later()
         return alike
 
-    def fails(self) -> None:
+    def count_failure(self) -> None:
         """Count a failed analysis: the loop does more than count."""
         self._failed[self._branch] = self._failed.get(self._branch, 0) + 1
 
@@ -224,7 +224,7 @@ class Polls:
         if time.lands < NEVER or self._core.earliest() < NEVER:
             return None
         spin.since = self._since
-        lease.take(spin)
+        lease.set_pass(spin)
         if lease.broken(time.cycle):
             return None
         lease.begin()
@@ -256,7 +256,7 @@ class Polls:
             self.live_from, self._next = now, 0
             self.replaying = now > time.cycle
         self.tracking = False
-        self._look_at = self._passes + 1
+        self._examine_at = self._passes + 1
         if self._most < NEVER:
             self._step = 1
         return passes

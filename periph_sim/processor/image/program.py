@@ -49,7 +49,7 @@ class ImageProgram(Program):
     """cpu: its registers. instructions: number of executed instructions."""
 
     STATE = State(
-        "cpu instructions _ready _executed _idle_began _jumps _jumped _calls _waits _watch _looks "
+        "cpu instructions _ready _executed _idle_began _jumps _jumped _calls _waits _watch _loop_due "
         "_counted _pass _unmodelled _counting _unwritten _at _back _sp",
         ticks="_asleep_at",
     )
@@ -89,7 +89,7 @@ class ImageProgram(Program):
         self._calls: CallStack | None = None  # if calls are observed
         self._waits: WaitRecords | None = None  # if waits are recorded
         self._watch: InstructionWatch | None = None  # if instructions are observed
-        self._looks = False  # a loop is at its begin again, and due to be examined
+        self._loop_due = False  # a loop is at its begin again, and due to be examined
         self._back = -1  # the branch that closed the last executed pass of a wait
         self._counted = self._pass = 0  # instructions up to that begin, and of a pass
         self._unmodelled: UnmodelledWait | None = None  # the last wait that read unmodelled words only
@@ -118,7 +118,7 @@ class ImageProgram(Program):
         self._sp = self.cpu.sp
         self.returned_at = None
         self._ready = None
-        self._executed = self._idle_began = self._looks = False
+        self._executed = self._idle_began = self._loop_due = False
         self.spin = self._counting = self._unmodelled = None
         self._at = self._entry
         if self._calls is not None:
@@ -147,12 +147,12 @@ class ImageProgram(Program):
             self._functions = FunctionMap(self.image)
         return self._functions
 
-    def tell_calls(self, listener: CallListener) -> None:
+    def add_call_listener(self, listener: CallListener) -> None:
         """Add a listener to calls. Call it before the first instruction."""
         if self._calls is None:
             self._calls = CallStack(self.functions, self._clock)
             self._calls.began(self.cpu.pc, self._processor.time.cycle)
-        self._calls.tell(listener)
+        self._calls.add_listener(listener)
 
     def watch_memory(self, watch: VariableRecords) -> None:
         """Record the variables of `watch` when their words are written."""
@@ -180,7 +180,7 @@ class ImageProgram(Program):
             return self._run()
         except (IllegalOperation, InterruptFault) as error:
             self._processor.time.meet()  # the run ends now
-            raise FirmwareLost(self._told(str(error).removeprefix(f"{self._processor.name}: "))) from None
+            raise FirmwareLost(self._error_text(str(error).removeprefix(f"{self._processor.name}: "))) from None
 
     def _run(self) -> Stop:
         cpu, time, processor = self.cpu, self._processor.time, self._processor
@@ -197,8 +197,8 @@ class ImageProgram(Program):
             else:
                 if time.watching:
                     self._follow_wait()
-                if self._looks:
-                    self._looks = False
+                if self._loop_due:
+                    self._loop_due = False
                     if self._sleeps() and polls.skips:
                         return Stop.SLEEPS
                 if cpu.idling:
@@ -213,7 +213,7 @@ class ImageProgram(Program):
                     number = core.next_taken(time.cycle)
                     if number:
                         cpu.hand_over()
-                        if not processor.take(number):
+                        if not processor.take_interrupt(number):
                             return Stop.WAITS
                         continue
                 self._at = cpu.pc
@@ -247,7 +247,7 @@ class ImageProgram(Program):
                         if time.watching:
                             self._back = f.address
                         else:
-                            self._looks = polls.again(f.address, cycle)
+                            self._loop_due = polls.again(f.address, cycle)
                 self._jumps[self._jumped & LAST_JUMPS - 1] = f.address
                 self._jumped += 1
                 if self._calls is not None:
@@ -280,11 +280,11 @@ class ImageProgram(Program):
         self._counted = self.instructions
         if polls.counting:
             spin = self._sleeps_counting()
-        elif polls.may_be_alike() and polls.comes_out_alike(self.cpu.is_as_before()):
+        elif polls.is_repeatable() and polls.repeats(self.cpu.is_as_before()):
             self._counting = None
             if polls.restarts:
                 self._keep_unmodelled(polls.since)
-                polls.look_later()
+                polls.examine_later()
                 return False
             spin = polls.sleep()
         else:
@@ -326,7 +326,7 @@ class ImageProgram(Program):
             if spin is not None:
                 return spin
         if not polls.clean or loop.does_more:
-            polls.fails()
+            polls.count_failure()
         self._counting = None
         return None
 
@@ -338,10 +338,10 @@ class ImageProgram(Program):
             woken = time.wakes
             self._woken(woken)
             if back >= 0 and woken < time.cycle:  # in the pass that has just ended
-                self._looks = self.cpu.polls.again(back, time.cycle)
+                self._loop_due = self.cpu.polls.again(back, time.cycle)
 
     def _woken(self, cycle: int) -> None:
-        """End a wait, since a pass may differ from this cycle on; see `Polls.woken`."""
+        """End a wait, since a pass may differ from this cycle on; see `PollSkipper.woken`."""
         polls, counting = self.cpu.polls, self._counting
         passes = polls.woken(cycle)
         self.spin = self._counting = None
@@ -428,7 +428,7 @@ class ImageProgram(Program):
     def enter(self, vector: int) -> Text:
         if not vector:
             taken = self._processor.interrupts.taken
-            raise FirmwareLost(self._told(f"interrupt {taken} was taken, whose vector is 0"))
+            raise FirmwareLost(self._error_text(f"interrupt {taken} was taken, but its vector is 0"))
         interrupted = self.cpu.pc
         if self._unmodelled is not None and not self._unmodelled.goes_on(self.cpu):
             self._unmodelled = None
@@ -442,7 +442,7 @@ class ImageProgram(Program):
     def restore(self, words: Sequence[int]) -> None:
         self.cpu.restore(list(words))
         if self._calls is not None:
-            self._calls.came_back(self.cpu.pc, self._processor.time.cycle + cpu_costs.IRET)
+            self._calls.on_return(self.cpu.pc, self._processor.time.cycle + cpu_costs.IRET)
 
     # Places -------------------------------------------------------------------------
 
@@ -474,7 +474,7 @@ class ImageProgram(Program):
         """Check SP outside of its section: it may be set to another stack, but not leave the section step by step."""
         begin, end = self._stack_begin, self._stack_end
         if begin <= self._sp <= end and not (f.l == SP_FIELD and f.accesses & WRITES):
-            how = "grew beyond" if self.cpu.sp > end else "was taken from below"
+            how = "grew beyond" if self.cpu.sp > end else "was popped below"
             raise IllegalOperation(f"the stack {how} its section .stack, {begin:#06x} to {end - 1:#06x}")
 
     def read_unwritten(self, address: int) -> None:
@@ -482,12 +482,12 @@ class ImageProgram(Program):
         name = self.functions.name_at(self._at)
         if name not in self._unwritten:
             self._unwritten.add(name)
-            text = f"{name} reads {address:#06x}, which nothing has written; after power-up it may hold anything"
+            text = f"{name} reads {address:#06x}, which has not been written; its value after power-up is undefined"
             self._processor.notes.note(
                 self._processor.time.cycle, Note("unknown", text, "SPRU513, uninitialized sections")
             )
 
-    def _told(self, why: str) -> str:
+    def _error_text(self, why: str) -> str:
         """Return an error message with pc, function, last jumps and registers."""
         cpu = self.cpu
         jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in self._last_jumps())

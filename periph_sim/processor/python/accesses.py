@@ -72,7 +72,7 @@ class Accesses:
             instructions.run(self._between)
             self._reads += 1
             if self._reads == MANY_READS:
-                self._look_for_polling()
+                self._check_for_polling()
         elif spin.made:
             instructions.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the previous value
         bus = self._bus
@@ -91,7 +91,7 @@ class Accesses:
             if operand.looks and (where is not None or not operand.placed):
                 value = operand.chip.see(at, operand.offset)
                 if operand.recorded:
-                    bus.tell_look(at, operand, value, where)
+                    bus.record_poll(at, operand, value, where)
             else:
                 value = self._fetch(operand)
         if spin is not None:
@@ -100,7 +100,7 @@ class Accesses:
         instructions.instruction(1)
         return value
 
-    def _look_for_polling(self) -> None:
+    def _check_for_polling(self) -> None:
         """Note, once for each place, a loop that reads registers pass by pass without `dsp.spin`."""
         cycle = self._time.cycle
         dense = cycle - self._reads_from < MANY_READS * CYCLES_OF_A_PASS

@@ -64,12 +64,12 @@ class CodeRecords:
     def span(self, cycle: int, name: Text, begins: int) -> None:
         """Record that a named span begins (1) or ends (0) at this cycle."""
         if self.spans:
-            self.tell(self._recorder.topic(Kind.SPAN, self._name, name), cycle, begins)
+            self.record(self._recorder.topic(Kind.SPAN, self._name, name), cycle, begins)
 
     def wait(self, cycle: int, what: Text, begins: int) -> None:
         """Record that a wait for `what` begins (1) or ends (0)."""
         if self.waits:
-            self.tell(self._recorder.topic(Kind.WAIT, self._name, what), cycle, begins)
+            self.record(self._recorder.topic(Kind.WAIT, self._name, what), cycle, begins)
 
     def waited_for(self, spin: Spin) -> Topic:
         """Return the topic of waits that poll the same operands as this one."""
@@ -82,7 +82,7 @@ class CodeRecords:
             waited.following, self._waited = self._waited, waited
         return waited.topic
 
-    def tell(self, topic: Topic, cycle: int, begins: int) -> None:
+    def record(self, topic: Topic, cycle: int, begins: int) -> None:
         """Make a record of this topic."""
         where = (self._program.place() or "") if begins and topic.places else ""
         topic.emit(self._clock.tick(cycle), begins, where)

@@ -131,11 +131,11 @@ class Cpu:
 
     def eint(self) -> None:
         self._core.clrc_intm(self.time.cycle)
-        self._tell_and_pass(cpu_costs.CLRC_INTM)
+        self._note_and_pass(cpu_costs.CLRC_INTM)
 
     def dint(self) -> None:
         self._core.setc_intm(self.time.cycle)
-        self._tell_and_pass(cpu_costs.SETC_INTM)
+        self._note_and_pass(cpu_costs.SETC_INTM)
 
     def eallow(self) -> None:
         self._core.set_eallow(self.time.cycle, True)
@@ -156,6 +156,6 @@ class Cpu:
     def nop(self) -> None:
         self._instructions.instruction(cpu_costs.SIMPLE)
 
-    def _tell_and_pass(self, cycles: int) -> None:
+    def _note_and_pass(self, cycles: int) -> None:
         self.processor.interrupts.take_notes(self.time.cycle)
         self._instructions.instruction(cycles)

@@ -124,7 +124,7 @@ class FirmwareView:
                 cycles = operator.index(cost)
             except TypeError:
                 way = "expected whole cycles, or seconds as a Fraction: Fraction(250, 10**6)"
-                raise Misuse(f"a time of {cost!r} is no exact number; {way}") from None
+                raise Misuse(f"a time of {cost!r} is not an exact number; {way}") from None
         if cycles < 0:
             raise Misuse(f"a time of {cycles} cycles is negative; expected 0 or more")
         return self._fitting(cycles, f"a time of {cycles} cycles") if cycles > LONG else cycles
@@ -134,7 +134,7 @@ class FirmwareView:
         time = self.cpu.time
         left = time.left()
         if cycles > left + time.cycle:
-            raise Misuse(f"{what} is longer than any run, which has {left + time.cycle} at most")
+            raise Misuse(f"{what} exceeds the longest possible run, of {left + time.cycle} cycles")
         return min(cycles, left)
 
     def _drawn(self, spread: Spread) -> BigInt:
@@ -143,7 +143,7 @@ class FirmwareView:
     def span(self, name: Text) -> Span:
         """Return a context manager that names a span of firmware, for budgets and recordings; it costs no cycles."""
         if not isinstance(name, str) or not name:
-            raise Misuse(f"dsp.span needs the name of the stretch, but got {name!r}")
+            raise Misuse(f"dsp.span needs the name of the span, but got {name!r}")
         return Span(self.cpu, name)
 
     def report_overflow(self, text: Text) -> None:  # core: python
@@ -201,7 +201,7 @@ def _require(number: BigInt, numbers: range, what: Text) -> None:
 
 
 def _no_condition(what: Text, given: object) -> Misuse:
-    way = "write dsp.spin(lambda: ...), so that each pass looks again"
+    way = "write dsp.spin(lambda: ...), so that each pass evaluates it again"
     return Misuse(f"dsp.{what} needs a function to call in each pass, but got {given!r}; {way}")
 
 

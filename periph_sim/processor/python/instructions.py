@@ -1,6 +1,6 @@
 """Instructions of Python firmware between two accesses: cycles, and interrupts at their boundaries.
 
-    instruction, run, idle --boundary--> Processor.take --> vector --> service routine --> Processor.iret
+    instruction, run, idle --boundary--> Processor.take_interrupt --> vector --> service routine --> Processor.iret
 
 A service routine is called on the firmware's own stack, at the instruction boundary at which the chip would take the
 interrupt.
@@ -47,7 +47,7 @@ class Instructions:
         time, core = self._time, self._core
         cycle = time.cycle + cycles
         if cycle >= time.lease and not self._processor.reach(cycle):
-            self._program.give_way()
+            self._program.yield_turn()
         time.cycle = cycle
         if core.ifr or core.next_wake <= cycle or core.owes_instruction:
             self.serve()
@@ -55,7 +55,7 @@ class Instructions:
     def go_to(self, cycle: int) -> None:
         """Let time pass to `cycle`, without interrupts."""
         if not self._processor.reach(cycle):
-            self._program.give_way()
+            self._program.yield_turn()
 
     def run(self, cycles: int) -> None:
         """Execute straight-line code, interruptible at each cycle."""
@@ -99,7 +99,7 @@ class Instructions:
     def _rest_until(self, cycle: int) -> None:
         """Sleep to `cycle`, or to the boundary at which an interrupt can be taken."""
         if not self._processor.rest(cycle):
-            self._program.give_way(SLEEPS)
+            self._program.yield_turn(SLEEPS)
 
     def serve(self) -> None:
         """Take every interrupt that can be taken at this instruction boundary."""
@@ -115,15 +115,15 @@ class Instructions:
         processor, program, time = self._processor, self._program, self._time
         spin, program.spin = program.spin, None
         began, busy = time.cycle, self.busy_cycles
-        if not processor.take(number):
-            program.give_way()
+        if not processor.take_interrupt(number):
+            program.yield_turn()
         routine = program.entered
         assert routine is not None
         self.run(self._prologue)
         routine()
         self.run(self._epilogue)
         if not processor.iret():
-            program.give_way()
+            program.yield_turn()
         self.busy_cycles = busy + time.cycle - began
         program.spin = spin
         if spin is not None:

@@ -90,10 +90,10 @@ class Port:
             f"{self.where}.when({given}): a wait reads one field; give when(mask={mask:#x}, value={value:#x})"
         )
 
-    def asked(self, name: Text, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
-        """Return the condition that compares a field with a number; None if `PortField.asked` returns none."""
+    def comparison(self, name: Text, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
+        """Return the condition that compares a field with a number; None if `PortField.comparison` returns none."""
         found = self._fields.get(name)
-        return None if found is None else found.asked(self, number, test, where)
+        return None if found is None else found.comparison(self, number, test, where)
 
     def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:  # core: python
         """Return the port of the register's halves, made at the first call."""
@@ -155,7 +155,7 @@ class PortField:
         """Return the number shifted to the field's bits. Raise Misuse if the field cannot have it."""
         return self._whole(f"{self._where} == {number!r} never holds", number, self._most) << self._lsb
 
-    def asked(self, port: Port, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
+    def comparison(self, port: Port, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
         """Return the condition that compares this field with a number. where: its statement in the firmware.
 
         Return None if a read has effects, its record needs a place that is unknown, or the number is out of range.
@@ -175,7 +175,7 @@ class PortField:
         bits = self._whole(f"{where}: the mask does not fit", mask, self._most)
         wanted = self._whole(f"{where}: the value does not fit", value, self._most)
         if not bits:
-            raise Misuse(f"{where} looks at no bit; expected a mask of 1 to {self._most:#x}")
+            raise Misuse(f"{where} tests no bit; expected a mask of 1 to {self._most:#x}")
         if wanted & ~bits:
             raise Misuse(f"{where} never holds: {wanted & ~bits:#x} is outside of the mask {bits:#x}")
         return Condition(port._accesses, port._operands[self.number] or self._operand(port), bits, wanted)

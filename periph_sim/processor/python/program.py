@@ -1,6 +1,6 @@
 """A Python function as a program, which runs in a greenlet until it must wait or returns.
 
-    Processor.act --> run --> greenlet --> firmware --> instructions --> give_way --> Kernel.help, until it is run again
+    Processor.act --> run --> greenlet --> firmware --> instructions --> yield_turn --> Kernel.help until the next run
 
 A program that yields its turn runs the due events on its own stack; stacks are switched only when another program
 continues, or the run ends. An exception of such an event is not raised in the firmware, but in the outer loop, where
@@ -130,7 +130,7 @@ class PythonProgram(Program):
     def _execute(self, firmware: Callable[[], None], after_main: Callable[[], None]) -> None:
         """Execute the program. Raise FirmwareError for errors of the firmware."""
         self._watched = get_ident()
-        self._goes_on()
+        self._begin_watch()
         try:
             firmware()
             self._land()
@@ -152,15 +152,15 @@ class PythonProgram(Program):
 
     def _end(self) -> None:
         """End the turn of firmware that returned or raised: the outer loop continues, unless the program was killed."""
-        self._waits()
+        self._end_watch()
         if self._greenlet is not None:
             self._processor.stops(Stop.ENDED)
-            self._greenlet.parent = self._home()
+            self._greenlet.parent = self._outer_loop()
 
     # Turns -------------------------------------------------------------------
 
     def run(self, until: int) -> None:
-        """Give this program its turn. `give_way` reports its stops, since another program may return from this call."""
+        """Give this program its turn. `yield_turn` reports its stops, since another one may return from this call."""
         kernel = self._kernel
         kernel.released = True
         if kernel.helper is not self:
@@ -171,7 +171,7 @@ class PythonProgram(Program):
         assert program is not None
         here = getcurrent()
         if here is program:
-            raise RuntimeError(f"{self.name} was to go on in the middle of something that it had begun itself")
+            raise RuntimeError(f"{self.name} cannot continue inside an event that it started itself")
         if kernel.helper is None:
             kernel.home = here
         kernel.helper = None
@@ -183,7 +183,7 @@ class PythonProgram(Program):
             finally:
                 del fault
 
-    def give_way(self, why: Stop = Stop.WAITS) -> None:
+    def yield_turn(self, why: Stop = Stop.WAITS) -> None:
         """Stop, and return when the program is run again; meanwhile run due events from here."""
         kernel, program = self._kernel, self._greenlet
         if program is None:  # it was killed, and never continues
@@ -192,7 +192,7 @@ class PythonProgram(Program):
             ender.switch()
             raise GreenletExit
         self._processor.stops(why)
-        self._waits()
+        self._end_watch()
         try:
             goes_on = kernel.help(self)
         except BaseException as error:
@@ -201,20 +201,20 @@ class PythonProgram(Program):
             kernel.helper, kernel.fault = None, error
             goes_on = False
         if not goes_on:
-            self._home().switch()
-        self._goes_on()
+            self._outer_loop().switch()
+        self._begin_watch()
 
-    def _home(self) -> greenlet:
+    def _outer_loop(self) -> greenlet:
         home = self._kernel.home
         assert isinstance(home, greenlet), "firmware calls the CPU only from inside a run"
         return home
 
-    def _goes_on(self) -> None:
+    def _begin_watch(self) -> None:
         """Begin to watch the firmware for stalls."""
         self.thread = self._watched
 
-    def _waits(self) -> None:
-        """End the watch for stalls: the time up to `_goes_on` is not the firmware's."""
+    def _end_watch(self) -> None:
+        """End the watch for stalls: the time up to `_begin_watch` is not the firmware's."""
         self.thread = 0
         if self.stall_limit and self._stops:
             watch.leave(self._watched)
@@ -225,13 +225,13 @@ class PythonProgram(Program):
         dying, self._greenlet = self._greenlet, None
         if dying is not None and not dying.dead:
             dying.parent = getcurrent()  # continues here when it ends, or when it has to wait
-            self._goes_on()
+            self._begin_watch()
             try:
                 dying.throw(how)
             finally:
-                self._waits()
+                self._end_watch()
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """Run its `finally` blocks, in no simulated time; errors in them are ignored.
 
         A thread that cannot end it leaves it to the thread that can.
@@ -254,7 +254,7 @@ class PythonProgram(Program):
         processor = self._processor
         while processor.time.lands < NEVER:
             if not processor.reach(processor.time.lands + 1):
-                self.give_way()
+                self.yield_turn()
 
     # Places and routines ---------------------------------------------------------
 
@@ -292,4 +292,4 @@ class PythonProgram(Program):
                 f"Give it one with dsp.handle({taken!r}, routine)."
             )
         self.entered = routine
-        return self._places.of(routine) or ""
+        return self._places.of_routine(routine) or ""

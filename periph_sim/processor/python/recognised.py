@@ -27,7 +27,7 @@ NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # 
 FORM = ("LOAD_DEREF", "LOAD_ATTR", "LOAD_ATTR", "LOAD_CONST", "COMPARE_OP", "RETURN_VALUE")
 
 
-class Asked(NamedTuple):
+class FieldComparison(NamedTuple):
     """A comparison of a field with a number. place: index of the module among the function's free variables.
 
     line: the line that reads the field.
@@ -42,7 +42,7 @@ class Asked(NamedTuple):
 
 
 @lru_cache(maxsize=256)  # the query depends on the code alone, so the firmware of all scenes shares it
-def asked_by(code: CodeType) -> Asked | None:
+def comparison_of(code: CodeType) -> FieldComparison | None:
     """Return the comparison that a code makes; None if it has another form."""
     if code.co_argcount or code.co_kwonlyargcount or code.co_flags & 0x0C:
         return None
@@ -55,11 +55,11 @@ def asked_by(code: CodeType) -> Asked | None:
         return None
     at = steps[2].positions
     line = at.lineno if at is not None and at.lineno is not None else code.co_firstlineno
-    return Asked(code.co_freevars.index(module), register, field, TESTS[test], number, line)
+    return FieldComparison(code.co_freevars.index(module), register, field, TESTS[test], number, line)
 
 
 @final
-class Question:
+class ConditionQuery:
     """The query of a code. condition: its condition on the module used last."""
 
     __slots__ = ("code", "condition", "field", "known", "module", "number", "place", "register", "test", "where")
@@ -81,18 +81,18 @@ class Question:
     def analyse(self, program: PythonProgram) -> None:
         """Set the query from the code."""
         self.known = True
-        asked = None if sys.gettrace() is not None else asked_by(self.code)
-        if asked is not None:
-            self.place, self.register, self.field, self.test, self.number, line = asked
+        found = None if sys.gettrace() is not None else comparison_of(self.code)
+        if found is not None:
+            self.place, self.register, self.field, self.test, self.number, line = found
             self.where = program.place_in(self.code, line)
 
-    def about(self, module: object) -> Condition | None:
+    def condition_on(self, module: object) -> Condition | None:
         """Return the condition on this module's register; None if there is none."""
         self.module = self.condition = None
         if isinstance(module, Registers):
             port = vars(module).get(self.register)
             if isinstance(port, Port):
-                self.module, self.condition = module, port.asked(self.field, self.number, self.test, self.where)
+                self.module, self.condition = module, port.comparison(self.field, self.number, self.test, self.where)
         return self.condition
 
 
@@ -100,35 +100,35 @@ class Question:
 class Recogniser:
     """Queries of one CPU's firmware."""
 
-    __slots__ = ("_earlier", "_latest", "_program", "_questions")
+    __slots__ = ("_earlier", "_latest", "_program", "_queries")
 
     def __init__(self, program: PythonProgram) -> None:
         self._program = program
-        self._questions: dict[int, Question] = {}
-        self._latest: Question | None = None  # used last; a loop repeats the same one or two
-        self._earlier: Question | None = None  # used before it
+        self._queries: dict[int, ConditionQuery] = {}
+        self._latest: ConditionQuery | None = None  # used last; a loop repeats the same one or two
+        self._earlier: ConditionQuery | None = None  # used before it
 
     def condition(self, function: object) -> Condition | None:
         """Return the condition equivalent to a function that was seen before; None if there is none."""
         if type(function) is not FunctionType:
             return None
         code = function.__code__
-        question: Question | None = self._latest
-        if question is None or question.code is not code:
-            question, self._earlier = self._earlier, question
-            if question is None or question.code is not code:
-                question = self._questions.get(id(code))
-                if question is None:
-                    question = self._questions[id(code)] = Question(code)
-                    self._latest = question
+        query: ConditionQuery | None = self._latest
+        if query is None or query.code is not code:
+            query, self._earlier = self._earlier, query
+            if query is None or query.code is not code:
+                query = self._queries.get(id(code))
+                if query is None:
+                    query = self._queries[id(code)] = ConditionQuery(code)
+                    self._latest = query
                     return None
-            self._latest = question
-        if not question.known:
-            question.analyse(self._program)
-        if question.place < 0:
+            self._latest = query
+        if not query.known:
+            query.analyse(self._program)
+        if query.place < 0:
             return None
         try:
-            module = function.__closure__[question.place].cell_contents  # type: ignore[index]
+            module = function.__closure__[query.place].cell_contents  # type: ignore[index]
         except ValueError:  # not yet assigned
             return None
-        return question.condition if module is question.module else question.about(module)
+        return query.condition if module is query.module else query.condition_on(module)

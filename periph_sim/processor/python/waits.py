@@ -114,28 +114,28 @@ class Waits:
     ) -> int:
         """Wait, and return the condition that ended the wait: READY, OVER or, after a timeout, NEITHER."""
         time, program, instructions, records = self._time, self._program, self._instructions, self._records
-        spin = self._begun(pass_cycles, NEVER if timeout is None else time.cycle + timeout)
+        spin = self._new_wait(pass_cycles, NEVER if timeout is None else time.cycle + timeout)
         outer, program.spin = program.spin, spin
         recogniser = self._recogniser
-        asked: Condition | None
-        asked_else: Condition | None
-        asked = ready if isinstance(ready, Condition) else recogniser.condition(ready)
-        asked_else = over if over is None or isinstance(over, Condition) else recogniser.condition(over)
+        ready_condition: Condition | None
+        over_condition: Condition | None
+        ready_condition = ready if isinstance(ready, Condition) else recogniser.condition(ready)
+        over_condition = over if over is None or isinstance(over, Condition) else recogniser.condition(over)
         waited: Topic | None = None
         came, again = NEITHER, False
         while True:
             if not again or not self._repeats(spin):
                 spin.begin_pass(time.cycle)
-                if asked.holds() if asked is not None else ready():
+                if ready_condition.holds() if ready_condition is not None else ready():
                     came = READY
-                elif over is not None and (asked_else.holds() if asked_else is not None else over()):
+                elif over is not None and (over_condition.holds() if over_condition is not None else over()):
                     came = OVER
                 if came:
                     break
                 spin.take_length(time.cycle)
                 if records.waits and waited is None:
                     waited = records.waited_for(spin)
-                    records.tell(waited, spin.since, 1)
+                    records.record(waited, spin.since, 1)
             if pass_cycles is None and not self._branch_listed:
                 self._branch_listed = True  # `_branch` depends on it; the CPU's list keeps its entries
                 self._pf2_read_ws.assume(self._core.touched)
@@ -144,13 +144,13 @@ class Waits:
             if time.cycle >= spin.ends:
                 break
         if waited is not None:
-            records.tell(waited, time.cycle, 0)
+            records.record(waited, time.cycle, 0)
         instructions.instruction(cpu_costs.SB_NOT_TAKEN)
         program.spin = outer
         self._spare = None if records.kept else spin
         return came
 
-    def _begun(self, pass_cycles: int | None, ends: int) -> Spin:
+    def _new_wait(self, pass_cycles: int | None, ends: int) -> Spin:
         """Return a wait that begins now: the object of an earlier one, unless a subscriber may refer to that."""
         spin, self._spare = self._spare, None
         if spin is None:
@@ -177,7 +177,7 @@ class Waits:
             spin.executes_next()
             return False
         lease = self._lease
-        lease.take(spin)
+        lease.set_pass(spin)
         if lease.broken(time.cycle):
             return False
         first = time.cycle
@@ -187,7 +187,7 @@ class Waits:
             time.wake_at(first - (first - spin.ends) // period * period)  # the end of the pass that times out
         time.sleep(NEVER)
         try:
-            self._program.give_way(SLEEPS)
+            self._program.yield_turn(SLEEPS)
         finally:  # a reset ends the firmware here
             lease.end()
         woken = time.cycle
@@ -225,7 +225,7 @@ class Waits:
                 if (value ^ read.value) & operand.mask:
                     break
                 if operand.recorded:
-                    self._bus.tell_look(cycle, operand, value, read.where)
+                    self._bus.record_poll(cycle, operand, value, read.where)
             cycle += 1
             if not self._passes(cycle):
                 break

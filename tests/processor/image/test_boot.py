@@ -69,8 +69,8 @@ def test_a_stub_names_its_register(register: str | int, address: int):
     [
         ("ADC.ADCSTX", "there is no register"),
         ("ADC + 0x20", "there is no register"),
-        ("0x9000", "0x009000 is no register"),
-        ("SYS.PLLSTS", "SYS.PLLSTS is modelled; a stub answers for what is not"),
+        ("0x9000", "0x009000 is not a register"),
+        ("SYS.PLLSTS", "SYS.PLLSTS is modelled; stubs are for registers that are not"),
     ],
 )
 def test_a_stub_of_what_needs_none_is_refused(register: str, sentence: str):

@@ -17,7 +17,7 @@ class Told(CallListener):
     def __init__(self, rig: Rig) -> None:
         self.lines: list[str] = []
         self.at: list[int] = []
-        rig.program.tell_calls(self)
+        rig.program.add_call_listener(self)
 
     def called(self, name: str, tick: int) -> None:
         self.lines.append(f"> {name}")

@@ -18,7 +18,7 @@ TAKEN = " OR IFR,#0x1000\n OR IER,#0x1000\n CLRC INTM\n NOP\n ESTOP0"
             STACK + "loop: PUSH ACC\n SB loop,UNC",
             r"the stack grew beyond its section .stack, 0x0400 to 0x040f; at _c_int00\+0x\w+ \(0x0090\w+\)",
         ),
-        (STACK + " POP ACC\n ESTOP0", "the stack was taken from below its section .stack"),
+        (STACK + " POP ACC\n ESTOP0", "the stack was popped below its section .stack"),
         (STACK + "_f: LCR #_f", r"the stack grew beyond .*; last jumps: .*_c_int00"),
         (HEAD + " MOVL XAR4,#0x9101\n MOVL *XAR4,ACC\n ESTOP0", "32 bits are written to the odd address 0x009101"),
         (HEAD + " MOVL XAR4,#0x9101\n MOVL ACC,*XAR4\n ESTOP0", "32 bits are read from the odd address 0x009101"),
@@ -38,7 +38,7 @@ TAKEN = " OR IFR,#0x1000\n OR IER,#0x1000\n CLRC INTM\n NOP\n ESTOP0"
             HEAD + TAKEN,
             r"^dsp: INT13 was taken at cycle \d+ with PIECTRL.ENPIE = 0, .*; at .*, ACC=0x00000000 .* last jumps",
         ),
-        (HEAD + " MOV @SP,#0x7000\n" + TAKEN, r"^dsp: SP = 0x7000 at cycle \d+; 0x7000 is no memory; at .*last jumps"),
+        (HEAD + " MOV @SP,#0x7000\n" + TAKEN, r"^dsp: SP = 0x7000 at cycle \d+; 0x7000 is not memory; at .*last jumps"),
     ],
 )
 def test_the_run_ends_with_place_registers_and_last_jumps(source: str, sentence: str):
@@ -94,5 +94,5 @@ def test_sections_that_share_memory_are_noted():
 def test_a_read_of_what_nothing_wrote_is_noted_once_for_a_function():
     source = " MOVL XAR4,#0x9100\n MOV AL,*XAR4++\n MOV AL,*XAR4\n LCR #_f\n ESTOP0\n .global _f\n"
     rig = Rig(HEAD + " MOVL XAR5,#0x9110\n MOV *XAR5,#0\n MOV AL,*XAR5\n" + source + "_f: MOVL ACC,*+XAR4[3]\n LRETR")
-    notes = [text for text in rig.run().notes() if "nothing has written" in text]
+    notes = [text for text in rig.run().notes() if "has not been written" in text]
     assert [text[: text.index(",")] for text in notes] == ["_c_int00 reads 0x9100", "_f reads 0x9104"]

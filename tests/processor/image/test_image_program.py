@@ -152,7 +152,7 @@ def test_flash_that_nobody_programmed_is_erased_and_the_part_says_its_id():
 def test_the_boot_rom_reads_0_and_is_noted():
     rig = Rig(HEAD + " MOVL XAR4,#0x3FFFBA\n MOV AL,*XAR4++\n MOV AH,*XAR4\n ESTOP0").run()
     assert rig.program.finished and rig.cpu.acc == 0
-    assert rig.notes() == ["boot ROM: 0x3fffba is read as 0; what is there is not modelled"]
+    assert rig.notes() == ["boot ROM: 0x3fffba is read as 0; its contents are not modelled"]
 
 
 def test_code_in_flash_and_data_at_both_ends():
@@ -168,7 +168,7 @@ def test_code_in_flash_and_data_at_both_ends():
         (" .word 0xE271", "0xe271 0x0000 is not an instruction of the F28335"),
         (" .word 0", "0x0000 is the illegal instruction"),
         (" LB #0x3F0000", "0x3f0000 is read, where the F28335 has nothing|no memory is"),
-        (" LB #0x7100", "code is fetched from 0x007100, where no memory is"),
+        (" LB #0x7100", "code is fetched from 0x007100, where there is no memory"),
         (" MOVL XAR4,#0x3FE000\n MOV AL,*XAR4", "math tables of the boot ROM"),
         (" MOVL XAR4,#0x3FFFB9\n CMP *XAR4,#-2", "0x3fffb9 of the boot ROM is read: erasing and programming"),
         (" LB #0x3FF34C", "code is fetched from 0x3ff34c: routines of the boot ROM are not modelled"),
@@ -198,7 +198,7 @@ def test_iret_returns_through_a_frame_that_the_program_made_up():
 
 
 def test_a_vector_of_0_is_told():
-    with pytest.raises(FirmwareError, match=r"interrupt TINT0 was taken, whose vector is 0; at _c_int00\+0x"):
+    with pytest.raises(FirmwareError, match=r"interrupt TINT0 was taken, but its vector is 0; at _c_int00\+0x"):
         Rig(TIMER.replace(" MOVL *XAR5,XAR4\n", ""), "TIMER0").run()
 
 
@@ -254,7 +254,6 @@ def test_external_memory_is_noted_once_a_zone():
     rig = Rig(HEAD + zone).run()
     assert rig.cpu.acc == 5
     assert rig.notes() == [
-        f"{name}: {address} is taken as memory with 1 wait state, the least that XINTF has; what XTIMING says is not "
-        "modelled"
+        f"{name}: {address} is treated as memory with 1 wait state, the minimum of XINTF; XTIMING is not modelled"
         for name, address in (("XINTF zone 6", "0x100000"), ("XINTF zone 0", "0x004000"))
     ]

@@ -2,7 +2,7 @@
 
     kernel --wake-up--> Processor --run(until)--> Program      reason of the stop <--
                             |                       |
-                            |   reach, rest, take, iret: True if complete; False: stop, and be run again
+                            |   reach, rest, take_interrupt, iret: True if complete; False: stop, and be run again
                             |                       |
          CpuTime <----------+-- Bus <---------------+-- reads, writes in a cycle that the bus named
            cycle, lease,        wait states, protection, EALLOW, posted writes, records, RAM

@@ -92,7 +92,7 @@ class Operand:
         waits: WaitStates,
         recorded: bool,
     ) -> None:
-        neighbour = words == BOTH and register.width == 16 and not register.upper  # also in a 32-bit access
+        neighbour = words == BOTH and register.width == 16 and not register.upper  # read as half of a 32-bit word
         socket, harmless = place.socket, register.reads_are_harmless
         self.place = place
         self.register = register

@@ -1,7 +1,7 @@
 """One CPU: its time, bus and interrupts, and the program that runs on them.
 
     kernel --wake-up--> Processor --run--> Program --> Bus, Interrupts, CpuTime
-                            ^--- reach, rest, take, iret: steps that take time; stops
+                            ^--- reach, rest, take_interrupt, iret: steps that take time; stops
 
 Steps that take time are requested here. True means that the step is complete, and the program continues in the same
 call. After False it stops; the step is completed when the kernel wakes this CPU, and then the program is run again.

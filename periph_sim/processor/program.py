@@ -64,8 +64,8 @@ class Program:
         """Continue, and return the reason of the next stop; None if the program reports it itself (`Processor.stops`).
 
         until: nothing else can act before this cycle, the end of the present lease. An access with an effect ends the
-        lease (`CpuTime.lease`). If `Processor.reach`, `rest`, `take` or `iret` returns False, the program stops; the
-        step is complete when it is run again.
+        lease (`CpuTime.lease`). If `Processor.reach`, `rest`, `take_interrupt` or `iret` returns False, the program
+        stops; the step is complete when it is run again.
         """
         raise NotImplementedError
 

@@ -64,7 +64,7 @@ class UnmappedMemory:
         self._core = core
         self._notes = notes
         self._frames = [0] * FRAMES_END  # words of frames and of XINTF zone 0
-        self._states = [0] * FRAMES_END  # SEEN: an access affects the word alone
+        self._states = [0] * FRAMES_END  # their properties; SEEN: an access affects the word alone
         self._stored = {ADC_CAL: LRETR}  # words at higher addresses
         for address, value in FRAME_RESET.items():
             self._frames[address] = value

@@ -95,7 +95,7 @@ def sci_events(data: bytes, modules: list[str]) -> int:
     unit = {"firmware": "uart_logger", "modules": modules, "code": {"between_accesses": 0}}
     scene = Scene(case(unit={"dsp": unit}))
     peer = UartSender(scene.kernel, scene.recorder, scene.wire("RX"), Fraction(BIT_8N1 * TICKS))
-    scene.kernel.at(scene.timebase.ticks("1 ms"), lambda: peer.send(data, Fraction(0), lambda tick: None))
+    scene.kernel.call_at(scene.timebase.ticks("1 ms"), lambda: peer.send(data, Fraction(0), lambda tick: None))
     return scene.run(Fraction(20, 1000)).events
 
 

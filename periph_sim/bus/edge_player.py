@@ -28,7 +28,7 @@ class EdgePlayer:
 
     def _plan(self) -> None:
         if self.busy:
-            self._kernel.at(self._edges[self._next][0], self._edge)
+            self._kernel.call_at(self._edges[self._next][0], self._edge)
 
     def _edge(self) -> None:
         self._pin.drive(self._edges[self._next][1])

@@ -26,7 +26,7 @@ class HeldLine:
         self._pin.drive(0)
         self._left = self._clocks
         if not self._clocks:
-            self._kernel.at(self._kernel.now + self._ticks, self._let_go)
+            self._kernel.call_at(self._kernel.now + self._ticks, self._let_go)
 
     def _scl_changed(self, now: int, level: int) -> None:
         if self._left and not level:

@@ -19,13 +19,13 @@ from .registers import RegisterMap
 from .state import State
 
 if TYPE_CHECKING:
-    from .chip_input import Marks
+    from .chip_input import WriteOrigins
 
 NEVER = 2**62  # a wake-up that no run reaches; compares and adds like any other
 
 # What an input may have changed: nothing that shows; `next_wake` alone; it and `out`; any of the chip's attributes
 # and registers.
-NOTHING, LATER, OUTPUTS, ALL = range(4)
+NO_CHANGE, WAKE_CHANGED, PINS_CHANGED, ANY_CHANGED = range(4)
 
 
 class Note(NamedTuple):
@@ -81,9 +81,9 @@ class Chip:
     writes: int  # counts what may change those: writes, resets, the clock gate
 
     def pins(self, now: int, levels: int) -> int:
-        """The inputs as sampled in cycle `now`; bit i is INPUTS[i]. Returns what the owner must look at: NOTHING,
-        LATER, OUTPUTS or ALL. Where `filter_width` is above 0 a later call for the same cycle takes the place of the
-        first.
+        """The inputs as sampled in cycle `now`; bit i is INPUTS[i]. Returns what the owner must look at:
+        NO_CHANGE, WAKE_CHANGED, PINS_CHANGED or ANY_CHANGED. Where `filter_width` is above 0 a later call for the
+        same cycle takes the place of the first.
         """
         raise NotImplementedError
 
@@ -118,7 +118,7 @@ class Chip:
         raise NotImplementedError
 
     @property
-    def marks(self) -> Marks | None:
+    def marks(self) -> WriteOrigins | None:
         """Marks of what was written, of a chip whose outputs show later what was written to it."""
         return None
 

@@ -26,7 +26,7 @@ class Input:
         return self.cycle < other.cycle or (self.cycle == other.cycle and self.cause < other.cause)
 
 
-class Marks(Protocol):
+class WriteOrigins(Protocol):
     """mark: of a write to come. out_mark: of the write that the outputs show now; 0 where that is none."""
 
     mark: int

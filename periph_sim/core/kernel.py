@@ -29,7 +29,7 @@ from .chip import NEVER
 from .state import State
 
 TIMER, PADS, CHIP, CPU, PROBE = range(5)
-_BEHIND = PROBE + 1  # all phases of an instant
+_AFTER_ALL = PROBE + 1  # all phases of an instant
 _NUMBERS = 1 << 56  # so many events before a number would reach the phase beside it
 
 STORM = 100_000  # so many events inside one tick is a loop, not a design
@@ -37,7 +37,7 @@ STORM = 100_000  # so many events inside one tick is a loop, not a design
 Action = Callable[[], None]
 
 # Whether a party is to be told of the levels as they settle: in its place among those who asked, or by a wire of its.
-NOT_DUE, ASKED, BY_WIRE = range(3)
+NOT_DUE, REQUESTED, BY_WIRE = range(3)
 
 _order = attrgetter("time", "rank")
 
@@ -100,7 +100,7 @@ class Event:  # core: freelist 16
     following: Event | None
 
 
-class Settles:
+class Settleable:
     """What takes its new level when all who move it have acted: a wire. rank: see `Kernel.rank`.
 
     following: what settles after it in this phase. then: what hands on after it.
@@ -109,18 +109,18 @@ class Settles:
     __slots__ = ("following", "rank", "then")
 
     rank: int
-    following: Settles | None
-    then: Settles | None
+    following: Settleable | None
+    then: Settleable | None
 
     def settle(self) -> None:
         """Take the level; whoever is to be told of it is `due`."""
         raise NotImplementedError
 
-    def hand_on(self, now: int) -> None:
+    def notify_parties(self, now: int) -> None:
         """All have settled: tell whom it made due, if nobody else did meanwhile."""
 
 
-class Samples:
+class SampledParty:
     """Who is told of the settled levels. due: whether it is to be told, and by whom. following: who is told after it.
 
     plain: all there is to it is that its agent is told `levels`, its lines as they have settled; else `tell` tells.
@@ -133,9 +133,9 @@ class Samples:
     plain: bool
     agent: Agent
     levels: int
-    following: Samples | None
+    following: SampledParty | None
 
-    def tell(self, now: int) -> None:
+    def deliver(self, now: int) -> None:
         raise NotImplementedError
 
 
@@ -163,13 +163,13 @@ class Kernel:
         self.now = start
         self.events = 0
         self.shortcut: Shortcut | None = None
-        self.helper: object = None
+        self.nested_owner: object = None
         self.released = False
-        self.home: object = None
+        self.outer_loop: object = None
         self.fault: BaseException | None = None
-        self._unsettled: Settles | None = None  # what moved in the present phase, by rank: the first of a chain
-        self._handing_on: Settles | None = None  # what has settled, and did not tell its own yet: likewise
-        self._sampling: Samples | None = None  # who else is to be told of it, by rank
+        self._unsettled: Settleable | None = None  # what moved in the present phase, by rank: the first of a chain
+        self._notifying: Settleable | None = None  # what has settled, and did not tell its own yet: likewise
+        self._sampling: SampledParty | None = None  # who else is to be told of it, by rank
         self._settling = False  # the wires take their levels
         self._phase = TIMER  # of the event done last
         self._horizon = start
@@ -188,16 +188,16 @@ class Kernel:
         self._ranks += 1
         return self._ranks
 
-    def at(self, time: int, action: Action, phase: int = TIMER) -> Event:
+    def call_at(self, time: int, action: Action, phase: int = TIMER) -> Event:
         """Promise to call `action` at `time` (ticks). Returns the promise. ValueError if that is past."""
-        event = self.ask(time, Call(action), 0, phase)
+        event = self.schedule(time, Call(action), 0, phase)
         event.plain = True
         return event
 
-    def ask(self, time: int, agent: Agent, tag: int = 0, phase: int = TIMER) -> Event:
+    def schedule(self, time: int, agent: Agent, tag: int = 0, phase: int = TIMER) -> Event:
         """Promise to call `agent.act(tag)` at `time` (ticks). Returns the promise. ValueError if that is past."""
         event = self.event(agent, phase)
-        self.renew(event, time, tag)
+        self.reschedule(event, time, tag)
         return event
 
     def event(self, agent: Agent, phase: int = TIMER) -> Event:
@@ -210,7 +210,7 @@ class Kernel:
         event.following = None
         return event
 
-    def renew(self, event: Event, time: int, tag: int) -> None:
+    def reschedule(self, event: Event, time: int, tag: int) -> None:
         """Promise the agent of `event`, which is new, was kept or taken back, another one: an agent with one at a time
         needs no further object. ValueError if `time` is past, or the event is still to come.
         """
@@ -276,7 +276,7 @@ class Kernel:
         """End the present `run_until` after the event that runs now."""
         self._stop = True
 
-    def moved(self, wire: Settles) -> None:
+    def moved(self, wire: Settleable) -> None:
         """`wire` settles at the end of the present phase."""
         before = self._unsettled
         if before is None or before.rank > wire.rank:
@@ -288,11 +288,11 @@ class Kernel:
             before, after = after, after.following
         wire.following, before.following = after, wire
 
-    def tell(self, party: Samples) -> None:
+    def request_sample(self, party: SampledParty) -> None:
         """`party` is to be told of the levels as they settle; once, however often it is asked."""
         if party.due:
             return
-        party.due = ASKED
+        party.due = REQUESTED
         before = self._sampling
         if before is None or (before.rank > party.rank and not self._settling):
             party.following = before
@@ -310,7 +310,7 @@ class Kernel:
             wire = self._unsettled
             self._unsettled = None
             self._settling = True
-            self._handing_on = wire
+            self._notifying = wire
             while wire is not None:
                 wire.then = next_wire = wire.following
                 wire.settle()
@@ -324,20 +324,20 @@ class Kernel:
                 if party.plain:
                     party.agent.sampled(self.now, party.levels)
                 else:
-                    party.tell(self.now)
+                    party.deliver(self.now)
                 party = next_party
-            self._hand_on()
+            self._notify_parties()
             steps += 1
             if steps > STORM:
                 self._stuck(f"wires did not come to rest at t={self.now} after {STORM} steps")
 
-    def _hand_on(self) -> None:
+    def _notify_parties(self) -> None:
         """What has settled tells those who listen to it."""
-        wire = self._handing_on
+        wire = self._notifying
         while wire is not None:
-            self._handing_on = wire.then
-            wire.hand_on(self.now)
-            wire = self._handing_on
+            self._notifying = wire.then
+            wire.notify_parties(self.now)
+            wire = self._notifying
 
     def _stuck(self, why: str) -> None:
         raise SimulationStuck(why)
@@ -348,23 +348,23 @@ class Kernel:
             raise ValueError(f"asked to run until t={time}, but it is already t={self.now}")
         self._horizon = time
         self._stop = False
-        self._do(time, _BEHIND)
+        self._do(time, _AFTER_ALL)
         if not self._stop:
-            self.now, self._phase = time, _BEHIND
+            self.now, self._phase = time, _AFTER_ALL
         self.materialize()
 
-    def help(self, helper: object) -> bool:
+    def run_nested(self, owner: object) -> bool:
         """Do what is due in the middle of `helper`'s turn. True when that goes on.
 
         False: the rest is done at home, since nothing is left, or it is a plain function's turn.
         """
-        self.helper = helper
+        self.nested_owner = owner
         self.released = False
         while self._next(False):
             if self.released:
-                self.helper = None
+                self.nested_owner = None
                 return True
-        self.helper = None
+        self.nested_owner = None
         return False
 
     def _do(self, time: int, before: int) -> None:
@@ -376,7 +376,7 @@ class Kernel:
         self.settle()
         self._bound, self._bound_rank, self._at, self._in_this_tick = bound, rank, at, in_this_tick
 
-    def _next(self, at_home: bool) -> bool:
+    def _next(self, in_outer_loop: bool) -> bool:
         """Let the wires settle, and do the next event. False if there is none, or it is not to be done here."""
         if self._stop:
             return False
@@ -388,7 +388,7 @@ class Kernel:
             if self._stop:
                 return False
             event = self._first
-        if event is None or (event.plain and not at_home):
+        if event is None or (event.plain and not in_outer_loop):
             return False
         time = event.time
         if time >= self._bound and (time > self._bound or event.rank >= self._bound_rank):
@@ -419,15 +419,15 @@ class Kernel:
         Of now itself the phases before the present one: what comes in this one does so beside who asked.
         """
         now, phase, stop = self.now, self._phase, self._stop
-        helper, home, self.helper = self.helper, self.home, None
-        self._hand_on()
+        owner, outer, self.nested_owner = self.nested_owner, self.outer_loop, None
+        self._notify_parties()
         self.settle()
         later = self._taken_out()
         self.now, self._stop = since, False
-        self.ask(since, agent, tag)
+        self.schedule(since, agent, tag)
         self._do(now, phase)
         self.now, self._phase, self._stop = now, phase, stop
-        self.helper, self.home = helper, home
+        self.nested_owner, self.outer_loop = owner, outer
         came = self._taken_out()
         came.extend([event for event in later if event.queued and event not in came])
         came.sort(key=_order, reverse=True)

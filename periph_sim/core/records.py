@@ -67,13 +67,13 @@ class Record(NamedTuple):
 
 _made = tuple.__new__  # a Record without the call in Python that its own constructor is
 
-Sink = Callable[[Record], None]
-Party: TypeAlias = "Listener | Keeper | Sink"
+RecordCallback = Callable[[Record], None]
+Party: TypeAlias = "Listener | RecordSink | RecordCallback"
 Subjects = Mapping[Kind, Collection[str]]
 Things = Collection[tuple[Kind, str]]
 
 
-UNHEARD = -1  # instead of a tag: there is no use for such records
+UNWANTED = -1  # instead of a tag: there is no use for such records
 NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # of which accesses a keeper wants the place in the firmware
 
 
@@ -83,15 +83,15 @@ class Listener:
     __slots__ = ()
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        """Under which tag it is to be told of these records; UNHEARD if it has no use for them."""
+        """Under which tag it is to be told of these records; UNWANTED if it has no use for them."""
         raise NotImplementedError
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         """A record was made of what got this tag."""
         raise NotImplementedError
 
 
-class Keeper:
+class RecordSink:
     """Who keeps records, without the object that a Record is."""
 
     __slots__ = ()
@@ -129,40 +129,40 @@ class _KeeperEntry:
 
     __slots__ = ("following", "keeper", "tag")
 
-    keeper: Keeper
+    keeper: RecordSink
     tag: int
     following: _KeeperEntry | None
 
 
-_NO_SINKS: list[Any] = []  # stays empty
+_NO_CALLBACKS: list[Any] = []  # stays empty
 
 
 @final
 class Topic:
     """All records of one kind, place and thing.
 
-    heard: anybody is told of them. told_whole: somebody looks at more of them than time and value. places: of which
-    of them somebody wants the place in the firmware, whose working out costs more than all else.
+    has_subscribers: anybody is told of them. needs_details: somebody looks at more of them than time and value.
+    places: of which of them somebody wants the place in the firmware, whose working out costs more than all else.
     """
 
     __slots__ = (
+        "_callbacks",
         "_keepers",
         "_kind",
         "_last_keeper",
         "_last_listener",
         "_listeners",
         "_recorder",
-        "_sinks",
         "_step",
         "_what",
         "_where",
-        "heard",
+        "has_subscribers",
+        "needs_details",
         "places",
-        "told_whole",
     )
 
     def __init__(self, recorder: Recorder, kind: Kind, where: str, what: str) -> None:
-        self.heard = self.told_whole = False
+        self.has_subscribers = self.needs_details = False
         self.places = NOWHERE
         self._recorder = recorder
         self._kind = kind
@@ -173,7 +173,7 @@ class Topic:
         self._keepers: _KeeperEntry | None = None
         self._last_keeper: _KeeperEntry | None = None
         self._step: int = 0 if kind in DERIVED else 1  # from the number of the record before
-        self._sinks: list[Sink] = _NO_SINKS
+        self._callbacks: list[RecordCallback] = _NO_CALLBACKS
 
     def add(self, party: Party) -> None:
         """Somebody more is told, if it has any use for these records."""
@@ -181,18 +181,18 @@ class Topic:
             subscriber = _ListenerEntry()
             subscriber.listener, subscriber.following = party, None
             subscriber.tag = party.tag_of(self._kind, self._where, self._what)
-            if subscriber.tag == UNHEARD:
+            if subscriber.tag == UNWANTED:
                 return
             if self._last_listener is None:
                 self._listeners = subscriber
             else:
                 self._last_listener.following = subscriber
             self._last_listener = subscriber
-        elif isinstance(party, Keeper):
+        elif isinstance(party, RecordSink):
             writer = _KeeperEntry()
             writer.keeper, writer.following = party, None
             writer.tag = party.tag_of(self._kind, self._where, self._what)
-            if writer.tag == UNHEARD:
+            if writer.tag == UNWANTED:
                 return
             if self._last_keeper is None:
                 self._keepers = writer
@@ -201,21 +201,21 @@ class Topic:
             self._last_keeper = writer
             self.places = max(self.places, party.places(writer.tag))
         else:
-            self._sinks = [*self._sinks, party]
+            self._callbacks = [*self._callbacks, party]
             self.places = EVERYWHERE
-        self.heard = True
-        self.told_whole = self._keepers is not None or bool(self._sinks)
+        self.has_subscribers = True
+        self.needs_details = self._keepers is not None or bool(self._callbacks)
 
-    def tells_records(self) -> bool:
-        """As `Recorder.tells_records`, of this topic."""
-        return bool(self._sinks)
+    def makes_records(self) -> bool:
+        """As `Recorder.makes_records`, of this topic."""
+        return bool(self._callbacks)
 
     def close(self) -> None:
         """Nobody is told any more."""
         self._listeners = self._last_listener = None
         self._keepers = self._last_keeper = None
-        self._sinks = _NO_SINKS
-        self.heard = self.told_whole = False
+        self._callbacks = _NO_CALLBACKS
+        self.has_subscribers = self.needs_details = False
         self.places = NOWHERE
 
     def emit(self, tick: int, value: int = 0, text: Text = "", field: Text = "") -> int:
@@ -225,18 +225,18 @@ class Topic:
         recorder.number = number
         subscriber = self._listeners
         while subscriber is not None:
-            subscriber.listener.hear(subscriber.tag, tick, value)
+            subscriber.listener.on_record(subscriber.tag, tick, value)
             subscriber = subscriber.following
-        if self.told_whole:
+        if self.needs_details:
             cause = recorder.cause
             writer = self._keepers
             while writer is not None:
                 writer.keeper.keep(writer.tag, number, tick, value, text, cause, field)
                 writer = writer.following
-            if self._sinks:
+            if self._callbacks:
                 record = _made(Record, (number, tick, self._kind, self._where, self._what, value, text, cause, field))
-                for sink in self._sinks:
-                    sink(record)
+                for callback in self._callbacks:
+                    callback(record)
         return number
 
 
@@ -300,9 +300,9 @@ class Recorder:
         """Return the things of this kind that subscribers name; a subscriber to all of a kind names none."""
         return {what for _, things in self._parties[kind] for of, what in things or () if of is kind}
 
-    def tells_records(self, kind: Kind) -> bool:
+    def makes_records(self, kind: Kind) -> bool:
         """Whether somebody is told of this kind as a Record, and so may look about and keep what it finds."""
-        return any(not isinstance(party, Listener | Keeper) for party, _ in self._parties[kind])
+        return any(not isinstance(party, Listener | RecordSink) for party, _ in self._parties[kind])
 
     def subjects(self, kind: Kind) -> frozenset[str] | None:
         """The subjects that somebody wants; None for all."""

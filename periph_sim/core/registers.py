@@ -102,7 +102,7 @@ class Field(Struct, frozen=True, dict=True):
         """The bits as the manual prints them: "7" or "12:8"."""
         return f"{self.msb}" if self.msb == self.lsb else f"{self.msb}:{self.lsb}"
 
-    def of(self, value: int) -> int:
+    def extract(self, value: int) -> int:
         """This field's number, cut out of a whole register value."""
         return (value & self.mask) >> self.lsb
 
@@ -219,7 +219,7 @@ class Register(Struct, frozen=True, dict=True):
 
     def decode(self, value: int) -> str:
         """A value as a person reads it, zero fields left out."""
-        parts = (f"{f.name}={f.of(value):#x}" for f in self.fields if f.of(value))
+        parts = (f"{f.name}={f.extract(value):#x}" for f in self.fields if f.extract(value))
         return f"{self.name}={value:#06x} ({' '.join(parts) or 'all zero'})"
 
 

@@ -1,6 +1,6 @@
 """The state of a simulation as plain values: named modules go in; one value by name for each attribute comes out.
 
-    {"SDA": wire, "dsp.SCI-A": socket, ...} --take--> {"dsp.SCI-A.chip._rx.status": 0, ...}
+    {"SDA": wire, "dsp.SCI-A": socket, ...} --take_snapshot--> {"dsp.SCI-A.chip._rx.status": 0, ...}
 
 What a module declares (`core.state`) is walked, and each attribute is named by its path. Instants are counted from now.
 An object or method that has a name already is a `Ref` to it. An object of a class that declares nothing is `Foreign`:
@@ -120,12 +120,14 @@ class Snapshot(NamedTuple):
         return found
 
 
-def take(modules: Mapping[str, Module], tick: int, number: int, identity: tuple[tuple[str, str], ...]) -> Snapshot:
+def take_snapshot(
+    modules: Mapping[str, Module], tick: int, number: int, identity: tuple[tuple[str, str], ...]
+) -> Snapshot:
     """Return the state of these modules at this tick. number: of the last record. Nothing changes."""
-    taker = _Taker(modules, tick, number)
+    collector = _Collector(modules, tick, number)
     for name, module in modules.items():
-        taker.take(name, module)
-    return Snapshot(identity, tick, number, {name: one.cycle for name, one in modules.items()}, taker.values)
+        collector.add(name, module)
+    return Snapshot(identity, tick, number, {name: one.cycle for name, one in modules.items()}, collector.values)
 
 
 def class_name(kind: type) -> str:
@@ -143,7 +145,7 @@ def absolute(value: Any, now: int) -> Any:
     return value + now
 
 
-class _Taker:
+class _Collector:
     """values: the state taken so far, by name."""
 
     def __init__(self, modules: Mapping[str, Module], tick: int, number: int) -> None:
@@ -154,7 +156,7 @@ class _Taker:
         self._in_chain = False
         self._now = {Time.TICKS: tick, Time.RECORDS: number}
 
-    def take(self, name: str, module: Module) -> None:
+    def add(self, name: str, module: Module) -> None:
         self._module = module
         self._now[Time.CYCLES] = module.cycle
         self._attributes(name, module.target)

@@ -12,14 +12,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, final
 
-from .chip import ALL, LATER, NEVER, OUTPUTS, Chip, Note
-from .chip_input import Input, Marks
+from .chip import ANY_CHANGED, NEVER, PINS_CHANGED, WAKE_CHANGED, Chip, Note
+from .chip_input import Input, WriteOrigins
 from .kernel import CHIP, Agent, Event, Kernel
 from .records import Kind, Recorder
 from .state import State
 from .time import Clock
 from .watched_register import WatchedRegister
-from .wire import BITS, MOST, Pin, Sampler
+from .wire import BITS, MAX_PARTIES, Pin, Sampler
 
 if TYPE_CHECKING:
     from .watched_register import WatchedField
@@ -44,7 +44,7 @@ class PinReleaseGate:
         raise NotImplementedError
 
 
-class Onlooker:
+class ChipObserver:
     """Who looks at a chip after each of its inputs."""
 
     __slots__ = ()
@@ -128,7 +128,7 @@ class Socket(Agent):
         self.chip = chip
         self.pins: list[list[Pin]] = [_NO_PINS] * len(chip.OUTPUTS)  # what each output drives: see `connect`
         self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
-        self.marks: Marks | None = chip.marks
+        self.marks: WriteOrigins | None = chip.marks
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
         self.on_peek: Callable[[int, int], int] | None = None  # answers peeks in place of the chip
@@ -136,7 +136,7 @@ class Socket(Agent):
         self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
         self._held = 0
         self.release: PinReleaseGate | None = None
-        self.watchers: list[Onlooker] = []
+        self.watchers: list[ChipObserver] = []
         self.on_watch: Callable[[], None] | None = None  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
         self.on_note: Callable[[int, Note], None] | None = None  # told of each, with the cycle
@@ -173,7 +173,7 @@ class Socket(Agent):
         if tag == WAKE:
             self._woken()
         elif tag == LOOK:
-            self.inputs.ask()
+            self.inputs.request_sample()
         else:
             recorder = self._recorder
             outer, recorder.cause = recorder.cause, tag >> RECORD
@@ -186,16 +186,16 @@ class Socket(Agent):
         if not self.chip.filter_width:
             begin = self._clock.tick(cycle)
             if begin > now:  # until then they may move again
-                self._kernel.ask(begin, self, LOOK)
+                self._kernel.schedule(begin, self, LOOK)
                 return
         if self.traces:
             self.given(cycle + self.chip.filter_width)
-        looks = self.chip.pins(cycle, levels)
-        if looks == LATER:
+        changed = self.chip.pins(cycle, levels)
+        if changed == WAKE_CHANGED:
             if self.chip.next_wake < self._wake_cycle:
                 self._plan(cycle)
-        elif looks:
-            self.publish(cycle, looks)
+        elif changed:
+            self.publish(cycle, changed)
 
     def read(self, cycle: int, offset: int) -> int:
         if self.before is not None:
@@ -224,7 +224,7 @@ class Socket(Agent):
         return self.chip.see(cycle, offset)
 
     def write(self, cycle: int, offset: int, value: int) -> None:
-        if self._kernel.shortcut is not None and offset < MOST and self._mid_byte >> offset & 1:
+        if self._kernel.shortcut is not None and offset < MAX_PARTIES and self._mid_byte >> offset & 1:
             self._kernel.materialize()
         if self.before is not None:
             self.before(cycle)
@@ -273,12 +273,12 @@ class Socket(Agent):
     def _woken(self) -> None:
         cycle, chip = self._wake_cycle, self.chip
         self._wake_cycle = NEVER
-        looks = chip.wake(cycle) if chip.next_wake <= cycle else OUTPUTS
+        changed = chip.wake(cycle) if chip.next_wake <= cycle else PINS_CHANGED
         if not self._watched and not self.traces:
-            self.publish(cycle, looks)
+            self.publish(cycle, changed)
         else:
             outer, self._recorder.cause = self._recorder.cause, self._cause_at(cycle)
-            self.publish(cycle, looks)
+            self.publish(cycle, changed)
             self._recorder.cause = outer
 
     def _cause_at(self, cycle: int) -> int:
@@ -290,14 +290,14 @@ class Socket(Agent):
 
     def later(self, tick: int, action: Callable[[], None]) -> None:
         """`action()` at `tick`, as an effect of what is being worked under."""
-        self._kernel.at(tick, self._recorder.carried(action))
+        self._kernel.call_at(tick, self._recorder.carried(action))
 
     # Outputs -----------------------------------------------------------------
 
-    def publish(self, cycle: int, looks: int = ALL) -> None:
+    def publish(self, cycle: int, changed: int = ANY_CHANGED) -> None:
         """Bring wires, requests, wake-up and records up to what the chip shows after an input at `cycle`.
 
-        looks: OUTPUTS where nothing else than `out` and `next_wake` can have changed.
+        changed: PINS_CHANGED where nothing else than `out` and `next_wake` can have changed.
         """
         chip = self.chip
         if chip.out != self._out:
@@ -306,7 +306,7 @@ class Socket(Agent):
             self._request(cycle)
         if chip.next_wake < self._wake_cycle:
             self._plan(cycle)
-        if looks == ALL:
+        if changed == ANY_CHANGED:
             self._show(cycle)
 
     def _request(self, cycle: int) -> None:
@@ -324,7 +324,7 @@ class Socket(Agent):
         chip = self.chip
         if self.after is not None:
             self.after(cycle)
-        watcher: Onlooker
+        watcher: ChipObserver
         for watcher in self.watchers:
             watcher.look(cycle)
         if self._watched:
@@ -343,19 +343,19 @@ class Socket(Agent):
             tick, now = self._clock.tick(wake), self._kernel.now
             if tick < now:
                 tick = now
-            self._kernel.renew(self._wake, tick, WAKE)
+            self._kernel.reschedule(self._wake, tick, WAKE)
 
     def _drive(self, cycle: int) -> None:
         recorder = self._recorder
         outer = recorder.cause
         if self.marks is not None:
             recorder.cause = self.marks.out_mark or outer
-        changed, out, index = self._out ^ self.chip.out, self.chip.out, 0
+        moved, out, index = self._out ^ self.chip.out, self.chip.out, 0
         self._out = out
-        while changed:
-            if changed & 1:
+        while moved:
+            if moved & 1:
                 self._move(cycle, index, out & 1)
-            changed >>= 1
+            moved >>= 1
             out >>= 1
             index += 1
         recorder.cause = outer
@@ -366,7 +366,7 @@ class Socket(Agent):
         if tick <= self._kernel.now:
             self._set_pins(index, level)
         else:  # also where an edge fell between two cycles: the answer comes with the cycle
-            self._kernel.ask(tick, self, self._recorder.cause << RECORD | (index + 1) << 1 | level)
+            self._kernel.schedule(tick, self, self._recorder.cause << RECORD | (index + 1) << 1 | level)
 
     def _set_pins(self, index: int, level: int) -> None:
         if not index and level and self.release is not None and self.release.holds_back():
@@ -394,14 +394,14 @@ class Socket(Agent):
         self._set_pins(index, 1)
         self._recorder.cause = outer
 
-    def watch(self, watcher: Onlooker) -> None:
+    def watch(self, watcher: ChipObserver) -> None:
         """`watcher.look(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
         self._have_watch([*self.watchers, watcher] if self.watchers else [watcher])
 
-    def unwatch(self, watcher: Onlooker) -> None:
+    def unwatch(self, watcher: ChipObserver) -> None:
         self._have_watch([one for one in self.watchers if one is not watcher])
 
-    def _have_watch(self, watchers: list[Onlooker]) -> None:
+    def _have_watch(self, watchers: list[ChipObserver]) -> None:
         self.watchers = watchers  # another list: who looks now may begin or end to watch
         if self.on_watch is not None:
             self.on_watch()

@@ -15,14 +15,14 @@ from collections.abc import Callable, Sequence
 from operator import attrgetter
 from typing import final
 
-from .kernel import BY_WIRE, NOT_DUE, Agent, Kernel, Samples, Settles, Shortcut
+from .kernel import BY_WIRE, NOT_DUE, Agent, Kernel, SampledParty, Settleable, Shortcut
 from .records import Kind, Recorder, Topic
 from .state import State
 
 Watcher = Callable[[int, int], None]
 
-MOST = 62  # parties of a wire, lines of a sampler: their masks are C integers of 64 bits in the compiled form
-BITS = tuple(1 << place for place in range(MOST))
+MAX_PARTIES = 62  # parties of a wire, lines of a sampler: their masks are C integers of 64 bits in the compiled form
+BITS = tuple(1 << place for place in range(MAX_PARTIES))
 
 
 _bit_of = attrgetter("bit")
@@ -33,7 +33,7 @@ class TooManyParties(ValueError):
 
 
 @final
-class _Told(Agent):
+class _WatcherAgent(Agent):
     """Hands what is sampled to a function."""
 
     STATE = State("_watcher")
@@ -47,7 +47,7 @@ class _Told(Agent):
         self._watcher(now, levels)
 
 
-class Wire(Settles):
+class Wire(Settleable):
     """cause: the record of the last edge. recorded: somebody wants each edge, and perhaps who holds a low one.
 
     pulling: who pulls it low in the settled state; bit i is party i. attached: how many parties there are. version:
@@ -88,8 +88,8 @@ class Wire(Settles):
     def attach(self, who: str) -> Pin:
         """A new party's hold on the line, released. TooManyParties for one too many."""
         place = len(self._parties)
-        if place >= MOST:
-            raise TooManyParties(f"wire {self.name}: {who} would be party {place + 1}; a wire has up to {MOST}")
+        if place >= MAX_PARTIES:
+            raise TooManyParties(f"wire {self.name}: {who} would be party {place + 1}; a wire has up to {MAX_PARTIES}")
         self._parties.append(who)
         self.attached += 1
         self._changed()
@@ -105,7 +105,7 @@ class Wire(Settles):
         """`agent.pulled(line, ...)` in each instant in which others pull the wire than before, whatever its level."""
         self._add_pull_watch(PullWatch(agent, line, None))
 
-    def tell_pulls(self, sampler: Sampler) -> None:
+    def notify_on_pulls(self, sampler: Sampler) -> None:
         """`sampler`, which listens to the wire, is told in each such instant, too."""
         self._add_pull_watch(PullWatch(sampler.agent, 0, sampler))
 
@@ -119,7 +119,7 @@ class Wire(Settles):
                 last = last.following
             last.following = watch
 
-    def of(self, prefix: str) -> int:
+    def mask_of_parties(self, prefix: str) -> int:
         """The mask of the parties whose names begin with this."""
         return sum(BITS[place] for place, who in enumerate(self._parties) if who.startswith(prefix))
 
@@ -159,7 +159,7 @@ class Wire(Settles):
         if self._pulled:
             self.pulling = self._pulling
             if self._pull_watches is not None:
-                self._tell_pulled(self._pull_watches)
+                self._notify_pulled(self._pull_watches)
         level: int = 0 if self.pulling else 1
         moved: bool
         self._moved = moved = level != self.level
@@ -175,14 +175,14 @@ class Wire(Settles):
                     sampler.due = BY_WIRE
                 look = look.following
 
-    def hand_on(self, now: int) -> None:
+    def notify_parties(self, now: int) -> None:
         if self._pulled:
             watch = self._pull_watches
             while watch is not None:
                 sampler = watch.sampler
                 watch = watch.following
                 if sampler is not None and sampler.due == BY_WIRE:
-                    sampler.hear(now)
+                    sampler.on_wire_settled(now)
         if self._moved:
             look = self._watches
             while look is not None:
@@ -193,9 +193,9 @@ class Wire(Settles):
                     if sampler.plain:
                         sampler.agent.sampled(now, sampler.levels)
                     else:
-                        sampler.tell(now)
+                        sampler.deliver(now)
 
-    def _tell_pulled(self, first: PullWatch) -> None:
+    def _notify_pulled(self, first: PullWatch) -> None:
         watch: PullWatch | None = first
         while watch is not None:
             if watch.sampler is None:
@@ -287,7 +287,7 @@ class Wire(Settles):
             before.following = watch.following
         if sampler.due == BY_WIRE:  # it has moved, and does not hand on to the sampler any more
             sampler.due = NOT_DUE
-            self.kernel.tell(sampler)
+            self.kernel.request_sample(sampler)
 
     def _changed(self) -> None:
         """There are others on the wire than before: what passes at once does so for those only whom it knows."""
@@ -353,7 +353,7 @@ class _Line:
 
 
 @final
-class Sampler(Samples):
+class Sampler(SampledParty):
     """The lines that one party looks at: bit i of `levels` is line i. It is told once an instant in which any moved.
 
     A line is a wire (`listen`) or what the owner says (`put`). agent: its `sampled` is called with the tick and
@@ -370,7 +370,7 @@ class Sampler(Samples):
         self.rank = kernel.rank()
         self._kernel = kernel
         self._recorder = recorder
-        self.agent = agent if isinstance(agent, Agent) else _Told(agent)
+        self.agent = agent if isinstance(agent, Agent) else _WatcherAgent(agent)
         self.plain = True  # there is no record to work under
         self._lines: list[_Line] = []  # those that were listened to or put, the lowest first
         self._put_under = 0  # the record under which a level was put last
@@ -378,8 +378,8 @@ class Sampler(Samples):
 
     def listen(self, line: int, wire: Wire) -> None:
         """From now on this line is a wire. ValueError for a line too many."""
-        if line >= MOST:
-            raise ValueError(f"wire {wire.name} would be line {line}; who samples has lines 0 to {MOST - 1}")
+        if line >= MAX_PARTIES:
+            raise ValueError(f"wire {wire.name} would be line {line}; who samples has lines 0 to {MAX_PARTIES - 1}")
         self._leave(line).wire = wire
         if wire.recorded:
             self.plain = False
@@ -403,22 +403,22 @@ class Sampler(Samples):
         """The state has been restored: nothing is due."""
         self.due = NOT_DUE
 
-    def ask(self) -> None:
+    def request_sample(self) -> None:
         """Be told in this instant, also if nothing moves."""
-        self._kernel.tell(self)
+        self._kernel.request_sample(self)
 
-    def hear(self, now: int) -> None:
+    def on_wire_settled(self, now: int) -> None:
         """A wire hands on."""
         self.due = NOT_DUE
         if self.plain:
             self.agent.sampled(now, self.levels)
         else:
-            self.tell(now)
+            self.deliver(now)
 
-    def tell(self, now: int) -> None:
-        self._tell_under_record(now)
+    def deliver(self, now: int) -> None:
+        self._deliver_under_record(now)
 
-    def _tell_under_record(self, now: int) -> None:
+    def _deliver_under_record(self, now: int) -> None:
         moved = self.levels ^ self._seen
         self._seen = self.levels
         recorder = self._recorder
@@ -431,7 +431,7 @@ class Sampler(Samples):
     def _set(self, line: int, level: int) -> None:
         if self.levels >> line & 1 != level:
             self.levels ^= BITS[line]
-            self.ask()
+            self.request_sample()
 
     def _moved_under(self, moved: int) -> int:
         """The record under which the first of these lines has moved."""

@@ -36,4 +36,4 @@ def peek(scene: Scene, place: str) -> int:
     fields = {field.name: field for field in register.fields}
     if parts[3] not in fields:
         raise OutsideError(f"{place}: {name} has no field {parts[3]!r}; {did_you_mean(parts[3], fields)}")
-    return fields[parts[3]].of(value)
+    return fields[parts[3]].extract(value)

@@ -70,7 +70,7 @@ class DeviceBus:
         def call() -> None:
             self._guard(callback)
 
-        kernel.at(kernel.now + self._ticks(length), call)
+        kernel.call_at(kernel.now + self._ticks(length), call)
 
     def pin(self, name: str) -> DevicePin:
         """A pin of this device on a wire that a unit's `pins` name."""

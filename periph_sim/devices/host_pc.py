@@ -147,7 +147,7 @@ class Host(Agent):
         if schedule.frames is None or self._number < schedule.frames:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
             self._due_next = due
-            self._kernel.ask(due + late, self, FRAME)
+            self._kernel.schedule(due + late, self, FRAME)
 
     def _begin(self, due: int) -> None:
         schedule, now = self._schedule, self._kernel.now
@@ -177,7 +177,7 @@ class Host(Agent):
         """Handle the end of a frame, whose last stop bit ends at `tick`."""
         if self._again:
             self._once_more = self._sending
-            self._kernel.ask(tick, self, FRAME_AGAIN)
+            self._kernel.schedule(tick, self, FRAME_AGAIN)
         number, values, _ = self._sending
         for callback in self.sent:
             callback(number, values, tick)

@@ -74,7 +74,7 @@ class SensorHead(Agent):
         self._round: Round | None = None
         self._left: list[Transfer] = []
         if startup:
-            kernel.ask(self._first - schedule.ahead, self, SET_UP)
+            kernel.schedule(self._first - schedule.ahead, self, SET_UP)
         self._plan()
 
     @property
@@ -95,7 +95,7 @@ class SensorHead(Agent):
         if schedule.rounds is None or self._number < schedule.rounds:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
             self._due = self._first + self._number * self._period.numerator // self._period.denominator
-            self._kernel.ask(self._due + late, self, ROUND)
+            self._kernel.schedule(self._due + late, self, ROUND)
 
     def _set_up(self) -> None:
         """Set up the chips in an uncounted round; a round due meanwhile is missed."""
@@ -129,7 +129,7 @@ class SensorHead(Agent):
         for callback in self.on_transfer:
             callback(transfer)
         if self._left:
-            self._kernel.ask(self._kernel.now + self.schedule.gap, self, NEXT)
+            self._kernel.schedule(self._kernel.now + self.schedule.gap, self, NEXT)
             return
         current.end = self._kernel.now
         self._round = None

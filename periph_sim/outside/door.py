@@ -61,7 +61,7 @@ class Door(Agent):
     def plan(self) -> None:
         """Schedule the moves that were put, before time advances. Until then the kernel has no event for them."""
         if self._put:
-            self._event = self._kernel.ask(min(self._put), self)
+            self._event = self._kernel.schedule(min(self._put), self)
 
     def withdraw(self) -> None:
         """Remove the event that `plan` scheduled, so that the kernel's next event is one of the case's own."""

@@ -54,7 +54,7 @@ class Reaction(Agent):
         case = scene.case
         self._others = bool(case.chip or case.device or case.controller or case.fault or case.transceiver)
         self._kernel = scene.kernel
-        self._mark = scene.kernel.ask(scene.kernel.now, self)
+        self._mark = scene.kernel.schedule(scene.kernel.now, self)
         scene.kernel.cancel(self._mark)
         self._wires = [scene.wires[name] for name in lines]
         self._version = -1  # the sum of the wires' versions, which only grow
@@ -186,7 +186,7 @@ class Reaction(Agent):
     def _events(self) -> Event | None:
         """Return the kernel's first event; the others follow it."""
         kernel = self._kernel
-        kernel.renew(self._mark, kernel.now, 0)  # past events are done: it is the first of all
+        kernel.reschedule(self._mark, kernel.now, 0)  # past events are done: it is the first of all
         event = self._mark.following
         kernel.cancel(self._mark)
         return event

@@ -158,7 +158,7 @@ class CpuTime:
         tick, now = self._clock.tick(cycle), self._kernel.now
         self._wake_cycle = cycle
         self._wake_tick = tick = tick if tick > now else now
-        self._kernel.renew(self._wake, tick, 0)
+        self._kernel.reschedule(self._wake, tick, 0)
 
     def resume_by(self, cycle: int) -> None:
         """Schedule a wake-up at `cycle`, unless an earlier one is scheduled."""

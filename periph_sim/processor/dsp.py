@@ -160,7 +160,7 @@ class Dsp(FirmwareView):
         program.cpu.elsewhere.changed = partial(self._answered, program)
         for stub in stubs:
             program.cpu.elsewhere.expect(stub.address)
-            self._kernel.at(stub.tick, partial(program.cpu.elsewhere.answer, stub.address, stub.value))
+            self._kernel.call_at(stub.tick, partial(program.cpu.elsewhere.answer, stub.address, stub.value))
 
         def begin(delay: int = 0) -> None:
             program.begin()
@@ -311,7 +311,7 @@ class Dsp(FirmwareView):
             self._gates = control.gates
             self.gate(cycle)
         if control.reset_requested:
-            self._kernel.at(self._kernel.now, self._reset)
+            self._kernel.call_at(self._kernel.now, self._reset)
 
     def gate(self, cycle: int) -> None:
         """Set every module's clock on or off, as in PCLKCR."""
@@ -357,7 +357,7 @@ class Dsp(FirmwareView):
     def _xrs_changed(self, tick: int, level: int) -> None:
         """Reset, or end the reset, at the next cycle, since clocks change there."""
         action = self._begin if level else self._enter_reset
-        self._kernel.at(self.clock.tick(self.clock.cycle_at(tick)), action)
+        self._kernel.call_at(self.clock.tick(self.clock.cycle_at(tick)), action)
 
     def _begin(self) -> None:
         self._restart(0)

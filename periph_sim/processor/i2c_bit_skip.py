@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, final
 
 from ..bus.i2c.bit_skip import BitParty, BitSkip
 from ..bus.i2c.bit_times import SKIPPED_BITS, CycleTimes
-from ..core.chip import OUTPUTS
+from ..core.chip import PINS_CHANGED
 from ..core.socket import PinReleaseGate, Socket
 from ..core.time import Clock
 from ..f28335.i2c.module import I2c
@@ -119,7 +119,7 @@ class I2cModuleParty(BitParty):
         skips = bit_skip.skips_for(self, times, self._clock.tick(master.skip_fell + delay), ends)
         self._asking = False
         if skips:
-            self._socket.publish(release, OUTPUTS)  # plans the wake-up for the eighth bit
+            self._socket.publish(release, PINS_CHANGED)  # plans the wake-up for the eighth bit
         return skips
 
 

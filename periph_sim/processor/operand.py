@@ -125,7 +125,7 @@ class Operand:
         """Set the topics of its records."""
         self.reads, self.writes = reads, writes
         self.placed = self.records_place()
-        self.looks = self.looks and not reads.tells_records()
+        self.looks = self.looks and not reads.makes_records()
 
     def records_place(self) -> bool:
         """Return True if records of a read contain its statement; those of a modify may differ."""

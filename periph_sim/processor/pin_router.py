@@ -145,7 +145,7 @@ class Router(Agent):
             if self._recorder.cause:
                 self._gpio_socket.later(begin, self._between)
             else:
-                self._kernel.ask(begin, self, BETWEEN)
+                self._kernel.schedule(begin, self, BETWEEN)
 
     def _between(self) -> None:
         """Pass on the levels just before this SYSCLKOUT edge, which a synchroniser samples."""
@@ -254,7 +254,7 @@ class Router(Agent):
             self._plan_between(self._clock.tick(cycle + 1))
         delay = gpio.gpio_out_delay.assume(gpio.touched) if theirs else gpio.gpio_out_delay.unrecorded()
         after = self._clock.tick(cycle + delay)
-        self._kernel.ask(max(after, self._kernel.now), self, RECONNECT)
+        self._kernel.schedule(max(after, self._kernel.now), self, RECONNECT)
 
     def _reconnect(self) -> None:
         """Connect outputs to their present pins."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import final
 
 from ..core.chip import NEVER
-from ..core.socket import Onlooker, Socket
+from ..core.socket import ChipObserver, Socket
 from ..core.state import State
 from ..f28335.cpu import instruction_costs as cpu_costs
 from .cpu_time import CpuTime
@@ -151,7 +151,7 @@ NO_SOCKETS: list[Socket] = []  # stays empty
 
 
 @final
-class Lease(Onlooker):
+class Lease(ChipObserver):
     """The time for which further passes have the same result: until a bit that the pass looked at changes."""
 
     STATE = State("_sockets _spin", cycles="_first")

@@ -81,7 +81,7 @@ def _edge(record: Record) -> str:
 def _access(record: Record) -> str:
     way, _, name = record.what.partition(" ")
     f = _field(*name.partition(".")[::2], record.field)
-    named = "" if f is None else f" ({f.name} = {number(f.of(record.value))})"
+    named = "" if f is None else f" ({f.name} = {number(f.extract(record.value))})"
     return f"{name} {'read' if way == 'R' else 'written'}, {record.value:#06x}{named}"
 
 

@@ -80,7 +80,7 @@ class CapturedController:
         if self.begun == len(self._plan.part.transfers):
             self._on_end()
         else:
-            self._kernel.at(max(self._due(), self._kernel.now), self._play)
+            self._kernel.call_at(max(self._due(), self._kernel.now), self._play)
 
     def _due(self) -> int:
         plan = self._plan

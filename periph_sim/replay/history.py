@@ -52,7 +52,7 @@ class FlagHistory:
         """Note the statement that the unit's firmware executes at each instant of this scene's run."""
         dsp = scene.units[self._unit]
         for tick in self._instants:
-            scene.kernel.at(max(tick, scene.kernel.now), partial(self._note_place, tick, dsp))
+            scene.kernel.call_at(max(tick, scene.kernel.now), partial(self._note_place, tick, dsp))
 
     def _note_place(self, tick: int, dsp: Dsp) -> None:
         self._places[tick] = dsp.processor.causing_statement()

@@ -122,7 +122,7 @@ class I2cReplay:
         return stuck
 
     def _plan_end(self) -> None:
-        self.kernel.at(self._last_tick(), self._end)
+        self.kernel.call_at(self._last_tick(), self._end)
 
     def _last_tick(self) -> int:
         return self.kernel.now + self._scene.timebase.ticks(TAIL, "nearest")

@@ -120,7 +120,7 @@ class SessionReplay(I2cReplay):
         EdgePlayer(scene.kernel, scene.wire("RX"), edges)
         scene.bus.before.append(self._expect)
         self._whole = iter([transfer for transfer in self._part.transfers if transfer.stop is not None])
-        scene.kernel.at(self._serial_origin, self._plan_frames)
+        scene.kernel.call_at(self._serial_origin, self._plan_frames)
         if longest_low is None:
             self._part.notes.append(
                 "SCL's low phases are the capture's, so a stretch shorter than those does not show; "
@@ -167,7 +167,7 @@ class SessionReplay(I2cReplay):
             words_of = [data[place : place + 2] for place in range(0, 2 * VALUES, 2)]
             values = tuple(int.from_bytes(word, "little", signed=True) for word in words_of)
             tick = self._serial_origin + int(burst[-1].at * per_position + character)
-            scene.kernel.at(tick, partial(scene.tell_frame, number, values, tick))
+            scene.kernel.call_at(tick, partial(scene.tell_frame, number, values, tick))
 
     # Running ------------------------------------------------------------------------
 

@@ -147,8 +147,8 @@ class UartReplay:
     def _accessed(self, record: Record) -> None:
         if record.what == "R SCI-A.SCIRXBUF" and record.where == self._unit:
             self._words.append((record.tick, record.value))
-            self.errors["FE"] += SCIRXBUF["SCIFFFE"].of(record.value)
-            self.errors["PE"] += SCIRXBUF["SCIFFPE"].of(record.value)
+            self.errors["FE"] += SCIRXBUF["SCIFFFE"].extract(record.value)
+            self.errors["PE"] += SCIRXBUF["SCIFFPE"].extract(record.value)
 
     def _flagged(self, record: Record) -> None:
         if record.value and record.what in FLAGS and record.where == f"{self._unit}.SCI-A":
@@ -271,9 +271,9 @@ class UartReplay:
         rxdt, sciffe, sciffpe = (SCIRXBUF[name] for name in ("RXDT", "SCIFFFE", "SCIFFPE"))
         return [
             Word(
-                rxdt.of(word),
-                bool(sciffe.of(word)),
-                bool(sciffpe.of(word)),
+                rxdt.extract(word),
+                bool(sciffe.extract(word)),
+                bool(sciffpe.extract(word)),
                 self._scene.timebase.seconds(tick - self._origin),
             )
             for tick, word in self._words
@@ -292,7 +292,7 @@ class UartReplay:
     def _left(self) -> int:
         """Return the number of words in the receive FIFO."""
         cycle = self.dsp.clock.cycle_at(self._scene.kernel.now)
-        return SCIFFRX["RXFFST"].of(self.dsp.socket("SCI-A").peek(cycle, SCIFFRX.offset))
+        return SCIFFRX["RXFFST"].extract(self.dsp.socket("SCI-A").peek(cycle, SCIFFRX.offset))
 
     def _rate_notes(self, line: decode.Line) -> list[str]:
         off = self._baud / Fraction(line.baud) - 1

@@ -49,7 +49,7 @@ class LoggedOutside(Agent):
     def _plan(self) -> None:
         self._next = next(self._instants, None)
         if self._next is not None:
-            self._kernel.ask(self._start + self._next.tick, self)
+            self._kernel.schedule(self._start + self._next.tick, self)
         else:
             self._reader.close()
 

@@ -30,7 +30,7 @@ class ModuleReset:
     def _changed(self, tick: int, level: int) -> None:
         """Write I2CMDR.IRS in the cycle of this edge."""
         cycle = self._clock.cycle_at(tick)
-        self._kernel.at(self._clock.tick(cycle), partial(self._write, cycle, level))
+        self._kernel.call_at(self._clock.tick(cycle), partial(self._write, cycle, level))
 
     def _write(self, cycle: int, level: int) -> None:
         value = self._socket.peek(cycle, I2CMDR.offset)

@@ -298,7 +298,7 @@ class Scene:
         if register.width == 32:
             value |= socket.peek(cycle, register.offset + 1) << 16
         chip.touched.intersection_update(touched)  # looking is not depending on them
-        return register[field_name].of(value)
+        return register[field_name].extract(value)
 
     def ticks_per_second(self) -> int:
         return self.timebase.per_second

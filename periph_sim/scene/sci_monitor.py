@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..core.records import Kind, Recorder
-from ..core.socket import Onlooker
+from ..core.socket import ChipObserver
 from ..core.state import State
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
@@ -29,7 +29,7 @@ RXFFOVF = SCI_MAP["SCIFFRX"]["RXFFOVF"].mask
 RXRDY, OE = SCI_MAP["SCIRXST"]["RXRDY"].mask, SCI_MAP["SCIRXST"]["OE"].mask
 
 
-class SciMonitor(Onlooker):
+class SciMonitor(ChipObserver):
     """Looks at a receiver after each of its inputs."""
 
     STATE = State("_words _waiting _overrun")

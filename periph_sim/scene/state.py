@@ -19,7 +19,7 @@ from .. import __version__
 from ..c28x.execution.registers import Operation
 from ..core.records import RECORDED, Recorder
 from ..core.restore import Finds, NotRestorable, restore
-from ..core.snapshot import Module, Snapshot, class_name, take
+from ..core.snapshot import Module, Snapshot, class_name, take_snapshot
 from ..core.wire import Sampler
 from ..processor.image.program import ImageProgram
 from ..processor.operand import Operand
@@ -37,7 +37,7 @@ DIGEST = 8  # bytes
 def state_of_scene(scene: Scene) -> Snapshot:
     """Return the state of a scene between two runs. Wires that have not settled do so, as in the next run."""
     scene.kernel.settle()
-    return take(modules_of(scene), scene.kernel.now, scene.recorder.number, tuple(_identity(scene)))
+    return take_snapshot(modules_of(scene), scene.kernel.now, scene.recorder.number, tuple(_identity(scene)))
 
 
 def restore_scene(scene: Scene, snapshot: Snapshot) -> None:

@@ -101,13 +101,13 @@ def _ticks_and_format(
     per_second: int, ccr: int, brr: int, sysclk_hz: Fraction, divider: int
 ) -> tuple[Fraction, UartFormat]:
     line = _line(ccr, brr, sysclk_hz, divider)
-    form = UartFormat(line.bits, line.parity, int(line.stop), bool(SCICCR["ADDRIDLE_MODE"].of(ccr)))
+    form = UartFormat(line.bits, line.parity, int(line.stop), bool(SCICCR["ADDRIDLE_MODE"].extract(ccr)))
     return per_second / Fraction(line.baud), form
 
 
 def _line(ccr: int, brr: int, sysclk_hz: Fraction, divider: int) -> uart_line.Line:
     parity = "none"
-    if SCICCR["PARITYENA"].of(ccr):
-        parity = "even" if SCICCR["PARITY"].of(ccr) else "odd"
-    bits, stop = SCICCR["SCICHAR"].of(ccr) + 1, SCICCR["STOPBITS"].of(ccr) + 1
+    if SCICCR["PARITYENA"].extract(ccr):
+        parity = "even" if SCICCR["PARITY"].extract(ccr) else "odd"
+    bits, stop = SCICCR["SCICHAR"].extract(ccr) + 1, SCICCR["STOPBITS"].extract(ccr) + 1
     return uart_line.Line(sysclk_hz / divider / (8 * (brr + 1) if brr else 16), bits, parity, stop)

@@ -96,7 +96,7 @@ class Waiter(Agent):
         self.kernel = kernel
 
     def act(self, tag: int) -> None:
-        self.kernel.ask(self.kernel.now + PENDING, self)
+        self.kernel.schedule(self.kernel.now + PENDING, self)
 
 
 def own_kernel(count: int = 200_000) -> Row:
@@ -105,7 +105,7 @@ def own_kernel(count: int = 200_000) -> Row:
     def run() -> None:
         kernel = Kernel()
         for first in range(PENDING):
-            kernel.ask(first + 1, Waiter(kernel))
+            kernel.schedule(first + 1, Waiter(kernel))
         kernel.run_until(count)
 
     return row(

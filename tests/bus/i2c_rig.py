@@ -56,7 +56,7 @@ class I2cRig:
         return transfer
 
     def pull(self, tick: int, line: str, level: int) -> None:
-        self.kernel.at(tick, partial(self.partner[line].drive, level))
+        self.kernel.call_at(tick, partial(self.partner[line].drive, level))
 
     def _edge(self, name: str, tick: int, level: int) -> None:
         self.edges.append((tick, name, level))

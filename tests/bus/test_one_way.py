@@ -15,7 +15,7 @@ def test_others_pull_the_back_and_hear_the_player():
     wire.watch(lambda now, level: heard.append((now, level)))
     steps = [(10, chip, 0), (20, player, 0), (30, chip, 1), (40, player, 1)]
     for at, pin, level in steps:
-        kernel.at(at, lambda pin=pin, level=level: pin.drive(level))
+        kernel.call_at(at, lambda pin=pin, level=level: pin.drive(level))
     seen = []
     for at in (15, 25, 35, 45):
         kernel.run_until(at)

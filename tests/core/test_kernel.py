@@ -16,8 +16,8 @@ from periph_sim.core.kernel import (
     TIMER,
     Agent,
     Kernel,
-    Samples,
-    Settles,
+    SampledParty,
+    Settleable,
     SimulationStuck,
 )
 
@@ -27,7 +27,7 @@ PHASES = {"first agent": TIMER, "second agent": TIMER, "pads": PADS, "chip": CHI
 def test_inside_a_tick_agents_come_before_pads_before_chips_before_cpus_before_probes():
     kernel, log = Kernel(), []
     for name in ("probe", "cpu", "first agent", "chip", "second agent", "pads"):
-        kernel.at(5, lambda name=name: log.append(name), PHASES[name])
+        kernel.call_at(5, lambda name=name: log.append(name), PHASES[name])
     kernel.run_until(5)
     assert log == list(PHASES)
 
@@ -36,7 +36,7 @@ def test_inside_a_tick_agents_come_before_pads_before_chips_before_cpus_before_p
 def test_events_run_in_the_order_of_their_keys(asked):
     kernel, log = Kernel(), []
     for number, (time, phase) in enumerate(asked):
-        kernel.at(time, lambda key=(time, phase, number): log.append(key), phase)
+        kernel.call_at(time, lambda key=(time, phase, number): log.append(key), phase)
     kernel.run_until(50)
     assert log == sorted(log) and len(log) == len(asked) == kernel.events
 
@@ -56,7 +56,7 @@ def test_an_agent_acts_under_the_tags_it_asked_for():
     kernel = Kernel()
     diary = Diary(kernel)
     for time, tag in ((7, 1), (3, 2), (7, 0)):
-        kernel.ask(time, diary, tag)
+        kernel.schedule(time, diary, tag)
     kernel.run_until(10)
     assert diary.notes == [(3, 2), (7, 1), (7, 0)]
 
@@ -64,8 +64,8 @@ def test_an_agent_acts_under_the_tags_it_asked_for():
 def test_a_promise_that_was_kept_stays_kept_and_takes_no_other_with_it():
     kernel = Kernel()
     diary = Diary(kernel)
-    kept = kernel.ask(3, diary)
-    kernel.ask(5, diary, 1)
+    kept = kernel.schedule(3, diary)
+    kernel.schedule(5, diary, 1)
     kernel.run_until(4)
     kernel.cancel(kept)
     kernel.run_until(10)
@@ -76,7 +76,7 @@ def test_a_promise_that_was_kept_stays_kept_and_takes_no_other_with_it():
 def test_cancelled_ones_alone_are_left_out(asked):
     kernel = Kernel()
     diary = Diary(kernel)
-    events = [kernel.ask(time, diary, number) for number, (time, _) in enumerate(asked)]
+    events = [kernel.schedule(time, diary, number) for number, (time, _) in enumerate(asked)]
     for event, (_, taken_back) in zip(events, asked, strict=True):
         if taken_back:
             kernel.cancel(event)
@@ -92,14 +92,14 @@ def test_a_renewed_promise_has_its_place_like_a_new_one(asked):
     for renews in (True, False):
         kernel, log = Kernel(), Diary(Kernel())
         log.kernel = kernel
-        event = kernel.ask(0, log, -1, CHIP)
+        event = kernel.schedule(0, log, -1, CHIP)
         kernel.run_until(0)
         for number, (delay, taken_back, run) in enumerate(asked):
             if renews:
-                kernel.renew(event, kernel.now + delay, number)
+                kernel.reschedule(event, kernel.now + delay, number)
             else:
-                event = kernel.ask(kernel.now + delay, log, number, CHIP)
-            kernel.ask(kernel.now + delay, log, 100 + number, TIMER if number % 2 else CHIP)
+                event = kernel.schedule(kernel.now + delay, log, number, CHIP)
+            kernel.schedule(kernel.now + delay, log, 100 + number, TIMER if number % 2 else CHIP)
             if taken_back:
                 kernel.cancel(event)
             kernel.run_until(kernel.now + max(run, delay))
@@ -109,17 +109,17 @@ def test_a_renewed_promise_has_its_place_like_a_new_one(asked):
 
 def test_a_promise_still_to_come_is_not_renewed():
     kernel = Kernel()
-    event = kernel.ask(3, Diary(kernel))
+    event = kernel.schedule(3, Diary(kernel))
     with pytest.raises(ValueError, match=r"Diary: asked for t=5 by an event that comes at t=3"):
-        kernel.renew(event, 5, 0)
+        kernel.reschedule(event, 5, 0)
     kernel.run_until(4)
     with pytest.raises(ValueError, match=r"Diary: asked for t=3, but it is already t=4"):
-        kernel.renew(event, 3, 0)
-    kernel.renew(event, 4, 0)
+        kernel.reschedule(event, 3, 0)
+    kernel.reschedule(event, 4, 0)
     assert kernel.next_time() == 4
 
 
-class Party(Samples):
+class Party(SampledParty):
     """Notes its rank when told, and what else it then asks for."""
 
     def __init__(self, kernel: Kernel, log: list[int]) -> None:
@@ -129,14 +129,14 @@ class Party(Samples):
         self.then: list[Party] = []
         self.kernel = kernel
 
-    def tell(self, now: int) -> None:
+    def deliver(self, now: int) -> None:
         self.log.append(self.rank)
         for party in self.then:
-            self.kernel.tell(party)
+            self.kernel.request_sample(party)
         self.then = []
 
 
-class Line(Settles):
+class Line(Settleable):
     """Notes its rank, negative, as it settles; has these parties told."""
 
     def __init__(self, kernel: Kernel, log: list[int], tells: list[Party]) -> None:
@@ -146,7 +146,7 @@ class Line(Settles):
     def settle(self) -> None:
         self.log.append(-self.rank)
         for party in self.tells:
-            self.kernel.tell(party)
+            self.kernel.request_sample(party)
 
 
 @given(st.permutations(range(4)), st.permutations(range(5)), st.permutations(range(6)), st.integers(0, 4))
@@ -161,8 +161,8 @@ def test_wires_settle_by_rank_and_parties_are_told_by_rank_and_then_as_wires_mov
         kernel.moved(wires[one])
     for one in asked:
         if parties[one] not in late:
-            kernel.tell(parties[one])
-            kernel.tell(parties[one])
+            kernel.request_sample(parties[one])
+            kernel.request_sample(parties[one])
     kernel.settle()
     by_rank = [party.rank for party in parties[split:5]]
     by_wires = [5 + one + 1 for i in range(4) for one in told[i::4]]
@@ -174,14 +174,14 @@ def test_an_agent_that_does_not_say_what_it_does_is_named():
         pass
 
     kernel = Kernel()
-    kernel.ask(1, Lazy())
+    kernel.schedule(1, Lazy())
     with pytest.raises(NotImplementedError, match="Lazy asks for events and does not say what it does then"):
         kernel.run_until(1)
 
 
 def test_a_cancelled_event_costs_nothing_and_never_runs():
     kernel = Kernel()
-    promise = kernel.at(5, lambda: pytest.fail("it was cancelled"))
+    promise = kernel.call_at(5, lambda: pytest.fail("it was cancelled"))
     kernel.cancel(promise)
     assert kernel.next_time() == NEVER
     kernel.run_until(10)
@@ -191,31 +191,31 @@ def test_a_cancelled_event_costs_nothing_and_never_runs():
 def test_the_past_is_refused_with_who_asked():
     kernel = Kernel(100)
     with pytest.raises(ValueError, match=r"test_the_past.*asked for t=50, but it is already t=100"):
-        kernel.at(50, lambda: None)
+        kernel.call_at(50, lambda: None)
     with pytest.raises(ValueError, match="already t=100"):
         kernel.run_until(99)
 
 
 def test_a_run_ends_with_its_last_tick_and_not_before():
     kernel, log = Kernel(), []
-    kernel.at(10, lambda: log.append(10))
-    kernel.at(11, lambda: log.append(11))
+    kernel.call_at(10, lambda: log.append(10))
+    kernel.call_at(11, lambda: log.append(11))
     kernel.run_until(10)
     assert log == [10] and kernel.now == 10 and kernel.next_time() == 11
 
 
 def test_stop_ends_a_run_in_the_present_event():
     kernel = Kernel()
-    kernel.at(3, kernel.stop)
-    kernel.at(4, lambda: pytest.fail("the run was stopped"))
+    kernel.call_at(3, kernel.stop)
+    kernel.call_at(4, lambda: pytest.fail("the run was stopped"))
     kernel.run_until(10)
     assert kernel.now == 3
 
 
 def test_a_lease_ends_at_the_next_event_or_after_the_horizon():
     kernel, seen = Kernel(), []
-    kernel.at(2, lambda: seen.append(kernel.quiet_until()))
-    kernel.at(7, lambda: seen.append(kernel.quiet_until()))
+    kernel.call_at(2, lambda: seen.append(kernel.quiet_until()))
+    kernel.call_at(7, lambda: seen.append(kernel.quiet_until()))
     kernel.run_until(20)
     assert seen == [7, 21]
 
@@ -224,9 +224,9 @@ def test_a_storm_inside_one_tick_is_told():
     kernel = Kernel()
 
     def again() -> None:
-        kernel.at(kernel.now, again)
+        kernel.call_at(kernel.now, again)
 
-    kernel.at(1, again)
+    kernel.call_at(1, again)
     with pytest.raises(SimulationStuck, match=rf"{STORM} events at t=1 without time passing.*again"):
         kernel.run_until(2)
 
@@ -242,26 +242,26 @@ class Waits(Agent):
         if tag:
             self.kernel.released = True
         else:
-            self.kernel.ask(self.until, self, 1)
-            helped = self.kernel.help(self)
+            self.kernel.schedule(self.until, self, 1)
+            helped = self.kernel.run_nested(self)
             self.came.append((helped, self.kernel.now))
 
 
 def test_who_waits_in_the_middle_of_a_turn_does_what_is_due_until_it_is_released():
     kernel = Kernel()
     waits, diary = Waits(kernel, 20), Diary(kernel)
-    kernel.ask(10, waits)
+    kernel.schedule(10, waits)
     for time in (12, 20, 25):
-        kernel.ask(time, diary, time)
+        kernel.schedule(time, diary, time)
     kernel.run_until(30)
     assert waits.came == [(True, 20)] and diary.notes == [(12, 12), (20, 20), (25, 25)]
-    assert kernel.events == 5 and kernel.helper is None
+    assert kernel.events == 5 and kernel.nested_owner is None
 
 
 def test_what_is_due_after_the_end_of_the_run_is_left_by_a_helper():
     kernel = Kernel()
     waits = Waits(kernel, 40)
-    kernel.ask(10, waits)
+    kernel.schedule(10, waits)
     kernel.run_until(30)
     assert waits.came == [(False, 10)] and kernel.next_time() == 40 and kernel.now == 30
 
@@ -269,8 +269,8 @@ def test_what_is_due_after_the_end_of_the_run_is_left_by_a_helper():
 def test_a_plain_function_is_not_called_in_the_turn_of_a_helper():
     kernel, log = Kernel(), []
     waits = Waits(kernel, 20)
-    kernel.ask(10, waits)
-    kernel.at(15, lambda: log.append(kernel.helper))
+    kernel.schedule(10, waits)
+    kernel.call_at(15, lambda: log.append(kernel.nested_owner))
     kernel.run_until(30)
     assert waits.came == [(False, 10)] and log == [None]
 
@@ -280,7 +280,7 @@ def test_events_of_one_instant_keep_their_order_whoever_does_them():
     kernel = Kernel()
     waits, diary = Waits(kernel, 10), Diary(kernel)
     for tag, phase in ((3, PROBE), (2, CPU), (1, PADS)):
-        kernel.ask(10, diary, tag, phase)
-    kernel.ask(10, waits)
+        kernel.schedule(10, diary, tag, phase)
+    kernel.schedule(10, waits)
     kernel.run_until(10)
     assert diary.notes == [(10, 1), (10, 2), (10, 3)] and waits.came == [(True, 10)]

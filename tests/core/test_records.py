@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.core.records import Keeper, Kind, Listener, Record, Recorder
+from periph_sim.core.records import Kind, Listener, Record, Recorder, RecordSink
 
 
 def test_a_sink_is_told_of_its_kinds_only():
@@ -37,9 +37,9 @@ def test_one_who_wants_all_makes_all_wanted():
 def test_only_who_is_told_of_records_may_keep_what_it_finds_meanwhile():
     recorder = Recorder()
     recorder.subscribe([Kind.ACCESS], Listener())
-    recorder.subscribe([Kind.ACCESS], Keeper())
+    recorder.subscribe([Kind.ACCESS], RecordSink())
     recorder.subscribe([Kind.WAIT], print)
-    assert [recorder.tells_records(kind) for kind in (Kind.ACCESS, Kind.WAIT, Kind.SPAN)] == [False, True, False]
+    assert [recorder.makes_records(kind) for kind in (Kind.ACCESS, Kind.WAIT, Kind.SPAN)] == [False, True, False]
 
 
 class Asked(Listener):
@@ -53,7 +53,7 @@ class Asked(Listener):
         self.asked.append((kind, where, what))
         return 1
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         self.heard.append(tick)
 
 

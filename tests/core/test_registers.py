@@ -39,7 +39,7 @@ def test_reset_follows_from_the_fields():
 def test_a_read_shows_no_write_only_field_and_clears_what_reads_clear():
     seen, stored = EVERY.read(0xFFFF)
     assert seen == 0xFFFF & ~(1 << 4 | 1 << 3 | 7)
-    assert EVERY["CODE"].of(stored) == 0 and EVERY["RW"].of(stored) == 0xF
+    assert EVERY["CODE"].extract(stored) == 0 and EVERY["RW"].extract(stored) == 0xF
     assert not EVERY.reads_are_harmless
 
 
@@ -62,7 +62,7 @@ def test_a_read_shows_no_write_only_field_and_clears_what_reads_clear():
 def test_what_a_write_does_is_the_fields_own_rule(name, stored, written, after):
     f = EVERY[name]
     value, _ = EVERY.write(f.put(0, stored), f.put(0, written))
-    assert f.of(value) == after
+    assert f.extract(value) == after
 
 
 def test_a_strobe_fires_and_stores_nothing():

@@ -17,7 +17,19 @@ import pytest
 import periph_sim
 from periph_sim.core.chip import NEVER
 from periph_sim.core.restore import NotRestorable, restore
-from periph_sim.core.snapshot import Absent, Fixed, Foreign, Found, Function, Group, Made, Module, Ref, Snapshot, take
+from periph_sim.core.snapshot import (
+    Absent,
+    Fixed,
+    Foreign,
+    Found,
+    Function,
+    Group,
+    Made,
+    Module,
+    Ref,
+    Snapshot,
+    take_snapshot,
+)
 from periph_sim.core.state import State, Time, state_of
 
 PACKAGE = Path(periph_sim.__file__).parent
@@ -71,7 +83,7 @@ class Silent:
 
 def taken(owner: object, **more: object) -> Snapshot:
     modules = {"one": Module(owner, 70), **{name: Module(other, 70) for name, other in more.items()}}
-    return take(modules, 1000, 50, ())
+    return take_snapshot(modules, 1000, 50, ())
 
 
 def moved(snapshot: Snapshot, target: object, **more: object) -> None:
@@ -217,7 +229,7 @@ def test_a_place_in_a_chain_names_no_object():
 def test_what_is_found_by_a_key():
     owner, other, silent = Owner(), Owner(), Silent()
     owner.held = silent
-    snapshot = take({"one": Module(owner, keys={Silent: lambda found: (1, "x")})}, 0, 0, ())
+    snapshot = take_snapshot({"one": Module(owner, keys={Silent: lambda found: (1, "x")})}, 0, 0, ())
     assert snapshot.values["one.held"] == Found(f"{HERE}.Silent", (1, "x"))
     restore(snapshot, {"one": Module(other)}, {"one": {f"{HERE}.Silent": lambda number, text: (text, number)}})
     assert other.held == ("x", 1)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.kernel import CPU, Kernel, SimulationStuck
 from periph_sim.core.records import Kind, Record, Recorder
-from periph_sim.core.wire import MOST, Sampler, Wire, watch
+from periph_sim.core.wire import MAX_PARTIES, Sampler, Wire, watch
 
 
 def wired(*who: str):
@@ -25,7 +25,7 @@ def wired(*who: str):
 def test_low_wins_and_the_last_to_let_go_raises_the_line():
     kernel, wire, (a, b), told = wired("controller", "target")
     for tick, pin, level in ((1, a, 0), (2, b, 0), (3, a, 1), (4, b, 1)):
-        kernel.at(tick, lambda pin=pin, level=level: pin.drive(level))
+        kernel.call_at(tick, lambda pin=pin, level=level: pin.drive(level))
     kernel.run_until(3)
     assert wire.held_by() == ["target"] and wire.level == 0
     kernel.run_until(4)
@@ -34,17 +34,17 @@ def test_low_wins_and_the_last_to_let_go_raises_the_line():
 
 def test_a_pulse_inside_one_instant_is_heard_by_nobody():
     kernel, _, (a,), told = wired("a")
-    kernel.at(1, lambda: a.drive(0))
-    kernel.at(1, lambda: a.drive(1))
+    kernel.call_at(1, lambda: a.drive(0))
+    kernel.call_at(1, lambda: a.drive(1))
     kernel.run_until(1)
     assert told == []
 
 
 def test_a_hand_over_inside_one_instant_shows_no_glitch():
     kernel, wire, (a, b), told = wired("a", "b")
-    kernel.at(1, lambda: a.drive(0))
-    kernel.at(2, lambda: a.drive(1))
-    kernel.at(2, lambda: b.drive(0))
+    kernel.call_at(1, lambda: a.drive(0))
+    kernel.call_at(2, lambda: a.drive(1))
+    kernel.call_at(2, lambda: b.drive(0))
     kernel.run_until(2)
     assert told == [(1, 0)] and wire.held_by() == ["b"]
 
@@ -52,9 +52,9 @@ def test_a_hand_over_inside_one_instant_shows_no_glitch():
 def test_who_looks_at_a_wire_in_the_instant_in_which_it_moves_sees_it_as_it_was():
     kernel, wire, (a,), _ = wired("a")
     seen = []
-    kernel.at(1, lambda: a.drive(0))
-    kernel.at(1, lambda: seen.append(wire.level))
-    kernel.at(1, lambda: seen.append(wire.level), CPU)
+    kernel.call_at(1, lambda: a.drive(0))
+    kernel.call_at(1, lambda: seen.append(wire.level))
+    kernel.call_at(1, lambda: seen.append(wire.level), CPU)
     kernel.run_until(1)
     assert seen == [1, 0]
 
@@ -68,8 +68,8 @@ def test_wires_that_move_in_one_instant_are_told_at_once(first: int):
     told: list[tuple[int, int]] = []
     watch(wires, lambda tick, levels: (told.append((tick, levels)), recorder.emit(tick, Kind.NOTE, "it", "heard")))
     for pin in (pins[first], pins[1 - first]):
-        kernel.at(1, partial(pin.drive, 0))
-    kernel.at(2, partial(pins[1].drive, 1))
+        kernel.call_at(1, partial(pin.drive, 0))
+    kernel.call_at(2, partial(pins[1].drive, 1))
     kernel.run_until(2)
     assert told == [(1, 0b00), (2, 0b10)]
     scl, sda, heard, rise, then = seen
@@ -87,12 +87,12 @@ def test_a_line_is_a_wire_or_what_its_owner_says():
         (2, lambda: sampler.put(2, 0)),  # as it was
         (3, lambda: sampler.put(0, 1)),  # no longer the wire
         (4, lambda: a.drive(1)),
-        (5, sampler.ask),
+        (5, sampler.request_sample),
         (6, lambda: sampler.listen(1, wire)),
         (7, lambda: a.drive(0)),
     ]
     for tick, move in moves:
-        kernel.at(tick, move)
+        kernel.call_at(tick, move)
     kernel.run_until(9)
     assert told == [(1, 0b010), (3, 0b011), (5, 0b011), (7, 0b001)]
 
@@ -115,7 +115,7 @@ def test_the_cause_of_an_edge_does_not_depend_on_the_order_of_calls(calls: list[
     seen.clear()
     for who, cause in calls:
         recorder.cause = cause
-        kernel.at(5, recorder.carried(partial(pins[who].drive, level)))
+        kernel.call_at(5, recorder.carried(partial(pins[who].drive, level)))
     recorder.cause = 0
     kernel.run_until(5)
     assert [(edge.tick, edge.value, edge.cause) for edge in seen] == [(5, level, 3)]
@@ -128,8 +128,8 @@ def test_an_answer_in_the_same_instant_is_told_after_every_watcher_heard_the_cau
     log: list[str] = []
     wire.watch(lambda tick, level: (log.append(f"first {level}"), b.drive(0) if level else None))
     wire.watch(lambda tick, level: log.append(f"second {level}"))
-    kernel.at(1, lambda: a.drive(0))
-    kernel.at(2, lambda: a.drive(1))
+    kernel.call_at(1, lambda: a.drive(0))
+    kernel.call_at(2, lambda: a.drive(1))
     kernel.run_until(2)
     assert log == ["first 0", "second 0", "first 1", "second 1", "first 0", "second 0"]
 
@@ -140,8 +140,8 @@ def test_who_leaves_a_wire_as_that_tells_of_a_move_is_told_all_the_same():
     wire.watch(lambda tick, level: leaving.put(0, level))
     wire.watch(lambda tick, level: None)
     leaving = watch([wire], lambda tick, levels: told.append((tick, levels)))
-    kernel.at(1, lambda: a.drive(0))
-    kernel.at(2, lambda: a.drive(1))
+    kernel.call_at(1, lambda: a.drive(0))
+    kernel.call_at(2, lambda: a.drive(1))
     kernel.run_until(1)
     assert told == [(1, 0)]
     kernel.run_until(2)
@@ -153,7 +153,7 @@ def test_wires_that_never_rest_are_told():
     wire = Wire(kernel, "SDA", Recorder())
     pin = wire.attach("a")
     wire.watch(lambda tick, level: pin.drive(1 - level))
-    kernel.at(1, lambda: pin.drive(0))
+    kernel.call_at(1, lambda: pin.drive(0))
     with pytest.raises(SimulationStuck, match="wires did not come to rest at t=1"):
         kernel.run_until(1)
 
@@ -163,7 +163,7 @@ def test_the_level_is_the_and_of_all_parties(moves):
     kernel, wire, pins, told = wired("a", "b", "c", "d")
     held = [1] * 4
     for tick, (who, level) in enumerate(moves, 1):
-        kernel.at(tick, lambda who=who, level=level: pins[who].drive(level))
+        kernel.call_at(tick, lambda who=who, level=level: pins[who].drive(level))
         kernel.run_until(tick)
         held[who] = level
         assert wire.level == min(held)
@@ -177,7 +177,7 @@ def test_an_edge_is_recorded_with_who_pulls_and_is_the_cause_of_what_follows():
     wire = Wire(kernel, "SDA", recorder)
     pin = wire.attach("target")
     wire.watch(lambda tick, level: recorder.emit(tick, Kind.NOTE, "watcher", "heard", level))
-    kernel.at(4, lambda: pin.drive(0))
+    kernel.call_at(4, lambda: pin.drive(0))
     kernel.run_until(4)
     edge, heard = seen
     assert (edge.kind, edge.tick, edge.where, edge.value, edge.text, edge.cause) == (
@@ -204,7 +204,7 @@ def test_who_holds_a_low_is_recorded_when_it_changes():
     moves = {1: [(a, 0)], 3: [(b, 0)], 4: [(a, 1), (a, 1)], 6: [(b, 1), (c, 0)], 8: [(c, 1)]}
     for tick, moved in moves.items():
         for pin, level in moved:
-            kernel.at(tick, lambda pin=pin, level=level: pin.drive(level))
+            kernel.call_at(tick, lambda pin=pin, level=level: pin.drive(level))
     kernel.run_until(9)
     assert [(r.tick, r.kind, r.value, r.text) for r in seen] == [
         (1, Kind.EDGE, 0, "a"),
@@ -221,8 +221,8 @@ def test_who_joins_in_holding_a_line_is_the_effect_of_what_it_was_made_under():
     wire = Wire(kernel, "SCL", recorder)
     a, b = wire.attach("a"), wire.attach("b")
     wire.watch(lambda tick, level: b.drive(0))
-    kernel.at(1, lambda: a.drive(0))
-    kernel.at(5, lambda: a.drive(1))
+    kernel.call_at(1, lambda: a.drive(0))
+    kernel.call_at(5, lambda: a.drive(1))
     kernel.run_until(9)
     assert [(r.kind, r.text, r.cause) for r in seen] == [
         (Kind.EDGE, "a", 0),
@@ -233,8 +233,8 @@ def test_who_joins_in_holding_a_line_is_the_effect_of_what_it_was_made_under():
 
 def test_a_wire_has_as_many_parties_as_its_mask_has_bits():
     wire = Wire(Kernel(), "SDA", Recorder())
-    pins = [wire.attach(f"party {n}") for n in range(MOST)]
-    assert len({pin.mask for pin in pins}) == MOST
+    pins = [wire.attach(f"party {n}") for n in range(MAX_PARTIES)]
+    assert len({pin.mask for pin in pins}) == MAX_PARTIES
     with pytest.raises(ValueError, match="wire SDA: one more would be party 63; a wire has up to 62"):
         wire.attach("one more")
 
@@ -243,4 +243,4 @@ def test_a_line_that_no_mask_holds_is_refused():
     kernel, recorder = Kernel(), Recorder()
     sampler = Sampler(kernel, recorder, lambda now, levels: None)
     with pytest.raises(ValueError, match="wire SDA would be line 62; who samples has lines 0 to 61"):
-        sampler.listen(MOST, Wire(kernel, "SDA", recorder))
+        sampler.listen(MAX_PARTIES, Wire(kernel, "SDA", recorder))

@@ -126,7 +126,7 @@ def test_whatever_the_lines_do_sda_moves_under_low_scl_alone_and_nine_pulses_fre
 
     def move(clock: bool, level: int) -> None:
         before = chip in sda.held_by()
-        kernel.at(kernel.now + US, partial(hands[clock].drive, level))
+        kernel.call_at(kernel.now + US, partial(hands[clock].drive, level))
         kernel.run_until(kernel.now + US + 2 * DELAY)
         if scl.level or not clock:
             assert (chip in sda.held_by()) is before, "a target changed its SDA, and SCL had not fallen"

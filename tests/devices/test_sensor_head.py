@@ -130,8 +130,8 @@ def test_the_values_in_the_bytes_of_a_chip(chip: str, data: str, values: tuple[i
 def test_a_chip_that_acknowledges_is_not_counted_as_nacked():
     desk = Desk(Schedule(first=0, period=5000, gap=0, rounds=1), [Request("w", 0x10, None, 0, write=b"\xff")])
     for slot in (33, 33 + 36):  # the ACK slots
-        desk.rig.kernel.at(slot * UNIT + 1, partial(desk.rig.partner["sda"].drive, 0))
-        desk.rig.kernel.at((slot + 4) * UNIT + 1, partial(desk.rig.partner["sda"].drive, 1))
+        desk.rig.kernel.call_at(slot * UNIT + 1, partial(desk.rig.partner["sda"].drive, 0))
+        desk.rig.kernel.call_at((slot + 4) * UNIT + 1, partial(desk.rig.partner["sda"].drive, 1))
     rounds = desk.run(5000)
     assert [(r.nacked, r.transfers) for r in rounds] == [(0, 1)]
 

@@ -138,12 +138,12 @@ class SciRig:
         if name in SCI_MAP:
             return self.peek(name)
         register = REGISTER_OF[name]
-        return register[name].of(self.peek(register.name))
+        return register[name].extract(self.peek(register.name))
 
     def status(self, name: str) -> int:
         """A field as the CPU reads it."""
         register = REGISTER_OF[name]
-        return register[name].of(self.read(register.name))
+        return register[name].extract(self.read(register.name))
 
     def flags(self, *names: str) -> dict[str, int]:
         return {name: self.get(name) for name in names}

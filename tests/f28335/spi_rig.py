@@ -163,7 +163,7 @@ class SpiRig:
         if name in SPI_MAP:
             return self.peek(name)
         register = REGISTER_OF[name]
-        return register[name].of(self.peek(register.name))
+        return register[name].extract(self.peek(register.name))
 
     def flags(self, *names: str) -> dict[str, int]:
         return {name: self.get(name) for name in names}

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from periph_sim.core.chip import ALL, NEVER, NOTHING
+from periph_sim.core.chip import ANY_CHANGED, NEVER, NO_CHANGE
 from periph_sim.f28335.cpu.pie import Pie
 from periph_sim.f28335.cpu.xint import Xint
 from periph_sim.f28335.gpio.module import Gpio
@@ -54,7 +54,7 @@ def test_new_chip(
 
 @pytest.mark.parametrize("chip", [Xint(), Pie(SYSTEM)])
 def test_chips_without_time_have_nothing_to_look_at(chip: Any):
-    assert chip.wake(0) == NOTHING
+    assert chip.wake(0) == NO_CHANGE
 
 
 def test_i2c_filter_width_follows_the_module_clock_that_irs_takes_over():
@@ -96,7 +96,7 @@ def test_sci_that_is_woken_late_has_done_at_a_pin_what_was_due_before_it():
     chip.write(0, 1, 0x22)
     chip.write(0, 9, 0xFF)
     begin = chip.next_wake
-    assert chip.pins(begin + 63, 0) == ALL
+    assert chip.pins(begin + 63, 0) == ANY_CHANGED
     assert chip.out == 0
     chip.wake(begin + 64)
     assert chip.out == 1

@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from periph_sim.core.chip import ALL, LATER, NOTHING, OUTPUTS
+from periph_sim.core.chip import ANY_CHANGED, NO_CHANGE, PINS_CHANGED, WAKE_CHANGED
 
 from .i2c_registers import BB, IRS, MST, OFFSET, STT, TRX
 from .i2c_rig import OTHER, OWN, Rig
 from .sci_rig import SciRig, frame
 from .spi_rig import HALF, SLAVE, SpiRig
 
-LOOKS = {NOTHING: "nothing", LATER: "later", OUTPUTS: "outputs", ALL: "all"}
+LOOKS = {NO_CHANGE: "nothing", WAKE_CHANGED: "later", PINS_CHANGED: "outputs", ANY_CHANGED: "all"}
 
 
 def counted(chip: Any) -> Counter[str]:
@@ -34,12 +34,12 @@ def counted(chip: Any) -> Counter[str]:
             looks: int = call(now, *levels)
             said[f"{name}: {LOOKS[looks]}"] += 1
             if due:
-                assert looks == ALL, "what was due may have changed anything"
-            elif looks != ALL:
+                assert looks == ANY_CHANGED, "what was due may have changed anything"
+            elif looks != ANY_CHANGED:
                 assert registers(now) == before
-            if looks == NOTHING:
+            if looks == NO_CHANGE:
                 assert (chip.out, chip.next_wake) == shown
-            if looks == LATER:
+            if looks == WAKE_CHANGED:
                 assert chip.out == shown[0]
             return looks
 
@@ -62,7 +62,7 @@ def test_sci_looks_at_a_frame_when_it_is_complete():
     said = counted(rig.chip)
     rig.send(frame(0x4B) + "1")
     assert said == of((7, 0, 1, 0), (0, 2))
-    assert rig.chip.pins(rig.now, 1) == NOTHING  # the level it has
+    assert rig.chip.pins(rig.now, 1) == NO_CHANGE  # the level it has
 
 
 def test_sci_in_loop_back_has_nothing_to_look_at_on_the_pin():
@@ -101,7 +101,7 @@ def test_spi_that_is_woken_late_has_done_at_a_pin_what_was_due_before_it():
     rig.pin(rig.now, SOMI=0)
     rig.write("SPITXBUF", 0)
     latch = rig.chip.next_wake + 2 * HALF
-    assert rig.chip.pins(latch + 1, 0b1111) == ALL
+    assert rig.chip.pins(latch + 1, 0b1111) == ANY_CHANGED
     assert rig.chip.peek(latch + 1, 7) == 0
 
 
@@ -145,7 +145,7 @@ def test_i2c_master_is_looked_at_where_a_flag_moves():
     rig.write("I2CMDR", IRS | MST | TRX | STT)
     rig.wait(30_000)
     assert said == of((0, 27, 0, 0), (43, 4))
-    assert rig.chip.pins(rig.now, rig.line) == NOTHING
+    assert rig.chip.pins(rig.now, rig.line) == NO_CHANGE
 
 
 @pytest.mark.parametrize("late", [0, 1, 40])
@@ -157,7 +157,7 @@ def test_i2c_edge_told_after_something_was_due_brings_that_first(late: int):
     rig.chip.pins(rig.now, 0b01)
     due = rig.chip.next_wake
     assert due == rig.now + 15
-    assert rig.chip.pins(due + late, 0b00) == ALL
+    assert rig.chip.pins(due + late, 0b00) == ANY_CHANGED
     assert rig.chip.peek(due + late, 2) >> 12 & 1, "BB"
 
 
@@ -180,7 +180,7 @@ def test_sci_edge_told_after_something_was_due_brings_that_first(late: int):
     rig.drive(rig.now, "RXD", 1)
     due = rig.chip.next_wake
     assert due - begin > 9 * rig.bit
-    assert rig.chip.pins(due + late, 0) == ALL
+    assert rig.chip.pins(due + late, 0) == ANY_CHANGED
     assert rig.peek("SCIRXST") >> 6 & 1, "RXRDY"
 
 

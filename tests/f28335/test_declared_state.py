@@ -16,7 +16,7 @@ import pytest
 
 from periph_sim.core.chip import NEVER
 from periph_sim.core.restore import restore
-from periph_sim.core.snapshot import Module, take
+from periph_sim.core.snapshot import Module, take_snapshot
 from periph_sim.f28335.cpu.pie import Pie
 from periph_sim.f28335.cpu.xint import Xint
 from periph_sim.f28335.gpio.module import Gpio
@@ -308,7 +308,7 @@ def test_the_declared_state_decides_on_all_that_a_chip_does(name: str):
         for _ in range(STEPS):
             first.step()
             second.step()
-        snapshot = take({"chip": Module(first.chip, first.now)}, 0, 0, ())
+        snapshot = take_snapshot({"chip": Module(first.chip, first.now)}, 0, 0, ())
         moved = snapshot._replace(cycles={"chip": first.now + LATER})
         restore(moved, {"chip": Module(second.chip, second.now)}, {"chip": {}})
         drivers = [kind(one.chip, begin, f"{seed}") for one, begin in ((first, first.now), (second, first.now + LATER))]

@@ -13,9 +13,9 @@ from tests.form.package import classes
 CHAINS = {
     ("core.chip_input", "Input", "following"),
     ("core.kernel", "Event", "following"),
-    ("core.kernel", "Samples", "following"),
-    ("core.kernel", "Settles", "following"),
-    ("core.kernel", "Settles", "then"),
+    ("core.kernel", "SampledParty", "following"),
+    ("core.kernel", "Settleable", "following"),
+    ("core.kernel", "Settleable", "then"),
     ("core.records", "_KeeperEntry", "following"),
     ("core.records", "_ListenerEntry", "following"),
     ("core.wire", "PullWatch", "following"),

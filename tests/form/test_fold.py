@@ -13,19 +13,19 @@ class Box:
     level: int
 
     def f(self, x):
-        return x | WORD if x > at.NOTHING else LOW
+        return x | WORD if x > at.NO_CHANGE else LOW
 """
 
 
 def test_constants_stand_in_their_places():
     text = folded(SOURCE, {"WORD": 16, "LOW": -3, "at": chip})
-    assert text.splitlines()[-1] == f"        return x | 16 if x > {chip.NOTHING} else (-3)"
+    assert text.splitlines()[-1] == f"        return x | 16 if x > {chip.NO_CHANGE} else (-3)"
     assert len(text.splitlines()) == len(SOURCE.splitlines())
 
 
 def test_what_is_no_whole_number_stays():
     text = folded(SOURCE, {"WORD": True, "LOW": "low", "at": chip})
-    assert text.splitlines()[-1] == f"        return x | WORD if x > {chip.NOTHING} else LOW"
+    assert text.splitlines()[-1] == f"        return x | WORD if x > {chip.NO_CHANGE} else LOW"
 
 
 def test_a_wide_constant_is_declared_as_wide_as_it_is():

@@ -68,15 +68,15 @@ def test_no_call_with_none_ends_the_process():
 @pytest.mark.parametrize(
     "call",
     [
-        lambda kernel: kernel.ask(5, None),
-        lambda kernel: kernel.renew(kernel.event(None), 5, 0),
-        lambda kernel: kernel.renew(None, 5, 0),
+        lambda kernel: kernel.schedule(5, None),
+        lambda kernel: kernel.reschedule(kernel.event(None), 5, 0),
+        lambda kernel: kernel.reschedule(None, 5, 0),
         lambda kernel: kernel.cancel(None),
         lambda kernel: kernel.moved(None),
-        lambda kernel: kernel.tell(None),
+        lambda kernel: kernel.request_sample(None),
         lambda kernel: kernel.replay(0, None, 0),
     ],
-    ids=["ask", "event", "renew", "cancel", "moved", "tell", "replay"],
+    ids=["schedule", "event", "reschedule", "cancel", "moved", "request_sample", "replay"],
 )
 def test_none_in_place_of_an_object_of_the_kernel_is_an_exception_at_the_latest_when_it_is_due(call):
     kernel = Kernel()
@@ -88,7 +88,7 @@ def test_none_in_place_of_an_object_of_the_kernel_is_an_exception_at_the_latest_
 def test_an_event_without_an_agent_is_an_exception():
     kernel = Kernel()
     event = kernel.event(Agent())
-    kernel.renew(event, 5, 0)
+    kernel.reschedule(event, 5, 0)
     with pytest.raises((TypeError, AttributeError)):
         event.agent = None
         kernel.run_until(10)

@@ -146,7 +146,7 @@ class OnWires:
         return (self._kernel.now - self._began) // CYCLE
 
     def _changed(self, tick: int, level: int) -> None:
-        self._kernel.at(tick, self._moved)
+        self._kernel.call_at(tick, self._moved)
 
     def _moved(self) -> None:
         levels = self._wires[SCL].level | self._wires[SDA].level << 1
@@ -166,7 +166,7 @@ class OnWires:
             if changed >> line & 1:
                 self._pins[line].drive(self._out >> line & 1)
         if self._party.next_wake < 1 << 40:
-            self._kernel.at(self._began + max(self._party.next_wake, self._now) * CYCLE, self._wake)
+            self._kernel.call_at(self._began + max(self._party.next_wake, self._now) * CYCLE, self._wake)
 
 
 def edges_of(samples: str) -> list[tuple[int, int]]:

@@ -16,10 +16,10 @@ def test_a_hold_that_does_not_outlast_its_instant_is_no_change() -> None:
     chip, clock = sda.attach("chip"), scl.attach("chip")
     held = iter([1, 1, 0])  # what the chip does once its pull has settled
     sda.watch(lambda tick, level: None if level else chip.drive(next(held)))
-    kernel.at(3, lambda: chip.drive(0))
-    kernel.at(5, lambda: clock.drive(0))
-    kernel.at(5, lambda: chip.drive(0))
-    kernel.at(7, lambda: chip.drive(0))
+    kernel.call_at(3, lambda: chip.drive(0))
+    kernel.call_at(5, lambda: clock.drive(0))
+    kernel.call_at(5, lambda: chip.drive(0))
+    kernel.call_at(7, lambda: chip.drive(0))
     kernel.run_until(4)
     assert door.changes() == []
     kernel.run_until(8)

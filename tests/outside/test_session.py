@@ -126,7 +126,7 @@ def test_an_advance_that_was_interrupted_can_be_repeated() -> None:
     def interrupt() -> None:
         raise KeyboardInterrupt
 
-    session.scene.kernel.at(session.scene.start + 5 * ms // 2, interrupt)
+    session.scene.kernel.call_at(session.scene.start + 5 * ms // 2, interrupt)
     session.apply(2 * ms, {"SDA": 0})
     session.apply(3 * ms, {"SDA": 1})
     with pytest.raises(KeyboardInterrupt):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from periph_sim.core.chip import ALL, NEVER, Chip, Note
+from periph_sim.core.chip import ANY_CHANGED, NEVER, Chip, Note
 from periph_sim.core.registers import Register, RegisterMap, field
 
 STATUS = Register("STATUS", 0, "test", (field("A", "0", "R"), field("B", "1", "R"), field("C", "2", "R/W1C")))
@@ -38,7 +38,7 @@ class FlagChip(Chip):
             if line >= 0:
                 self.requests |= 1 << line
         self.next_wake = self.changes[0][0] if self.changes else NEVER
-        return ALL
+        return ANY_CHANGED
 
     def read(self, now: int, offset: int) -> int:
         self.wake(now)

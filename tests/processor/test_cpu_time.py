@@ -66,7 +66,7 @@ def test_firmware_goes_on_at_the_rate_of_a_retuned_clock(hz: int, how: str):
         bench.clock.retune(400, Fraction(hz))
         bench.processor.time.reclock()
 
-    bench.kernel.at(400 * TICKS, retune)
+    bench.kernel.call_at(400 * TICKS, retune)
     bench.cpu.start(main)
     bench.kernel.run_until(100_000)
     assert bench.cpu.cycle == 1000

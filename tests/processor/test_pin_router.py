@@ -54,7 +54,7 @@ def test_a_pad_that_is_low_when_the_multiplexer_gives_it_to_the_sci_begins_a_sta
 def test_an_external_interrupt_enabled_after_the_edge_of_a_pin_that_feeds_the_sci_does_not_ask():
     dsp, kernel, wires = unit("GPIO", "SCI-A", "XINT", RXD=28)
     hand = wires["RXD"].attach("hand")
-    kernel.at(kernel.now + 5000 * CYCLE, lambda: hand.drive(0))
+    kernel.call_at(kernel.now + 5000 * CYCLE, lambda: hand.drive(0))
     asked: list[int] = []
 
     def main() -> None:
@@ -90,7 +90,7 @@ def events(second: int) -> int:
     """What a run takes in which two pads fall, 5 and `second` ticks behind a SYSCLKOUT edge."""
     dsp, kernel, wires = unit("GPIO", "SCI-A", "XINT", RXD=28, BUTTON=7)
     for wire, tick in zip(wires.values(), (5, second), strict=True):
-        kernel.at(kernel.now + 5000 * CYCLE + tick, partial(wire.attach("hand").drive, 0))
+        kernel.call_at(kernel.now + 5000 * CYCLE + tick, partial(wire.attach("hand").drive, 0))
 
     def main() -> None:
         gpio = dsp.module("GPIO")

@@ -155,7 +155,7 @@ def test_a_wait_for_a_bit_in_the_upper_half_of_a_32_bit_register_ends(skip):
             seen.append(level)
 
     dsp.start(main)
-    kernel.at(20_000, lambda: hand.drive(0))
-    kernel.at(60_000, lambda: hand.drive(1))
+    kernel.call_at(20_000, lambda: hand.drive(0))
+    kernel.call_at(60_000, lambda: hand.drive(1))
     kernel.run_until(100_000)
     assert seen == [0, 1]

@@ -58,7 +58,7 @@ def test_an_interrupt_goes_through_the_table_and_the_stack_in_memory():
     def look() -> None:
         inside.append(([hex(ram.word(0x422 + i)) for i in (0, 2, 8, 10, 12, 13)], bench.core.sp, bench.core.ier))
 
-    bench.kernel.at(115 * TICKS, look)
+    bench.kernel.call_at(115 * TICKS, look)
     bench.kernel.run_until(400 * TICKS)
     assert program.entered == [(ROUTINE, 114)]
     back_to = MAIN + 2 + 4  # the step that was next
@@ -100,7 +100,7 @@ def test_a_routine_may_return_to_another_place_than_it_came_from():
         ram.put_words(0x600, [0, 0, 9, 0, 0, 0, 0, 0, 0x080B, 0, 0x40, 0, task & 0xFFFF, task >> 16])
         bench.core.sp = 0x600 + 15
 
-    bench.kernel.at(215 * TICKS, switch)
+    bench.kernel.call_at(215 * TICKS, switch)
     bench.kernel.run_until(500 * TICKS)
     assert (program.al, program.pc, bench.core.sp, bench.core.ier) == (0x55, task + 1, 0x600, 0x40)
 
@@ -170,7 +170,7 @@ def test_a_write_lands_on_the_way_to_a_later_cycle():
     program = scripted(bench, work(10), Step(Op.STORE, STATUS, 4), work(40))
     seen: list[tuple[int, int]] = []
     for cycle in (12, 13):
-        bench.kernel.at(cycle * TICKS - 1, lambda c=cycle: seen.append((c, bench.chip.status)), CPU)
+        bench.kernel.call_at(cycle * TICKS - 1, lambda c=cycle: seen.append((c, bench.chip.status)), CPU)
     bench.kernel.run_until(100 * TICKS)
     assert (bench.chip.status, program.returned_at) == (0, 51)
     assert seen == [(12, 4), (13, 0)]
@@ -234,7 +234,7 @@ def test_a_vector_without_a_name_is_told_by_its_line():
     program = scripted(bench, work(50), *[work(1)] * 100)
     bench.processor.bus.ram.put_word32(0x0D44, ROUTINE)
     bench.pie.write(0, 0x2, 4)
-    bench.kernel.at(60 * TICKS, lambda: (bench.pie.request(60, 1, 3), bench.pie_socket.publish(60)))
+    bench.kernel.call_at(60 * TICKS, lambda: (bench.pie.request(60, 1, 3), bench.pie_socket.publish(60)))
     bench.kernel.run_until(400 * TICKS)
     assert [(r.what, r.value) for r in found] == [("INT1.3", 1), ("INT1.3", 0)] and program.finished
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.core.records import EVERYWHERE, NOWHERE, OF_MODIFIES, Keeper, Kind, Recorder
+from periph_sim.core.records import EVERYWHERE, NOWHERE, OF_MODIFIES, Kind, Recorder, RecordSink
 from periph_sim.processor.python.recognised import Recogniser
 from tests.processor.bench import Bench
 
@@ -27,7 +27,7 @@ flag_changes = st.lists(
 )
 
 
-class Kept(Keeper):
+class Kept(RecordSink):
     """Keeps all records; wants the places of these accesses only."""
 
     def __init__(self, places: int) -> None:

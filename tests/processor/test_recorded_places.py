@@ -6,7 +6,7 @@ import linecache
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.core.records import OF_MODIFIES, RECORDED, Keeper, Kind, Record
+from periph_sim.core.records import OF_MODIFIES, RECORDED, Kind, Record, RecordSink
 from periph_sim.processor.source_location import SourceLocation
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
@@ -20,7 +20,7 @@ def records(*kinds: Kind, seconds: Fraction = Fraction(8, 1000)) -> list[Record]
     return found
 
 
-class OfModifies(Keeper):
+class OfModifies(RecordSink):
     """Keeps what is said of the places of accesses to I2CSTR by who needs them of read-modify-writes only."""
 
     def __init__(self) -> None:

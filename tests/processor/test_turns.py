@@ -22,7 +22,7 @@ class Acts(Agent):
 
     def __init__(self, bench: Bench, cycle: int, does: Callable[[], object], phase: int = TIMER) -> None:
         self.does = does
-        bench.kernel.ask(cycle * TICKS, self, 0, phase)
+        bench.kernel.schedule(cycle * TICKS, self, 0, phase)
 
     def act(self, tag: int) -> None:
         self.does()
@@ -99,7 +99,7 @@ def test_a_plain_function_is_called_from_home_and_never_above_firmware():
 
     bench.cpu.start(firmware)
     Acts(bench, 10, lambda: seen.update(agent=firmware_frames()))
-    bench.kernel.at(20 * TICKS, lambda: seen.update(plain=firmware_frames()))
+    bench.kernel.call_at(20 * TICKS, lambda: seen.update(plain=firmware_frames()))
     bench.kernel.run_until(200 * TICKS)
     assert "firmware" in seen["agent"], "the way on which no stack is changed"
     assert "firmware" not in seen["plain"] and bench.cpu.finished
@@ -122,7 +122,7 @@ def test_an_exception_of_somebody_else_is_raised_at_home_and_firmware_does_not_s
 
     bench.cpu.start(firmware)
     if plain:
-        bench.kernel.at(10 * TICKS, fail)
+        bench.kernel.call_at(10 * TICKS, fail)
     else:
         Acts(bench, 10, fail)
     with pytest.raises(ValueError, match="of a model") as raised:
@@ -186,7 +186,7 @@ def test_a_unit_is_ended_and_begun_again_while_another_waits():
 
     one.cpu.start(waits(one, 4))
     two.cpu.start(endless)
-    one.kernel.at(123 * TICKS, begin_again)
+    one.kernel.call_at(123 * TICKS, begin_again)
     one.kernel.run_until(2000 * TICKS)
     assert two.log == [("ended", 120), ("again", 123 + 5 + 10)]
     assert len(one.log) == 8
@@ -204,7 +204,7 @@ def test_firmware_that_is_ended_and_refuses_to_never_goes_on():
             bench.note("never")
 
     bench.cpu.start(firmware)
-    bench.kernel.at(20 * TICKS, lambda: bench.processor.kill(greenlet.GreenletExit))
+    bench.kernel.call_at(20 * TICKS, lambda: bench.processor.kill(greenlet.GreenletExit))
     Acts(bench, 30, lambda: bench.note("somebody else"))
     bench.kernel.run_until(1000 * TICKS)
     bench.cpu.start(lambda: bench.note("again"))
@@ -289,7 +289,7 @@ def test_a_place_is_that_of_the_waiting_statement_also_for_those_who_ask_in_the_
         bench.cpu.compute(100)
 
     bench.cpu.start(firmware)
-    bench.kernel.at(20 * TICKS, look)
+    bench.kernel.call_at(20 * TICKS, look)
     bench.kernel.run_until(200 * TICKS)
     line = firmware.__code__.co_firstlineno + 1
     assert [str(place) for place in places] == [f"firmware:{line}"]
@@ -303,12 +303,12 @@ def test_a_program_that_is_to_go_on_in_what_it_began_itself_is_told():
     class Replays(Agent):
         def act(self, tag: int) -> None:
             if tag:
-                bench.kernel.ask(bench.kernel.now, bench.processor)
+                bench.kernel.schedule(bench.kernel.now, bench.processor)
             else:
                 bench.kernel.replay(5 * TICKS, self, 1)
 
     bench.cpu.start(lambda: bench.cpu.compute(100))
-    bench.kernel.ask(10 * TICKS, Replays())
+    bench.kernel.schedule(10 * TICKS, Replays())
     with pytest.raises(RuntimeError, match="dsp cannot continue inside an event that it started itself"):
         bench.kernel.run_until(200 * TICKS)
 
@@ -318,4 +318,4 @@ def test_nobody_helps_once_the_run_is_over():
     bench.cpu.start(waits(bench, 2))
     for cycle in (20, 130, 1000):
         bench.kernel.run_until(cycle * TICKS)
-        assert bench.kernel.helper is None and bench.kernel.now == cycle * TICKS
+        assert bench.kernel.nested_owner is None and bench.kernel.now == cycle * TICKS

@@ -131,7 +131,7 @@ def test_what_a_read_saw_is_what_the_last_change_left(recorded: tuple[list[Recor
     for look in looks[:: max(len(looks) // 60, 1)]:
         module, _, name = look.what[2:].partition(".")
         change, f = oracle._seen(look), oracle.register(module, name)[look.field]
-        assert f.of(look.value) == (f.reset if change is None else change.value)
+        assert f.extract(look.value) == (f.reset if change is None else change.value)
 
 
 def _alone(records: list[Record], of: Record) -> bool:

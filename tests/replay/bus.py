@@ -53,7 +53,7 @@ def both_halves(capture: Capture, transfers: list[Transfer]) -> Comparison:
             if index < len(transfers):
                 begin = int(transfers[index].phases[0].start.at * per_position)
                 edges = moves(controllers_half(transfers[index], hold), per_position)
-                bus.kernel.at(begin, lambda: bus.player.play(edges, play_from(index + 1)))
+                bus.kernel.call_at(begin, lambda: bus.player.play(edges, play_from(index + 1)))
 
         return plan
 

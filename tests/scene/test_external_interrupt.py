@@ -45,7 +45,7 @@ def test_a_pin_edge_reaches_the_vector_fetch_within_its_window_and_twelve_cycles
 
     dsp.start(main)
     edge = 2000 * CYCLE + phase
-    kernel.at(edge, lambda: hand.drive(0))
+    kernel.call_at(edge, lambda: hand.drive(0))
     kernel.run_until(5000 * CYCLE)
     (first_instruction,) = entered
     vector_fetch = dsp.clock.tick(first_instruction - 9)
@@ -77,7 +77,7 @@ def heard(levels: list[tuple[int, int]], modules: tuple[str, ...], pin: int, set
 
     dsp.start(main)
     for tick, level in levels:
-        kernel.at(2000 * CYCLE + tick, partial(hand.drive, level))
+        kernel.call_at(2000 * CYCLE + tick, partial(hand.drive, level))
     kernel.run_until(5000 * CYCLE)
     return len(served)
 

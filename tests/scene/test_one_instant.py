@@ -95,7 +95,7 @@ class Bus:
         calls = [(at + late(), line, level) for at, line, level in moves(SCRIPT)]
         shuffled(calls)
         for at, line, level in calls:
-            kernel.at(at, partial(self.hands[line].drive, level))
+            kernel.call_at(at, partial(self.hands[line].drive, level))
         self.scene.run(Fraction(35, 10_000))
 
     def said(self) -> list[str]:

@@ -39,7 +39,7 @@ def records(case: Case, seconds: str, phase: int, peeks: list[int]) -> Records:
     ]
     for tick in peeks:
         for place in places:
-            scene.kernel.at(tick, partial(peek, scene, place), phase)
+            scene.kernel.call_at(tick, partial(peek, scene, place), phase)
     scene.run(Fraction(seconds))
     return found
 

@@ -77,7 +77,7 @@ def test_a_broken_duty_of_a_device_or_a_sensor_chip_ends_a_strict_run(strict: bo
         scene = Scene(small.case(unit=unit, strict=strict, **table), programs={"dsp": program})
         tick = scene.start + scene.timebase.ticks(Fraction(2, 10**6))
         breaks = partial(scene.note_logs()[name].take, Note("duty", "too soon", "the sheet"))
-        scene.kernel.at(tick, breaks)
+        scene.kernel.call_at(tick, breaks)
         if strict:
             with pytest.raises(
                 FirmwareError, match=rf"^{name}, line \d+ of test_strict.py, at 2.* us: too soon \[the sh"

@@ -50,7 +50,7 @@ def test_times_of_notes_count_from_the_begin_of_the_run():
         program = Firmware("under test", lambda dsp, settings: breaks_duties(dsp), None)
         scene = Scene(made, programs={"dsp": program})
         later = scene.start + scene.timebase.ticks(Fraction(3, 1000))
-        scene.kernel.at(later, lambda: scene.devices["it"].log.take(Note("duty", "too soon", "the sheet")))
+        scene.kernel.call_at(later, lambda: scene.devices["it"].log.take(Note("duty", "too soon", "the sheet")))
         scene.wires["SDA"].attach("somebody").drive(0)
         result = scene.run(Fraction(30, 1000))
         return result.notes, result.stuck

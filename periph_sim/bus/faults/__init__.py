@@ -74,7 +74,7 @@ class Repeated:
             return
         due = place.start + place.ticks(when.at + number * (when.every or 0))
         late = place.random.randrange(place.ticks(when.spread) + 1)
-        place.kernel.at(due + late, self._struck)
+        place.kernel.call_at(due + late, self._struck)
 
     def _struck(self) -> None:
         self._strike()

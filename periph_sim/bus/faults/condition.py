@@ -55,7 +55,7 @@ class Condition:
         elif self._armed:
             self._rise += 1
             rise = self._rise
-            self._kernel.at(now + self._late, partial(self._strike, rise))
+            self._kernel.call_at(now + self._late, partial(self._strike, rise))
 
     def _strike(self, rise: int) -> None:
         """Disturb the line, `late` after that rise."""

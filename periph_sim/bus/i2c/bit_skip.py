@@ -133,7 +133,7 @@ class BitSkip(Shortcut):
         times.since, times.low, times.high = now, low, high
         self._begin(times, shown, now - low, tag)
         self._ends = times.rise(SKIPPED_BITS)
-        self._eighth = self._kernel.ask(self._ends, controller, tag)
+        self._eighth = self._kernel.schedule(self._ends, controller, tag)
         return True
 
     def skips_for(self, party: BitParty, times: BitTimes, fell: int, ends: int) -> bool:  # core: C only

@@ -53,33 +53,33 @@ class BusClear:
     def _look(self) -> None:
         """Give another clock, or the STOP, at the end of a high phase."""
         if not self._scl.level:  # another party holds it low
-            self._kernel.at(self._kernel.now + self._high, self._look)
+            self._kernel.call_at(self._kernel.now + self._high, self._look)
         elif self._sda.level or self._clocks == MOST_CLOCKS:
             self._scl.pull(self._scl_mask, 0)
-            self._kernel.at(self._kernel.now + self._hold, self._sda_low)
+            self._kernel.call_at(self._kernel.now + self._hold, self._sda_low)
         else:
             self._clocks += 1
             self._scl.pull(self._scl_mask, 0)
-            self._kernel.at(self._kernel.now + self._low, self._release)
+            self._kernel.call_at(self._kernel.now + self._low, self._release)
 
     def _release(self) -> None:
         self._scl.pull(self._scl_mask, 1)
-        self._kernel.at(self._kernel.now + self._high, self._look)
+        self._kernel.call_at(self._kernel.now + self._high, self._look)
 
     def _sda_low(self) -> None:
         self._sda.pull(self._sda_mask, 0)
-        self._kernel.at(self._kernel.now + self._low - self._hold, self._stop_rises)
+        self._kernel.call_at(self._kernel.now + self._low - self._hold, self._stop_rises)
 
     def _stop_rises(self) -> None:
         self._scl.pull(self._scl_mask, 1)
-        self._kernel.at(self._kernel.now + self._high, self._stop)
+        self._kernel.call_at(self._kernel.now + self._high, self._stop)
 
     def _stop(self) -> None:
         if not self._scl.level:
-            self._kernel.at(self._kernel.now + self._high, self._stop)
+            self._kernel.call_at(self._kernel.now + self._high, self._stop)
             return
         self._sda.pull(self._sda_mask, 1)
-        self._kernel.at(self._kernel.now + self._hold, self._over)
+        self._kernel.call_at(self._kernel.now + self._hold, self._over)
 
     def _over(self) -> None:
         self._done(self._clocks, self._sda.level == 1)

@@ -309,7 +309,7 @@ class I2cController(BitParty):
         return self._sda_seen
 
     def _then(self, time: int, tag: int) -> None:
-        self._kernel.renew(self._next, time, tag)
+        self._kernel.reschedule(self._next, time, tag)
 
     # Bits ---------------------------------------------------------------------
 
@@ -335,7 +335,7 @@ class I2cController(BitParty):
         self._scl_wire.pull(self._scl_mask, 1)
         self._let_go_at = self._kernel.now
         self._rising = True
-        self._sampler.ask()
+        self._sampler.request_sample()
 
     def _rose(self, now: int) -> None:
         if self._index == 0 and self._bit == 0:
@@ -418,7 +418,7 @@ class I2cController(BitParty):
 
     def _watch_stuck(self) -> None:
         if self._stuck_after and not self._guard:
-            self._guard = self._kernel.ask(self._kernel.now + self._stuck_after, self, STUCK)
+            self._guard = self._kernel.schedule(self._kernel.now + self._stuck_after, self, STUCK)
 
     def _disarm_guard(self) -> None:
         if self._guard:
@@ -429,7 +429,7 @@ class I2cController(BitParty):
         self._guard = None
         due = self._scl_moved + self._stuck_after
         if due > self._kernel.now:  # another controller's transfers continued meanwhile
-            self._guard = self._kernel.ask(due, self, STUCK)
+            self._guard = self._kernel.schedule(due, self, STUCK)
             return
         wire = self._sda_wire if self._scl_wire.level else self._scl_wire
         self._mark("stuck", wire.level)

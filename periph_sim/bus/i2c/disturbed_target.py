@@ -204,11 +204,11 @@ class DisturbedTarget:
 
 def cut_power(kernel: Kernel, side: TargetSide, target: Answers, at: int, until: int | None) -> None:
     """Switch the target off between two ticks, or forever."""
-    kernel.at(at, lambda: side.power(False))
+    kernel.call_at(at, lambda: side.power(False))
 
     def come_back() -> None:
         target.power_on()
         side.power(True)
 
     if until is not None:
-        kernel.at(until, come_back)
+        kernel.call_at(until, come_back)

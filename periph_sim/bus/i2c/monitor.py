@@ -79,7 +79,7 @@ class I2cMonitor(BitParty):
         sampler = watch([scl, sda], self)
         self._levels = sampler.levels
         for wire in (scl, sda):
-            wire.tell_pulls(sampler)
+            wire.notify_on_pulls(sampler)
 
     @property
     def held_since(self) -> int:

@@ -64,7 +64,7 @@ class I2cPlayer:
 
     def _go_on(self) -> None:
         if self._next < len(self._moves):
-            self._kernel.at(self._kernel.now + self._moves[self._next].after, self._move)
+            self._kernel.call_at(self._kernel.now + self._moves[self._next].after, self._move)
         else:
             self._done()
 
@@ -77,7 +77,7 @@ class I2cPlayer:
             self._scl.drive(level)
             if level:
                 self.waiting_since = self._kernel.now
-                self._lines.ask()
+                self._lines.request_sample()
                 return
         self._go_on()
 

@@ -71,7 +71,7 @@ class StuckWatch(BitParty):
     def _guard(self) -> None:
         """Schedule one event at a time, however often the line moves."""
         self._guarded = True
-        self._kernel.at(self._fell + self._limit, self._look)
+        self._kernel.call_at(self._fell + self._limit, self._look)
 
     def _look(self) -> None:
         self._kernel.materialize()

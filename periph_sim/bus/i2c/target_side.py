@@ -145,7 +145,7 @@ class TargetSide(BitParty):
         """Hold SCL low for a time from now on. Call it from `answer` or the reply: SCL has just fallen then."""
         self._scl.drive(0)
         self._held_until = max(self._held_until, self._kernel.now + ticks)
-        self._kernel.ask(self._kernel.now + ticks, self, LET_GO)
+        self._kernel.schedule(self._kernel.now + ticks, self, LET_GO)
 
     def power(self, on: bool) -> None:
         """Switch the power. Off: both lines are released at once, and no START is seen until it returns."""
@@ -225,4 +225,4 @@ class TargetSide(BitParty):
     def _put(self, level: int) -> None:
         if level != self._level:
             self._level = level
-            self._kernel.ask(self._kernel.now + self._hold, self, DRIVE)
+            self._kernel.schedule(self._kernel.now + self._hold, self, DRIVE)

@@ -152,7 +152,7 @@ class BurstSender:
         burst = self._waiting[0][0]
         start = max(self._kernel.now, self._free_at + int(burst.idle * burst.bit))
         self._busy = True
-        self._kernel.at(start, self._begin)
+        self._kernel.call_at(start, self._begin)
 
     def _begin(self) -> None:
         burst, begins, ends = self._waiting.popleft()
@@ -165,7 +165,7 @@ class BurstSender:
         begins(now)
         if edges:
             self._edges.make(edges[::-1])
-        self._kernel.at(end, lambda: self._end(ends))
+        self._kernel.call_at(end, lambda: self._end(ends))
 
     def _end(self, ends: Callable[[int], None]) -> None:
         self._free_at = self._kernel.now
@@ -173,7 +173,7 @@ class BurstSender:
             self._characters += len(self._burst.characters)
             self._burst = None
         if self._enabled is not None:
-            self._kernel.at(self._free_at + self._hold, self._let_go)
+            self._kernel.call_at(self._free_at + self._hold, self._let_go)
         self._busy = False
         ends(self._free_at)
         if self._waiting and not self._busy:

@@ -52,6 +52,6 @@ class EdgeSender(Agent):
 
     def _then(self, tick: int) -> None:
         if self._next is None:
-            self._next = self._kernel.ask(tick, self, EDGE)
+            self._next = self._kernel.schedule(tick, self, EDGE)
         else:
-            self._kernel.renew(self._next, tick, EDGE)
+            self._kernel.reschedule(self._next, tick, EDGE)

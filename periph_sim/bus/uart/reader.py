@@ -99,7 +99,7 @@ class UartReader(Agent):
     def _begin(self, now: int) -> None:
         self._set_line(now)
         self._start, self._edges = now, [now]
-        self._ending = self._kernel.ask(now + self._halves[2 * self._length], self)
+        self._ending = self._kernel.schedule(now + self._halves[2 * self._length], self)
         for callback in self.on_begin:
             callback(now)
 

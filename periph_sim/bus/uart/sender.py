@@ -97,7 +97,7 @@ class UartSender(EdgeSender):
         byte: int
         for byte in data:
             if self._recorder is not None:
-                self._kernel.ask(start + self._begins[first], self, byte)
+                self._kernel.schedule(start + self._begins[first], self, byte)
             bit: int
             for bit in self._edges_in(byte):
                 edges.append(start + self._begins[first + bit])

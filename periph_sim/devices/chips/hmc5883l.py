@@ -185,7 +185,7 @@ class Hmc5883l(RegisterChip):
             self.note("duty", "DO = 7 is reserved; 75 Hz is used here", f"{SHEET} CRA")
         if self.get("CRA", "MS") == 3:
             self.note("duty", "MS = 3 is reserved; no bias is used here", f"{SHEET} CRA")
-        if self.get("CRA", "DO") != self.MAP["CRA"]["DO"].of(old) and self.get("Mode", "MD") == CONTINUOUS:
+        if self.get("CRA", "DO") != self.MAP["CRA"]["DO"].extract(old) and self.get("Mode", "MD") == CONTINUOUS:
             self._start(now)
 
 

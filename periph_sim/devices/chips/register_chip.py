@@ -26,7 +26,7 @@ Bits = tuple[tuple[str, str], ...]  # names and places of fields: ("Measure", "3
 def byte_register(offset: int, name: str, access: str, reset: int, source: str, fields: Bits = ()) -> Register:
     """Build a register of eight bits; without `fields` it is one field with the register's name."""
     parts = [field(n, bits, access) for n, bits in fields or ((name, "7:0"),)]
-    parts = [field(f.name, f.bits, access, f.of(reset)) for f in parts]
+    parts = [field(f.name, f.bits, access, f.extract(reset)) for f in parts]
     return Register(name, offset, source, tuple(parts), width=8)
 
 
@@ -110,7 +110,7 @@ class RegisterChip:
         """Return the stored value of a register, or of one of its fields."""
         register = self.MAP[name]
         value = self.stored[register.offset]
-        return register[field_name].of(value) if field_name else value
+        return register[field_name].extract(value) if field_name else value
 
     def put(self, name: str, field_name: str, number: int) -> None:
         """Set a field by hardware, regardless of its access by software."""

@@ -160,7 +160,7 @@ class RegisterDevice:
         """Schedule an event for the next update."""
         due = [tick for tick in (feed.next_due() for feed in self._feeds.values()) if tick is not None]
         if due:
-            self._place.kernel.at(max(min(due), self._place.kernel.now), self._updated)
+            self._place.kernel.call_at(max(min(due), self._place.kernel.now), self._updated)
 
     def _updated(self) -> None:
         self._catch_up()

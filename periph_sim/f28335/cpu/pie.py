@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from typing import final
 
-from ...core.chip import NEVER, NOTHING, Chip, Note
+from ...core.chip import NEVER, NO_CHANGE, Chip, Note
 from ...core.state import State
 from ..system.options import SystemOptions
 from .pie_map import (
@@ -141,7 +141,7 @@ class Pie(Chip):
 
     def wake(self, now: int) -> int:
         """Do nothing: the PIE has no timers."""
-        return NOTHING
+        return NO_CHANGE
 
     def gate(self, now: int, on: bool) -> None:
         """Do nothing: the PIE's clock cannot be switched off."""

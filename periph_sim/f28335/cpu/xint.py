@@ -23,7 +23,7 @@ Chosen:
 
 from __future__ import annotations
 
-from ...core.chip import ALL, NEVER, NOTHING, Chip, Note
+from ...core.chip import ANY_CHANGED, NEVER, NO_CHANGE, Chip, Note
 from ...core.state import State
 from .xint_map import XINT
 
@@ -64,17 +64,17 @@ class Xint(Chip):
         """Set the levels on LINES; only those of enabled lines have an effect."""
         moved, self._level = (levels ^ self._level) & self.enabled, levels
         if not moved:
-            return NOTHING
+            return NO_CHANGE
         for line in range(LINES):
             if moved >> line & 1 and self._is_valid(line, levels >> line & 1):
                 self.requests |= 1 << line
                 if line < len(self._since):
                     self._since[line] = now
-        return ALL
+        return ANY_CHANGED
 
     def wake(self, now: int) -> int:
         """Do nothing: the module has no timers."""
-        return NOTHING
+        return NO_CHANGE
 
     def read(self, now: int, offset: int) -> int:
         return self.peek(now, offset)
@@ -109,7 +109,7 @@ class Xint(Chip):
         self._count = [0, 0]
 
     def _is_valid(self, line: int, level: int) -> bool:
-        polarity = POLARITY.of(self._control[line])
+        polarity = POLARITY.extract(self._control[line])
         return polarity == BOTH or (polarity == RISING) == bool(level)
 
     def _counted(self, now: int, line: int) -> int:

@@ -214,7 +214,7 @@ class Gpio(GpioSettings):
 
     def wake(self, now: int) -> int:
         self._advance(now)
-        return chip.ALL
+        return chip.ANY_CHANGED
 
     def read(self, now: int, offset: int) -> int:
         return self.peek(now, offset)

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from ...core.chip import ALL, LATER, NEVER, NOTHING, OUTPUTS, Chip
+from ...core.chip import ANY_CHANGED, NEVER, NO_CHANGE, PINS_CHANGED, WAKE_CHANGED, Chip
 from ...core.state import State
 from . import register_map as at
 from .fifos import DEPTH
@@ -82,7 +82,7 @@ class I2c(Chip):
 
     def pins(self, now: int, levels: int) -> int:
         if levels == self._pins:
-            return NOTHING
+            return NO_CHANGE
         self._pins = levels
         late = self.next_wake <= now
         if late:
@@ -93,11 +93,11 @@ class I2c(Chip):
             visible = self._visible_changes()
             self._timer = self._next_timer() if self._clocked else NEVER
             self._show()
-            return ALL if late else visible
+            return ANY_CHANGED if late else visible
         if self.master.active and self._clocked:
             self._timer = self._next_timer()
         self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due
-        return LATER
+        return WAKE_CHANGED
 
     def _update_lines(self, now: int, levels: int) -> None:
         """Apply the levels of the bus, or in loopback our own outputs."""
@@ -155,7 +155,7 @@ class I2c(Chip):
         """Return the kind of change by edges and timers; most of them change no readable register."""
 
         before, self._readable = self._readable, self.state.readable()
-        return OUTPUTS if before == self._readable and not self.notes else ALL
+        return PINS_CHANGED if before == self._readable and not self.notes else ANY_CHANGED
 
     def _advance(self, now: int) -> None:
         """Process everything due by `now`, in order of time; filtered edges before timers."""

@@ -56,7 +56,7 @@ class SciFormat:
 
     def __init__(self, sciccr: int, options: SciOptions) -> None:
         self.sciccr = sciccr
-        self.data_bits = SCICHAR.of(sciccr) + 1
+        self.data_bits = SCICHAR.extract(sciccr) + 1
         self.data_mask = (1 << self.data_bits) - 1
         self.address = bool(sciccr & ADDRIDLE_MODE)
         self.parity = bool(sciccr & PARITYENA)

@@ -22,7 +22,7 @@ Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 
 from __future__ import annotations
 
-from ...core.chip import ALL, NEVER, NOTHING, OUTPUTS, Chip, Note
+from ...core.chip import ANY_CHANGED, NEVER, NO_CHANGE, PINS_CHANGED, Chip, Note
 from ...core.state import State
 from .autobaud import SciAutobaud
 from .character_format import SciFormat
@@ -143,7 +143,7 @@ class SciLines(Chip):
     def pins(self, now: int, levels: int) -> int:
         level = levels & 1
         if level == self._rxd:
-            return NOTHING
+            return NO_CHANGE
         planned = self.next_wake
         if now > planned:
             self._run(now - 1)
@@ -151,12 +151,12 @@ class SciLines(Chip):
         if not self._ccr & LOOPBKENA:
             self._line(now, level)
         if now > planned:
-            return ALL
-        return OUTPUTS if self.next_wake != planned else NOTHING  # effects of an edge show with a wake-up
+            return ANY_CHANGED
+        return PINS_CHANGED if self.next_wake != planned else NO_CHANGE  # effects of an edge show with a wake-up
 
     def wake(self, now: int) -> int:
         self._run(now)
-        return ALL
+        return ANY_CHANGED
 
     def gate(self, now: int, on: bool) -> None:
         """Switch the module's clock with its bit in PCLKCR0."""

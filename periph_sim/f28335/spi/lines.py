@@ -31,7 +31,7 @@ from __future__ import annotations
 
 from enum import Enum, auto
 
-from ...core.chip import ALL, LATER, NEVER, NOTHING, Chip, Note
+from ...core.chip import ANY_CHANGED, NEVER, NO_CHANGE, WAKE_CHANGED, Chip, Note
 from ...core.options import TextOption
 from ...core.state import State
 from .buffers import ReceiveBuffer, TransmitBuffer
@@ -143,17 +143,17 @@ class SpiLines(Chip):
             self._inputs = [(at, before) for at, before in self._inputs if at != now + self._latency]
             self._inputs.append((now + self._latency, levels))
             self._schedule()
-            return LATER
+            return WAKE_CHANGED
         late = self.next_wake < now
         if late:
             self._run(now - 1)
         shows = not self._is_master and (self._levels ^ levels) & (CLK | STE)
         self._apply_inputs(now, levels)
-        return ALL if late or shows else NOTHING
+        return ANY_CHANGED if late or shows else NO_CHANGE
 
     def wake(self, now: int) -> int:
         self._run(now)
-        return ALL
+        return ANY_CHANGED
 
     def gate(self, now: int, on: bool) -> None:
         """Switch the module's clock with its bit in PCLKCR0."""

@@ -31,7 +31,7 @@ from __future__ import annotations
 from fractions import Fraction
 from math import gcd
 
-from ...core.chip import ALL, NEVER, Chip, Note
+from ...core.chip import ANY_CHANGED, NEVER, Chip, Note
 from ...core.state import State
 from .clocks_map import (
     HISPCP,
@@ -146,7 +146,7 @@ class SystemControl(Chip):
 
     def wake(self, now: int) -> int:
         self._sync(now)
-        return ALL
+        return ANY_CHANGED
 
     def read(self, now: int, offset: int) -> int:
         return self.peek(now, offset)
@@ -231,8 +231,8 @@ class SystemControl(Chip):
     def _write_pllsts(self, now: int, value: int) -> None:
         before = self._pllsts
         self._pllsts, _ = PLLSTS.write(before, value)
-        divsel = DIVSEL.of(self._pllsts)
-        if divsel != DIVSEL.of(before) and not before & PLLLOCKS:
+        divsel = DIVSEL.extract(self._pllsts)
+        if divsel != DIVSEL.extract(before) and not before & PLLLOCKS:
             self._duty(
                 f"PLLSTS.DIVSEL was changed to {divsel} while the PLL locks; it may change once PLLLOCKS is 1",
                 "SPRUFB0D section 5.2.4",
@@ -247,7 +247,7 @@ class SystemControl(Chip):
         self._tune(now)
 
     def _write_pllcr(self, now: int, value: int) -> None:
-        divsel = DIVSEL.of(self._pllsts)
+        divsel = DIVSEL.extract(self._pllsts)
         self._pllcr, _ = PLLCR.write(self._pllcr, value)
         if divsel:
             self._duty(f"PLLCR was written with PLLSTS.DIVSEL = {divsel}; it must be 0 first", "SPRUFB0D section 5.2.4")
@@ -275,7 +275,7 @@ class SystemControl(Chip):
 
     def _write_lpmcr0(self, value: int) -> None:
         self._lpmcr0, _ = LPMCR0.write(self._lpmcr0, value)
-        if LPM.of(self._lpmcr0):
+        if LPM.extract(self._lpmcr0):
             self._unknown("LPMCR0 selects STANDBY or HALT: the model's IDLE stops the CPU only", "SPRUFB0D section 5.3")
 
     def _write_watchdog(self, now: int, offset: int, value: int) -> None:
@@ -355,7 +355,7 @@ class SystemControl(Chip):
 
     def _tune(self, now: int) -> None:
         """Apply the clock that results from PLLCR, DIVSEL and the lock state."""
-        divide = DIVIDE[DIVSEL.of(self._pllsts)]
+        divide = DIVIDE[DIVSEL.extract(self._pllsts)]
         ratio = self._ratio()
         if not self._pllsts & PLLLOCKS:
             ratio = 1
@@ -375,7 +375,7 @@ class SystemControl(Chip):
         return gates
 
     def _check_divsel(self) -> None:
-        if DIVSEL.of(self._pllsts) == 3 and self._pllcr:
+        if DIVSEL.extract(self._pllsts) == 3 and self._pllcr:
             self._duty(
                 f"PLLSTS.DIVSEL = 3 with PLLCR = {self._pllcr}; it is allowed with PLLCR = 0 only", "SPRUFB0D Table 22"
             )

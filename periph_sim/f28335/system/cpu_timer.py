@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from typing import final
 
-from ...core.chip import ALL, NEVER, Chip, Note
+from ...core.chip import ANY_CHANGED, NEVER, Chip, Note
 from ...core.state import State
 from .cpu_timer_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
 from .options import SystemOptions
@@ -79,7 +79,7 @@ class CpuTimer(Chip):
     def wake(self, now: int) -> int:
         self._sync(now)
         self._schedule()
-        return ALL
+        return ANY_CHANGED
 
     def read(self, now: int, offset: int) -> int:
         return self.peek(now, offset)

@@ -111,7 +111,7 @@ class Watchdog:
         if not self.scsr & WDOVERRIDE:
             written = written & ~WDDIS | self.wdcr & WDDIS
         self.wdcr = written & ~WDCHK.mask
-        if self.enabled and WDCHK.of(value) != WDCHK_RIGHT:
+        if self.enabled and WDCHK.extract(value) != WDCHK_RIGHT:
             self._fire(position)
         self._schedule()
 
@@ -138,7 +138,7 @@ class Watchdog:
 
     def _period(self) -> int:
         """Return the duration of one step of WDCNTR, in parts."""
-        return PARTS * DIVIDER * PRESCALE[WDPS.of(self.wdcr)]
+        return PARTS * DIVIDER * PRESCALE[WDPS.extract(self.wdcr)]
 
     def _schedule(self) -> None:
         overflow = NEVER

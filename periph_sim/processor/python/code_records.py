@@ -54,7 +54,7 @@ class CodeRecords:
     def __init__(self, clock: Clock, recorder: Recorder, program: PythonProgram) -> None:
         self.spans = recorder.wants(Kind.SPAN)
         self.waits = recorder.wants(Kind.WAIT)
-        self.kept = recorder.tells_records(Kind.WAIT) or recorder.tells_records(Kind.ACCESS)
+        self.kept = recorder.makes_records(Kind.WAIT) or recorder.makes_records(Kind.ACCESS)
         self._clock = clock
         self._recorder = recorder
         self._name = program.name

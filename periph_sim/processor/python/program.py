@@ -1,6 +1,6 @@
 """A Python function as a program, which runs in a greenlet until it must wait or returns.
 
-    Processor.act --> run --> greenlet --> firmware --> instructions --> yield_turn --> Kernel.help until the next run
+    Processor.act --> run --> greenlet --> firmware --> instructions --> yield_turn --> Kernel.run_nested until next run
 
 A program that yields its turn runs the due events on its own stack; stacks are switched only when another program
 continues, or the run ends. An exception of such an event is not raised in the firmware, but in the outer loop, where
@@ -163,7 +163,7 @@ class PythonProgram(Program):
         """Give this program its turn. `yield_turn` reports its stops, since another one may return from this call."""
         kernel = self._kernel
         kernel.released = True
-        if kernel.helper is not self:
+        if kernel.nested_owner is not self:
             self._switch()
 
     def _switch(self) -> None:
@@ -172,9 +172,9 @@ class PythonProgram(Program):
         here = getcurrent()
         if here is program:
             raise RuntimeError(f"{self.name} cannot continue inside an event that it started itself")
-        if kernel.helper is None:
-            kernel.home = here
-        kernel.helper = None
+        if kernel.nested_owner is None:
+            kernel.outer_loop = here
+        kernel.nested_owner = None
         program.switch()
         fault, kernel.fault = kernel.fault, None
         if fault is not None:
@@ -194,18 +194,18 @@ class PythonProgram(Program):
         self._processor.stops(why)
         self._end_watch()
         try:
-            goes_on = kernel.help(self)
+            goes_on = kernel.run_nested(self)
         except BaseException as error:
             if isinstance(error, GreenletExit) or self._greenlet is not program:
                 raise
-            kernel.helper, kernel.fault = None, error
+            kernel.nested_owner, kernel.fault = None, error
             goes_on = False
         if not goes_on:
             self._outer_loop().switch()
         self._begin_watch()
 
     def _outer_loop(self) -> greenlet:
-        home = self._kernel.home
+        home = self._kernel.outer_loop
         assert isinstance(home, greenlet), "firmware calls the CPU only from inside a run"
         return home
 

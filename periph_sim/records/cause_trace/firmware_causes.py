@@ -165,7 +165,7 @@ def handed_back(write: Record, read: int, flag: Record) -> Field | None:
     if not ours or register is None or field not in register:
         return None
     f = register[field]
-    kept = f.of(read) == f.of(write.value)
+    kept = f.extract(read) == f.extract(write.value)
     if f.on_write is OnWrite.ONE_CLEARS:
-        return f if kept and f.of(read) else None
+        return f if kept and f.extract(read) else None
     return f if kept and f.on_write is OnWrite.STORE and f.name != write.field else None

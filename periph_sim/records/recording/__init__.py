@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import IO, Any, Literal, Protocol, cast, runtime_checkable
 
 from ...core.discover import modules_with
-from ...core.records import Keeper, Kind, Record, Recorder
+from ...core.records import Kind, Record, Recorder, RecordSink
 from ...core.suggest import did_you_mean
 from ...core.time import Timebase
 from ...traces.capture.capture import BadCapture
@@ -37,7 +37,7 @@ class KeepingWriter(Writer, Protocol):
     """A writer that needs no Record objects."""
 
     @property
-    def keeper(self) -> Keeper: ...
+    def keeper(self) -> RecordSink: ...
 
 
 @runtime_checkable

@@ -71,7 +71,7 @@ class Send:
         period = (self._table.period or 0) * number
         due = begun + self._context.ticks(self._table.delay + period, self._ppm)
         kernel = self._context.kernel
-        kernel.at(max(due, kernel.now), partial(self._fire, begun, number))
+        kernel.call_at(max(due, kernel.now), partial(self._fire, begun, number))
 
     def _fire(self, begun: int, number: int) -> None:
         if self._due == NO_TIME:

@@ -190,7 +190,7 @@ class SerialSide:
             send.on_end.append(partial(self._due, number))
         elif table.at is not None:
             tick = self._context.start + self._context.ticks(table.at, self._table.ppm)
-            self._context.kernel.at(tick, lambda: self._happened("expect", number, tick))
+            self._context.kernel.call_at(tick, lambda: self._happened("expect", number, tick))
         self._check_within(number, table, *place)
 
     def _expected(self, number: int) -> Expected:

@@ -26,7 +26,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...bus.i2c.transfer import Phase, Transfer
-from ...core.records import UNHEARD, Kind, Listener, Recorder
+from ...core.records import UNWANTED, Kind, Listener, Recorder
 from ...core.time import NO_TIME
 from ...devices.sensor_rounds import CHIPS
 from .origin import ReadOrigins
@@ -78,9 +78,9 @@ class AgeRecords(Listener):
         self._last_ended = tick
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        return 0 if what == MODEL else UNHEARD
+        return 0 if what == MODEL else UNWANTED
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         """Models begin (1) or end (0)."""
         if value:
             self._taken = self._last_ended

@@ -119,7 +119,10 @@ class BusFromWires(BitParty):
     def _know_parties(self) -> None:
         """Update the masks of the unit's parties; parties may be attached at any time and are never removed."""
         self._parties = self._scl_wire.attached + self._sda_wire.attached
-        self._scl_ours, self._sda_ours = self._scl_wire.of(self._unit), self._sda_wire.of(self._unit)
+        self._scl_ours, self._sda_ours = (
+            self._scl_wire.mask_of_parties(self._unit),
+            self._sda_wire.mask_of_parties(self._unit),
+        )
 
     def _condition(self, now: int, sda: int) -> None:
         if sda:

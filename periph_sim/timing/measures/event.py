@@ -5,7 +5,7 @@ Of two events at one tick the one recorded first is the earlier one.
 
 from __future__ import annotations
 
-from ...core.records import UNHEARD, Kind, Recorder
+from ...core.records import UNWANTED, Kind, Recorder
 from ...core.time import NO_TIME
 from ..language.events import Matcher
 from .event_pairing import EventMeasure, span_hint
@@ -100,11 +100,11 @@ class ToFirstAccess(EventMeasure):
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if kind is not Kind.ACCESS:
             return super().tag_of(kind, where, what)
-        return OF_UNIT if where == self._unit else UNHEARD
+        return OF_UNIT if where == self._unit else UNWANTED
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         if tag != OF_UNIT:
-            super().hear(tag, tick, value)
+            super().on_record(tag, tick, value)
         elif self._inside:
             self._inside = False
             if self._asked_at != NO_TIME:

@@ -1,7 +1,7 @@
 """Base of measures of events: records go in; the events that happened come out, in their order.
 
     topic  --tag_of--> events that its records may be, and with which values: determined once
-    record --hear----> event that counts immediately -----------------.
+    record --on_record--> event that counts immediately --------------.
                    '---> "last ... of transfer": known when that is over -+--in order--> happened(place, tick, value)
 
 Of two events at one time the one recorded first is the earlier one.
@@ -15,7 +15,7 @@ from collections import deque
 from collections.abc import Sequence
 
 from ...core.counted import counted
-from ...core.records import UNHEARD, Kind, Recorder, Subjects
+from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...core.suggest import did_you_mean
 from ..language.events import Matcher
 from .groups import Groups
@@ -131,11 +131,11 @@ class EventMeasure(Measure):
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if self.spans is None and (kind, what) not in self._wanted:
-            return UNHEARD
+            return UNWANTED
         plan = [one for place in self._order if (one := self._hearing(place, kind, where, what)) is not None]
         name = what if self.spans is not None and kind is Kind.SPAN else ""
         if not plan and not name:
-            return UNHEARD
+            return UNWANTED
         self._plans.append(plan)
         self._names.append(name)
         return len(self._plans) - 1
@@ -148,7 +148,7 @@ class EventMeasure(Measure):
             begins, ends = (_test(one, kind, where, what) for one in groups.matchers)
         return None if test is begins is ends is None else Hearing(place, test, groups, begins, ends)
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         if self.spans is not None and self._names[tag]:
             self.spans.add(self._names[tag])
         plan = self._plans[tag]

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections import deque
 from fractions import Fraction
 
-from ...core.records import UNHEARD, Kind
+from ...core.records import UNWANTED, Kind
 from ...core.time import NO_TIME
 from ...form.c_types import BigInt
 from .measure import MILLIONTHS, Measure, MeasuredScene
@@ -124,10 +124,10 @@ class CpuLoad(Load):
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if where != self._unit:
-            return UNHEARD
+            return UNWANTED
         return WAIT if kind is Kind.WAIT else ROUTINE
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         under_way = self._under_way
         if value:
             under_way.append(tag)
@@ -148,9 +148,9 @@ class BusLoad(Load):
     kinds = frozenset({Kind.BUS})
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        return BUS_TAGS.get(what, UNHEARD)
+        return BUS_TAGS.get(what, UNWANTED)
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         if tag == BEGINS:
             self.begins(tick)
         else:

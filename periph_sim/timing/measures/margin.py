@@ -12,7 +12,7 @@ The write of a byte is the last one before I2CDXR is copied to I2CXSR, which XRD
 
 from __future__ import annotations
 
-from ...core.records import UNHEARD, Kind, Recorder, Subjects
+from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...core.time import NO_TIME
 from .bus_from_wires import BusFromWires
 from .measure import Delay, Measure, MeasuredScene
@@ -68,9 +68,9 @@ class Margin(Measure):
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if (kind, where, what) == (Kind.ACCESS, self._unit, "W I2C-A.I2CDXR"):
             return WRITE
-        return XRDY if (kind, where, what) == (Kind.FLAG, f"{self._unit}.I2C-A", "I2CSTR.XRDY") else UNHEARD
+        return XRDY if (kind, where, what) == (Kind.FLAG, f"{self._unit}.I2C-A", "I2CSTR.XRDY") else UNWANTED
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         self.bus.settle_before(tick)
         if tag == WRITE:
             self._copied()

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import TYPE_CHECKING, Protocol
 
-from ...core.records import UNHEARD, Kind, Listener, Recorder, Subjects
+from ...core.records import UNWANTED, Kind, Listener, Recorder, Subjects
 from ...core.time import NO_TIME
 from .tally import Tally
 
@@ -198,8 +198,8 @@ class Measure(Listener):
         recorder.subscribe(self.kinds, self, self.subjects)
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        """Return the tag under which `hear` gets records of this kind, place and thing; UNHEARD for none of them."""
-        return UNHEARD
+        """Return the tag for `on_record` of records of this kind, place and thing; UNWANTED for none of them."""
+        return UNWANTED
 
     def finish(self, now: int) -> None:  # core: python
         """The run is over."""

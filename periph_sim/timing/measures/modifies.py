@@ -19,7 +19,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple, final
 
-from ...core.records import NOWHERE, OF_MODIFIES, UNHEARD, Keeper, Kind
+from ...core.records import NOWHERE, OF_MODIFIES, UNWANTED, Kind, RecordSink
 from ...core.registers import Field
 from ...core.time import NO_TIME
 from ...form.c_types import Text
@@ -253,7 +253,7 @@ class Topic:
         self.flag = flag
 
 
-class Modifies(Keeper):
+class Modifies(RecordSink):
     """Finds the flags that read-modify-writes cleared unintentionally.
 
     concerns: returns True if records of a kind, place and thing are evaluated. is_about: returns True if the register
@@ -294,7 +294,7 @@ class Modifies(Keeper):
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if not (self._status or self._concerns(kind, where, what)):
-            return UNHEARD
+            return UNWANTED
         register: ClearedRegister | None
         if kind is Kind.FLAG:
             unit, _, module = where.partition(".")
@@ -302,7 +302,7 @@ class Modifies(Keeper):
             register = self._register(unit, f"{module}.{name}")
             flag: Flag | None = None if register is None else register.flag(field)
             if flag is None:
-                return UNHEARD
+                return UNWANTED
             topic = Topic(Recent(), register, False, flag)
         else:
             about = self._status or self._is_about(kind, where, what)

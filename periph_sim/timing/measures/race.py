@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.records import UNHEARD, Kind, Recorder, Subjects
+from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...records.lost_flags import ReadModifyWrite, modifies_of
 from ...records.register_choice import groups_of
 from ...records.run import NotInRun, Run
@@ -33,7 +33,7 @@ class Kept(Columns):
         self._watched = watched
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        return super().tag_of(kind, where, what) if self._watched.concerns(kind, where, what) else UNHEARD
+        return super().tag_of(kind, where, what) if self._watched.concerns(kind, where, what) else UNWANTED
 
 
 class RegisterMeasure(Measure, ABC):

@@ -17,7 +17,7 @@ from typing import Literal
 from msgspec import Struct
 
 from ...core.counted import counted
-from ...core.records import UNHEARD, Kind, Recorder
+from ...core.records import UNWANTED, Kind, Recorder
 from .measure import Counter, Measure
 
 # What a record is to a measure, as bits of a tag; in the bits above, which of its `unknown`.
@@ -118,9 +118,9 @@ class RecordedValues(Measure):
             roles = (row.value, VALUE), (row.occasion, OCCASION), (row.measured, MEASURED), (row.under_way, UNDER_WAY)
             tag |= sum([role for name, role in roles if name == what])
             tag |= sum([UNKNOWN << n for n, one in enumerate(row.unknown) if one.record == what])
-        return tag or UNHEARD
+        return tag or UNWANTED
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         if tag & OCCASION:
             self.occasion_of(value, tick)
         if tag & MEASURED and tick >= self.not_before:
@@ -175,11 +175,11 @@ class RecordedSum(RecordedValues):
     def measured(self) -> int:
         return self.count
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         if tag & MEASURED:
             self.count += value
         else:
-            RecordedValues.hear(self, tag, tick, value)
+            RecordedValues.on_record(self, tag, tick, value)
 
     def value(self, value: int, tick: int) -> None:
         if not self.worst:

@@ -25,7 +25,7 @@ class SpanTime(Measure):
         self._heard.append((where, what))
         return len(self._heard) - 1
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         where, what = self._heard[tag]
         self._spans.add(what)
         if what != self._name:

@@ -55,7 +55,7 @@ class _InState(EventMeasure):
         if self.state.holds(scene):
             self.begins(scene.began(), False)
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         """Follow the state. A record that both enters and leaves it enters it. Its events belong to no group."""
         if self.spans is not None and self._names[tag]:
             self.spans.add(self._names[tag])

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.records import RECORDED, Keeper, Kind, Record
+from ...core.records import RECORDED, Kind, Record, RecordSink
 from ...form.c_types import Buffer, Text, UInt32
 
 Block = dict[str, "array[int]"]
@@ -152,7 +152,7 @@ class _Strings:
     field_place: UInt32
 
 
-class Columns(Keeper):
+class Columns(RecordSink):
     """Collector of records; `table` returns them as arrays."""
 
     _tags: Buffer[UInt32]

@@ -34,7 +34,7 @@ class Desk:
         return int(seconds * 10**9)
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        self.kernel.at(now, partial(self.partner[signal].drive, level))
+        self.kernel.call_at(now, partial(self.partner[signal].drive, level))
 
     def run_until(self, time: int) -> None:
         self.kernel.run_until(time)

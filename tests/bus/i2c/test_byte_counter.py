@@ -26,6 +26,6 @@ def test_whole_bytes_between_start_and_stop_count(scl, sda, counted):
     counter = I2cByteCounter(*lines)
     for pin, row in zip(pins, (scl, sda), strict=True):
         for tick, level in enumerate(row.replace(" ", "")):
-            kernel.at(tick, lambda pin=pin, level=level: pin.drive(int(level)))
+            kernel.call_at(tick, lambda pin=pin, level=level: pin.drive(int(level)))
     kernel.run_until(1000)
     assert counter.bytes == counted

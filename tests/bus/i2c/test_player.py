@@ -35,7 +35,7 @@ class PlayerRig:
         self.player.play(moves, lambda: self.done.append(self.kernel.now))
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        self.kernel.at(now, lambda: self.partner[signal].drive(level))
+        self.kernel.call_at(now, lambda: self.partner[signal].drive(level))
 
     def run_until(self, time: int) -> None:
         self.kernel.run_until(time)

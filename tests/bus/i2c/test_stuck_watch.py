@@ -29,6 +29,6 @@ def test_a_line_is_stuck_from_the_limit_on(moves: dict[int, int], told: list[int
     StuckWatch(kernel, recorder, wire, 100, lambda line: came.append(kernel.now))
     pin = wire.attach("somebody")
     for tick, level in moves.items():
-        kernel.at(tick, lambda level=level: pin.drive(level))  # type: ignore[misc]
+        kernel.call_at(tick, lambda level=level: pin.drive(level))  # type: ignore[misc]
     kernel.run_until(1000)
     assert came == told == marks

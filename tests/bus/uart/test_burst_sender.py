@@ -49,7 +49,7 @@ class Desk:
 
     def send(self, at: int, burst: Burst) -> None:
         begins, ends = (lambda tick, what=what: self.told.append((what, tick)) for what in ("begin", "end"))
-        self.kernel.at(at, lambda: self.sender.send(burst, begins, ends))
+        self.kernel.call_at(at, lambda: self.sender.send(burst, begins, ends))
 
     def run(self) -> list[tuple[int, int]]:
         self.kernel.run_until(100_000)

@@ -32,7 +32,7 @@ class Desk:
         UartMonitor(self.kernel, recorder, self.wire, lambda: (bit, heard_as or form))
 
     def sends(self, data: bytes, gap: int | Fraction = 0) -> list[tuple[int, str, int]]:
-        self.kernel.at(50, lambda: self.peer.send(data, Fraction(gap), lambda tick: None))
+        self.kernel.call_at(50, lambda: self.peer.send(data, Fraction(gap), lambda tick: None))
         self.kernel.run_until(10**7)
         return [(record.tick, record.what, record.value) for record in self.records]
 
@@ -70,8 +70,8 @@ def test_a_wrong_parity_is_an_error_and_not_an_end():
 def test_a_break_is_one_error():
     desk = Desk()
     pin = desk.wire.attach("test")
-    desk.kernel.at(50, lambda: pin.drive(0))
-    desk.kernel.at(5000, lambda: pin.drive(1))
+    desk.kernel.call_at(50, lambda: pin.drive(0))
+    desk.kernel.call_at(5000, lambda: pin.drive(1))
     desk.kernel.run_until(10_000)
     assert [(r.tick, r.what, r.value) for r in desk.records] == [(50, "begin", 0), (1050, "error", 0)]
 
@@ -82,8 +82,8 @@ def test_the_next_start_bit_ends_a_frame_that_it_comes_before_the_end_of(early: 
     desk = Desk()
     pin = desk.wire.attach("test")
     for start in (50, 1050 - early):
-        desk.kernel.at(start, lambda: pin.drive(0))
-        desk.kernel.at(start + 900, lambda: pin.drive(1))
+        desk.kernel.call_at(start, lambda: pin.drive(0))
+        desk.kernel.call_at(start + 900, lambda: pin.drive(1))
     desk.kernel.run_until(10_000)
     ends = [(r.tick, r.value) for r in desk.records if r.what == "end"]
     assert ends == [(1050 - early, 0), (2050 - early, 0)]

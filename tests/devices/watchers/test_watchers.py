@@ -38,7 +38,7 @@ def drawn(diagram: str, **watch: Any) -> Verdict:
     for number, (before, after) in enumerate(pairwise(diagram), 1):
         if before != after:
             tick = scene.start + scene.timebase.ticks(number * CHARACTER)
-            scene.kernel.at(tick, lambda level=int(after == "~"): wire.drive(level))
+            scene.kernel.call_at(tick, lambda level=int(after == "~"): wire.drive(level))
     (verdict,) = scene.run(len(diagram) * CHARACTER).budgets
     return verdict
 

@@ -101,7 +101,7 @@ class Rig:
         if signal in INPUTS:
             return self.seen[signal]
         name, _, field = signal.partition(".")
-        return GPIO[name][field].of(self.read(name))
+        return GPIO[name][field].extract(self.read(name))
 
 
 def pair_register(name: str, pin: int) -> str:

@@ -163,7 +163,7 @@ def test_strobes_read_zero(strobe):
     rig.set(**{strobe: 1})
     assert rig.get(strobe) == 0
     register = {"T": "SCIFFTX", "R": "SCIFFRX", "A": "SCIFFCT"}[strobe[0]]
-    assert SCI_MAP[register][strobe].of(rig.read(register)) == 0
+    assert SCI_MAP[register][strobe].extract(rig.read(register)) == 0
 
 
 @pytest.mark.rule("SCI-008")

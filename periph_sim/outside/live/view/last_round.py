@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from typing import TypedDict
 
 from ....bus.i2c.transfer import Transfer
-from ....core.records import UNHEARD, Kind, Listener, Recorder
+from ....core.records import UNWANTED, Kind, Listener, Recorder
 from ....core.time import Timebase
 from ....devices.sensor_rounds import Round
 from ....scene.scene import Scene
@@ -66,9 +66,9 @@ class LastRound(Listener):
             scene.on_transfer(self._transfer)
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        return self._wires.index(where) if where in self._wires else UNHEARD
+        return self._wires.index(where) if where in self._wires else UNWANTED
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
+    def on_record(self, tag: int, tick: int, value: int) -> None:
         self._edges.append((tick, tag, value))
 
     def _round(self, one: Round) -> None:

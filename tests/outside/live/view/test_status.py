@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from periph_sim.core.records import UNHEARD, Kind, Recorder
+from periph_sim.core.records import UNWANTED, Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.devices.sensor_rounds import Round
 from periph_sim.outside import Session
@@ -155,7 +155,7 @@ def test_the_edges_of_a_round_are_those_from_20_us_before_to_20_us_behind() -> N
     us, began = 3000, 5_000_000
     edges = [(-21, 0, 0), (-21, 3, 1), (-20, 0, 1), (-20, 3, 0), (0, 0, 0), (100, 1, 0), (120, 0, 1), (121, 0, 0)]
     for at, line, level in [*edges, (121, 2, 0)]:
-        wave.hear(line, began + at * us, level)
+        wave.on_record(line, began + at * us, level)
     wave._round(Round(7, began, began, began + 100 * us))
     assert wave.wave(began - 1000 * us) == {
         "title": "round 7",
@@ -171,10 +171,10 @@ def test_the_edges_of_a_round_are_those_from_20_us_before_to_20_us_behind() -> N
     alone.subscribe(Recorder(), Timebase(150_000_000))
     assert alone.wave(0) is None
     for at, level in ((10_000, 0), (12_000, 1)):
-        alone.hear(alone.tag_of(Kind.EDGE, "RX", "level"), at * us, level)
+        alone.on_record(alone.tag_of(Kind.EDGE, "RX", "level"), at * us, level)
     lines = [{"name": "RX", "first": 1, "edges": [20.0, 2020.0]}]
     assert alone.wave(0) == {"title": "the serial lines", "at_s": 0.00998, "length": 2040.0, "lines": lines}
-    assert alone.tag_of(Kind.EDGE, "TX", "level") == UNHEARD
+    assert alone.tag_of(Kind.EDGE, "TX", "level") == UNWANTED
 
 
 def test_without_rounds_it_is_what_the_serial_lines_did() -> None:

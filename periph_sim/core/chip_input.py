@@ -1,4 +1,4 @@
-"""What a chip was given: a cycle and a record go in; its place in the order in which inputs act comes out."""
+"""Inputs of a chip that have not had their effect yet, ordered by cycle and record."""
 
 # core: compiled
 
@@ -11,7 +11,7 @@ from .state import State
 
 @final
 class Input:
-    """What a chip was given. cycle: from which on it has effect. cause: the record. following: the next one."""
+    """One input of a chip. cycle: when its effect begins. cause: its record. following: the next input."""
 
     STATE = State(cycles="cycle", records="cause", made=True)
 
@@ -22,12 +22,12 @@ class Input:
         self.following: Input | None = None
 
     def comes_before(self, other: Input) -> bool:
-        """By cycle; by record, where they are of one cycle."""
+        """Return True if this input comes first: by cycle, and by record within one cycle."""
         return self.cycle < other.cycle or (self.cycle == other.cycle and self.cause < other.cause)
 
 
 class WriteOrigins(Protocol):
-    """mark: of a write to come. out_mark: of the write that the outputs show now; 0 where that is none."""
+    """mark: record of the next write. out_mark: record of the write that the outputs show now; 0 for none."""
 
     mark: int
     out_mark: int

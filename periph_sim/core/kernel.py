@@ -1,18 +1,19 @@
-"""The event kernel: integer time, one total order, nothing else.
+"""The event kernel: integer time and one total order of events.
 
-Inside one tick the order is: agents act (TIMER), then the pads of chips (PADS), the chips behind them (CHIP)
-and the CPUs (CPU), then probes look (PROBE). Within a phase, first asked is first done. At the end of each phase
-the wires settle: all that moved take their level, then each party that samples them is told once, of all
-of them together. So nobody can tell in which order the parties of one phase acted, and two runs of one
-scene are equal. What an answer moves in the same tick settles after it.
+Within one tick the phases are: agents (TIMER), pads of chips (PADS), the chips themselves (CHIP), CPUs (CPU), probes
+(PROBE). Within a phase, events run in the order scheduled. At the end of each phase the wires settle: all changed wires
+take their levels, then each party that samples them is called once, with all new levels. So the order of the parties
+within a phase is not observable, and two runs of one scene are equal. Changes that a response makes in the same tick
+settle after it.
 
-A CPU that runs ahead of the queue asks `quiet_until` how far it may go: up to that time,
-not including it, nothing else can happen (a lease), so it may move `now` by itself.
+A CPU that runs ahead of the queue calls `quiet_until` for the end of its lease: before that tick nothing else can
+happen, so it may advance `now` by itself.
 
-Who has to wait in the middle of its turn, as firmware does, may do what is due from there (`help`): its turn goes on as
-soon as `released` says so. A plain function is never called from there: it may do anything, end that very turn, too.
+An agent that blocks inside its own event, as firmware does, can run the event loop from there (`run_nested`) until its
+wait is over (`released`). Plain callbacks are never run from a nested loop, because a callback may end the very event
+that is blocked.
 
-A sequence of events whose intermediate states nobody observes can be applied in one step (`Shortcut`). Before anything
+A sequence of events whose intermediate states are not observed can be applied in one step (`Shortcut`). Before anything
 reads or changes an intermediate state, it must call `materialize`, which runs the skipped events up to now in their
 normal order.
 """
@@ -30,13 +31,13 @@ from .state import State
 
 TIMER, PADS, CHIP, CPU, PROBE = range(5)
 _AFTER_ALL = PROBE + 1  # all phases of an instant
-_NUMBERS = 1 << 56  # so many events before a number would reach the phase beside it
+_NUMBERS = 1 << 56  # number of ranks in each phase
 
-STORM = 100_000  # so many events inside one tick is a loop, not a design
+STORM = 100_000  # more events than this in one tick are an endless loop
 
 Action = Callable[[], None]
 
-# Whether a party is to be told of the levels as they settle: in its place among those who asked, or by a wire of its.
+# How a sampled party is notified after the wires settle: not at all, by its own request, or by one of its wires.
 NOT_DUE, REQUESTED, BY_WIRE = range(3)
 
 _order = attrgetter("time", "rank")
@@ -47,26 +48,29 @@ class SimulationStuck(Exception):
 
 
 class Agent:
-    """Who acts in a simulation: at the times that it asked for, and as the lines that it samples have settled."""
+    """A party that acts in a simulation: at its scheduled events, and when lines that it samples have settled."""
 
     __slots__ = ()
 
     def act(self, tag: int) -> None:
-        """The time of an event has come that this agent asked for under `tag`."""
-        raise NotImplementedError(f"{type(self).__name__} asks for events and does not say what it does then")
+        """Called at the time of an event that was scheduled with this `tag`."""
+        raise NotImplementedError(f"{type(self).__name__} schedules events but does not define act()")
 
     def sampled(self, now: int, levels: int) -> None:
-        """Lines have moved; `levels` is what they settled on."""
-        raise NotImplementedError(f"{type(self).__name__} samples lines and does not say what it does then")
+        """Called when sampled lines have changed. levels: their settled levels."""
+        raise NotImplementedError(f"{type(self).__name__} samples lines but does not define sampled()")
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
-        """Others pull a line than before: bit i of `pulling` is its party i. Its level may be the same."""
-        raise NotImplementedError(f"{type(self).__name__} watches who pulls lines and does not say what it does then")
+        """Called when the set of parties that pull a line has changed; its level may be the same.
+
+        pulling: bit i is party i of the line.
+        """
+        raise NotImplementedError(f"{type(self).__name__} watches pulls of lines but does not define pulled()")
 
 
 @final
 class Call(Agent):
-    """An agent that calls a function; what is not asked for often needs no class of its own."""
+    """An agent that calls a function, for events that are too rare to need their own class."""
 
     STATE = State("action", made=True)
 
@@ -81,9 +85,12 @@ class Call(Agent):
 
 @final
 class Event:  # core: freelist 16
-    """What an agent asked for. rank: orders what comes at one time, by phase, then by number. queued: still to come.
+    """A scheduled event.
 
-    plain: the agent calls a function. following: what comes next after it.
+    rank: orders events of one time, by phase and then by number.
+    queued: True until the event runs or is cancelled.
+    plain: True if the agent calls a function.
+    following: the next event in the queue.
     """
 
     STATE = State("agent plain phase queued tag", ticks="time", made=True)
@@ -101,9 +108,10 @@ class Event:  # core: freelist 16
 
 
 class Settleable:
-    """What takes its new level when all who move it have acted: a wire. rank: see `Kernel.rank`.
+    """An object, such as a wire, that takes its new level when all parties of a phase have acted.
 
-    following: what settles after it in this phase. then: what hands on after it.
+    rank: see `Kernel.rank`.
+    following: the next one that settles in this phase. then: the next one that notifies its parties.
     """
 
     __slots__ = ("following", "rank", "then")
@@ -113,17 +121,19 @@ class Settleable:
     then: Settleable | None
 
     def settle(self) -> None:
-        """Take the level; whoever is to be told of it is `due`."""
+        """Take the new level and mark the parties to be notified as `due`."""
         raise NotImplementedError
 
     def notify_parties(self, now: int) -> None:
-        """All have settled: tell whom it made due, if nobody else did meanwhile."""
+        """Notify the parties that `settle` marked and that have not been notified since."""
 
 
 class SampledParty:
-    """Who is told of the settled levels. due: whether it is to be told, and by whom. following: who is told after it.
+    """A subscriber to settled levels.
 
-    plain: all there is to it is that its agent is told `levels`, its lines as they have settled; else `tell` tells.
+    due: how it will be notified: NOT_DUE, REQUESTED or BY_WIRE.
+    plain: True if calling `agent.sampled` with `levels` is enough; otherwise `deliver` is called.
+    following: the next party to be notified.
     """
 
     __slots__ = ("agent", "due", "following", "levels", "plain", "rank")
@@ -140,21 +150,25 @@ class SampledParty:
 
 
 class Shortcut:
-    """A sequence of events that was applied in one step, and can be undone as long as it is not over."""
+    """A sequence of events that was applied in one step and can be undone until its end."""
 
     __slots__ = ()
 
     def materialize(self) -> None:
-        """Bring everything into the state that it would have now if each event had been run."""
+        """Restore the state that would exist now if each event had been run."""
         raise NotImplementedError
 
 
 @final
 class Kernel:
-    """shortcut: the sequence of events that is skipped now, or None. events: the number of events that were run.
-    helper: in whose turn events are done now; None: in nobody's. released: its turn goes on after the present event.
-    home: where the events are done that no helper does, for those who know the way there. fault: raised in a helper's
-    turn, and not its own: to be raised at home.
+    """The queue of events and the loop that runs them.
+
+    shortcut: the sequence of events that is skipped now, or None.
+    events: the number of events that were run.
+    nested_owner: the agent whose nested loop runs events now; None for the outer loop.
+    released: True if the nested loop is to return after the present event.
+    outer_loop: the event loop that runs when no agent runs a nested one.
+    fault: an exception of another party in a nested loop, to be raised in the outer loop.
     """
 
     STATE = State(ticks="now", chains="_first")
@@ -167,41 +181,41 @@ class Kernel:
         self.released = False
         self.outer_loop: object = None
         self.fault: BaseException | None = None
-        self._unsettled: Settleable | None = None  # what moved in the present phase, by rank: the first of a chain
-        self._notifying: Settleable | None = None  # what has settled, and did not tell its own yet: likewise
-        self._sampling: SampledParty | None = None  # who else is to be told of it, by rank
-        self._settling = False  # the wires take their levels
-        self._phase = TIMER  # of the event done last
+        self._unsettled: Settleable | None = None  # changed in this phase, by rank: the first of a chain
+        self._notifying: Settleable | None = None  # settled, parties not notified yet: likewise
+        self._sampling: SampledParty | None = None  # parties that requested a sample, by rank
+        self._settling = False  # True while the wires take their levels
+        self._phase = TIMER  # of the last event
         self._horizon = start
-        self._bound = start  # what is due up to then is done now,
-        self._bound_rank = 0  # and of that time itself what is below this rank
-        self._at = -1  # of the event done last
-        self._in_this_tick = 0  # how many came before it
+        self._bound = start  # events before this time run now,
+        self._bound_rank = 0  # and those at this time with a lower rank
+        self._at = -1  # time of the last event
+        self._in_this_tick = 0  # number of events before it in its tick
         self._number = 0
-        self._first: Event | None = None  # what is still to come, in order: the first of a chain
-        self._latest: Event | None = None  # asked for last; the next one often comes behind it
+        self._first: Event | None = None  # queued events, in order: the first of a chain
+        self._latest: Event | None = None  # scheduled last; the next one often follows it
         self._stop = False
         self._ranks = 0
 
     def rank(self) -> int:
-        """A place in the order in which wires settle and parties sample within an instant: first come, first served."""
+        """Return the next place in the order in which wires settle and parties sample within an instant."""
         self._ranks += 1
         return self._ranks
 
     def call_at(self, time: int, action: Action, phase: int = TIMER) -> Event:
-        """Promise to call `action` at `time` (ticks). Returns the promise. ValueError if that is past."""
+        """Schedule a call of `action` at `time` (ticks) and return the event. ValueError if that is past."""
         event = self.schedule(time, Call(action), 0, phase)
         event.plain = True
         return event
 
     def schedule(self, time: int, agent: Agent, tag: int = 0, phase: int = TIMER) -> Event:
-        """Promise to call `agent.act(tag)` at `time` (ticks). Returns the promise. ValueError if that is past."""
+        """Schedule `agent.act(tag)` at `time` (ticks) and return the event. ValueError if that is past."""
         event = self.event(agent, phase)
         self.reschedule(event, time, tag)
         return event
 
     def event(self, agent: Agent, phase: int = TIMER) -> Event:
-        """What `renew` makes a promise of."""
+        """Return a new event that is not queued, for `reschedule`."""
         event: Event = Event.__new__(Event)
         event.agent = agent
         event.phase = phase
@@ -211,8 +225,9 @@ class Kernel:
         return event
 
     def reschedule(self, event: Event, time: int, tag: int) -> None:
-        """Promise the agent of `event`, which is new, was kept or taken back, another one: an agent with one at a time
-        needs no further object. ValueError if `time` is past, or the event is still to come.
+        """Schedule an event that is not queued, so that an agent with one event at a time needs only one object.
+
+        ValueError if `time` is past, or the event is queued.
         """
         if time < self.now or event.queued:
             self._refuse(event, time)
@@ -242,11 +257,11 @@ class Kernel:
     def _refuse(self, event: Event, time: int) -> None:
         who = describe(event.agent)
         if time < self.now:
-            raise ValueError(f"{who}: asked for t={time}, but it is already t={self.now}")
-        raise ValueError(f"{who}: asked for t={time} by an event that comes at t={event.time}")
+            raise ValueError(f"{who}: cannot schedule an event at t={time}, because it is already t={self.now}")
+        raise ValueError(f"{who}: cannot schedule at t={time} an event that is already queued for t={event.time}")
 
     def cancel(self, event: Event) -> None:
-        """Take back a promise; one that was kept stays kept."""
+        """Remove an event from the queue. Nothing happens if it is not queued."""
         if not event.queued:
             return
         event.queued = False
@@ -256,16 +271,16 @@ class Kernel:
         else:
             while before is not None and before.following is not event:
                 before = before.following
-            if before is not None:  # else it waits behind a replay
+            if before is not None:  # else a replay has taken it out
                 before.following = event.following
         event.following = None
 
     def next_time(self) -> int:
-        """When the next event is due (ticks), or NEVER."""
+        """Return the time of the next event (ticks), or NEVER."""
         return NEVER if self._first is None else self._first.time
 
     def quiet_until(self) -> int:
-        """The first tick at which something else than the caller may act, or the end of this run."""
+        """Return the first tick at which anything but the caller may act, or the end of this run."""
         if self._unsettled is not None or self._sampling is not None or self._stop:
             return self.now
         end = self._horizon + 1
@@ -277,7 +292,7 @@ class Kernel:
         self._stop = True
 
     def moved(self, wire: Settleable) -> None:
-        """`wire` settles at the end of the present phase."""
+        """Let `wire` settle at the end of the present phase."""
         before = self._unsettled
         if before is None or before.rank > wire.rank:
             wire.following = before
@@ -289,7 +304,7 @@ class Kernel:
         wire.following, before.following = after, wire
 
     def request_sample(self, party: SampledParty) -> None:
-        """`party` is to be told of the levels as they settle; once, however often it is asked."""
+        """Notify `party` of its levels when the wires have settled; once, even if requested several times."""
         if party.due:
             return
         party.due = REQUESTED
@@ -304,7 +319,7 @@ class Kernel:
         party.following, before.following = after, party
 
     def settle(self) -> None:
-        """Let the wires come to rest, and tell those who sample them."""
+        """Settle all wires and notify the parties that sample them."""
         steps = 0
         while self._unsettled is not None or self._sampling is not None:
             wire = self._unsettled
@@ -329,10 +344,10 @@ class Kernel:
             self._notify_parties()
             steps += 1
             if steps > STORM:
-                self._stuck(f"wires did not come to rest at t={self.now} after {STORM} steps")
+                self._stuck(f"wires did not settle at t={self.now} after {STORM} steps")
 
     def _notify_parties(self) -> None:
-        """What has settled tells those who listen to it."""
+        """Let the settled wires notify their parties."""
         wire = self._notifying
         while wire is not None:
             self._notifying = wire.then
@@ -343,9 +358,9 @@ class Kernel:
         raise SimulationStuck(why)
 
     def run_until(self, time: int) -> None:
-        """Do everything due up to and including `time`; then it is `time` (earlier after `stop`)."""
+        """Run all events up to and including `time`; then `now` is `time`, or earlier after `stop`."""
         if time < self.now:
-            raise ValueError(f"asked to run until t={time}, but it is already t={self.now}")
+            raise ValueError(f"cannot run until t={time}, because it is already t={self.now}")
         self._horizon = time
         self._stop = False
         self._do(time, _AFTER_ALL)
@@ -354,9 +369,9 @@ class Kernel:
         self.materialize()
 
     def run_nested(self, owner: object) -> bool:
-        """Do what is due in the middle of `helper`'s turn. True when that goes on.
+        """Run events inside the event of `owner`, which is blocked. Return True when `released` is set.
 
-        False: the rest is done at home, since nothing is left, or it is a plain function's turn.
+        Return False if the outer loop must go on: no event is left, or the next one calls a plain function.
         """
         self.nested_owner = owner
         self.released = False
@@ -368,7 +383,7 @@ class Kernel:
         return False
 
     def _do(self, time: int, before: int) -> None:
-        """Everything that is due up to `time`, there before this phase; nothing is unsettled behind it."""
+        """Run the events before `time`, and those at `time` in phases before `before`; then settle."""
         bound, rank, at, in_this_tick = self._bound, self._bound_rank, self._at, self._in_this_tick
         self._bound, self._bound_rank, self._at, self._in_this_tick = time, before * _NUMBERS, -1, 0
         while self._next(True):
@@ -377,14 +392,14 @@ class Kernel:
         self._bound, self._bound_rank, self._at, self._in_this_tick = bound, rank, at, in_this_tick
 
     def _next(self, in_outer_loop: bool) -> bool:
-        """Let the wires settle, and do the next event. False if there is none, or it is not to be done here."""
+        """Settle the wires and run the next event. Return False if there is none, or another loop must run it."""
         if self._stop:
             return False
         event = self._first
         if (self._unsettled is not None or self._sampling is not None) and (
             event is None or event.time > self._at or event.phase > self._phase
         ):
-            self.settle()  # may ask for something in this tick, or stop the run
+            self.settle()  # may schedule an event in this tick, or stop the run
             if self._stop:
                 return False
             event = self._first
@@ -414,9 +429,9 @@ class Kernel:
             self.shortcut.materialize()
 
     def replay(self, since: int, agent: Agent, tag: int) -> None:
-        """Go back to `since`, where `agent.act(tag)` was due, and do all that comes of it up to now.
+        """Go back to `since`, run `agent.act(tag)` and all events that result, and return to now.
 
-        Of now itself the phases before the present one: what comes in this one does so beside who asked.
+        Of the present tick, only the phases before the present one are run; later events are queued.
         """
         now, phase, stop = self.now, self._phase, self._stop
         owner, outer, self.nested_owner = self.nested_owner, self.outer_loop, None
@@ -428,14 +443,14 @@ class Kernel:
         self._do(now, phase)
         self.now, self._phase, self._stop = now, phase, stop
         self.nested_owner, self.outer_loop = owner, outer
-        came = self._taken_out()
-        came.extend([event for event in later if event.queued and event not in came])
-        came.sort(key=_order, reverse=True)
-        for event in came:
+        events = self._taken_out()
+        events.extend([event for event in later if event.queued and event not in events])
+        events.sort(key=_order, reverse=True)
+        for event in events:
             event.following, self._first = self._first, event
 
     def restored(self) -> None:
-        """The queue has been restored: number its events in their order."""
+        """Number the events of a restored queue in their order."""
         self._latest = self._unsettled = self._sampling = None
         event = self._first
         while event is not None:
@@ -444,7 +459,7 @@ class Kernel:
             event = event.following
 
     def _taken_out(self) -> list[Event]:
-        """All events that are still to come; the kernel has none of them any more."""
+        """Remove all events from the queue and return them in order."""
         events: list[Event] = []
         event = self._first
         while event is not None:
@@ -455,7 +470,7 @@ class Kernel:
 
 
 def describe(agent: Agent) -> str:
-    """Who an event belongs to, for messages."""
+    """Return the owner of an agent's events as a text for messages."""
     if isinstance(agent, Call):
         action = agent.action
         owner: object = getattr(action, "__self__", None)

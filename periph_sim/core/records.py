@@ -1,16 +1,15 @@
-"""The vocabulary of a run, and who listens to it.
+"""Records of a run and the subscriptions to them.
 
-Everything recorded is one of the kinds below, has a number, a time in ticks, a place, and
-the number of the record that caused it (0: nothing recorded did). Producers ask `wants`
-once, when a scene is built; what nobody wants is never made. Edges, flags and accesses can be
-wanted of some wires and registers only: these are the subjects of a subscription.
+Each record is of one of the kinds below and has a number, a time in ticks, a place, and the number of the record that
+caused it (0: none). Producers call `wants` once, when a scene is built; records without a subscriber are never made.
+A subscription to edges, flags or accesses can be limited to some wires or registers: its subjects.
 
-    producer --> Topic.emit --> listeners: tag, tick, value      (budgets)
-                           '--> keepers: all of it, as columns   (`.psr`, races)
-                           '--> sinks: a Record                  (files, diagrams)
+    producer --> Topic.emit --> listeners: tag, tick, value    (budgets)
+                           '--> sinks: all fields, as columns  (`.psr`, races)
+                           '--> callbacks: a Record            (files, diagrams)
 
-Records of one kind, place and thing are a topic. A listener is asked once for each topic whether it has any use for it,
-so that no record has to be looked at by those who have none.
+The records of one kind, place and thing are a topic. `tag_of` is called once for each topic and returns UNWANTED if the
+subscriber has no use for it, so that it does not have to filter records.
 """
 
 # core: compiled
@@ -27,24 +26,24 @@ from .state import State
 
 
 class Kind(Enum):
-    EDGE = "edge"  # a wire changed: what = level, who pulled in `text`
+    EDGE = "edge"  # a wire changed: what = level, text = the pulling parties
     ACCESS = "access"  # a CPU access: what = R or W and the register, value
     FLAG = "flag"  # a register field changed by itself or by an access
     IRQ = "irq"  # interrupt requested, entered, left
-    SPAN = "span"  # a stretch of firmware begins (1) or ends (0)
-    BUS = "bus"  # what a party on the wire did or saw: START, address, byte, ACK, STOP
+    SPAN = "span"  # a span of firmware begins (1) or ends (0)
+    BUS = "bus"  # an event on a bus: START, address, byte, ACK, STOP
     FRAME = "frame"  # a UART frame on the wire
-    NOTE = "note"  # a duty broken, something lost, something unknown
-    WAIT = "wait"  # firmware begins (1) or ends (0) to wait: what = the fields it polls, or IDLE
-    HOLD = "hold"  # a wire stays low, but others pull it now: who in `text`
-    # Made only where a subscriber names them, by `scene/derived_records.py`. They follow from the records above. Their
-    # ticks may lie before those of the records around them, and they have the number of the record before them.
-    TRANSFER = "transfer"  # an I2C transfer that is over: its phases, answers, stretches
-    ROUND = "round"  # a round of requests: due, over, missed
+    NOTE = "note"  # a violated duty, lost data, unknown behaviour
+    WAIT = "wait"  # firmware begins (1) or ends (0) a wait: what = the fields it polls, or IDLE
+    HOLD = "hold"  # a wire stays low, but other parties pull it: text = their names
+    # The following are derived from the records above by `scene/derived_records.py`, only if a subscriber names them.
+    # Their ticks may be before those of the neighbouring records. They have the number of the record before them.
+    TRANSFER = "transfer"  # a complete I2C transfer: its phases, acknowledges, stretches
+    ROUND = "round"  # a round of requests: due, complete, missed
     RECEIVER = "receiver"  # an SCI's receiver: words waiting, characters received and lost
-    DATA = "data"  # bytes that were read: whether they are right, how old they are, how far from the truth
+    DATA = "data"  # bytes that were read: their correctness, age and error
 
-    __hash__ = object.__hash__  # each is one object; Enum's own hash is a call in Python, made for every record
+    __hash__ = object.__hash__  # each kind is one object; Enum's own hash is a call in Python for every record
 
 
 DERIVED = frozenset({Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA})
@@ -52,7 +51,7 @@ RECORDED = tuple(kind for kind in Kind if kind not in DERIVED)  # the kinds that
 
 
 class Record(NamedTuple):
-    """field: of an access, the register field that the firmware named; "" for the whole register."""
+    """field: the register field that the firmware named in an access; "" for the whole register."""
 
     number: int
     tick: int
@@ -65,7 +64,7 @@ class Record(NamedTuple):
     field: str = ""
 
 
-_made = tuple.__new__  # a Record without the call in Python that its own constructor is
+_made = tuple.__new__  # makes a Record without a call in Python
 
 RecordCallback = Callable[[Record], None]
 Party: TypeAlias = "Listener | RecordSink | RecordCallback"
@@ -73,42 +72,42 @@ Subjects = Mapping[Kind, Collection[str]]
 Things = Collection[tuple[Kind, str]]
 
 
-UNWANTED = -1  # instead of a tag: there is no use for such records
-NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # of which accesses a keeper wants the place in the firmware
+UNWANTED = -1  # in place of a tag: the subscriber has no use for the topic
+NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # accesses of which a sink needs the place in the firmware
 
 
 class Listener:
-    """Who needs no more of a record than its time and value: a measure."""
+    """A subscriber that needs only the time and value of records, such as a measure."""
 
     __slots__ = ()
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        """Under which tag it is to be told of these records; UNWANTED if it has no use for them."""
+        """Return the tag under which `on_record` receives this topic; UNWANTED if it has no use for it."""
         raise NotImplementedError
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
-        """A record was made of what got this tag."""
+        """Called for each record of a topic with this tag."""
         raise NotImplementedError
 
 
 class RecordSink:
-    """Who keeps records, without the object that a Record is."""
+    """A subscriber to whole records that does not need Record objects."""
 
     __slots__ = ()
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        """As a listener's."""
+        """Return the tag under which `keep` receives this topic; UNWANTED if it has no use for it."""
         raise NotImplementedError
 
     def places(self, tag: int) -> int:
-        """Which of the records with this tag it wants with their place in the firmware.
+        """Return the set of records with this tag that need their place in the firmware.
 
-        OF_MODIFIES: accesses that may be one half of a read-modify-write, so not a field that is only read.
+        OF_MODIFIES: accesses that may be one half of a read-modify-write, which excludes reads of single fields.
         """
         return EVERYWHERE
 
     def keep(self, tag: int, number: int, tick: int, value: int, text: Text, cause: int, field: Text) -> None:
-        """A record was made of what got this tag."""
+        """Called for each record of a topic with this tag."""
         raise NotImplementedError
 
 
@@ -124,14 +123,14 @@ class _ListenerEntry:
 
 
 @final
-class _KeeperEntry:
-    """One entry in a topic's chain of keepers. following: the next entry."""
+class _SinkEntry:
+    """One entry in a topic's chain of sinks. following: the next entry."""
 
-    __slots__ = ("following", "keeper", "tag")
+    __slots__ = ("following", "sink", "tag")
 
-    keeper: RecordSink
+    sink: RecordSink
     tag: int
-    following: _KeeperEntry | None
+    following: _SinkEntry | None
 
 
 _NO_CALLBACKS: list[Any] = []  # stays empty
@@ -141,18 +140,19 @@ _NO_CALLBACKS: list[Any] = []  # stays empty
 class Topic:
     """All records of one kind, place and thing.
 
-    has_subscribers: anybody is told of them. needs_details: somebody looks at more of them than time and value.
-    places: of which of them somebody wants the place in the firmware, whose working out costs more than all else.
+    has_subscribers: True if any subscriber receives these records.
+    needs_details: True if any subscriber receives more than their time and value.
+    places: the set of accesses of which any subscriber needs the place in the firmware, which is expensive to find.
     """
 
     __slots__ = (
         "_callbacks",
-        "_keepers",
         "_kind",
-        "_last_keeper",
         "_last_listener",
+        "_last_sink",
         "_listeners",
         "_recorder",
+        "_sinks",
         "_step",
         "_what",
         "_where",
@@ -170,13 +170,13 @@ class Topic:
         self._what = what
         self._listeners: _ListenerEntry | None = None  # the first of a chain
         self._last_listener: _ListenerEntry | None = None
-        self._keepers: _KeeperEntry | None = None
-        self._last_keeper: _KeeperEntry | None = None
-        self._step: int = 0 if kind in DERIVED else 1  # from the number of the record before
+        self._sinks: _SinkEntry | None = None
+        self._last_sink: _SinkEntry | None = None
+        self._step: int = 0 if kind in DERIVED else 1  # added to the number of the previous record
         self._callbacks: list[RecordCallback] = _NO_CALLBACKS
 
     def add(self, party: Party) -> None:
-        """Somebody more is told, if it has any use for these records."""
+        """Add a subscriber, if it has any use for these records."""
         if isinstance(party, Listener):
             subscriber = _ListenerEntry()
             subscriber.listener, subscriber.following = party, None
@@ -189,37 +189,37 @@ class Topic:
                 self._last_listener.following = subscriber
             self._last_listener = subscriber
         elif isinstance(party, RecordSink):
-            writer = _KeeperEntry()
-            writer.keeper, writer.following = party, None
+            writer = _SinkEntry()
+            writer.sink, writer.following = party, None
             writer.tag = party.tag_of(self._kind, self._where, self._what)
             if writer.tag == UNWANTED:
                 return
-            if self._last_keeper is None:
-                self._keepers = writer
+            if self._last_sink is None:
+                self._sinks = writer
             else:
-                self._last_keeper.following = writer
-            self._last_keeper = writer
+                self._last_sink.following = writer
+            self._last_sink = writer
             self.places = max(self.places, party.places(writer.tag))
         else:
             self._callbacks = [*self._callbacks, party]
             self.places = EVERYWHERE
         self.has_subscribers = True
-        self.needs_details = self._keepers is not None or bool(self._callbacks)
+        self.needs_details = self._sinks is not None or bool(self._callbacks)
 
     def makes_records(self) -> bool:
-        """As `Recorder.makes_records`, of this topic."""
+        """Return True if a callback receives this topic as Record objects."""
         return bool(self._callbacks)
 
     def close(self) -> None:
-        """Nobody is told any more."""
+        """Remove all subscribers."""
         self._listeners = self._last_listener = None
-        self._keepers = self._last_keeper = None
+        self._sinks = self._last_sink = None
         self._callbacks = _NO_CALLBACKS
         self.has_subscribers = self.needs_details = False
         self.places = NOWHERE
 
     def emit(self, tick: int, value: int = 0, text: Text = "", field: Text = "") -> int:
-        """Return the number of the new record. Its cause is the record being worked under."""
+        """Make a record and return its number. Its cause is the present record."""
         recorder = self._recorder
         number = recorder.number + self._step
         recorder.number = number
@@ -229,9 +229,9 @@ class Topic:
             subscriber = subscriber.following
         if self.needs_details:
             cause = recorder.cause
-            writer = self._keepers
+            writer = self._sinks
             while writer is not None:
-                writer.keeper.keep(writer.tag, number, tick, value, text, cause, field)
+                writer.sink.keep(writer.tag, number, tick, value, text, cause, field)
                 writer = writer.following
             if self._callbacks:
                 record = _made(Record, (number, tick, self._kind, self._where, self._what, value, text, cause, field))
@@ -242,10 +242,11 @@ class Topic:
 
 @final
 class Recorder:
-    """Numbers records and hands each to those who asked for its kind and have a use for it.
+    """Numbers records and passes each to the subscribers to its topic.
 
-    cause: the record under whose effects the simulation runs now; `core.socket` and
-    `core.wire` set it around each delivery. number: of the last record.
+    cause: the present record, whose effects the simulation runs now; `core.socket` and `core.wire` set it around each
+        delivery.
+    number: the number of the last record.
     """
 
     STATE = State(records="number cause")
@@ -261,12 +262,11 @@ class Recorder:
     def subscribe(
         self, kinds: Iterable[Kind], party: Party, only: Subjects | None = None, things: Things | None = None
     ) -> None:
-        """`party` is told of every record of these kinds; of a listener or a keeper, of those that it gave a tag.
+        """Subscribe `party` to the records of these kinds. Listeners and sinks receive the topics that have a tag.
 
-        only: subjects that are enough for it, of kinds that have any: EDGE and FRAME wires; FLAG and ACCESS registers,
-        with unit and module ("dsp.I2C-A.I2CSTR").
-        It may still be told of others, which others want.
-        things: kinds and things of all records that it has a use for; of others it is not even asked for a tag.
+        only: the subjects that it needs, by kind: wires for EDGE and FRAME; registers for FLAG and ACCESS, with unit
+            and module ("dsp.I2C-A.I2CSTR"). It may also receive subjects that other subscribers need.
+        things: kinds and things of all records that it has a use for; `tag_of` is not called for others.
         """
         for kind in kinds:
             self._parties[kind].append((party, things))
@@ -274,19 +274,19 @@ class Recorder:
                 self._of_all.add(kind)
             else:
                 self._subjects[kind].update(only[kind])
-            for (of, _, what), topic in self._topics.items():
-                if of is kind and (things is None or (kind, what) in things):
+            for (known, _, what), topic in self._topics.items():
+                if known is kind and (things is None or (kind, what) in things):
                     topic.add(party)
 
     def close(self) -> None:
-        """Nobody is told of anything any more."""
+        """Remove all subscribers of all topics."""
         for parties in self._parties.values():
             parties.clear()
         for topic in self._topics.values():
             topic.close()
 
     def wants(self, kind: Kind, subject: str | None = None) -> bool:
-        """Whether anybody wants records of this kind; of this subject, if one is given."""
+        """Return True if any subscriber needs records of this kind, and of this subject if one is given."""
         if subject is None:
             return bool(self._parties[kind])
         return kind in self._of_all or subject in self._subjects[kind]
@@ -298,22 +298,22 @@ class Recorder:
 
     def named_things(self, kind: Kind) -> set[str]:
         """Return the things of this kind that subscribers name; a subscriber to all of a kind names none."""
-        return {what for _, things in self._parties[kind] for of, what in things or () if of is kind}
+        return {what for _, things in self._parties[kind] for named, what in things or () if named is kind}
 
     def makes_records(self, kind: Kind) -> bool:
-        """Whether somebody is told of this kind as a Record, and so may look about and keep what it finds."""
+        """Return True if a callback receives this kind as Record objects and so may inspect the scene."""
         return any(not isinstance(party, Listener | RecordSink) for party, _ in self._parties[kind])
 
     def subjects(self, kind: Kind) -> frozenset[str] | None:
-        """The subjects that somebody wants; None for all."""
+        """Return the subjects that subscribers need; None for all."""
         return None if kind in self._of_all else frozenset(self._subjects[kind])
 
     def named(self, kind: Kind) -> frozenset[str]:
-        """The subjects that somebody wants by name, whoever wants all."""
+        """Return the subjects that subscribers name, even if others need all subjects."""
         return frozenset(self._subjects[kind])
 
     def topic(self, kind: Kind, where: str, what: str) -> Topic:
-        """The records of one kind, place and thing, for whoever makes them often."""
+        """Return the topic of this kind, place and thing. Producers that emit often keep it."""
         topic = self._topics.get((kind, where, what))
         if topic is None:
             topic = self._topics[kind, where, what] = Topic(self, kind, where, what)
@@ -324,7 +324,7 @@ class Recorder:
         return topic
 
     def carried(self, action: Callable[[], None]) -> Callable[[], None]:
-        """The action, for a later time, as an effect of the record being worked under now."""
+        """Return the action for a later time, as an effect of the present record."""
         return partial(self._under, self.cause, action) if self.cause else action
 
     def _under(self, cause: int, action: Callable[[], None]) -> None:
@@ -335,5 +335,5 @@ class Recorder:
     def emit(
         self, tick: int, kind: Kind, where: Text, what: Text, value: BigInt = 0, text: Text = "", field: Text = ""
     ) -> int:
-        """The number of the new record of a topic."""
+        """Make a record of this topic and return its number."""
         return self.topic(kind, where, what).emit(tick, value, text, field)

@@ -1,8 +1,8 @@
-"""Puts a pure chip into a simulation: hands it inputs on its own clock, publishes what came of them.
+"""Connection of a pure chip to the simulation: passes inputs to it on its own clock and publishes their results.
 
     wire edge, CPU access, wake-up --> chip --> wires, interrupt requests, records
 
-Every path into a chip ends in `publish`, so no output, request or wake-up is forgotten.
+Every input of a chip ends in `publish`, so no output, request or wake-up is missed.
 """
 
 # core: compiled without checks for None
@@ -24,10 +24,10 @@ from .wire import BITS, MAX_PARTIES, Pin, Sampler
 if TYPE_CHECKING:
     from .watched_register import WatchedField
 
-MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has no use for more
+MAX_INPUTS = 64  # inputs that may wait for their effect; a chip that never wakes needs no more
 
-# What an event is for: the chip's wake-up, another look at its inputs, or output n // 2 - 1 to level n % 2, and in
-# the bits above the record under which that is.
+# Tags of events: the chip's wake-up, sampling of its inputs, or n >= 2: output n // 2 - 1 takes level n % 2. The bits
+# from RECORD on are the record that caused it.
 WAKE, LOOK = 0, 1
 RECORD = 16
 MOVE = (1 << RECORD) - 1
@@ -45,12 +45,12 @@ class PinReleaseGate:
 
 
 class ChipObserver:
-    """Who looks at a chip after each of its inputs."""
+    """An observer that is called after each input of a chip."""
 
     __slots__ = ()
 
     def look(self, cycle: int) -> None:
-        """The chip had an input at `cycle` that may show."""
+        """Called after an input at `cycle` that may have changed readable values."""
         raise NotImplementedError
 
 
@@ -59,7 +59,7 @@ class Socket(Agent):
     """One chip on its clock. name: the module's, as in "I2C-A".
 
     on_request: called with (cycle, mask of LINES).
-    phase: of the kernel, in which the chip is woken. inputs: the levels at the chip's INPUTS.
+    phase: the kernel's phase in which the chip is woken. inputs: the levels at the chip's INPUTS.
     """
 
     STATE = State(
@@ -126,20 +126,20 @@ class Socket(Agent):
     ) -> None:
         self.name = name
         self.chip = chip
-        self.pins: list[list[Pin]] = [_NO_PINS] * len(chip.OUTPUTS)  # what each output drives: see `connect`
+        self.pins: list[list[Pin]] = [_NO_PINS] * len(chip.OUTPUTS)  # pins that each output drives: see `connect`
         self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
         self.marks: WriteOrigins | None = chip.marks
         self.out_delay = 0  # cycles from an output of the chip to its pin
-        self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
+        self.before: Callable[[int], None] | None = None  # called before each access, to update the chip
         self.on_peek: Callable[[int, int], int] | None = None  # answers peeks in place of the chip
-        self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
-        self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
+        self.after: Callable[[int], None] | None = None  # called after each input, for the owner of the chip
+        self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when the held lines change
         self._held = 0
         self.release: PinReleaseGate | None = None
         self.watchers: list[ChipObserver] = []
         self.on_watch: Callable[[], None] | None = None  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
-        self.on_note: Callable[[int, Note], None] | None = None  # told of each, with the cycle
+        self.on_note: Callable[[int, Note], None] | None = None  # called with the cycle for each note
         self._note_count: dict[Note, int] = {}
         self._mid_byte = sum(BITS[offset] for offset in chip.mid_byte)
         self._kernel = kernel
@@ -148,22 +148,22 @@ class Socket(Agent):
         self._on_request = on_request
         self._out = chip.out
         self._wake_cycle = NEVER
-        self._wake: Event = kernel.event(self, phase)  # what promises that wake-up
+        self._wake: Event = kernel.event(self, phase)  # the event of that wake-up
         self._last_cause = 0
         self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
-        self._inputs = 0  # that the chip was given, and that have had no effect yet:
-        self._first_input: Input | None = None  # a chain of them, by cycle and then by record,
+        self._inputs = 0  # number of inputs that have had no effect yet
+        self._first_input: Input | None = None  # a chain of them, by cycle and then by record
         self._last_input: Input | None = None
-        self._spare: Input | None = None  # and one of those that have had it
+        self._spare: Input | None = None  # a chain of inputs to use again
         subjects = recorder.subjects(Kind.FLAG)
         wanted = [r for r in chip.MAP if subjects is None or f"{name}.{r.name}" in subjects]
         self._watched = [WatchedRegister(r, recorder, name) for r in wanted]
         self._moving = [r for r in self._watched if r.offset not in chip.steady or r.upper not in (0, *chip.steady)]
         self._some_steady = len(self._moving) < len(self._watched)
         self._some_data = any(r.data for r in self._watched)
-        self._looked = self._watched  # the last time
-        self._writes = -1  # of the chip, when it was looked at last
-        self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
+        self._looked = self._watched  # registers that the last `_look` read
+        self._writes = -1  # the chip's count at the last `_look`
+        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before the last `_look`
         if self._watched:
             self._look(clock.cycle_at(kernel.now))
 
@@ -181,11 +181,11 @@ class Socket(Agent):
             recorder.cause = outer
 
     def sampled(self, now: int, levels: int) -> None:
-        """The settled levels of the inputs. The chip samples them in the cycle that begins at tick `now` or next."""
+        """Pass the settled levels to the chip, which samples them in the cycle that begins at tick `now` or next."""
         cycle = self._clock.cycle_at(now)
         if not self.chip.filter_width:
             begin = self._clock.tick(cycle)
-            if begin > now:  # until then they may move again
+            if begin > now:  # until then they may change again
                 self._kernel.schedule(begin, self, LOOK)
                 return
         if self.traces:
@@ -207,9 +207,9 @@ class Socket(Agent):
         return value
 
     def peek(self, cycle: int, offset: int) -> int:
-        """Return what a debugger reads. A wake-up that is due by `cycle` is not made: it is the kernel's to make.
+        """Return the value that a debugger reads. The chip does not advance to a wake-up that is due by `cycle`.
 
-        Were the chip to advance here, the outputs, requests and flags of that wake-up would be published late or never.
+        Otherwise the outputs, requests and flags of that wake-up would be published late or never.
         """
         if self._kernel.shortcut is not None:
             self._kernel.materialize()
@@ -218,7 +218,7 @@ class Socket(Agent):
         return self.chip.peek(seen, offset) if self.on_peek is None else self.on_peek(seen, offset)
 
     def see(self, cycle: int, offset: int) -> int:
-        """What the CPU reads of a register whose read has no side effect; nothing moves."""
+        """Return the value that the CPU reads from a register whose read has no side effect; nothing changes."""
         if self.before is not None:
             self.before(cycle)
         return self.chip.see(cycle, offset)
@@ -236,7 +236,7 @@ class Socket(Agent):
         self.publish(cycle)
 
     def given(self, cycle: int) -> None:
-        """What is being worked under has effect from `cycle` on: the cause of what the chip then does by itself."""
+        """Note that the present record has effect from `cycle` on, as the cause of later actions of the chip."""
         cause, given = self._recorder.cause, self._spare
         if not cause:
             return
@@ -257,11 +257,11 @@ class Socket(Agent):
         if given.following is None:
             self._last_input = given
         self._inputs += 1
-        if self._inputs > MOST_INPUTS:
+        if self._inputs > MAX_INPUTS:
             self._take_first()
 
     def _take_first(self) -> None:
-        """The first of what was given is no input to come any more."""
+        """Remove the first waiting input."""
         first = self._first_input
         assert first is not None
         self._first_input = first.following
@@ -282,22 +282,22 @@ class Socket(Agent):
             self._recorder.cause = outer
 
     def _cause_at(self, cycle: int) -> int:
-        """The record of the last input that had effect by then."""
+        """Return the record of the last input that had effect by `cycle`."""
         while self._first_input is not None and self._first_input.cycle <= cycle:
             self._last_cause = self._first_input.cause
             self._take_first()
         return self._last_cause
 
     def later(self, tick: int, action: Callable[[], None]) -> None:
-        """`action()` at `tick`, as an effect of what is being worked under."""
+        """Call `action()` at `tick`, as an effect of the present record."""
         self._kernel.call_at(tick, self._recorder.carried(action))
 
     # Outputs -----------------------------------------------------------------
 
     def publish(self, cycle: int, changed: int = ANY_CHANGED) -> None:
-        """Bring wires, requests, wake-up and records up to what the chip shows after an input at `cycle`.
+        """Update wires, requests, wake-up and records to the state of the chip after an input at `cycle`.
 
-        changed: PINS_CHANGED where nothing else than `out` and `next_wake` can have changed.
+        changed: PINS_CHANGED if only `out` and `next_wake` can have changed.
         """
         chip = self.chip
         if chip.out != self._out:
@@ -310,7 +310,7 @@ class Socket(Agent):
             self._show(cycle)
 
     def _request(self, cycle: int) -> None:
-        """Interrupts that the chip asks for, or the lines that it holds."""
+        """Pass on the chip's interrupt requests and the lines that it holds."""
         chip = self.chip
         if chip.requests:
             asked, chip.requests = chip.requests, 0
@@ -320,7 +320,7 @@ class Socket(Agent):
             self.on_held(cycle, chip.held)
 
     def _show(self, cycle: int) -> None:
-        """What may be read of the chip has changed."""
+        """Notify observers and record flags and notes: values that can be read may have changed."""
         chip = self.chip
         if self.after is not None:
             self.after(cycle)
@@ -361,11 +361,11 @@ class Socket(Agent):
         recorder.cause = outer
 
     def _move(self, cycle: int, index: int, level: int) -> None:
-        """An output has this level from `cycle` on; its pins later by the delay."""
+        """Set an output to this level from `cycle` on; its pins follow after the delay."""
         tick = self._clock.tick(cycle + self.out_delay)
         if tick <= self._kernel.now:
             self._set_pins(index, level)
-        else:  # also where an edge fell between two cycles: the answer comes with the cycle
+        else:  # also if an edge fell between two cycles: the response comes with the cycle
             self._kernel.schedule(tick, self, self._recorder.cause << RECORD | (index + 1) << 1 | level)
 
     def _set_pins(self, index: int, level: int) -> None:
@@ -377,7 +377,7 @@ class Socket(Agent):
             pin.wire.pull(pin.mask, level)
 
     def shows_output(self) -> bool:
-        """Return True if the pins were given what the chip shows now."""
+        """Return True if the pins were set to the chip's present outputs."""
         return self._out == self.chip.out
 
     def accept_output(self) -> None:
@@ -395,25 +395,25 @@ class Socket(Agent):
         self._recorder.cause = outer
 
     def watch(self, watcher: ChipObserver) -> None:
-        """`watcher.look(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
+        """Call `watcher.look(cycle)` after every input, as a CPU in a polling loop needs."""
         self._have_watch([*self.watchers, watcher] if self.watchers else [watcher])
 
     def unwatch(self, watcher: ChipObserver) -> None:
         self._have_watch([one for one in self.watchers if one is not watcher])
 
     def _have_watch(self, watchers: list[ChipObserver]) -> None:
-        self.watchers = watchers  # another list: who looks now may begin or end to watch
+        self.watchers = watchers  # a new list, since a watcher may begin or end watching while they are called
         if self.on_watch is not None:
             self.on_watch()
 
     def reclock(self) -> None:
-        """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""
+        """Move the wake-up to the new tick of its cycle, after the clock was retuned."""
         if self._wake_cycle != NEVER:
             self._wake_cycle = NEVER
             self._plan(self._clock.cycle_at(self._kernel.now))
 
     def connect(self, index: int, pins: list[Pin]) -> None:
-        """From now on output `index` drives exactly `pins`."""
+        """Make output `index` drive exactly `pins`; others that it drove are released."""
         for pin in self.pins[index]:
             if pin not in pins:
                 pin.drive(1)
@@ -424,16 +424,16 @@ class Socket(Agent):
     # Records -----------------------------------------------------------------
 
     def _look(self, cycle: int) -> bool:
-        """At the registers that somebody wants, as a debugger reads them. Looking is not depending on them.
+        """Read the watched registers as a debugger does. Return True if any has changed.
 
-        Whether any has changed.
+        Questions that only these reads depend on are not added to `touched`.
         """
         chip = self.chip
         if self._some_steady:
             self._looked = self._moving if chip.writes == self._writes else self._watched
             self._writes = chip.writes
         touched = chip.touched
-        if len(touched) != len(self._touched):  # it grows, but for what looking adds
+        if len(touched) != len(self._touched):  # the set only grows, except for the names removed below
             self._touched = frozenset(touched)
         moved = False
         register: WatchedRegister

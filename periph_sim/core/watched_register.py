@@ -1,4 +1,4 @@
-"""A register that somebody wants the fields of: it goes in; its value as seen last, and a topic a field, come out."""
+"""Registers whose fields are recorded, with their last values and one topic for each field."""
 
 # core: compiled
 
@@ -13,7 +13,7 @@ from .state import State
 
 @final
 class WatchedField:
-    """A field of a register that somebody wants."""
+    """A recorded field of a register."""
 
     __slots__ = ("lsb", "mask", "topic")
 
@@ -24,8 +24,12 @@ class WatchedField:
 
 @final
 class WatchedRegister:
-    """A register that somebody wants. value: as it was seen last; was: before. upper: of 32 bits, the upper half's
-    offset. data: the bits of its field that takes a word at a time; 0 without one."""
+    """A register whose fields are recorded.
+
+    value: the value read last; was: the one before.
+    upper: offset of the upper half of a 32-bit register; 0 for others.
+    data: mask of the field that takes a word at a time; 0 without one.
+    """
 
     STATE = State("value")
 

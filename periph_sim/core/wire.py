@@ -1,10 +1,10 @@
-"""Wires: what several parties do to one line, and who is told.
+"""Wires: lines that several parties can pull, and the notification of the parties that sample them.
 
-    Pin.drive --> settle: level, low if anybody pulls --> Sampler --> watcher(tick, levels)
+    Pin.drive --> settle: level, low if any party pulls --> Sampler --> watcher(tick, levels)
 
-A wire has a pull-up and any number of parties that may pull it low. `level` is the settled one: it changes
-when all parties of an instant have acted, whatever their order, and a level that does not outlast the instant
-is never seen. Whoever looks at several wires is told once of all that moved together.
+A wire has a pull-up and any number of parties that may pull it low. `level` is the settled level: it changes when all
+parties of an instant have acted, independently of their order, and a level that does not outlast the instant is never
+seen. A party that samples several wires is called once for all that changed together.
 """
 
 # core: compiled without checks for None
@@ -29,12 +29,12 @@ _bit_of = attrgetter("bit")
 
 
 class TooManyParties(ValueError):
-    """One more party than a wire can have; one sentence."""
+    """More parties than a wire can have. The message is one sentence."""
 
 
 @final
 class _WatcherAgent(Agent):
-    """Hands what is sampled to a function."""
+    """An agent that calls a function with the sampled levels."""
 
     STATE = State("_watcher")
 
@@ -48,10 +48,13 @@ class _WatcherAgent(Agent):
 
 
 class Wire(Settleable):
-    """cause: the record of the last edge. recorded: somebody wants each edge, and perhaps who holds a low one.
+    """A line with a pull-up and the parties on it.
 
-    pulling: who pulls it low in the settled state; bit i is party i. attached: how many parties there are. version:
-    another one whenever a party comes, or one who listens comes or goes.
+    cause: the record of the last edge.
+    recorded: True if edges are recorded, and perhaps the parties that hold a low level.
+    pulling: mask of the parties that pull it low in the settled state; bit i is party i.
+    attached: the number of parties.
+    version: changes when a party is attached or the set of listeners changes.
     """
 
     STATE = State("level pulling _pulling _pulling_recorded", records="cause", chains="_watches")
@@ -74,19 +77,19 @@ class Wire(Settleable):
         self.shortcut: Shortcut | None = None  # what skips edges of this wire now
         self.attached = 0
         self._pulling = 0  # the same, in an instant that is not settled yet
-        self._pulling_recorded = 0  # the same when it was recorded last
+        self._pulling_recorded = 0  # the same, at the last record
         self._parties: list[str] = []
-        self._names_of: dict[int, str] = {}  # of those who pull, as records tell them
-        self._named = 0  # who pulled it as somebody did when a record was made last, and their names
+        self._names_of: dict[int, str] = {}  # by mask of the pulling parties, for records
+        self._named = 0  # mask of the parties named last in a record, and their names
         self._names = ""
-        self._watches: _Watch | None = None  # who is told: the first of a chain
+        self._watches: _Watch | None = None  # subscribers to the level: the first of a chain
         self._pull_watches: PullWatch | None = None
         self._queued = False
-        self._moved = self._pulled = False  # in the instant that settled last: its level, those who pull it
-        self._pulled_under = self._released_under = 0  # the last records under which that was done in this instant
+        self._moved = self._pulled = False  # changed when it settled last: its level, its pulling parties
+        self._pulled_under = self._released_under = 0  # the last records that caused pulls and releases in this instant
 
     def attach(self, who: str) -> Pin:
-        """A new party's hold on the line, released. TooManyParties for one too many."""
+        """Add a party and return its pin, released. TooManyParties if there is no place for it."""
         place = len(self._parties)
         if place >= MAX_PARTIES:
             raise TooManyParties(f"wire {self.name}: {who} would be party {place + 1}; a wire has up to {MAX_PARTIES}")
@@ -98,15 +101,15 @@ class Wire(Settleable):
         return Pin(self, BITS[place])
 
     def watch(self, watcher: Watcher) -> Sampler:
-        """`watcher(tick, level)` on every change of the settled level."""
+        """Call `watcher(tick, level)` on every change of the settled level."""
         return watch([self], watcher)
 
     def watch_pulls(self, agent: Agent, line: int = 0) -> None:
-        """`agent.pulled(line, ...)` in each instant in which others pull the wire than before, whatever its level."""
+        """Call `agent.pulled(line, ...)` in each instant in which the set of pulling parties changes."""
         self._add_pull_watch(PullWatch(agent, line, None))
 
     def notify_on_pulls(self, sampler: Sampler) -> None:
-        """`sampler`, which listens to the wire, is told in each such instant, too."""
+        """Also notify `sampler`, which listens to the wire, in each such instant."""
         self._add_pull_watch(PullWatch(sampler.agent, 0, sampler))
 
     def _add_pull_watch(self, watch: PullWatch) -> None:
@@ -120,19 +123,19 @@ class Wire(Settleable):
             last.following = watch
 
     def mask_of_parties(self, prefix: str) -> int:
-        """The mask of the parties whose names begin with this."""
+        """Return the mask of the parties whose names begin with `prefix`."""
         return sum(BITS[place] for place, who in enumerate(self._parties) if who.startswith(prefix))
 
     def parties(self) -> list[str]:
-        """Who has a hold on the line, pulling or not."""
+        """Return the names of all parties, pulling or not."""
         return list(self._parties)
 
     def held_by(self) -> list[str]:
-        """Who pulls the line low now: what a person asks first of a stuck bus."""
+        """Return the names of the parties that pull the line low now, such as those of a stuck bus."""
         return [who for i, who in enumerate(self._parties) if self._pulling >> i & 1]
 
     def pull(self, mask: int, level: int) -> None:
-        """Release (1) or pull low (0) the holds of `mask`. Edges that are skipped now are run before."""
+        """Release (1) or pull low (0) the line for the parties in `mask`. Edges that are skipped now are run before."""
         if self.shortcut is not None:
             self.shortcut.materialize()
         pulling = self._pulling & ~mask if level else self._pulling | mask
@@ -146,14 +149,14 @@ class Wire(Settleable):
             self.kernel.moved(self)
 
     def _under(self, level: int) -> None:
-        """A pull or release (1) under the present record."""
+        """Note the present record as the cause of a release (1) or pull (0)."""
         if level:
             self._released_under = max(self._released_under, self.recorder.cause)
         else:
             self._pulled_under = max(self._pulled_under, self.recorder.cause)
 
     def settle(self) -> None:
-        """Take the level that results from all pulls. Those who listen are due."""
+        """Take the level that results from all pulls and mark listeners as due."""
         self._queued = False
         self._pulled = self._pulling != self.pulling
         if self._pulled:
@@ -167,13 +170,13 @@ class Wire(Settleable):
         if self.recorded:
             self._record_settled(moved)
         if moved:
-            look = self._watches
-            while look is not None:
-                sampler = look.sampler
-                sampler.levels ^= look.bit
+            listener = self._watches
+            while listener is not None:
+                sampler = listener.sampler
+                sampler.levels ^= listener.bit
                 if not sampler.due:
                     sampler.due = BY_WIRE
-                look = look.following
+                listener = listener.following
 
     def notify_parties(self, now: int) -> None:
         if self._pulled:
@@ -184,10 +187,10 @@ class Wire(Settleable):
                 if sampler is not None and sampler.due == BY_WIRE:
                     sampler.on_wire_settled(now)
         if self._moved:
-            look = self._watches
-            while look is not None:
-                sampler = look.sampler
-                look = look.following
+            listener = self._watches
+            while listener is not None:
+                sampler = listener.sampler
+                listener = listener.following
                 if sampler.due == BY_WIRE:
                     sampler.due = NOT_DUE
                     if sampler.plain:
@@ -205,7 +208,7 @@ class Wire(Settleable):
             watch = watch.following
 
     def _record_settled(self, moved: bool) -> None:
-        """An edge, if its level has moved; else perhaps that others hold it."""
+        """Record an edge, or the new set of holding parties if the level is the same."""
         if moved:
             cause = self._released_under if self.level else self._pulled_under
             self.cause = self._record(self._edges, self.level, cause)
@@ -214,33 +217,33 @@ class Wire(Settleable):
         self._pulled_under = self._released_under = 0
 
     def jump(self, pulling: int) -> None:
-        """It was settled on these pulls before anybody looks again; nobody is told, and it is not recorded."""
+        """Set the settled pulls without records and notifications, at the end of skipped edges."""
         self._pulling = self.pulling = pulling
         level = 0 if pulling else 1
         if level != self.level:
             self.level = level
-            look = self._watches
-            while look is not None:
-                look.sampler.jump(look.bit)
-                look = look.following
+            listener = self._watches
+            while listener is not None:
+                listener.sampler.jump(listener.bit)
+                listener = listener.following
 
     def restored(self) -> None:
-        """The state has been restored, which is always a settled one."""
+        """Clear what a snapshot does not have: its state is always settled."""
         self._queued = False
 
     def quiet(self) -> bool:
-        """No pull is unsettled."""
+        """Return True if no pull is unsettled."""
         return self._pulling == self.pulling
 
     def listeners(self) -> list[Sampler | PullWatch]:
         """Return the subscribers to its level and to the parties that pull it."""
         listeners: list[Sampler | PullWatch] = []
-        look, watch = self._watches, self._pull_watches
-        while look is not None:
-            listeners.append(look.sampler)
-            look = look.following
+        listener, watch = self._watches, self._pull_watches
+        while listener is not None:
+            listeners.append(listener.sampler)
+            listener = listener.following
         while watch is not None:
-            if watch.sampler is None:  # else it is among those already
+            if watch.sampler is None:  # otherwise it is in the list already
                 listeners.append(watch)
             watch = watch.following
         return listeners
@@ -256,14 +259,14 @@ class Wire(Settleable):
         return number
 
     def _names_for(self, pulling: int) -> str:
-        """Who pulls the line in this instant, as records tell them; `pulling` is their mask."""
+        """Return the names of the parties that pull the line, for records; `pulling` is their mask."""
         names = self._names_of.get(pulling)
         if names is None:
             names = self._names_of[pulling] = ", ".join(self.held_by())
         return names
 
     def add(self, sampler: Sampler, bit: int) -> None:
-        """From now on this wire's level is this bit of the sampler's levels."""
+        """Add a listener: this wire's level becomes this bit of the sampler's levels."""
         self._changed()
         watch = _Watch(sampler, bit)
         if self._watches is None:
@@ -275,7 +278,7 @@ class Wire(Settleable):
             last.following = watch
 
     def remove(self, sampler: Sampler, bit: int) -> None:
-        """No longer."""
+        """Remove a listener that was added with this bit."""
         self._changed()
         before, watch = None, self._watches
         while watch is not None and not (watch.sampler is sampler and watch.bit == bit):
@@ -285,19 +288,22 @@ class Wire(Settleable):
             self._watches = watch.following
         else:
             before.following = watch.following
-        if sampler.due == BY_WIRE:  # it has moved, and does not hand on to the sampler any more
+        if sampler.due == BY_WIRE:  # the wire has changed and no longer notifies the sampler
             sampler.due = NOT_DUE
             self.kernel.request_sample(sampler)
 
     def _changed(self) -> None:
-        """There are others on the wire than before: what passes at once does so for those only whom it knows."""
+        """Note that parties or listeners change. Shortcuts are valid only for those they know."""
         self.kernel.materialize()
         self.version += 1
 
 
 @final
 class PullWatch:
-    """Who is told of who pulls a wire, and what that wire is to it; or its sampler. following: the next one."""
+    """A subscriber to the set of pulling parties: an agent, which knows the wire as `line`, or a sampler.
+
+    following: the next one.
+    """
 
     __slots__ = ("agent", "following", "line", "sampler")
 
@@ -310,7 +316,7 @@ class PullWatch:
 
 @final
 class _Watch:
-    """One party's look at a wire: which bit of its levels the wire is. following: the next one's."""
+    """A sampler that listens to a wire, and the bit of its levels that the wire is. following: the next one."""
 
     STATE = State("sampler bit", made=True)
 
@@ -324,7 +330,7 @@ class _Watch:
 
 @final
 class Pin:
-    """One party's hold on a wire."""
+    """The connection of one party to a wire."""
 
     STATE = State("wire mask", made=True)
 
@@ -335,13 +341,13 @@ class Pin:
         self.mask = mask
 
     def drive(self, level: int) -> None:
-        """0 pulls the wire low, 1 lets go."""
+        """Pull the wire low (0) or release it (1)."""
         self.wire.pull(self.mask, level)
 
 
 @final
 class _Line:
-    """A line of a sampler by its bit: a wire, or None where its owner puts the level."""
+    """One line of a sampler: a wire, or None if the owner sets its level with `put`."""
 
     STATE = State("bit wire", made=True)
 
@@ -354,10 +360,11 @@ class _Line:
 
 @final
 class Sampler(SampledParty):
-    """The lines that one party looks at: bit i of `levels` is line i. It is told once an instant in which any moved.
+    """The lines that one party samples: bit i of `levels` is line i.
 
-    A line is a wire (`listen`) or what the owner says (`put`). agent: its `sampled` is called with the tick and
-    `levels`, under the record of the first of the lines that moved.
+    A line is a wire (`listen`) or has a level that the owner sets (`put`).
+    agent: its `sampled` is called with the tick and `levels` once in each instant in which any line changes. The record
+        under which the first of these lines changed is then the present one.
     """
 
     STATE = State("levels plain agent _seen _lines", records="_put_under")
@@ -371,15 +378,15 @@ class Sampler(SampledParty):
         self._kernel = kernel
         self._recorder = recorder
         self.agent = agent if isinstance(agent, Agent) else _WatcherAgent(agent)
-        self.plain = True  # there is no record to work under
-        self._lines: list[_Line] = []  # those that were listened to or put, the lowest first
+        self.plain = True  # no record can be the cause of a change
+        self._lines: list[_Line] = []  # lines set by `listen` or `put`, the lowest first
         self._put_under = 0  # the record under which a level was put last
         self._seen = levels
 
     def listen(self, line: int, wire: Wire) -> None:
-        """From now on this line is a wire. ValueError for a line too many."""
+        """Make this line a wire. ValueError if the number is too large."""
         if line >= MAX_PARTIES:
-            raise ValueError(f"wire {wire.name} would be line {line}; who samples has lines 0 to {MAX_PARTIES - 1}")
+            raise ValueError(f"wire {wire.name} would be line {line}; a sampler has lines 0 to {MAX_PARTIES - 1}")
         self._leave(line).wire = wire
         if wire.recorded:
             self.plain = False
@@ -387,7 +394,7 @@ class Sampler(SampledParty):
         self._set(line, wire.level)
 
     def put(self, line: int, level: int) -> None:
-        """From now on this line is at `level`."""
+        """Set the level of this line, which is no wire any more."""
         self._leave(line)
         self._put_under = self._recorder.cause
         if self._put_under:
@@ -395,20 +402,20 @@ class Sampler(SampledParty):
         self._set(line, level)
 
     def jump(self, bits: int) -> None:
-        """These lines have moved some time ago, and were looked at since."""
+        """Toggle these lines without notification; the changes belong to skipped edges."""
         self.levels ^= bits
         self._seen ^= bits
 
     def restored(self) -> None:
-        """The state has been restored: nothing is due."""
+        """Clear `due`: nothing is due in a restored state."""
         self.due = NOT_DUE
 
     def request_sample(self) -> None:
-        """Be told in this instant, also if nothing moves."""
+        """Request a call in this instant, even if no line changes."""
         self._kernel.request_sample(self)
 
     def on_wire_settled(self, now: int) -> None:
-        """A wire hands on."""
+        """Deliver the levels; called by a wire."""
         self.due = NOT_DUE
         if self.plain:
             self.agent.sampled(now, self.levels)
@@ -434,7 +441,7 @@ class Sampler(SampledParty):
             self.request_sample()
 
     def _moved_under(self, moved: int) -> int:
-        """The record under which the first of these lines has moved."""
+        """Return the record under which the first of these lines has changed."""
         line: _Line
         for line in self._lines:
             if moved & line.bit:
@@ -442,7 +449,7 @@ class Sampler(SampledParty):
         return self._put_under
 
     def _leave(self, number: int) -> _Line:
-        """The line of this number, which is no wire any more."""
+        """Return the line of this number, detached from its wire if it had one."""
         bit = BITS[number]
         line: _Line
         for line in self._lines:
@@ -459,9 +466,9 @@ class Sampler(SampledParty):
 
 
 def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:
-    """`watcher(tick, levels)` whenever any of these wires has changed; bit i is wire i. ValueError without wires.
+    """Call `watcher(tick, levels)` whenever any of these wires has changed; bit i is wire i. ValueError without wires.
 
-    Of an agent it is `sampled` that is called.
+    If `watcher` is an agent, its `sampled` is called.
     """
     if not wires:
         raise ValueError("there is no wire to watch")

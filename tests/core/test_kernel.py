@@ -110,10 +110,10 @@ def test_a_renewed_promise_has_its_place_like_a_new_one(asked):
 def test_a_promise_still_to_come_is_not_renewed():
     kernel = Kernel()
     event = kernel.schedule(3, Diary(kernel))
-    with pytest.raises(ValueError, match=r"Diary: asked for t=5 by an event that comes at t=3"):
+    with pytest.raises(ValueError, match=r"Diary: cannot schedule at t=5 an event that is already queued for t=3"):
         kernel.reschedule(event, 5, 0)
     kernel.run_until(4)
-    with pytest.raises(ValueError, match=r"Diary: asked for t=3, but it is already t=4"):
+    with pytest.raises(ValueError, match=r"Diary: cannot schedule an event at t=3, because it is already t=4"):
         kernel.reschedule(event, 3, 0)
     kernel.reschedule(event, 4, 0)
     assert kernel.next_time() == 4
@@ -175,7 +175,7 @@ def test_an_agent_that_does_not_say_what_it_does_is_named():
 
     kernel = Kernel()
     kernel.schedule(1, Lazy())
-    with pytest.raises(NotImplementedError, match="Lazy asks for events and does not say what it does then"):
+    with pytest.raises(NotImplementedError, match="Lazy schedules events but does not define act"):
         kernel.run_until(1)
 
 
@@ -190,7 +190,9 @@ def test_a_cancelled_event_costs_nothing_and_never_runs():
 
 def test_the_past_is_refused_with_who_asked():
     kernel = Kernel(100)
-    with pytest.raises(ValueError, match=r"test_the_past.*asked for t=50, but it is already t=100"):
+    with pytest.raises(
+        ValueError, match=r"test_the_past.*cannot schedule an event at t=50, because it is already t=100"
+    ):
         kernel.call_at(50, lambda: None)
     with pytest.raises(ValueError, match="already t=100"):
         kernel.run_until(99)

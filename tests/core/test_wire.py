@@ -154,7 +154,7 @@ def test_wires_that_never_rest_are_told():
     pin = wire.attach("a")
     wire.watch(lambda tick, level: pin.drive(1 - level))
     kernel.call_at(1, lambda: pin.drive(0))
-    with pytest.raises(SimulationStuck, match="wires did not come to rest at t=1"):
+    with pytest.raises(SimulationStuck, match="wires did not settle at t=1"):
         kernel.run_until(1)
 
 
@@ -242,5 +242,5 @@ def test_a_wire_has_as_many_parties_as_its_mask_has_bits():
 def test_a_line_that_no_mask_holds_is_refused():
     kernel, recorder = Kernel(), Recorder()
     sampler = Sampler(kernel, recorder, lambda now, levels: None)
-    with pytest.raises(ValueError, match="wire SDA would be line 62; who samples has lines 0 to 61"):
+    with pytest.raises(ValueError, match="wire SDA would be line 62; a sampler has lines 0 to 61"):
         sampler.listen(MAX_PARTIES, Wire(kernel, "SDA", recorder))

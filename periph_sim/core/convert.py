@@ -1,10 +1,10 @@
-"""What a file says, checked against types: a value and an annotation go in, an object comes out, or each mistake.
+"""Conversion of values in files to annotated types. The result is an object, or the list of all mistakes.
 
     3, "250 us", {...}, [...] --converter_of(annotation)--> int, Fraction, a class of keys, a tuple ...
 
-msgspec checks plain values. Tables are walked here, key by key, so that every mistake is told and has its place: a
-`Table`, another Struct or a dataclass, whose keys are its fields, or a TypedDict. `Annotated` adds `Before` and
-`After`, functions around the check, and limits as `msgspec.Meta`.
+msgspec checks plain values. Tables are checked here, key by key, so that every mistake is reported with its place. A
+table is a `Table`, another Struct or a dataclass, whose keys are its fields, or a TypedDict. `Annotated` adds `Before`
+and `After`, functions around the check, and limits as `msgspec.Meta`.
 """
 
 from __future__ import annotations
@@ -35,25 +35,25 @@ import msgspec
 from .expected import UNIONS, expected, limits_of
 
 T = TypeVar("T")
-Place = tuple[str | int, ...]  # keys and numbers that lead to a value, from the outermost table in
-NOTHING: Any = msgspec.UNSET  # where a message has no value to repeat
+Place = tuple[str | int, ...]  # keys and indices that lead to a value, from the outermost table
+NOTHING: Any = msgspec.UNSET  # the found value of a message that quotes none
 
 
 class Before(msgspec.Struct, frozen=True):
-    """Called with what the file says, for what is checked on. said: the type of that, for editors."""
+    """A function that converts the value in the file before it is checked. said: the type in the file, for editors."""
 
     function: Callable[[Any], object]
     said: Any = None
 
 
 class After(msgspec.Struct, frozen=True):
-    """Called with what the checks before made of it, for the value. ValueError, a phrase, refuses it."""
+    """A function that converts a checked value. A ValueError with a phrase rejects it."""
 
     function: Callable[[Any], object]
 
 
 class Mistake(msgspec.Struct, frozen=True):
-    """One thing wrong, and where. error: of a check. known: of a key that there is not, those that there are."""
+    """One mistake and its place. error: the exception of a check. known: the existing keys, if the key is unknown."""
 
     place: Place
     what: str = ""
@@ -64,7 +64,7 @@ class Mistake(msgspec.Struct, frozen=True):
 
 
 class BadTable(ValueError):
-    """A table that is not as its class says. mistakes: all of them, in the order of the class's keys."""
+    """A table that does not match its class. mistakes: all of them, in the order of the class's keys."""
 
     def __init__(self, mistakes: list[Mistake]) -> None:
         super().__init__("; ".join(_in_short(one) for one in mistakes))
@@ -72,7 +72,7 @@ class BadTable(ValueError):
 
     @property
     def first(self) -> Mistake:
-        """What to say first: a key that there is not, since it is often a missing one misspelt."""
+        """The mistake to report first: an unknown key, if any, since it is often a misspelled required key."""
         return next((one for one in self.mistakes if one.known is not None), self.mistakes[0])
 
 
@@ -81,11 +81,11 @@ def _in_short(one: Mistake) -> str:
     return ": ".join(filter(None, [".".join(map(str, one.place)), what]))
 
 
-Converter = Callable[[Any, Place, list[Mistake]], Any]  # mistakes are added to the list; the result is then nothing
+Converter = Callable[[Any, Place, list[Mistake]], Any]  # adds mistakes to the list; then there is no result
 
 
 def convert(kind: type[T], tree: object) -> T:
-    """An object of a `Table` or a dataclass from the keys that a file gives it. BadTable if it is not as that says."""
+    """Return an object of a `Table` or a dataclass made from the keys in a file. BadTable if they do not match it."""
     mistakes: list[Mistake] = []
     made: T = converter_of(kind)(tree, (), mistakes)
     if mistakes:
@@ -94,10 +94,10 @@ def convert(kind: type[T], tree: object) -> T:
 
 
 class Key:
-    """A key of a table. name: of its field. convert: what checks it, made when the first file gives it.
+    """A key of a table. name: its field. convert: its converter, which is made at the first use.
 
-    Names in its annotation are looked up in the module that its class comes from, even if `sys.modules` has another
-    module under that name by then.
+    Names in its annotation are looked up in the module that defined its class, even if `sys.modules` has another module
+    under that name by then.
     """
 
     def __init__(self, kind: type, name: str, default: object) -> None:
@@ -123,9 +123,9 @@ class Key:
         return self._converter
 
 
-@lru_cache(maxsize=256)  # of a file that is loaded again the class is a new one
+@lru_cache(maxsize=256)  # bounded, because a firmware file that is loaded again has new classes
 def keys_of(kind: type) -> dict[str, Key]:
-    """The keys of a `Table` or a dataclass, as a file calls them, in the order of its fields."""
+    """Return the keys of a `Table` or a dataclass by their names in files, in the order of its fields."""
     return _keys_of_dataclass(kind) if dataclasses.is_dataclass(kind) else _keys_of_struct(kind)
 
 
@@ -154,7 +154,7 @@ def _keys_of_dataclass(kind: Any) -> dict[str, Key]:
 
 
 def is_table(kind: object) -> bool:
-    """Whether its values are tables in a file: a `Table`, another Struct, or a dataclass."""
+    """Return True if values of this type are tables in a file: a `Table`, another Struct, or a dataclass."""
     return isinstance(kind, type) and (issubclass(kind, msgspec.Struct) or dataclasses.is_dataclass(kind))
 
 
@@ -197,10 +197,12 @@ def _table(kind: Any) -> Converter:
 
 
 def _typed_dict(kind: Any) -> Converter:
-    """Of a TypedDict, whose values stay dictionaries."""
+    """Return the converter of a TypedDict, whose values stay dictionaries."""
     hints = get_type_hints(kind, include_extras=True)
     named = {name: converter_of(_without_required(hint)) for name, hint in hints.items()}
-    optional = {name for name, hint in hints.items() if get_origin(hint) is NotRequired}  # in text, not known of itself
+    optional = {
+        name for name, hint in hints.items() if get_origin(hint) is NotRequired
+    }  # string annotations hide it from __required_keys__
     required = [name for name in named if name in kind.__required_keys__ - optional]
 
     def made(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
@@ -215,12 +217,12 @@ def _typed_dict(kind: Any) -> Converter:
 
 
 def _without_required(hint: Any) -> Any:
-    """`Required[int]` and `NotRequired[int]` as `int`."""
+    """Return `int` for `Required[int]` and `NotRequired[int]`."""
     return get_args(hint)[0] if get_origin(hint) in (Required, NotRequired) else hint
 
 
 def converter_of(annotation: Any) -> Converter:
-    """What checks values of that type."""
+    """Return the converter of values of this type."""
     if is_typeddict(annotation):
         return _typed_dict(annotation)
     origin, arguments = get_origin(annotation), get_args(annotation)
@@ -238,7 +240,7 @@ def converter_of(annotation: Any) -> Converter:
 
 
 def _is_plain(annotation: Any) -> bool:
-    """Whether msgspec checks it alone: there is no table in it, and no function of ours."""
+    """Return True if msgspec alone can check the type: it contains no table and no function of this package."""
     origin, arguments = get_origin(annotation), get_args(annotation)
     if is_typeddict(annotation):
         return False
@@ -247,7 +249,7 @@ def _is_plain(annotation: Any) -> bool:
     if origin is Annotated:
         return _is_plain(arguments[0]) and all(isinstance(one, msgspec.Meta) for one in arguments[1:])
     if origin in UNIONS and {Fraction, Path} & {*arguments}:
-        return False  # of which msgspec does not know that they are no other
+        return False  # msgspec cannot distinguish them from other types
     if origin in (list, tuple, *UNIONS):
         return all(kind is ... or _is_plain(kind) for kind in arguments)
     return origin is not dict and annotation not in (Any, object) and not is_table(annotation)
@@ -258,7 +260,7 @@ def _by_msgspec(annotation: Any) -> Converter:
         try:
             return msgspec.convert(value, annotation, dec_hook=_made)
         except msgspec.ValidationError as error:
-            if isinstance(value, str):  # `--set` says numbers with underscores as texts
+            if isinstance(value, str):  # `--set` gives numbers with underscores as texts
                 try:
                     return msgspec.convert(value.replace("_", ""), annotation, strict=False, dec_hook=_made)
                 except msgspec.ValidationError:
@@ -270,14 +272,14 @@ def _by_msgspec(annotation: Any) -> Converter:
                 kind, found = kinds[0] if kinds[-1] is ... or len(kinds) == 1 else kinds[number], found[number]
             mistakes.append(Mistake((*place, *inside), f"expected {expected(kind, found)}", found))
         except TypeError as error:
-            mistakes.append(Mistake(place, f"no file can say a value of its type: {error}"))
+            mistakes.append(Mistake(place, f"a file cannot contain a value of its type: {error}"))
         return None
 
     return plain
 
 
 def _made(kind: type, value: Any) -> Any:
-    """A value of a class that msgspec does not know."""
+    """Return a value of a class that msgspec does not know."""
     if kind not in (Fraction, Path) or isinstance(value, bool):
         raise ValueError
     try:
@@ -287,7 +289,7 @@ def _made(kind: type, value: Any) -> Any:
 
 
 def _keeps(limits: msgspec.Meta, value: Any) -> bool:
-    """Whether a value that a function of ours has made is within limits."""
+    """Return True if a value that a `Before` or `After` function returned is within limits."""
     if limits.min_length is not None and len(value) < limits.min_length:
         return False
     return (limits.ge is None or value >= limits.ge) and (limits.le is None or value <= limits.le)
@@ -329,7 +331,7 @@ def _union(converters: list[Converter], takes_none: bool) -> Converter:
         for converter, wrong in zip(converters, tried, strict=True):
             made = converter(value, place, wrong)
             if not wrong:
-                for given_up in tried:  # their errors' tracebacks lead to the frames of all who called, a whole scene
+                for given_up in tried:  # tracebacks of their errors would keep the frames of all callers alive
                     given_up.clear()
                 return made
         mistakes += tried[0]
@@ -339,7 +341,7 @@ def _union(converters: list[Converter], takes_none: bool) -> Converter:
 
 
 def _list(kind: type, entries: tuple[Any, ...]) -> Converter:
-    """Of one type, or of one for each place."""
+    """Return the converter of a list: of entries of one type, or of one type for each place."""
     of_entry = [converter_of(entry) for entry in entries if entry is not ...]
     places = None if kind is list or entries[-1] is ... else len(entries)
     phrase = "expected a list" if places is None else f"expected a list of {places}"

@@ -1,8 +1,8 @@
-"""A number of things as text: the number and the thing go in; "1 reset", "2 resets" comes out."""
+"""Counts as text, such as "1 reset" and "2 resets"."""
 
 from __future__ import annotations
 
 
 def counted(number: int, thing: str) -> str:
-    """thing: in the singular; of several words its plural goes on the last one."""
+    """Return a count as text. thing: in the singular; the plural is formed from its last word."""
     return f"{number} {thing}{'' if number == 1 else 's'}"

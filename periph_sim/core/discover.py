@@ -1,4 +1,4 @@
-"""What stands in a package's folder: its modules, by the names of their files, so that adding one is adding a file."""
+"""Discovery of the modules in a package's folder, so that adding a file adds a module."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from types import ModuleType
 
 
 def module_with(attribute: str, package: str, path: Iterable[str], name: str) -> ModuleType | None:
-    """The module of that name alone, the others not imported; None where there is none that has the attribute."""
+    """Import and return only the module of this name; None if there is none or it does not have the attribute."""
     if all(entry.name != name for entry in pkgutil.iter_modules(path)):
         return None
     module = importlib.import_module(f"{package}.{name}")
@@ -17,7 +17,7 @@ def module_with(attribute: str, package: str, path: Iterable[str], name: str) ->
 
 
 def modules_with(attribute: str, package: str, path: Iterable[str]) -> dict[str, ModuleType]:
-    """The modules that have an attribute, in order of their names. package, path: its `__name__`, `__path__`."""
+    """Return the modules that have an attribute, in order of name. package, path: its `__name__` and `__path__`."""
     names = sorted(entry.name for entry in pkgutil.iter_modules(path))
     found = {name: importlib.import_module(f"{package}.{name}") for name in names}
     return {name: module for name, module in found.items() if hasattr(module, attribute)}

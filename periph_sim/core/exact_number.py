@@ -1,4 +1,4 @@
-"""Numbers as a user writes them: a text goes in; an exact fraction comes out, or a refusal that costs no time."""
+"""Numbers in text as exact fractions. Numbers that would take long to compute are rejected."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .shorten import shorten
 MAX_DIGITS = 40  # enough for a femtosecond in a million years
 MAX_EXPONENT = 40
 _EXPONENT = re.compile(r"[eE]([-+]?[0-9_]+)$")
-SHOWN = 60  # characters of a text that a message quotes
+SHOWN = 60  # maximum number of characters that a message quotes
 
 
 def exact_number(text: str) -> Fraction:

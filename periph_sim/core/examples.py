@@ -1,4 +1,4 @@
-"""Where shipped cases and firmware are: a wheel has them inside the package; a checkout beside it."""
+"""Location of the shipped cases and firmware: inside the package in a wheel, next to it in a checkout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a plain type takes, as a phrase for messages: an annotation goes in; "a whole number", "1 to 10" comes out."""
+"""Phrases for messages that describe the values of a plain type, such as "a whole number" or "1 to 10"."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAMES |= {bool: "true or false", bytes: "bytes", Path: "a path", list: "a list",
 
 
 def expected(kind: Any, found: object) -> str:
-    """What a plain type takes, as a phrase; of several the one that the found value is of, if it is of one."""
+    """Return the values of a plain type as a phrase; of a union only the type of the found value, if that is in it."""
     origin, arguments = get_origin(kind), get_args(kind)
     is_enum = isinstance(kind, type) and issubclass(kind, Enum)
     if origin is Literal or is_enum:
@@ -35,7 +35,7 @@ def expected(kind: Any, found: object) -> str:
 
 
 def limits_of(limits: msgspec.Meta) -> str:
-    """Limits as a phrase."""
+    """Return limits as a phrase."""
     if limits.min_length is not None:
         return f"{limits.min_length} or more entries"
     if limits.ge is None:

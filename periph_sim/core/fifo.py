@@ -1,4 +1,4 @@
-"""A queue of fixed depth that says when it had no room."""
+"""Queue of fixed depth."""
 
 # core: compiled
 
@@ -11,7 +11,7 @@ from .state import State
 
 @final
 class Fifo:
-    """depth: how many words fit. `words` holds them, oldest first."""
+    """depth: maximum number of words. words: oldest first."""
 
     STATE = State("words depth", made=True)
 
@@ -23,14 +23,14 @@ class Fifo:
         return len(self.words)
 
     def push(self, word: int) -> bool:
-        """True if the word was taken; False if the queue was full and nothing changed."""
+        """Append a word and return True. Return False, with nothing changed, if the queue is full."""
         if len(self.words) == self.depth:
             return False
         self.words.append(word)
         return True
 
     def pop(self) -> int:
-        """The oldest word, taken out. IndexError when empty: ask `len` first."""
+        """Remove and return the oldest word. IndexError if the queue is empty."""
         return self.words.pop(0)
 
     def clear(self) -> None:

@@ -1,6 +1,6 @@
-"""Files that users name: each one is opened here, so that none blocks or never ends, and no output replaces one.
+"""Input files named by users: opening them without blocking, and protection from being replaced by an output.
 
-A command remembers the files that it reads. Its outputs ask `is_input` before they replace a file.
+A command remembers the files that it reads. Its outputs call `is_input` before they replace a file.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-MOST = 1 << 24  # bytes of a file that is read at once
+MOST = 1 << 24  # maximum number of bytes of a file that is read at once
 
 _read: set[tuple[int, int]] | None = None  # device and inode of each file; None while no command runs
 

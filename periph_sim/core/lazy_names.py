@@ -1,4 +1,4 @@
-"""Names of a package that are imported when they are first used: what needs one file of it need not load the others."""
+"""Names of a package that are imported at their first use, so that using one module does not load the others."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from types import ModuleType
 
 
 def lazy_names(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[str], object]:
-    """The `__getattr__` of a package. homes: by module of it, the names that stand there."""
-    places = {name: home for home, names in homes.items() for name in names}
+    """Return the `__getattr__` of a package. homes: for each module, the names that it defines."""
+    places = {name: module for module, names in homes.items() for name in names}
 
-    homes_of: dict[str, ModuleType] = {}  # those that were imported, by name
+    imported: dict[str, ModuleType] = {}  # by attribute name
 
     def found(name: str) -> object:
-        home = homes_of.get(name)
-        if home is None:
+        module = imported.get(name)
+        if module is None:
             if name not in places:
                 raise AttributeError(f"module {package!r} has no attribute {name!r}")
-            home = homes_of[name] = import_module(f"{package}.{places[name]}")
-        return getattr(home, name)
+            module = imported[name] = import_module(f"{package}.{places[name]}")
+        return getattr(module, name)
 
     return found

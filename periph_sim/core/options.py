@@ -1,4 +1,4 @@
-"""Named answers to open questions: a class of fields goes in, checked answers come out.
+"""Options: named and checked answers to open questions about the hardware.
 
     class I2cOptions(Answers):
         int_line: TextOption = choice("pulse", "level", question="...")
@@ -6,10 +6,11 @@
     options.int_line.assume(self.touched) == "level"      lists int_line as assumed
     options.int_line == "level"                           is refused by the type checker
 
-What TI does not document is a field of a subclass of `Answers`. The default is the first value named in its metadata;
-each field carries the question, so that docs, scene files and messages never repeat it. A model has an answer only
-through `assume`, which it calls where the answer decides its behaviour. `unrecorded` is for calculations beside the run
-and for values that are kept until they decide something; tests/options/test_unrecorded.py lists its callers.
+Behaviour that TI does not document is a field of a subclass of `Answers`. The default is the first value in its
+metadata. Each field contains the question, so that docs, scene files and messages do not repeat it. A model gets an
+answer only from `assume`, which it calls where the answer decides its behaviour. `unrecorded` is for calculations
+outside the run and for values that are stored until they decide something; tests/options/test_unrecorded.py lists its
+callers.
 """
 
 # core: compiled
@@ -28,12 +29,12 @@ Value = str | int | bool
 
 
 def choice(*values: Value, question: str) -> Any:
-    """A field whose value is one of `values`; the first is the default."""
+    """Return a field whose value is one of `values`; the first is the default."""
     return dataclasses.field(default=values[0], metadata={"values": values, "question": question})
 
 
 def number(default: int, least: int, most: int, *, unit: str, question: str) -> Any:
-    """A field that takes a whole number from `least` to `most`."""
+    """Return a field whose value is a whole number from `least` to `most`."""
     about = {"least": least, "most": most, "unit": unit, "question": question}
     return dataclasses.field(default=default, metadata=about)
 
@@ -65,7 +66,7 @@ class TextOption(Option):
         return answer
 
     def matches(self, answer: str) -> BoolOption:
-        """Return this question as one of yes or no: yes if its answer is the given one."""
+        """Return this question as a yes-or-no question: yes if its answer is the given one."""
         return BoolOption(self.name, self._answer == answer)
 
 
@@ -101,16 +102,16 @@ KINDS: dict[type, type[TextOption | IntOption | BoolOption]] = {str: TextOption,
 
 
 class Answers:  # core: python
-    """One answer to each question of a subclass, which is a dataclass; nothing changes them.
+    """Immutable answers, one to each question of the subclass, which becomes a dataclass.
 
-    What a frozen dataclass would have is written here once: generating it for each class takes milliseconds at import.
+    The methods of a frozen dataclass are written here once, since generating them for each class slows the import.
     """
 
     def __init_subclass__(cls) -> None:
         dataclasses.dataclass(init=False, repr=False, eq=False)(cls)
 
     def __init__(self, **given: Value) -> None:
-        answers: dict[str, Value] = {of.name: of.default for of in dataclasses.fields(self)}  # type: ignore
+        answers: dict[str, Value] = {one.name: one.default for one in dataclasses.fields(self)}  # type: ignore
         for name in given:
             if name not in answers:
                 raise TypeError(f"{type(self).__name__} has no option {name!r}")
@@ -134,20 +135,20 @@ class Answers:  # core: python
         return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.unrecorded().items())})"
 
 
-def allowed(of: dataclasses.Field[Any]) -> str:
-    """What a field accepts, as a phrase, the default first."""
-    if "values" in of.metadata:
-        return " or ".join(str(v).lower() if isinstance(v, bool) else str(v) for v in of.metadata["values"])
-    return f"{of.metadata['least']} to {of.metadata['most']} {of.metadata['unit']}"
+def allowed(field: dataclasses.Field[Any]) -> str:
+    """Return the values that a field accepts as a phrase, the default first."""
+    if "values" in field.metadata:
+        return " or ".join(str(v).lower() if isinstance(v, bool) else str(v) for v in field.metadata["values"])
+    return f"{field.metadata['least']} to {field.metadata['most']} {field.metadata['unit']}"
 
 
-@cache  # they are frozen, so that all scenes without answers of their own share them
+@cache  # immutable, so all scenes without their own answers share them
 def _defaults(kind: Any) -> object:
     return kind()
 
 
 def options_from(kind: type[T], given: dict[str, Value]) -> T:
-    """An instance of `kind` with the given values. ValueError names the option and the nearest right name or value."""
+    """Return an instance of `kind` with the given values. ValueError says which are valid."""
     if not given:
         return cast(T, _defaults(cast(Hashable, kind)))
     known = {f.name: f for f in dataclasses.fields(kind)}  # type: ignore[arg-type]

@@ -1,8 +1,8 @@
-"""Registers as data: the manual's table goes in once; reset, effects, decode and docs come out.
+"""Registers as data: reset values, access effects, decoding and docs from one table, as in the manual.
 
-A field has four separate axes: what the CPU may do, what a read does, what a write
-does, and who wins when hardware and software act in the same cycle. A chip keeps the
-stored value; this file says what an access makes of it.
+A field has four independent properties: the CPU's access rights, the effect of a read, the effect of a write, and the
+priority when hardware and software act in the same cycle. A chip has the stored value; this module computes the effect
+of an access on it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class RegisterMapError(Exception):
 
 
 class Cpu(Enum):
-    """What the CPU may do with a field."""
+    """Access rights of the CPU to a field."""
 
     RW = "read and write"
     R = "read only"
@@ -29,14 +29,14 @@ class Cpu(Enum):
 
 
 class OnRead(Enum):
-    """What a CPU read does to the stored field."""
+    """Effect of a CPU read on the stored field."""
 
     KEEP = "nothing"
     CLEAR = "clears it"
 
 
 class OnWrite(Enum):
-    """What a CPU write does to the stored field."""
+    """Effect of a CPU write on the stored field."""
 
     STORE = "takes the value"
     ONE_CLEARS = "1 clears, 0 leaves"
@@ -46,21 +46,21 @@ class OnWrite(Enum):
 
 
 class Tie(Enum):
-    """Whose value stays when hardware sets a field in the cycle of a CPU write."""
+    """Priority when hardware sets a field in the cycle of a CPU write."""
 
     SOFTWARE = "software"
     HARDWARE = "hardware"
 
 
 class Yields(Enum):
-    """What a read of a register yields."""
+    """Kind of value that a read of a register yields."""
 
     STATE = "what hardware or software set last; each change that firmware can see is an event"
     DATA = "one of the words that pass through it; each word is an event, though it be equal to the one before"
     TIME = "a count that goes on by itself; no event tells when it changes"
 
 
-# The manual's shorthand for the first three axes.
+# The manual's abbreviations for the first three properties.
 ACCESS: dict[str, tuple[Cpu, OnRead, OnWrite]] = {
     "R/W": (Cpu.RW, OnRead.KEEP, OnWrite.STORE),
     "R": (Cpu.R, OnRead.KEEP, OnWrite.NOTHING),
@@ -99,22 +99,22 @@ class Field(Struct, frozen=True, dict=True):
 
     @property
     def bits(self) -> str:
-        """The bits as the manual prints them: "7" or "12:8"."""
+        """The bits as printed in the manual: "7" or "12:8"."""
         return f"{self.msb}" if self.msb == self.lsb else f"{self.msb}:{self.lsb}"
 
     def extract(self, value: int) -> int:
-        """This field's number, cut out of a whole register value."""
+        """Return the value of this field in the value of a register."""
         return (value & self.mask) >> self.lsb
 
     def put(self, value: int, number: int) -> int:
-        """`value` with this field set to `number`; bits that do not fit are cut, as in C."""
+        """Return `value` with this field set to `number`; bits that do not fit are cut off, as in C."""
         return value & ~self.mask | number << self.lsb & self.mask
 
 
 def field(
     name: str, bits: str, access: str = "R/W", reset: int = 0, doc: str = "", *, tie: Tie = Tie.SOFTWARE
 ) -> Field:
-    """One field. `bits` as the manual prints them ("7", "12:8"); `access` a key of ACCESS."""
+    """Return a field. bits: as printed in the manual ("7", "12:8"). access: a key of ACCESS."""
     msb, _, lsb = bits.partition(":")
     if access not in ACCESS:
         raise RegisterMapError(f"{name}: access {access!r} is none of {', '.join(ACCESS)}")
@@ -131,9 +131,9 @@ class Register(Struct, frozen=True, dict=True):
     protected: bool = False  # writes need EALLOW
     width: int = 16
     yields: Yields = Yields.STATE
-    read_acts: bool = False  # a read does something beyond this register: takes a word, clears another's flag
-    data: str = ""  # the field that holds the word, if it yields data
-    upper: str = ""  # the register of bits 31:16 where C headers make one `all` of the two, and `half` of each
+    read_acts: bool = False  # a read has an effect beyond this register: takes a word, clears a flag elsewhere
+    data: str = ""  # the field with the word, if the register yields data
+    upper: str = ""  # the register of bits 31:16, if C headers have both as `all` and each as `half`
 
     def __post_init__(self) -> None:
         if (self.yields is Yields.DATA) != bool(self.data):
@@ -163,11 +163,11 @@ class Register(Struct, frozen=True, dict=True):
 
     @cached_property
     def named_fields(self) -> tuple[tuple[str, int, int], ...]:
-        """ "I2CSTR.XRDY" of each field, with its mask and its lowest bit."""
+        """The full name of each field, such as "I2CSTR.XRDY", with its mask and its lowest bit."""
         return tuple((f"{self.name}.{f.name}", f.mask, f.lsb) for f in self.fields)
 
     def mask(self, on_write: OnWrite) -> int:
-        """The bits of all fields on which a write has this effect."""
+        """Return the mask of all fields on which a write has this effect."""
         return sum(f.mask for f in self.fields if f.on_write is on_write)
 
     @cached_property
@@ -177,7 +177,7 @@ class Register(Struct, frozen=True, dict=True):
 
     @cached_property
     def reads_take(self) -> bool:
-        """True if a read takes what it yields: a word out of a buffer, or a flag."""
+        """True if a read removes what it yields: a word from a buffer, or a flag."""
         word = self.yields is Yields.DATA and self.read_acts
         return word or any(f.on_read is OnRead.CLEAR for f in self.fields)
 
@@ -203,28 +203,27 @@ class Register(Struct, frozen=True, dict=True):
         return shown, ~cleared
 
     def read(self, stored: int) -> tuple[int, int]:
-        """(what the CPU sees, what stays stored). Bits no field names read 0."""
+        """Return the value that the CPU reads, and the stored value after that. Bits without a field read 0."""
         shown, kept = self._read_masks
         return stored & shown, stored & kept
 
     def write(self, stored: int, written: int, set_now: int = 0) -> tuple[int, int]:
-        """(what stays stored, strobes fired).
+        """Return the stored value after a write, and the strobes fired.
 
-        set_now: bits that hardware set in this same cycle; they stay where the field's
-        tie says hardware.
+        set_now: bits that hardware set in this cycle; they stay set where the field's tie is HARDWARE.
         """
         store, clears, sets, strobe, hard = self._masks
         new = (stored & ~store | written & store) & ~(written & clears) | written & sets
         return new | set_now & hard, written & strobe
 
     def decode(self, value: int) -> str:
-        """A value as a person reads it, zero fields left out."""
+        """Return a value as text with its fields; zero fields are left out."""
         parts = (f"{f.name}={f.extract(value):#x}" for f in self.fields if f.extract(value))
         return f"{self.name}={value:#06x} ({' '.join(parts) or 'all zero'})"
 
 
 class RegisterMap(Struct, frozen=True, dict=True):
-    """All registers of one kind of module. source: the document the map was typed from."""
+    """All registers of one kind of module. source: the document of the register tables."""
 
     name: str
     source: str
@@ -243,7 +242,7 @@ class RegisterMap(Struct, frozen=True, dict=True):
         return {r.name: r for r in self.registers}
 
     def at(self, offset: int) -> Register | None:
-        """The register at this word offset, or None where the map has a hole."""
+        """Return the register at this word offset; None if there is none."""
         return self._by_offset.get(offset)
 
     def __getitem__(self, name: str) -> Register:

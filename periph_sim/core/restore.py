@@ -1,9 +1,10 @@
-"""Restoring a state: a snapshot and the modules of a scene of the same case go in; the modules have its state then.
+"""Restoring of a snapshot in the modules of a scene of the same case.
 
     snapshot --plan: each value made or found--> assignments --apply--> modules
 
-Nothing is assigned before each value of the snapshot has its place, so one that does not fit changes nothing. Objects
-that the scene has in the same place are kept, with their wiring, and get the snapshot's attributes. Others are made.
+Nothing is assigned before each value of the snapshot has its place, so a snapshot that does not fit changes nothing.
+Objects that the scene has in the same place are kept, with their wiring, and get the snapshot's attributes. Other
+objects are made.
 """
 
 from __future__ import annotations
@@ -24,17 +25,17 @@ from .state import Time, state_of
 CONTAINERS: dict[str, Callable[[Any], Any]] = {
     one.__name__: one for one in (list, tuple, deque, set, frozenset, dict, bytearray)
 }
-Finds = Mapping[str, Callable[..., object]]  # by class, what returns the object of a key
+Finds = Mapping[str, Callable[..., object]]  # by class, the function that returns the object of a key
 
 
 class NotRestorable(ValueError):
-    """A snapshot that does not fit the scene, or has something that cannot be restored; one sentence."""
+    """A snapshot that does not fit the scene or cannot be restored. The message is one sentence."""
 
 
 def restore(snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[str, Finds]) -> None:
-    """Set each declared attribute of these modules. NotRestorable, with nothing changed, where one cannot be set.
+    """Set each declared attribute of these modules. NotRestorable, with nothing changed, if one cannot be set.
 
-    finds: by module, for the classes that `Module.keys` has.
+    finds: by module, for the classes in `Module.keys`.
     """
     plan = _Plan(snapshot, modules, finds)
     for name, module in modules.items():
@@ -43,7 +44,7 @@ def restore(snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[st
 
 
 class _Plan:
-    """Assignments to come. Objects are known by the names that the snapshot gave them."""
+    """The assignments to make. Objects have the names that the snapshot gave them."""
 
     def __init__(self, snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[str, Finds]) -> None:
         self._values = snapshot.values
@@ -65,7 +66,7 @@ class _Plan:
         self._attributes(name, module.target)
 
     def apply(self) -> None:
-        """Assign everything; then objects that derive more from their attributes do so."""
+        """Make all assignments, then call `restored` of the objects that have it."""
         for random, state in self._randoms:
             random.setstate(state)
         for target, attribute, value in self._assigned:
@@ -90,7 +91,7 @@ class _Plan:
                 self._assigned.append((target, attribute, value))
 
     def _value(self, name: str, current: Any, time: Time) -> Any:
-        """Return what the snapshot has under this name. current: what the scene has in its place."""
+        """Return the value of the snapshot with this name. current: the value of the scene in its place."""
         value = self._values[name]
         match value:
             case Foreign(kind):
@@ -99,9 +100,11 @@ class _Plan:
                 return getattr(self._objects[owner], method) if method else self._objects[owner]
             case Found(kind, key):
                 return self._finds[self._module][kind](*key)
-            case Function(of):
-                if getattr(current, "__qualname__", "") != of:
-                    raise NotRestorable(f"{name} is the function {of}, which the scene does not have in its place")
+            case Function(function):
+                if getattr(current, "__qualname__", "") != function:
+                    raise NotRestorable(
+                        f"{name} is the function {function}, which the scene does not have in its place"
+                    )
                 return current
             case Group(kind, items):
                 self._objects[name] = made = self._group(kind, items, current, time)
@@ -133,24 +136,24 @@ class _Plan:
         return current
 
     def _new(self, name: str, kind: str) -> Any:
-        """Return an object without attributes, of a class whose state is all that it has."""
-        of = _class_of(kind)
-        state = state_of(of)
+        """Return a new object without attributes, of a class that declares all of them as state."""
+        cls = _class_of(kind)
+        state = state_of(cls)
         if state is None or not state.made:
             raise NotRestorable(f"{name} is a {kind} in the snapshot, and the scene has none in its place")
-        return of.__new__(of)
+        return cls.__new__(cls)
 
     def _items(self, name: str, kind: str, keys: tuple[object, ...], current: Any, time: Time) -> Any:
-        of: Any = CONTAINERS.get(kind) or (partial if kind == "partial" else _class_of(kind))
-        state = state_of(of)
+        cls: Any = CONTAINERS.get(kind) or (partial if kind == "partial" else _class_of(kind))
+        state = state_of(cls)
         times = {} if state is None else state.times
         items = [self._value(f"{name}[{key!r}]", _item_of(current, key), times.get(str(key), time)) for key in keys]
-        if of is dict:
+        if cls is dict:
             return dict(zip(keys, items, strict=True))
-        if of is partial:
+        if cls is partial:
             function, arguments, keywords = items
             return partial(function, *arguments, **keywords)
-        return of(items) if kind in CONTAINERS else of(*items)
+        return cls(items) if kind in CONTAINERS else cls(*items)
 
     def _chain(self, name: str, keys: tuple[object, ...], current: Any, time: Time) -> Any:
         elements = []
@@ -173,7 +176,7 @@ def _class_of(name: str) -> Any:
 
 
 def _item_of(current: Any, key: Any) -> Any:
-    """Return what a container or structure of the scene has under this key; None if it has nothing there."""
+    """Return the item of a container or structure of the scene with this key; None if it has none."""
     if isinstance(current, Struct | tuple) and isinstance(key, str):
         return getattr(current, key, None)
     try:

@@ -1,8 +1,7 @@
-"""Types for settings in case files and firmware: texts with units go in, exact numbers come out.
+"""Types of settings in case files and firmware: exact numbers, written as texts with units.
 
-`Duration` takes "250 us" and gives seconds as an exact fraction; a bare number is refused,
-since its unit would be a guess. `DurationRange` takes "240 us to 260 us" and gives a `Spread`.
-`Frequency` takes "100 kHz", `HexBytes` "1d 00 ff", `Share` "90 %".
+`Duration` converts "250 us" to seconds as an exact fraction and rejects a number without a unit. `DurationRange`
+converts "240 us to 260 us" to a `Spread`. `Frequency` accepts "100 kHz", `HexBytes` "1d 00 ff", `Share` "90 %".
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
 
 
 def share(value: object) -> Fraction:
-    """A part of a whole, 0 to 1, of "40 %". ValueError with the way out otherwise."""
+    """Return a share from 0 to 1 of a text such as "40 %". ValueError with a suggestion otherwise."""
     if isinstance(value, Fraction):
         return value
     text = str(value).strip()
@@ -34,12 +33,12 @@ def share(value: object) -> Fraction:
     except ValueError:
         percent = Fraction(-1)
     if not text.endswith("%") or not 0 <= percent <= 100:
-        raise ValueError(f"{value!r} is no part of a whole; write for instance '90 %'")
+        raise ValueError(f"{value!r} is not a share from 0 % to 100 %; write for instance '90 %'")
     return percent / 100
 
 
 def duration(value: object) -> Fraction:
-    """Seconds. ValueError with the way out when the unit is missing or unknown, or the time is negative."""
+    """Return seconds. ValueError with a suggestion if the unit is missing or unknown, or the time is negative."""
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):
@@ -50,9 +49,9 @@ def duration(value: object) -> Fraction:
     return length
 
 
-@lru_cache(maxsize=4096)  # scenes of one case say the same lengths, and names in place of one, again and again
+@lru_cache(maxsize=4096)  # scenes of one case repeat the same texts
 def _length(text: str) -> Fraction | str:
-    """Seconds, or why the text says none."""
+    """Return seconds, or a message if the text is not a duration."""
     try:
         length = seconds(text)
     except TimeError as error:
@@ -62,9 +61,9 @@ def _length(text: str) -> Fraction | str:
 
 @dataclass(frozen=True)
 class Spread:
-    """A cost known as a range, `least` to `most`, in seconds: each occurrence takes one value of it.
+    """A cost known as a range in seconds. Each occurrence has a value from `least` to `most`, drawn by `Dsp.compute`.
 
-    `Dsp.compute` draws the values. ValueError for a negative or empty range.
+    ValueError for a negative or empty range.
     """
 
     least: Fraction
@@ -72,7 +71,9 @@ class Spread:
 
     def __post_init__(self) -> None:
         if not 0 <= self.least <= self.most:
-            raise ValueError(f"a range from {self.least} s to {self.most} s; its least comes first, and is 0 or more")
+            raise ValueError(
+                f"{self.least} s to {self.most} s is not a range; write the smaller value first, and none below 0"
+            )
 
     def __add__(self, fixed: Fraction) -> Spread:
         return Spread(self.least + fixed, self.most + fixed)
@@ -82,7 +83,7 @@ class Spread:
 
 
 def spread(value: object) -> Spread:
-    """The range of "240 us to 260 us", or of one duration. ValueError as `duration`."""
+    """Return the range of "240 us to 260 us", or of one duration. ValueError as in `duration`."""
     if isinstance(value, Spread):
         return value
     if isinstance(value, str):
@@ -102,7 +103,7 @@ def _range(text: str) -> Spread:
 
 
 def frequency(value: object) -> Fraction:
-    """Hertz. ValueError with the way out when the unit is missing or unknown."""
+    """Return hertz. ValueError with a suggestion if the unit is missing or unknown."""
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):
@@ -124,7 +125,7 @@ def frequency(value: object) -> Fraction:
 
 
 def hex_bytes(value: object) -> bytes:
-    """Bytes from "1d 00 ff" or a list of numbers 0 to 255."""
+    """Return the bytes of "1d 00 ff" or of a list of numbers from 0 to 255."""
     if isinstance(value, bytes):
         return value
     try:
@@ -134,11 +135,11 @@ def hex_bytes(value: object) -> bytes:
             return bytes(value)
     except ValueError:
         pass
-    raise ValueError(f'{value!r} are no bytes; write for instance "1d 00 ff"')
+    raise ValueError(f'{value!r} is not a sequence of bytes; write for instance "1d 00 ff"')
 
 
 def _said(pattern: str, *examples: str) -> Any:
-    """What a text in a file looks like, for the schema that editors read; checking is the validator's."""
+    """Return the type of a text in a file, for the schema that editors read. The converters check the text."""
     return Annotated[str, Meta(pattern=pattern, examples=[*examples])]
 
 

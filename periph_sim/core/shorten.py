@@ -1,18 +1,18 @@
-"""Text that may be of any length, for a message: text goes in, the same or its two ends come out.
+"""Shortening of text for messages.
 
-What a file or an option holds can be hostile: a message quotes it and never repeats it at length.
+Files and options may contain text of any length, so messages quote only its two ends.
 """
 
 from __future__ import annotations
 
-MOST = 300  # characters
+MAX_LENGTH = 300  # characters
 
 
-def shorten(text: str, most: int = MOST) -> str:
-    """The text itself up to `most` characters; of a longer one both ends and its length."""
+def shorten(text: str, most: int = MAX_LENGTH) -> str:
+    """Return the text if it has up to `most` characters; otherwise its two ends and its length."""
     if len(text) <= most:
         return text
-    kept = max(0, most - 28)  # the rest says how long it was
+    kept = max(0, most - 28)  # the rest is for the length
     head = kept - kept // 4
     return f"{text[:head]} ... {text[len(text) - kept // 4 :]} ({len(text)} characters)"
 

@@ -1,10 +1,10 @@
-"""The state of a simulation as plain values: named modules go in; one value by name for each attribute comes out.
+"""Snapshots: the state of a simulation as plain values, one for each attribute of its named modules.
 
     {"SDA": wire, "dsp.SCI-A": socket, ...} --take_snapshot--> {"dsp.SCI-A.chip._rx.status": 0, ...}
 
-What a module declares (`core.state`) is walked, and each attribute is named by its path. Instants are counted from now.
-An object or method that has a name already is a `Ref` to it. An object of a class that declares nothing is `Foreign`:
-it is compared by its class only, and cannot be restored.
+The declared attributes (`core.state`) of each module are visited recursively and named by their paths. Instants are
+counted from now. An object or method that has a name already is stored as a `Ref` to it. An object of a class without
+declared state is stored as `Foreign`: it is compared by its class only and cannot be restored.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from msgspec import Struct
 from .chip import NEVER
 from .state import Time, state_of
 
-NOT_YET = -1  # an instant that has not come
+NOT_YET = -1  # an instant that is not known yet
 PLAIN = (type(None), bool, int, float, str, bytes, Fraction, datetime)
 CONTAINERS = (list, tuple, deque, set, frozenset, dict, bytearray, array)
-ARRAY = "array of "  # and the code of its items' type
+ARRAY = "array of "  # followed by the type code of its items
 KEYED_BY_OBJECTS = "dict keyed by objects"
 
 
 class Module(NamedTuple):
-    """A part of a scene under its own name.
+    """A named part of a scene.
 
     cycle: the present cycle of its clock, for modules that have one.
-    keys: by class, the function that gives the key by which the scene finds such an object; None without a key.
+    keys: by class, the function that returns the key by which the scene finds such an object, or None.
     """
 
     target: object
@@ -45,7 +45,7 @@ class Module(NamedTuple):
 
 
 class Ref(NamedTuple):
-    """An object under the name that it has already, or a method of it."""
+    """A reference to an object that has a name already, or to a method of it."""
 
     name: str
     method: str = ""
@@ -59,7 +59,7 @@ class Found(NamedTuple):
 
 
 class Made(NamedTuple):
-    """An object or container, whose attributes or items have entries of their own. keys: of the items."""
+    """An object or container whose attributes or items have their own entries. keys: of the items."""
 
     kind: str
     keys: tuple[object, ...] = ()
@@ -79,7 +79,7 @@ class Function(NamedTuple):
 
 
 class Fixed(NamedTuple):
-    """An instant that is none, because it never comes or has not come."""
+    """An instant that is not counted from now: it never comes or is not known yet."""
 
     value: int | None
 
@@ -91,15 +91,15 @@ class Foreign(NamedTuple):
 
 
 class Absent(NamedTuple):
-    """What a snapshot has under a name that only the other one has."""
+    """Placeholder for a value that only the other snapshot has."""
 
 
 class Snapshot(NamedTuple):
     """The state of a scene between two runs.
 
-    identity: what the snapshot is of, as pairs of a name and a text.
-    tick: of the kernel.
-    number: of the last record.
+    identity: the subject of the snapshot, as pairs of a name and a text.
+    tick: the time of the kernel.
+    number: the number of the last record.
     cycles: the present cycle of each module; 0 for one without a clock.
     values: by name.
     """
@@ -111,7 +111,7 @@ class Snapshot(NamedTuple):
     values: dict[str, Any]
 
     def differences(self, other: Snapshot) -> dict[str, tuple[object, object]]:
-        """Return by name what differs in the state of the other one, as pairs; empty where both states are equal."""
+        """Return the values that differ from those of the other snapshot, by name, as pairs."""
         found: dict[str, tuple[object, object]] = {}
         for name in {**self.values, **other.values}:
             here, there = (one.values.get(name, Absent()) for one in (self, other))
@@ -123,7 +123,7 @@ class Snapshot(NamedTuple):
 def take_snapshot(
     modules: Mapping[str, Module], tick: int, number: int, identity: tuple[tuple[str, str], ...]
 ) -> Snapshot:
-    """Return the state of these modules at this tick. number: of the last record. Nothing changes."""
+    """Return the state of these modules at this tick. number: of the last record. Nothing is changed."""
     collector = _Collector(modules, tick, number)
     for name, module in modules.items():
         collector.add(name, module)
@@ -136,7 +136,7 @@ def class_name(kind: type) -> str:
 
 
 def absolute(value: Any, now: int) -> Any:
-    """Return an instant that is counted from `now` as the scene counts it; of a tuple, the first one in it."""
+    """Convert an instant counted from `now` to that of the scene; in a tuple, the first instant is converted."""
     if isinstance(value, Fixed):
         return value.value
     if isinstance(value, tuple):
@@ -146,12 +146,12 @@ def absolute(value: Any, now: int) -> Any:
 
 
 class _Collector:
-    """values: the state taken so far, by name."""
+    """values: the state collected so far, by name."""
 
     def __init__(self, modules: Mapping[str, Module], tick: int, number: int) -> None:
         self.values: dict[str, Any] = {}
         self._names = {id(module.target): name for name, module in modules.items()}
-        self._named: list[object] = []  # keeps them alive, so that no other object takes their id
+        self._named: list[object] = []  # keeps them alive, so that their ids stay unique
         self._module = Module(None)
         self._in_chain = False
         self._now = {Time.TICKS: tick, Time.RECORDS: number}
@@ -162,7 +162,7 @@ class _Collector:
         self._attributes(name, module.target)
 
     def _attributes(self, name: str, target: object) -> None:
-        """Take the declared attributes of an object. One that has not been set yet has no entry."""
+        """Collect the declared attributes of an object. An attribute that is not set yet has no entry."""
         state = state_of(type(target))
         assert state is not None, f"{name} is a {type(target).__name__}, which declares no state"
         self.values[name] = Made(class_name(type(target)))
@@ -219,7 +219,7 @@ class _Collector:
             self._value(f"{name}[{key!r}]", value, time)
 
     def _object(self, name: str, value: Any, time: Time) -> None:
-        """Take an object that has just got its name. In a chain it cannot keep it: its place there is no name."""
+        """Collect an object that has just been named. In a chain it loses the name, because places in chains change."""
         kind = type(value)
         state = state_of(kind)
         if isinstance(value, Random):
@@ -239,7 +239,7 @@ class _Collector:
             self.values[name] = Foreign(class_name(kind))
 
     def _function(self, name: str, value: Any) -> None:
-        """Take a method by its owner, which may get its name here, or a function by its own name."""
+        """Collect a method by its owner, which may get its name here, or a function by its own name."""
         owner = getattr(value, "__self__", None)
         if owner is None or isinstance(owner, ModuleType):
             kind = Foreign if getattr(value, "__closure__", None) else Function
@@ -257,7 +257,7 @@ class _Collector:
 
 
 def _relative(value: Any, now: int, time: Time) -> Any:
-    """Return an instant counted from now; of a tuple, the first one in it."""
+    """Convert an instant to one counted from now; in a tuple, the first instant is converted."""
     if isinstance(value, tuple):
         place = _first_instant(value)
         return (*value[:place], _relative(value[place], now, time), *value[place + 1 :])
@@ -280,7 +280,7 @@ def _chained(first: Any) -> Iterator[Any]:
 
 
 def _item_differences(name: str, here: Any, there: Any) -> dict[str, tuple[object, object]]:
-    """Return the items of two containers that differ where both have the same length, or else the whole."""
+    """Return the differing items of two containers of the same length, or the whole containers otherwise."""
     both = isinstance(here, Group) and isinstance(there, Group)
     if not both or here.kind != there.kind or here.kind == "Random" or len(here.items) != len(there.items):
         return {name: (here, there)}

@@ -3,8 +3,8 @@
     class Receiver:
         STATE = State("word level", cycles="_start due")
 
-An attribute that is not on the list is wiring, which the scene's construction makes, a cache, or history that only
-reports read. Snapshots (`core.snapshot`), their comparison and restoring (`core.restore`) derive from these lists.
+An attribute that is not in the list is wiring, which the construction of the scene makes, a cache, or history that only
+reports read. Snapshots (`core.snapshot`), their comparison and restoring (`core.restore`) are based on these lists.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from enum import Enum
 
 
 class Time(Enum):
-    """What the integers of an attribute are counted from."""
+    """Kind of instants that the integers of an attribute are."""
 
     NONE = "no time"
     TICKS = "ticks of the kernel"
@@ -28,7 +28,7 @@ class State:
     plain: values, objects with a state of their own, containers of both, and callbacks.
     ticks, cycles, records: integers, or containers of them, that a snapshot keeps relative to the present one.
     chains: first elements of linked lists, whose elements have the attribute `following`.
-    made: the list is everything that an object has, so that restoring can make one.
+    made: the list is complete, so that restoring can make an object.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ _states: dict[type, State | None] = {}
 
 
 def _whole(declared: Iterable[State]) -> State:
-    """Return what a class declares together with its bases, which come first."""
+    """Return the state that a class declares together with its bases, which come first."""
     whole = State()
     for one in declared:
         whole.times |= one.times

@@ -1,4 +1,4 @@
-"""The way out of a misspelt name: what goes in is a wrong name and the right ones, out comes a phrase."""
+"""Suggestions for misspelled names in messages."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from difflib import get_close_matches
 
 from .shorten import shorten
 
-LONGEST = 60  # characters of a name in the phrase; files may hold any
+LONGEST = 60  # maximum number of characters of a name in the phrase
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A phrase that names the nearest right names, or all of them where none is near."""
+    """Return a phrase with the nearest known names, or with the first twelve if none is near."""
     names = [shorten(str(k), LONGEST) for k in known]
     folded = {k.casefold(): k for k in reversed(names)}
     close = [folded[k] for k in get_close_matches(name[:LONGEST].casefold(), list(folded), 3, 0.6)]

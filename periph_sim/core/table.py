@@ -1,10 +1,10 @@
-"""The tables of a case file: a class whose fields are the keys; a tree goes in, a checked object comes out.
+"""Tables of a case file: classes whose fields are the keys, with checks of the file's values.
 
     class Cable(Table, frozen=True, kw_only=True):
         name: str | None = None
         from_: str = field(name="from")     the key `from`
 
-A key that no field names is refused. `check_together` says what keys contradict each other.
+A key without a field is rejected. `check_together` rejects keys that contradict each other.
 """
 
 from __future__ import annotations
@@ -21,38 +21,38 @@ from msgspec.structs import force_setattr
 
 from .convert import convert
 
-PLAIN = frozenset((str, int, bool, bytes, float, Fraction, NoneType))  # which most fields have
+PLAIN = frozenset((str, int, bool, bytes, float, Fraction, NoneType))  # the types of most fields
 
 
 class Table(Struct, frozen=True, kw_only=True):
-    """Fields whose names begin with _ are no keys."""
+    """Base of tables. Fields whose names begin with _ are not keys."""
 
-    OTHERS: ClassVar[str] = ""  # the field, if any, that takes the keys which no field names
+    OTHERS: ClassVar[str] = ""  # the field, if any, for the keys that have no field
 
     def check_together(self, given: Set[str]) -> None:
-        """ValueError, a phrase, where the keys contradict each other. given: those that the file has."""
+        """Raise ValueError with a phrase if the keys contradict each other. given: the keys in the file."""
 
     @classmethod
     def model_validate(cls, tree: object) -> Self:
-        """The table that a tree says, as a file would. BadTable, with all that is wrong, if it says none."""
+        """Return the table of a tree, as read from a file. BadTable, with all mistakes, if it is not valid."""
         return convert(cls, tree)
 
     def model_copy(self, *, update: Mapping[str, Any]) -> Self:
-        """The same with other values, which are taken as they are."""
+        """Return a copy with other values, which are not checked."""
         new = copy.copy(self)
         for name, value in update.items():
             force_setattr(new, name, value)
         return new
 
     def model_dump(self) -> dict[str, Any]:
-        """Its values, by field, without those whose names begin with _."""
+        """Return the values by field, without fields whose names begin with _."""
         return {name: getattr(self, name) for name in self.__struct_fields__ if name[0] != "_"}
 
 
 def separate(value: Any) -> Any:
-    """The same with dicts and lists of its own: who changes one changes it for nobody else.
+    """Return a copy whose dicts and lists are not shared with the original.
 
-    What holds none is handed on as it is.
+    Values that contain no dict and no list are not copied.
     """
     kind = type(value)
     if kind in PLAIN:

@@ -1,8 +1,8 @@
-"""Tables and paragraphs that fit a terminal of 80 columns: titles and cells go in, lines with every word come out.
+"""Tables and paragraphs that fit a terminal of 80 columns.
 
-budget  seen   limit            a line under the titles, two blanks between columns,
-───────────────────────         numbers to the right; what is too long goes on below,
-a long  3 us  at most           within its column
+budget  seen   limit            a rule under the titles, two spaces between columns,
+───────────────────────         numbers to the right; long cells continue on the next
+a long  3 us  at most           line, within their column
 name             4 us
 """
 
@@ -13,9 +13,9 @@ from textwrap import wrap
 
 WIDTH = 80
 GAP = "  "  # between columns
-FOLD = 16  # columns that a word is folded to at the narrowest
-KEPT = "\u00a0"  # stands for a blank that is not broken at
-ROOM = 24  # a column as wide as this sets off where a cell goes on, by two blanks
+FOLD = 16  # minimum width to which a word is broken
+KEPT = "\u00a0"  # a space at which lines are not broken
+ROOM = 24  # minimum width of columns in which continuation lines are indented by two spaces
 
 Cells = Sequence[str]
 
@@ -27,11 +27,11 @@ def text_table(
     width: int = WIDTH,
     names: Collection[int] = (),
 ) -> list[str]:
-    """The lines of a table: titles, a rule, and the rows.
+    """Return the lines of a table: titles, a rule, and the rows.
 
-    right: the columns of numbers, whose cells are never broken. A cell may hold several lines. Cells are broken between
-    words, and within one only where the table would be wider than `width` without that; those of the columns `names`,
-    which a reader searches for or copies, last.
+    right: the columns of numbers, whose cells are never broken. A cell may contain several lines. Cells are broken
+    between words, and within words only if the table would be wider than `width` otherwise.
+    names: columns of names, which users search for or copy; their words are broken last.
     """
     head, *body = table_rows(titles, rows, right, width, names)
     return [*head, *(line for row in body for line in row)]
@@ -44,7 +44,7 @@ def table_rows(
     width: int = WIDTH,
     names: Collection[int] = (),
 ) -> list[list[str]]:
-    """The same by rows: the lines of the titles and the rule, then those of each row."""
+    """Return the lines of a table by rows: those of the titles and the rule, then those of each row."""
     widths = _fitted([titles, *rows], titles, right, width, names)
     head, *body = [_lines(row, widths, right, " ") for row in (titles, *rows)]
     longest = max(len(line) for row in (head, *body) for line in row)
@@ -52,7 +52,7 @@ def table_rows(
 
 
 def columns(rows: Sequence[Cells], right: Collection[int] = (), width: int = WIDTH, indent: str = "  ") -> list[str]:
-    """The lines of rows without titles; an empty column takes no room."""
+    """Return the lines of rows without titles; empty columns are left out."""
     if not rows:
         return []
     used = [n for n in range(len(rows[0])) if any(row[n] for row in rows)]
@@ -63,7 +63,7 @@ def columns(rows: Sequence[Cells], right: Collection[int] = (), width: int = WID
 
 
 def paragraph(text: str, first: str = "", then: str = "  ") -> list[str]:
-    """A sentence as lines of at most 80 columns, between words; `first` and `then` begin them."""
+    """Return text as lines of at most 80 columns, broken between words. first, then: prefixes of the lines."""
     lines = wrap(
         text, WIDTH, initial_indent=first, subsequent_indent=then, break_long_words=False, break_on_hyphens=False
     )
@@ -71,14 +71,14 @@ def paragraph(text: str, first: str = "", then: str = "  ") -> list[str]:
 
 
 def together(text: str) -> str:
-    """The text as one word, which the functions above do not break between its words."""
+    """Return the text with spaces at which the functions above do not break it."""
     return text.replace(" ", KEPT)
 
 
 def _fitted(
     rows: Sequence[Cells], titles: Cells, right: Collection[int], width: int, names: Collection[int] = ()
 ) -> list[int]:
-    """The width of each column. First titles are broken between words, then the widest cells, then their words."""
+    """Return the width of each column. Titles are broken between words first, then the widest cells, then words."""
     places = range(len(rows[0]))
     widths = [max(_longest(row[n]) for row in rows) for n in places]
     words = [max(_longest_word(row[n]) for row in rows) for n in places]
@@ -107,7 +107,7 @@ def _lines(row: Cells, widths: Sequence[int], right: Collection[int], indent: st
 
 
 def _broken(cell: str, width: int) -> list[str]:
-    """The lines of a cell, each of which goes on below where it is longer."""
+    """Return the lines of a cell; longer lines are broken."""
     lines = []
     for line in cell.split("\n"):
         start = line[: len(line) - len(line.lstrip())]
@@ -121,7 +121,7 @@ def _longest(cell: str) -> int:
 
 
 def _longest_word(cell: str) -> int:
-    """With the blanks before it, and those that set off where a cell goes on."""
+    """Return the length of the longest word of a cell with the indentation of its line."""
     found = 0
     for line in cell.split("\n"):
         start = len(line) - len(line.lstrip())

@@ -1,8 +1,8 @@
-"""Time as a whole number of ticks: seconds and clock cycles go in, exact ticks come out, or a refusal.
+"""Time as a whole number of ticks, with exact conversion of seconds and clock cycles.
 
-One tick is 1/LCM(every clock that must divide, 1 GHz): with SYSCLKOUT at 150 MHz a tick
-is 1/3 ns, a cycle 20 ticks. A clock that does not divide (a ppm error, a 24 MHz analyser)
-maps its n-th edge by one exact rational rounded down to a tick, so it never drifts.
+The tick rate is the LCM of 1 GHz and all clocks whose cycles must be whole ticks: with SYSCLKOUT at 150 MHz a tick is
+1/3 ns and a cycle 20 ticks. For other clocks (a ppm error, a 24 MHz analyser) the exact time of the n-th edge is
+rounded down to a tick, so they never drift.
 """
 
 # core: compiled
@@ -21,12 +21,14 @@ from .state import State
 
 GHZ = 1_000_000_000
 NO_TIME = -1
-LAST_TICK = NEVER - 1  # also of recordings, whose ticks are int64
+LAST_TICK = NEVER - 1  # also the limit of recordings, whose ticks are int64
 DAY = 86_400
-LONGEST = 365_250 * DAY  # seconds that a user can write: a thousand years, far beyond what ticks of 64 bits count
-MOST_TICKS = LAST_TICK  # of one length of time
-MOST = NEVER  # of a product of two numbers that the compiled form takes 64 bits for
-USUAL_PER_NS = 1000  # clocks of whole MHz need no more ticks in a nanosecond
+LONGEST = (
+    365_250 * DAY
+)  # maximum number of seconds that a user can write: a thousand years, more than 64-bit ticks can count
+MOST_TICKS = LAST_TICK  # maximum length of time
+MOST = NEVER  # maximum product of two numbers that have 64 bits in the compiled form
+USUAL_PER_NS = 1000  # maximum ticks in a nanosecond for clocks of whole MHz
 
 UNITS: dict[str, Fraction] = {
     "ns": Fraction(1, GHZ),
@@ -42,11 +44,11 @@ Rounding = Literal["exact", "down", "up", "nearest"]
 
 
 class TimeError(ValueError):
-    """A time that is not on the grid, or a text that is not a time."""
+    """A time that is not a whole number of ticks, or a text that is not a time."""
 
 
 def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
-    """A whole number near `value`; with "exact" it must be whole. TimeError otherwise."""
+    """Return `value` rounded to a whole number. TimeError if the rounding is "exact" and it is not whole."""
     if value.denominator == 1:
         return value.numerator
     if rounding == "down":
@@ -55,7 +57,7 @@ def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
         return -(-value.numerator // value.denominator)
     if rounding == "nearest":
         return (2 * value.numerator + value.denominator) // (2 * value.denominator)
-    raise TimeError(f"{value} does not fall on the grid; name a rounding: down, up or nearest")
+    raise TimeError(f"{value} is not a whole number; choose a rounding: down, up or nearest")
 
 
 def seconds(text: Text) -> Fraction:
@@ -80,7 +82,7 @@ def seconds(text: Text) -> Fraction:
 
 
 class Timebase:  # core: python
-    """How long a tick is. per_second: ticks in a second."""
+    """The length of a tick. per_second: ticks in a second. per_ns: ticks in a nanosecond."""
 
     STATE = State("per_second per_ns", made=True)
 
@@ -89,12 +91,12 @@ class Timebase:  # core: python
         self.per_ns = self.per_second // GHZ
 
     def ticks(self, length: Fraction | str, rounding: Rounding = "exact") -> int:
-        """Return a length of time in ticks. TimeError when it is not a whole number and no rounding is named."""
+        """Return a length of time in ticks. TimeError if it is not a whole number and no rounding is given."""
         value = seconds(length) if isinstance(length, str) else length
         return self.fitting(round_ratio(value * self.per_second, rounding))
 
     def fitting(self, ticks: int) -> int:
-        """Return the ticks of a length of time. TimeError if they leave no room for those of a run beside them."""
+        """Return the ticks unchanged. TimeError if a length of time has more than can be counted."""
         if abs(ticks) > MOST_TICKS:
             length, most = days(self.seconds(ticks)), days(self.seconds(MOST_TICKS))
             ticks_are = f"with ticks of 1/{self.per_second} s the longest is {most}{self._way_out}"
@@ -102,7 +104,7 @@ class Timebase:  # core: python
         return ticks
 
     def end_of_run(self, start: int, length: Fraction) -> int:
-        """The tick at which a run of `length` seconds ends. TimeError, with the longest run, if that is too far."""
+        """Return the tick at which a run of `length` seconds ends. TimeError, with the limit, if it is too long."""
         end = start + round_ratio(length * self.per_second, "nearest")
         if end > LAST_TICK:
             most = self.seconds(LAST_TICK - start)
@@ -119,11 +121,11 @@ class Timebase:  # core: python
         return "; a crystal of a round frequency, its error as ppm, has longer ticks"
 
     def seconds(self, ticks: int) -> Fraction:
-        """A count of ticks in seconds, exactly."""
+        """Return ticks in seconds, exactly."""
         return Fraction(ticks, self.per_second)
 
     def show(self, ticks: int) -> str:
-        """A time for people, in microseconds or milliseconds, three decimals, rounded to nearest."""
+        """Return a time as text in us, ms or s, rounded to nearest."""
         us = Fraction(ticks * 1_000_000, self.per_second)
         if abs(us) < 10_000:
             return f"{float(us):.3f} us"
@@ -131,17 +133,17 @@ class Timebase:  # core: python
 
 
 def days(length: Fraction) -> str:
-    """A length in days, or in seconds where it is less than one, for messages: rounded down to a tenth."""
+    """Return a length as text for messages, rounded down to a tenth: in days, or in seconds below one day."""
     value, unit = (length / DAY, "d") if length >= DAY else (length, "s")
     return f"{float(Fraction(floor(value * 10), 10)):g} {unit}" if value < 100_000 else f"{float(value):.3g} {unit}"
 
 
 @final
 class Clock:
-    """One clock's cycles on the common grid: cycle n begins at tick(n).
+    """The cycles of one clock in ticks: cycle n begins at tick(n).
 
-    hz may be any positive rational. `retune` changes it from a cycle on: what came before
-    keeps its ticks, so cycle counts never jump.
+    hz may be any positive rational number. `retune` changes it from a cycle on; earlier cycles keep their ticks, so
+    cycle counts never jump.
     """
 
     STATE = State(
@@ -163,19 +165,19 @@ class Clock:
         self._tick0 = tick0
         self._cycle0 = cycle0
         self._num, self._den = self._period(self.hz)
-        self._last_cycle, self._last_tick = cycle0, tick0  # asked for last: it often is asked for again
+        self._last_cycle, self._last_tick = cycle0, tick0  # cache of the last result, which is often needed again
 
     def _period(self, hz: Fraction) -> tuple[int, int]:
         if hz <= 0:
-            raise TimeError(f"a clock of {hz} Hz never ticks; it must be above 0")
+            raise TimeError(f"a clock cannot have {hz} Hz; its frequency must be above 0")
         period = self.timebase.per_second / hz
         self._exact = period.numerator, period.denominator
         self._wide = period < 1 or period.numerator * period.denominator > MOST
-        self._near = MOST // max(self._exact)  # a count of cycles or ticks below it fits with either factor
+        self._near = MOST // max(self._exact)  # counts of cycles or ticks below it can be multiplied by either factor
         return (0, 0) if self._wide else self._exact
 
     def tick(self, cycle: int) -> int:
-        """The tick at which this cycle begins (rounded down where the clock does not divide)."""
+        """Return the tick at which this cycle begins, rounded down if it is between two ticks."""
         passed, den = cycle - self._cycle0, self._den
         if den == 1:
             return self._tick0 + passed * self._num
@@ -186,12 +188,12 @@ class Clock:
             if -self._near < passed < self._near:
                 self._last_tick = self._tick0 + passed * self._num // den
             else:
-                whole = passed // den  # divided first: the product of a long run's cycles would not fit 64 bits
+                whole = passed // den  # divided first, because the product could exceed 64 bits in a long run
                 self._last_tick = self._tick0 + whole * self._num + (passed - whole * den) * self._num // den
         return self._last_tick
 
     def cycle_at(self, tick: int) -> int:
-        """The first cycle that begins at or after this tick: what is seen without a synchroniser."""
+        """Return the first cycle that begins at or after this tick: the one that samples it without a synchroniser."""
         left, num = self._tick0 - tick, self._num
         if self._den == 1:
             return self._cycle0 - left // num
@@ -205,7 +207,7 @@ class Clock:
         return self._cycle0 - whole * self._den - (left - whole * num) * self._den // num
 
     def _wide_ticks(self, cycles: BigInt) -> BigInt:
-        """Where products do not fit 64 bits: Python's own integers."""
+        """Convert with Python's integers, for products that do not fit 64 bits."""
         num, den = self._exact
         return cycles * num // den
 
@@ -214,11 +216,11 @@ class Clock:
         return ticks * den // num
 
     def cycle_after(self, tick: int) -> int:
-        """The first cycle that begins after this tick: what a synchroniser lets through."""
+        """Return the first cycle that begins after this tick: the one that samples it with a synchroniser."""
         return self.cycle_at(tick + 1)
 
     def retune(self, cycle: int, hz: Fraction | int) -> None:
-        """From `cycle` on the clock runs at `hz`."""
+        """Set the frequency to `hz` from `cycle` on."""
         self._tick0 = self._last_tick = self.tick(cycle)
         self._cycle0 = self._last_cycle = cycle
         self.hz = Fraction(hz)

@@ -1,6 +1,6 @@
-"""What makes many objects that all stay: a function goes in; the same comes out, without the garbage collector in it.
+"""Decorator that switches the garbage collector off in a function that makes many lasting objects.
 
-Such a pass begins at each 700th new object, and looks at all of them for garbage that there is not yet.
+A collection starts after every 700 new objects and would search them for garbage that does not exist yet.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 def uncollected(build: Callable[P, T]) -> Callable[P, T]:
-    """`build`, during which the collector is off; afterwards it is as it was."""
+    """Return `build` with the collector off while it runs; its previous state is restored afterwards."""
 
     @wraps(build)
     def built(*args: P.args, **kwargs: P.kwargs) -> T:

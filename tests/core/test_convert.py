@@ -139,7 +139,7 @@ def test_what_is_taken(kind: Any, value: object, made: object):
             "annotated with AfterValidator; use Before and After",
         ),
         (int, 3.0, "expected a whole number"),
-        (int | type | Enum, "x", "no file can say a value of its type"),
+        (int | type | Enum, "x", "a file cannot contain a value of its type"),
         (tuple[tuple[int, Annotated[int, msgspec.Meta(le=7)]], ...], [[1, 8]], "expected 7 or less"),
     ],
 )

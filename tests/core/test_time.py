@@ -30,7 +30,7 @@ def test_every_usual_clock_divides(mhz):
 
 def test_a_time_off_the_grid_is_refused_unless_a_rounding_is_named():
     timebase = Timebase(150_000_000)
-    with pytest.raises(TimeError, match="name a rounding"):
+    with pytest.raises(TimeError, match="choose a rounding"):
         timebase.ticks(Fraction(1, 7))
     assert [timebase.ticks(Fraction(1, 7), r) for r in ("down", "nearest", "up")] == [428571428, 428571429, 428571429]
 
@@ -92,7 +92,7 @@ def test_retuning_keeps_what_came_before():
     assert clock.tick(99) == clock.tick(100) - 20  # asked backwards the new length holds; nobody asks
     assert clock.tick(100) == 100 * 200
     assert clock.tick(101) == 100 * 200 + 20
-    with pytest.raises(TimeError, match="never ticks"):
+    with pytest.raises(TimeError, match="a clock cannot have"):
         clock.retune(200, 0)
 
 

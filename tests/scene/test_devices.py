@@ -96,7 +96,8 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             MEMORY,
             f"{MEMORY}\ncontents = '0g'",
-            "line 10: device.memory.contents: '0g' are no bytes; write for instance \"1d 00 ff\", or name a file",
+            "line 10: device.memory.contents: '0g' is not a sequence of bytes; "
+            'write for instance "1d 00 ff", or name a file',
         ),
         (
             MEMORY,

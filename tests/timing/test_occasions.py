@@ -54,7 +54,7 @@ def test_coverage_says_how_much_of_the_occasions_is_enough():
     run.transfer(wrote(GYRO, acked=False), never(GYRO))
     assert limit(run, "response", max="1 us", coverage="50 %").verdict().passed
     assert not limit(run, "response", max="1 us", coverage="50.1 %").verdict().passed
-    with pytest.raises(ValueError, match="'half' is no part of a whole; write for instance '90 %'"):
+    with pytest.raises(ValueError, match="'half' is not a share from 0 % to 100 %; write for instance '90 %'"):
         limit(run, "response", max="1 us", coverage="half")
 
 

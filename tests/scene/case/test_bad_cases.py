@@ -183,7 +183,8 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'order = ["gyroscope"]',
             '[[controller.request]]\naddress = 1\nwrite = "xyz"',
-            "small.toml, line 14: controller.request.0.write: 'xyz' are no bytes; write for instance \"1d 00 ff\"",
+            "small.toml, line 14: controller.request.0.write: 'xyz' is not a sequence of bytes; "
+            'write for instance "1d 00 ff"',
         ),
         (
             'order = ["gyroscope"]',

@@ -157,7 +157,7 @@ def test_bytes_are_hexadecimal_or_numbers(given: object, data: bytes):
 
 @pytest.mark.parametrize("given", ["1", "zz", [256], [-1], [True], 3, None])
 def test_what_are_no_bytes_is_refused(given: object):
-    with pytest.raises(ValueError, match="are no bytes; write for instance"):
+    with pytest.raises(ValueError, match="is not a sequence of bytes; write for instance"):
         hex_bytes(given)
 
 

@@ -133,14 +133,14 @@ def _keys_of_struct(kind: Any) -> dict[str, Key]:
     names, defaults = kind.__struct_fields__, kind.__struct_defaults__
     padded = (msgspec.NODEFAULT,) * (len(names) - len(defaults)) + defaults
     found = {}
-    for name, said, default in zip(names, kind.__struct_encode_fields__, padded, strict=True):
-        if name.startswith("_") or name == getattr(kind, "OTHERS", ""):
+    for field, name, default in zip(names, kind.__struct_encode_fields__, padded, strict=True):
+        if field.startswith("_") or field == getattr(kind, "OTHERS", ""):
             continue
         if default is msgspec.NODEFAULT:
             default = NOTHING
         elif hasattr(default, "factory"):  # of {} and []
             default = default.factory()
-        found[said] = Key(kind, name, default)
+        found[name] = Key(kind, field, default)
     return found
 
 
@@ -172,16 +172,16 @@ def _table(kind: Any) -> Converter:
         keys = keys_of(kind)
         before = len(mistakes)
         values = {}
-        for said, key in keys.items():
-            if said in value:
-                values[key.name] = key.convert(value[said], (*place, said), mistakes)
+        for name, key in keys.items():
+            if name in value:
+                values[key.name] = key.convert(value[name], (*place, name), mistakes)
             elif key.is_required:
-                mistakes.append(Mistake((*place, said), is_missing=True))
-        rest = {said: one for said, one in value.items() if said not in keys}
+                mistakes.append(Mistake((*place, name), is_missing=True))
+        rest = {name: one for name, one in value.items() if name not in keys}
         if rest and others:
             values[others] = rest
         else:
-            mistakes += [Mistake((*place, said), known=tuple(keys)) for said in rest]
+            mistakes += [Mistake((*place, name), known=tuple(keys)) for name in rest]
         if len(mistakes) > before:
             return None
         try:
@@ -200,9 +200,8 @@ def _typed_dict(kind: Any) -> Converter:
     """Return the converter of a TypedDict, whose values stay dictionaries."""
     hints = get_type_hints(kind, include_extras=True)
     named = {name: converter_of(_without_required(hint)) for name, hint in hints.items()}
-    optional = {
-        name for name, hint in hints.items() if get_origin(hint) is NotRequired
-    }  # string annotations hide it from __required_keys__
+    # String annotations hide NotRequired from __required_keys__.
+    optional = {name for name, hint in hints.items() if get_origin(hint) is NotRequired}
     required = [name for name in named if name in kind.__required_keys__ - optional]
 
     def made(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
@@ -210,8 +209,8 @@ def _typed_dict(kind: Any) -> Converter:
             mistakes.append(Mistake(place, "expected a table", value))
             return None
         mistakes += [Mistake((*place, name), is_missing=True) for name in required if name not in value]
-        mistakes += [Mistake((*place, said), known=tuple(named)) for said in value if said not in named]
-        return {said: named[said](one, (*place, said), mistakes) for said, one in value.items() if said in named}
+        mistakes += [Mistake((*place, name), known=tuple(named)) for name in value if name not in named]
+        return {name: named[name](one, (*place, name), mistakes) for name, one in value.items() if name in named}
 
     return made
 
@@ -300,7 +299,7 @@ def _checked(kind: Any, checks: tuple[Any, ...]) -> Converter:
     of_kind = converter_of(kind)
 
     def checked(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        count, said = len(mistakes), value
+        count, original = len(mistakes), value
         try:
             if foreign:
                 name = type(foreign[0]).__name__
@@ -315,9 +314,9 @@ def _checked(kind: Any, checks: tuple[Any, ...]) -> Converter:
                 if isinstance(check, After):
                     value = check.function(value)
                 elif isinstance(check, msgspec.Meta) and not _keeps(check, value):
-                    mistakes.append(Mistake(place, f"expected {limits_of(check)}", said))
+                    mistakes.append(Mistake(place, f"expected {limits_of(check)}", original))
         except ValueError as error:
-            mistakes.append(Mistake(place, str(error), said, error))
+            mistakes.append(Mistake(place, str(error), original, error))
         return value
 
     return checked

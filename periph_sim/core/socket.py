@@ -313,8 +313,8 @@ class Socket(Agent):
         """Pass on the chip's interrupt requests and the lines that it holds."""
         chip = self.chip
         if chip.requests:
-            asked, chip.requests = chip.requests, 0
-            self._on_request(cycle, asked)
+            requests, chip.requests = chip.requests, 0
+            self._on_request(cycle, requests)
         if chip.held != self._held and self.on_held is not None:
             self._held = chip.held
             self.on_held(cycle, chip.held)

@@ -1,11 +1,11 @@
-"""Which form of the core runs: its Python sources, or what was compiled of them; equal records either way.
+"""Selection of the form of the core: its Python sources or the modules compiled from them. Both make equal records.
 
     sources, build --digests agree--> compiled modules are found first      else: interpreted, and `note` says why
 
-A build names the digest of every source it was made of. One that differs by a byte is left alone, so what runs is
-always what the sources say. So is one whose library has another size than it was built with: to load a library that was
-cut off ends the process without a word. PERIPH_SIM_FORM=interpreted leaves any build alone; PERIPH_SIM_FORM=hard runs
-the build for tests, `make core HARD=1`.
+A build contains the digest of every source that it was made from. A build is ignored if one source differs, so that
+compiled code always matches the sources, or if its library has another size than when it was built, because loading a
+truncated library ends the process without a message. PERIPH_SIM_FORM=interpreted ignores any build;
+PERIPH_SIM_FORM=hard uses the build for tests, `make core HARD=1`.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ note = ""  # why a build that is there does not run
 
 
 def digest(package: Path, modules: Sequence[str]) -> str:
-    """One digest of what these modules ("core.kernel") are compiled from, and of the Python that they are for."""
+    """Return one digest of the sources of these modules ("core.kernel") and of the Python they are compiled for."""
     found = hashlib.sha256(SUFFIX.encode())
     for path in (*(source_of(package, module) for module in modules), *sorted(Path(__file__).parent.glob("*.py"))):
         found.update(path.name.encode())
@@ -50,12 +50,12 @@ def digest(package: Path, modules: Sequence[str]) -> str:
 
 
 def source_of(package: Path, module: str) -> Path:
-    """The file of a module."""
+    """Return the file of a module."""
     return package.joinpath(*module.split(".")).with_suffix(".py")
 
 
 def symbol(module: str) -> str:
-    """The C name of a module in the library: its whole path. The last part alone is that of several modules."""
+    """Return the C name of a module in the library: its whole path. The last part alone is that of several modules."""
     return module.replace(".", "__")
 
 
@@ -75,10 +75,10 @@ class _Loader(ExtensionFileLoader):
 
 
 def finders(package: Path, built: Path, modules: Sequence[str]) -> Callable[[str], FileFinder]:
-    """For `sys.path_hooks`: in folders of the package, whoever looks for one of these modules finds the compiled one.
+    """Return an entry of `sys.path_hooks` that finds the compiled modules in folders of the package.
 
-    So those find it, too, who get before all other finders to rewrite assertions, as pytest does, and as cocotb does by
-    it; one on `sys.meta_path` would come behind them.
+    Finders that rewrite assertions, such as that of pytest, which cocotb uses, are first in `sys.meta_path` and use
+    path hooks too. A finder in `sys.meta_path` would come after them.
     """
     names = {f"{package.name}.{module}" for module in modules}
     library = built / LIBRARY
@@ -98,7 +98,7 @@ def finders(package: Path, built: Path, modules: Sequence[str]) -> Callable[[str
 
 
 def usable(package: Path, built: Path) -> tuple[list[str], str]:
-    """The modules of a build that may run, and "" ; or none, and why not."""
+    """Return the modules of a build that may run, and ""; or no modules, and the reason."""
     try:
         manifest = json.loads((built / MANIFEST).read_text("utf-8"))
         modules, made_of = list(manifest["modules"]), str(manifest["digest"])
@@ -115,12 +115,12 @@ def usable(package: Path, built: Path) -> tuple[list[str], str]:
 
 
 def way() -> str:
-    """The command that compiles the core: of a clone, or of a package that was installed."""
+    """Return the command that compiles the core: of a clone or of an installed package."""
     return "make core" if (PACKAGE.parent / "Makefile").is_file() else "python -m periph_sim.form.build"
 
 
 def choose() -> None:
-    """Have the compiled modules found, if there are any, and of these very sources."""
+    """Make the compiled modules importable, if there are any and they match the sources."""
     global running, note
     built = HARD_BUILT if os.environ.get(VARIABLE) == HARD else BUILT
     if os.environ.get(VARIABLE) == INTERPRETED or not built.is_dir():

@@ -1,4 +1,4 @@
-"""Index assertions for C arrays: C code as Cython made it goes in; C code whose indices are checked comes out.
+"""Index assertions for C arrays, inserted into the C code from Cython.
 
     __pyx_v_cpu->xar[__pyx_v_f->n]  -->  __pyx_v_cpu->xar[PERIPH_SIM_INDEX(__pyx_v_f->n, 8, "xar")]
 
@@ -33,7 +33,7 @@ BEGIN = "/* Module declarations from "  # behind what Cython defines for itself,
 
 
 def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
-    """The lengths of the arrays that these .pxd files declare, by name. ValueError if two of one name differ."""
+    """Return the lengths of the arrays that these .pxd files declare, by name. ValueError if two of one name differ."""
     found: dict[str, int] = {}
     for length, name in (one for pxd in pxds for one in ARRAY.findall(pxd)):
         if found.setdefault(name, int(length)) != int(length):
@@ -42,7 +42,7 @@ def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
 
 
 def with_index_checks(c_text: str, lengths: Mapping[str, int]) -> str:
-    """The C code with a check of each index of these arrays that is not a number."""
+    """Return the C code with a check of each index of these arrays that is not a number."""
     if not lengths:
         return c_text
     used = re.compile(rf"->(?:__pyx_base\.)*({'|'.join(map(re.escape, lengths))})\[")
@@ -64,7 +64,7 @@ def _checked(text: str, used: re.Pattern[str], lengths: Mapping[str, int]) -> st
 
 
 def _closing(text: str, at: int) -> int:
-    """The place of the bracket that closes the one before `at`."""
+    """Return the place of the bracket that closes the one before `at`."""
     depth = 1
     while depth:
         depth += {"[": 1, "]": -1}.get(text[at], 0)

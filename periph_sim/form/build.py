@@ -1,4 +1,4 @@
-"""Compiles the core: Python sources that say so go in; one library and a manifest come out.
+"""Compilation of the core: one library and a manifest from the Python sources marked `# core: compiled`.
 
 python -m periph_sim.form.build [--hard] [PREFIX ...]
 
@@ -98,11 +98,11 @@ OBJECTS = "objects"
 
 
 class NoBuild(Exception):
-    """The core cannot be compiled here; the message says what is missing, or what the compiler said."""
+    """The core cannot be compiled here; the message says what is missing, or is the output of the compiler."""
 
 
 def compiler() -> str:
-    """The C compiler's command. NoBuild if there is none, or no Cython."""
+    """Return the C compiler's command. NoBuild if it or Cython is missing."""
     if find_spec("Cython") is None:
         raise NoBuild("Cython is not installed; install the extra `core`: pip install 'periph-sim[core]'")
     name = os.environ.get("CC", "cc")
@@ -114,7 +114,7 @@ def compiler() -> str:
 
 
 def jobs() -> int:
-    """How many modules are compiled at a time: the variable JOBS, else as many as there are cores."""
+    """Return the number of modules to compile in parallel: the variable JOBS, or the number of cores."""
     said = os.environ.get("JOBS") or str(os.cpu_count() or 1)
     if not said.isdecimal() or int(said) < 1:
         raise NoBuild(f"JOBS={said}: expected a number of modules to compile at a time, 1 or more")
@@ -139,7 +139,7 @@ def shadow(package: Path, sources: Sources, modules: Sequence[str], folder: Path
 def compile_one(
     module: str, package: str, cc: str, kind: Kind = NORMAL, always_set: Sequence[tuple[str, str]] = ()
 ) -> None:
-    """One module, from its source to an object file in the present folder. NoBuild with what the compiler said.
+    """Compile one module to an object file in the present folder. NoBuild with the output of the compiler.
 
     always_set: classes and attributes whose setters refuse None.
     """
@@ -170,7 +170,7 @@ def require_directives(pxd: str, c_file: Path) -> None:
 
 
 def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
-    """The C file of a module, in the present folder. NoBuild with what Cython said.
+    """Return the C file of a module, in the present folder. NoBuild with the output of Cython.
 
     In this process: it takes Cython as long to start as to compile a module of usual length.
     """
@@ -205,7 +205,7 @@ def leave_out_checks_of_self() -> None:
 
 
 def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None:
-    """All object files in `folder` to one library. NoBuild with what the linker said."""
+    """Link all object files in `folder` to one library. NoBuild with the output of the linker."""
     command = [*cc.split(), "-shared", *kind.link, *(f"{module}.o" for module in modules), "-o", LIBRARY]
     for more in ([SORTED], []):  # a linker that does not know the option can do without
         done = run([*command, *more], cwd=folder, capture_output=True, text=True, check=False)
@@ -215,7 +215,7 @@ def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None
 
 
 def types_of(module: str, folder: Path) -> dict[str, str]:
-    """The .pxd files in `folder` that this module's depends on, its own included, by module."""
+    """Return the .pxd files in `folder` that this module's .pxd file depends on, its own included, by module."""
     found: dict[str, str] = {}
     waiting = [module]
     while waiting:
@@ -251,7 +251,7 @@ def fingerprint(
 
 
 def last_build(built: Path) -> dict[str, str]:
-    """The object files of the build that is there, by module, each with its fingerprint."""
+    """Return the object files of the existing build, by module, each with its fingerprint."""
     try:
         found = json.loads((built / MANIFEST).read_text("utf-8"))["modules"]
         return {module: made_of for module, made_of in found.items() if (built / OBJECTS / f"{module}.o").is_file()}
@@ -260,7 +260,7 @@ def last_build(built: Path) -> dict[str, str]:
 
 
 def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
-    """The modules with these prefixes and those whose types they use; without prefixes, all modules."""
+    """Return the modules with these prefixes and those whose types they use; without prefixes, all modules."""
     found = sources.compiled()
     chosen = [one for one in found if any(f"{one}.".startswith(f"{prefix}.") for prefix in prefixes)]
     if prefixes and not chosen:

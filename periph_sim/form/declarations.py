@@ -1,10 +1,10 @@
-"""Declarations for Cython: a module's types go in, the text of its .pxd file comes out.
+"""Declarations for Cython: the text of the .pxd file of a module, made from its types.
 
 class Event:                                            cdef class Event:
     time: int                                               cdef public long long time
     following: Event | None                                 cdef public Event following
-def renew(self, event: Event, time: int) -> None:           @cython.locals(before=Event)
-    before: Event = self._latest                            cpdef bint renew(self, Event event, ...) except -1
+def reschedule(self, event: Event, time: int) -> None:      @cython.locals(before=Event)
+    before: Event = self._latest                            cpdef bint reschedule(self, Event event, ...) except -1
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ cdef extern from *:
 
 
 def declarations(source: Source) -> str:
-    """The text of the .pxd file of a module."""
+    """Return the text of the .pxd file of a module."""
     return Writer(source).text()
 
 
 def used_by(sources: Sources, module: str) -> set[str]:
-    """The modules whose types a module uses, directly or not, itself included."""
+    """Return the modules whose types a module uses, directly or not, itself included."""
     found: set[str] = set()
     waiting = [module]
     while waiting:
@@ -123,7 +123,7 @@ class Writer:
         return found if found in NUMBERS.values() else OBJECT
 
     def _spelled(self, kind: Type) -> str:
-        """The type as the file spells it; its class is declared or cimported before."""
+        """Return the type as written in the file; its class is declared or cimported before."""
         owner = kind.kind
         if owner is not None and owner.source is not self.source:
             self.needed.setdefault(owner.source.name, set()).add(owner.name)

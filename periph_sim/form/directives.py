@@ -1,4 +1,4 @@
-"""Directives of a .pxd file in the C code that Cython made of it: both go in; those that are not obeyed come out.
+"""Check that the C code from Cython obeys the directives of its .pxd file.
 
     @cython.final            the type is no base type
     @cython.freelist(16)     the deallocator keeps objects while there are fewer than 16
@@ -61,7 +61,7 @@ def _disobeyed(pxd: str, c_text: str) -> Iterator[str]:
 
 
 def _decorated(pxd: str) -> Iterator[tuple[list[str], str]]:
-    """Each declaration of a class or function, with the decorators above it, each in one line."""
+    """Yield each declaration of a class or function, with the decorators above it, each in one line."""
     decorators: list[str] = []
     open_one = ""
     for raw in pxd.split("\n"):
@@ -80,7 +80,7 @@ def _decorated(pxd: str) -> Iterator[tuple[list[str], str]]:
 
 
 def _slot(c_text: str, name: str, slot: str) -> str:
-    """The body of a slot function of a class; "" if there is none."""
+    """Return the body of a slot function of a class; "" if there is none."""
     found = re.search(rf"^static \w+ \*?__pyx_{slot}_\w*?\d{name}\(PyObject \*o\) {{\n(.*?)^}}", c_text, _WHOLE)
     found = found or re.search(rf"^static [\w ]+\*?__pyx_{slot}_\w*_{name}\([^\n]*\) {{\n(.*?)^}}", c_text, _WHOLE)
     return found[1] if found else ""
@@ -106,7 +106,7 @@ def _is_released_in_a_loop(c_text: str, name: str) -> bool:
 
 
 def _declares(pxd: str, c_text: str, inside: str, function: str, variable: str, kind: str) -> bool:
-    """True if a C function declares a variable of this type, or takes it as an argument."""
+    """Return True if a C function declares a variable of this type, or takes it as an argument."""
     prefix = rf"{len(inside)}{inside}_" if inside else ""
     bodies = re.findall(rf"^static [^\n]*?__pyx_f_\w*?{prefix}{function}(\([^\n]*\) {{\n.*?^}})", c_text, _WHOLE)
     if kind in LOCALS:

@@ -1,9 +1,9 @@
-"""Constants in a source: names of whole numbers in capitals go in; the same source with their values comes out.
+"""Replacement of uppercase names of integers in a source by their values.
 
     state.str |= STR_XRDY          state.str |= 16
     if offset == at.DRR:           if offset == 6:
 
-A compiled module would look them up anew each time, and calculate with objects. Lines keep their numbers.
+A compiled module would look the names up at each use and calculate with objects. Line numbers do not change.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ import re
 from collections.abc import Iterator, Mapping
 from types import ModuleType
 
-LITERAL = 2**31 - 1  # what is more becomes an object in C, unless a declaration says how wide it is
-WORD = 64  # bits of a C integer; what needs more stays a name, and an object
+LITERAL = 2**31 - 1  # larger values become objects in C unless their width is declared
+WORD = 64  # bits of a C integer; larger values stay names and objects
 
 
 def wide_name(value: int) -> str:
-    """What a constant that is more is called."""
+    """Return the name of a constant that is larger than LITERAL."""
     return f"PERIPH_SIM_{value}"
 
 
 def declared(source: str, pxd: str) -> str:
-    """The .pxd file with a declaration of each wide constant that the folded source names."""
+    """Return the .pxd file with a declaration of each wide constant in the folded source."""
     found = sorted(set(re.findall(r"\bPERIPH_SIM_(\d+)\b", source)))
     if not found:
         return pxd
@@ -33,7 +33,7 @@ def declared(source: str, pxd: str) -> str:
 
 
 def folded(source: str, names: Mapping[str, object]) -> str:
-    """names: the module's globals, as they are after its import."""
+    """Return the source with integer constants replaced by literals. names: the module's globals after its import."""
     lines = source.split("\n")
     tree = ast.parse(source)
     for node, value in sorted(_constants(tree, names), key=lambda one: _place(one[0]), reverse=True):
@@ -50,7 +50,7 @@ def _place(node: ast.expr) -> tuple[int, int, int]:
 
 
 def _constants(tree: ast.Module, names: Mapping[str, object]) -> Iterator[tuple[ast.expr, int]]:
-    """Each use, inside functions and classes, of a name in capitals that stands for a whole number."""
+    """Yield each use, inside functions and classes, of an uppercase name of an integer, with its value."""
     outer = [one for one in tree.body if isinstance(one, ast.ClassDef | ast.FunctionDef)]
     for node in (node for one in outer for node in ast.walk(one)):
         value: object = None

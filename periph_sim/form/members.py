@@ -1,9 +1,9 @@
-"""Members of enumerations in a source: `Kind.FLAG` goes in; a global name of the module, bound once, comes out.
+"""Replacement of enumeration members in a source, such as `Kind.FLAG`, by global names that are bound once.
 
     from ..core.records import Kind      from ..core.records import Kind; Kind_FLAG = Kind.FLAG
     recorder.wants(Kind.FLAG)            recorder.wants(Kind_FLAG)
 
-A member is an attribute of its class by way of a function in Python, whose call a compiled module would make each time.
+Access to a member calls a Python function, which a compiled module would do at each use.
 Lines keep their numbers.
 """
 
@@ -39,7 +39,7 @@ def with_members_bound(source: str, names: Mapping[str, object]) -> str:
 
 
 def _members(tree: ast.Module, names: Mapping[str, object]) -> Iterator[tuple[ast.Attribute, str]]:
-    """Each use of a member, by the name of its class, inside functions and classes; that name, too."""
+    """Yield each use of a member by the name of its class, inside functions and classes, with that name."""
     outer = [one for one in tree.body if isinstance(one, ast.ClassDef | ast.FunctionDef)]
     for node in (node for one in outer for node in ast.walk(one)):
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):

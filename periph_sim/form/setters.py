@@ -1,7 +1,7 @@
-"""Setters that refuse None: C code as Cython made it goes in; public attributes of compiled classes refuse None in it.
+"""Setters that reject None, inserted into the C code from Cython for public attributes of compiled classes.
 
     cdef public Kernel kernel    -->  `wire.kernel = None` and `del wire.kernel` are TypeErrors
-    cdef public Event following  -->  as before, since the source assigns None to it, or says `Event | None`
+    cdef public Event following  -->  unchanged, since the source assigns None to it or declares `Event | None`
 
 Cython lets None into an attribute of any compiled class. Modules that are compiled without checks for None rely on
 these setters, and mypy holds the package's own code to the same.

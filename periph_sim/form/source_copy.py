@@ -1,4 +1,4 @@
-"""Sources as Cython compiles them: a source goes in; the same lines come out, with what is Cython's in place.
+"""Sources for Cython: the same lines with Cython's decorators and types.
 
     @final                                                      @cython.final is in the .pxd file
     class Event:  # core: freelist 16                           @cython.freelist(16)
@@ -28,7 +28,7 @@ FUTURE = "from __future__ import annotations\n"
 
 
 def prepared(source: Source) -> str:
-    """The source, ready for Cython."""
+    """Return the source, ready for Cython."""
     lines = source.text.split("\n")
     for node in walked(source.tree):
         if isinstance(node, ast.FunctionDef):
@@ -79,7 +79,7 @@ def _bare_returns(source: Source) -> Iterator[tuple[int, int]]:
 
 
 def _returns(body: Iterable[ast.AST]) -> Iterator[ast.Return]:
-    """Each `return` without a value, those of functions inside left out."""
+    """Yield each `return` without a value, except in inner functions."""
     for node in body:
         if isinstance(node, ast.Return) and node.value is None:
             yield node
@@ -99,7 +99,7 @@ def _remove_names(statement: ast.ImportFrom, names: Collection[str], lines: list
 
 
 def _look_up_spelled_out(source: Source, text: str) -> str:
-    """The text, whose last line looks a function up by its name, with a comparison for each function.
+    """Replace the last line of the text, which looks a function up by its name, by a comparison for each function.
 
     A C function is no object that a module has by name. `name` may be that of any function without a result that takes
     an operation.

@@ -79,7 +79,7 @@ class Sources(dict[str, "Source"]):
         return source
 
     def compiled(self) -> list[str]:
-        """The names of all modules that are compiled."""
+        """Return the names of all modules that are compiled."""
         names = (".".join(path.relative_to(self.package).with_suffix("").parts) for path in self.package.rglob("*.py"))
         return sorted(name for name in names if self[name].is_compiled)
 
@@ -162,7 +162,7 @@ class Source:
         return found
 
     def find_class(self, name: str) -> Class | None:
-        """The compiled class that a name means in this module."""
+        """Return the compiled class of a name in this module."""
         if name in self.classes:
             return self.classes[name]
         module, there = self.imports.get(name, ("", ""))
@@ -171,7 +171,7 @@ class Source:
     # Types -------------------------------------------------------------------
 
     def type_of(self, node: ast.expr | None) -> Type:
-        """The type that an annotation says."""
+        """Return the type of an annotation."""
         match node:
             case ast.Constant(value=None):
                 return Type(VOID)
@@ -223,7 +223,7 @@ class Source:
         return found
 
     def number(self, node: ast.expr) -> int:
-        """The value of a constant expression."""
+        """Return the value of a constant expression."""
         match node:
             case ast.Constant(value=int(value)):
                 return value
@@ -237,7 +237,7 @@ class Source:
         raise self.bad(node.lineno, f"the length {ast.unparse(node)} of an array; expected a number")
 
     def type_of_value(self, value: ast.expr, within: Class | None, known: Mapping[str, ast.expr | None]) -> Type | None:
-        """The type that an expression says by itself, or None. known: annotations of names in it."""
+        """Return the type of an expression if its form shows it, or None. known: annotations of names in it."""
         match value:
             case ast.Constant(value=bool() | int() | str() | bytes() as constant):
                 return self._type_named(type(constant).__name__)
@@ -275,7 +275,7 @@ class Source:
         return None
 
     def type_of_constant(self, name: str) -> Type | None:
-        """The type of a name that the module assigns or imports."""
+        """Return the type of a name that the module assigns or imports."""
         value = self.assigned.get(name)
         if value is not None:
             from_range = isinstance(value, ast.Call) and ast.unparse(value.func) == "range"
@@ -390,7 +390,7 @@ class Class:
             one = one.base
 
     def member(self, name: str, called: bool) -> Type | None:
-        """The type of an attribute, or of what a method or property returns."""
+        """Return the type of an attribute, or of what a method or property returns."""
         for one in (self, *self.bases):
             if name in one.defined:
                 is_property = any(ast.unparse(way) == "property" for way in one.defined[name].decorator_list)

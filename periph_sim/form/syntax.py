@@ -1,4 +1,4 @@
-"""Questions about the syntax of a source: nodes of its tree go in; names, values and parts of it come out."""
+"""Queries on the syntax tree of a source for names, values and parts of it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OPERATORS: Mapping[type[ast.operator], Callable[[int, int], int]] = {
 
 @cache
 def walked(node: ast.AST) -> tuple[ast.AST, ...]:
-    """The node and all nodes below it."""
+    """Return the node and all nodes below it."""
     return tuple(ast.walk(node))
 
 
@@ -29,7 +29,7 @@ def is_own(target: ast.expr) -> bool:
 
 
 def read_names(tree: ast.AST, owner: str) -> set[str]:
-    """Names that are read without being called: of variables, or of the attributes of the variable `owner`."""
+    """Return the names of variables, or of attributes of the variable `owner`, that are read but not called."""
     called = {id(node.func) for node in walked(tree) if isinstance(node, ast.Call)}
     read = [one for one in walked(tree) if isinstance(getattr(one, "ctx", None), ast.Load) and id(one) not in called]
     if owner:
@@ -38,7 +38,7 @@ def read_names(tree: ast.AST, owner: str) -> set[str]:
 
 
 def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
-    """Each target with its value; None if that is inside another one."""
+    """Yield each target with its value; None if the value is inside another one."""
     for target in node.targets:
         if not isinstance(target, ast.Tuple):
             yield target, node.value
@@ -64,7 +64,7 @@ def own_assignments(method: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | N
 
 
 def is_typable(node: ast.FunctionDef, kind: str) -> bool:
-    """True if Cython can make a C function of it: with positional arguments, no `yield`, no `super` and no closure.
+    """Return True if Cython can make a C function of it: positional arguments, no `yield`, no `super`, no closure.
 
     One that only C calls may have closures.
     """

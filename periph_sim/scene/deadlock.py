@@ -86,7 +86,7 @@ def nothing_comes(
         return "no module of the unit has an interrupt that IER and PIEIER enable; enable one, or name its module"
     due = f"{' and '.join(modules)} {'has' if len(modules) == 1 else 'have'} nothing due"
     inputs = [name for name in wires if name not in outputs(dsp)]
-    moved = f"nobody will move {' or '.join(inputs)}" if inputs else "no wire leads there"
+    moved = f"no party will change {' or '.join(inputs)}" if inputs else "no wire leads there"
     ignored = refused(dsp, instant) if "I2C-A" in modules else ""
     return f"{due} and {moved}{f'; {ignored}' if ignored else ''}"
 

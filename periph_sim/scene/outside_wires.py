@@ -27,6 +27,8 @@ def not_run(case: Case) -> BadCase:
     """Return the error for a case that is driven from outside and cannot be run like others."""
     assert case.outside is not None
     wires = " and ".join(case.outside.wires)
-    what = f"{wires} {'is' if len(case.outside.wires) == 1 else 'are'} moved from outside, and in a run nobody is there"
+    what = (
+        f"{wires} {'is' if len(case.outside.wires) == 1 else 'are'} driven from outside, and a run has no outside party"
+    )
     way_out = "step it with periph_sim.outside.Session, or give its log, a [controller] or a [host]"
     return case.mistake(f"{what}; {way_out}", "outside")

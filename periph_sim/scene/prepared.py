@@ -40,7 +40,7 @@ class PreparedScene:
     case: of `load` or `make_case`, or a file, which is read now and not again.
     changes: "key=value" texts applied to the file for all runs.
 
-    BadCase if the file cannot be read; that it says no case is told by `scene` and `run`.
+    BadCase if the file cannot be read. `scene` and `run` raise it if the file is not a valid case.
     """
 
     def __init__(self, case: Case | str | Path, changes: Sequence[str] = ()) -> None:

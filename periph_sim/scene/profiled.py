@@ -31,7 +31,7 @@ class Profiled(Struct, frozen=True):
 def profiled(
     case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
 ) -> Profiled:
-    """Run a case. BadCase if no unit runs an image, or if an image without lines is to be covered."""
+    """Run a case. BadCase if no unit runs an image, or if coverage is wanted of an image without line information."""
     scene = Scene(case)
     programs = {name: unit.program for name, unit in scene.units.items() if isinstance(unit.program, ImageProgram)}
     if not programs:

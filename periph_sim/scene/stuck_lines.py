@@ -33,7 +33,7 @@ class StuckLines:
         self._after_rounds = 0
 
     def report(self, wire: Wire) -> None:
-        who = " and ".join(wire.held_by()) or "nobody"
+        who = " and ".join(wire.held_by()) or "no party"
         at = self._timebase.show(self._kernel.now - self._start)
         each = "; ".join(f"{name} {doing(dsp, self._timebase, self._start)}" for name, dsp in self._units.items())
         self.sentences.append(f"{wire.name} is held low by {who} at {at}: {each}")

@@ -56,11 +56,11 @@ class UartLines:
         for name in self._heard:
             self._counter(name).topics.append(recorder.topic(Kind.RECEIVER, name, "character"))
 
-    def on_character_from(self, wires: Collection[str], told: Callable[[str, int], None]) -> None:
-        """Call `told(wire, tick)` for each character on those of these wires that lead to an SCI."""
+    def on_character_from(self, wires: Collection[str], callback: Callable[[str, int], None]) -> None:
+        """Call `callback(wire, tick)` for each character on those of these wires that lead to an SCI."""
         for name in dict.fromkeys(self._heard):
             if name in wires:
-                self._counter(name).on_character.append(partial(told, name))
+                self._counter(name).on_character.append(partial(callback, name))
 
     def _counter(self, name: str) -> UartCounter:
         if name not in self._counters:

@@ -127,7 +127,7 @@ def build_unit(context: SceneContext, name: str, plan: UnitPlan, program: Firmwa
 
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:
-    """Make the unit run its image. The returned firmware stands for it in lists of firmware."""
+    """Make the unit run its image. The returned firmware represents it in lists of firmware."""
     from ..image.model import BadImage
     from ..image.program_file import program_in
     from .image_watching import watch_image

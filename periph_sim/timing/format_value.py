@@ -54,12 +54,12 @@ def duration_text(seconds: float) -> str:
 
 
 def percentile(which: str) -> str:
-    """`p99.9` of a limit's key."""
+    """Return the percentile of a limit's key, such as `p99.9`."""
     return which.replace("_", ".")
 
 
 def instant(at_s: float | None) -> str:
-    """`0.005290 s`; `-` where there is none."""
+    """Return an instant as text, such as `0.005290 s`, or `-` for None."""
     return "-" if at_s is None else f"{at_s:.6f} s"
 
 
@@ -69,6 +69,6 @@ def broken(verdict: Verdict) -> str:
         return verdict.found
     over = "over" if verdict.worst > verdict.limit else "under"
     at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
-    told = f" ({verdict.found})" if verdict.found else ""
+    found = f" ({verdict.found})" if verdict.found else ""
     worst, limit = (in_words(value, verdict.unit) for value in (verdict.worst, verdict.limit))
-    return f"{worst} is {over} its limit of {limit}{at}{told}"
+    return f"{worst} is {over} its limit of {limit}{at}{found}"

@@ -1,11 +1,11 @@
 """A slave that takes XRDY = 1 for a read request: it loads I2CDXR though no master reads from it.
 
-XRDY is 1 in idle, so SDIR or AAS has to be looked at too. Judged by what follows: the last look at XRDY before a write
-of I2CDXR showed XRDY = 1 and SDIR = 0, and SDIR was 0 still, as slave and not in FIFO mode. Firmware that had seen
-SDIR = 1 would not have written. A look is a read that names XRDY or takes the whole register, since the write of I2CDXR
-before. A byte that is loaded without any is no fault of this kind, nor is a write after which the firmware makes itself
-master (its next write of I2CMDR has MST = 1). Where the firmware itself had cleared SDIR since it was addressed, that
-is told instead.
+XRDY is 1 in idle, so firmware has to read SDIR or AAS too. The fault is judged by its result: the last read of XRDY
+before a write of I2CDXR showed XRDY = 1 and SDIR = 0, and SDIR was still 0 at the write, as slave and not in FIFO mode.
+Firmware that checks SDIR would not have written. Only reads of XRDY or of the whole register since the previous write
+of I2CDXR count. A byte that is loaded without such a read is no fault of this kind, nor is a write after which the
+firmware becomes master (its next write of I2CMDR has MST = 1). If the firmware itself cleared SDIR since it was
+addressed, that is reported instead.
 """
 
 from __future__ import annotations

@@ -63,7 +63,7 @@ class DeviceFault(Strikes, frozen=True, kw_only=True):
         if self.kind == "wrong" and self.value is None:
             raise ValueError("a wrong byte needs its value, value = 0xFF for instance")
         if self.kind == "hold" and (self.length is None) == (self.clocks is None):
-            raise ValueError("SDA is held either for a length or for so many clocks; give one of them")
+            raise ValueError("SDA is held either for a length or for a number of clocks; give one of them")
         if self.kind in ("wrong", "flip") and (self.access == "write" or 0 in self.bytes):
             raise ValueError(f"a fault of kind {self.kind!r} is about bytes that the device sends, 1 and up of a read")
         if self.until is not None and self.until <= self.after:

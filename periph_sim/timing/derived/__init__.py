@@ -1,1 +1,1 @@
-"""Records that follow from others: transfers, rounds and host frames go in; what budgets measure of them comes out."""
+"""Records derived from transfers, rounds and host frames, as values that budgets measure."""

@@ -1,4 +1,4 @@
-"""Records of the age of data: host frames and reads of known chips go in; how old what was read was comes out.
+"""Records of the age of data, derived from host frames and reads of known chips.
 
     frame 1 ends        frame 2 ends
         |-------- age -----|--------> read of frame 1's values

@@ -1,4 +1,4 @@
-"""Records of bytes that were read: reads go in; how many bytes were asked for, compared and wrong comes out.
+"""Records of bytes that were read: the numbers of bytes requested, compared and wrong.
 
 thing            tick               value
 bytes asked      START of the read  number of bytes that were to be read

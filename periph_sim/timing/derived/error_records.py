@@ -1,4 +1,4 @@
-"""Records of values against the truth: samples of known chips go in; how far off they were comes out.
+"""Records of the errors of samples of known chips, compared with the truth.
 
     read of a chip --values x, y, z--.
                                      |-- worst axis --> value error, in millionths of an LSB

@@ -1,4 +1,4 @@
-"""All frames that a host has sent: numbers and values go in, the youngest frame that shows given bytes comes out.
+"""History of all frames that a host has sent, searched for the youngest frame that shows given bytes.
 
 A frame takes 28 bytes, and 6 more for each chip that is asked for: an hour of 50 frames a second is 5 MB.
 """

@@ -1,4 +1,4 @@
-"""Records of rounds: rounds that are due, over and missed go in; what budgets measure of them comes out.
+"""Records of rounds that are due, complete and missed, as values that budgets measure.
 
 thing     tick                     value
 due       when it was due          0; of each round, once it is known whether it began

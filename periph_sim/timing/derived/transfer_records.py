@@ -1,4 +1,4 @@
-"""Records of I2C transfers: a transfer that is over goes in; what budgets measure of its phases comes out.
+"""Records of complete I2C transfers, as values of their phases that budgets measure.
 
 thing     tick                                                          value
 phase     START of each addressed phase                                 its address

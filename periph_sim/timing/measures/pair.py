@@ -193,7 +193,7 @@ class Between(EventMeasure):
         if self._again is not None:
             one, other = (f"{(at - self._began_at) / self._per_second:.6f} s" for at in self._again)
             what = f"{first!r} came at {one} and again at {other} before {second!r}"
-            return f"{what}; say behind a comma which belong together: in order, next or last"
+            return f"{what}; add after a comma which belong together: in order, next or last"
         if all(self.seen[:2]):
             return f"no {first!r} was followed by {second!r}{self._rule_text}"
         return self.unmatched([self.matchers[place] for place in (FIRST, SECOND) if not self.seen[place]])

@@ -143,7 +143,7 @@ class RecordedValues(Measure):
         self.occasion(tick)
 
     def unknown_of(self, value: int) -> int:
-        """Return the number of things that a record of something unknown stands for."""
+        """Return the number of unknown things that a record represents."""
         return 1
 
     def _count_unknown(self, tag: int, value: int) -> None:

@@ -3,7 +3,7 @@
     value, tick --> cell of the value: count, first tick --> percentile
 
 Up to MOST different values have a cell each, and percentiles are exact. With more values the cells become twice as
-wide until half of MOST are left. A cell stands for the largest value in it, so a percentile is a measured value and
+wide until half of MOST are left. A cell represents the largest value in it, so a percentile is a measured value and
 never too small.
 """
 

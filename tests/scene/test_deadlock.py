@@ -44,14 +44,14 @@ def test_alone_on_the_bus(monkeypatch: pytest.MonkeyPatch):
     assert result.verdict == "fail"
     assert result.stuck == [
         "dsp waits for I2C-A.I2CSTR.AAS since 0.360 us and would for ever: "
-        "I2C-A has nothing due and nobody will move SDA or SCL"
+        "I2C-A has nothing due and no party will change SDA or SCL"
     ]
 
 
 def test_every_register_that_is_polled_is_named(monkeypatch: pytest.MonkeyPatch):
     (sentence,) = scene_with(monkeypatch, waits_for_a_word, ["SCI-A"]).run().stuck
     assert "waits for SCI-A.SCIFFRX.RXFFST and SCI-A.SCIRXST.BRKDT since" in sentence
-    assert sentence.endswith("SCI-A has nothing due and nobody will move RX")
+    assert sentence.endswith("SCI-A has nothing due and no party will change RX")
 
 
 def test_traffic_elsewhere_does_not_hide_it(monkeypatch: pytest.MonkeyPatch):
@@ -86,7 +86,7 @@ def test_two_units_that_wait_for_each_other():
     )
     result = Scene(alone).run()
     assert [line.split(" ")[0] for line in result.stuck] == ["a", "b"]
-    assert all(line.endswith("I2C-A has nothing due and nobody will move SDA or SCL") for line in result.stuck)
+    assert all(line.endswith("I2C-A has nothing due and no party will change SDA or SCL") for line in result.stuck)
 
 
 def two_units(one: Callable[[Dsp], None], other: Callable[[Dsp], None], *modules: str, **more: Any) -> list[str]:
@@ -232,7 +232,7 @@ def test_a_slave_that_stretches_for_ever_is_told_with_who_holds_scl(monkeypatch:
 def test_it_is_a_deadlock_when_the_controller_has_nothing_else_to_do(monkeypatch: pytest.MonkeyPatch):
     _, result = held(monkeypatch, rounds=1)
     assert len(result.stuck) == 2 and result.verdict == "fail"
-    assert result.stuck[1].endswith("I2C-A has nothing due and nobody will move SDA or SCL")
+    assert result.stuck[1].endswith("I2C-A has nothing due and no party will change SDA or SCL")
 
 
 def test_a_long_stretch_that_ends_is_told_but_fails_only_by_budget(monkeypatch: pytest.MonkeyPatch):
@@ -348,7 +348,7 @@ ADC = {
 
 def test_a_device_that_only_answers_moves_no_line(monkeypatch: pytest.MonkeyPatch):
     (sentence,) = scene_with(monkeypatch, waits_for_aas, ["I2C-A"], device=MEMORY).run().stuck
-    assert sentence.endswith("I2C-A has nothing due and nobody will move SDA or SCL")
+    assert sentence.endswith("I2C-A has nothing due and no party will change SDA or SCL")
 
 
 def test_the_wait_for_a_devices_interrupt_pin_is_no_deadlock(tmp_path: Path):
@@ -378,7 +378,7 @@ def test_an_address_that_nobody_acknowledged_is_told_and_an_output_of_the_unit_i
     unit = {"firmware": "under test", "modules": ["I2C-A", "GPIO"], "pins": {"GOOD": 34}}
     program = Firmware("under test", lambda dsp, settings: ignores_nack(dsp), None)
     (sentence,) = Scene(case("1 ms", unit={"dsp": unit}), programs={"dsp": program}).run().stuck
-    head, _, told = sentence.partition("nobody will move ")
+    head, _, told = sentence.partition("no party will change ")
     assert "waits for I2C-A.I2CSTR.SCD since" in head
     assert re.fullmatch(r"SDA or SCL; I2CSTR.NACK is set since (\d+\.\d+) us: address 0x51 was not acknowledged", told)
 

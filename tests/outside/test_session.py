@@ -310,7 +310,7 @@ def test_a_case_says_itself_who_is_outside_and_is_not_run(tmp_path: Path) -> Non
     assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
     from periph_sim.api import run
 
-    with pytest.raises(BadCase, match=r"case.toml, line 6: outside: SDA and SCL are moved from outside, and in a run"):
+    with pytest.raises(BadCase, match=r"case.toml, line 6: outside: SDA and SCL are driven from outside, and a run"):
         run(load(path))
     with pytest.raises(BadCase, match="no wire leads outside; name them"):
         Session(case())

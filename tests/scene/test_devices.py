@@ -204,7 +204,7 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             MEMORY,
             f"{MEMORY}\n[[device.memory.fault]]\nkind = 'hold'",
-            "SDA is held either for a length or for so many clocks; give one of them",
+            "SDA is held either for a length or for a number of clocks; give one of them",
         ),
         (
             MEMORY,

@@ -198,7 +198,7 @@ def test_a_table_that_sends_on_the_same_wire_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wires", "said"), [(("RX",), "RX is moved from outside"), (BUS, "SDA and SCL are moved from outside")]
+    ("wires", "said"), [(("RX",), "RX is driven from outside"), (BUS, "SDA and SCL are driven from outside")]
 )
 def test_a_case_that_is_driven_from_outside_is_not_run_by_itself(wires: tuple[str, ...], said: str):
     tables = {
@@ -210,7 +210,7 @@ def test_a_case_that_is_driven_from_outside_is_not_run_by_itself(wires: tuple[st
     with pytest.raises(BadCase) as caught:
         scene.run()
     way_out = "step it with periph_sim.outside.Session, or give its log, a [controller] or a [host]"
-    assert f"{said}, and in a run nobody is there; {way_out}" in str(caught.value)
+    assert f"{said}, and a run has no outside party; {way_out}" in str(caught.value)
 
 
 def test_a_budget_with_a_part_that_needs_the_host_is_left_out_with_it() -> None:

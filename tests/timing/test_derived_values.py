@@ -166,7 +166,7 @@ def test_what_may_not_be_guessed_is_told_with_times_from_the_begin_of_the_run():
     tell(told, records("100 edge SCL level 1\n350 edge SCL level 1\n360 edge SCL level 1\n400 edge SDA level 1"))
     assert told.missing() == (
         "'edge SCL rise' came at 0.050000 s and again at 0.300000 s before 'edge SDA rise'; "
-        "say behind a comma which belong together: in order, next or last"
+        "add after a comma which belong together: in order, next or last"
     )
 
 

@@ -53,7 +53,7 @@ def test_without_a_rule_it_is_refused_to_guess():
     tell(told, drawn("|   |  |  ", "  |      |"))
     assert told.silent and told.missing() == (
         "'edge SCL rise' came at 0.000000 s and again at 0.000000 s before 'edge SDA rise'; "
-        "say behind a comma which belong together: in order, next or last"
+        "add after a comma which belong together: in order, next or last"
     )
     clear = between(RISES)
     tell(clear, drawn("|   |  ", "  |   |"))
@@ -188,7 +188,7 @@ def test_an_echo_of_500_us_a_byte_with_twelve_waiting_gives_the_true_worst(monke
     )
     assert in_order.broken and in_order.count == 12
     assert in_order.worst == pytest.approx(12 * 500 + 85 - 11 * 86.8, abs=12)
-    assert (unsaid.verdict, unsaid.worst) == ("not judged", None) and "say behind a comma" in unsaid.found
+    assert (unsaid.verdict, unsaid.worst) == ("not judged", None) and "add after a comma" in unsaid.found
     assert next_one.worst is not None and next_one.worst < 600
 
 

@@ -55,9 +55,9 @@ class Tie(Enum):
 class Yields(Enum):
     """Kind of value that a read of a register yields."""
 
-    STATE = "what hardware or software set last; each change that firmware can see is an event"
-    DATA = "one of the words that pass through it; each word is an event, though it be equal to the one before"
-    TIME = "a count that goes on by itself; no event tells when it changes"
+    STATE = "the state set by hardware or software; each change that firmware can see is an event"
+    DATA = "a word that passes through it; each word is an event, even if it equals the previous one"
+    TIME = "a free-running count; its changes are not events"
 
 
 # The manual's abbreviations for the first three properties.

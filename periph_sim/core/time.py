@@ -23,9 +23,7 @@ GHZ = 1_000_000_000
 NO_TIME = -1
 LAST_TICK = NEVER - 1  # also the limit of recordings, whose ticks are int64
 DAY = 86_400
-LONGEST = (
-    365_250 * DAY
-)  # maximum number of seconds that a user can write: a thousand years, more than 64-bit ticks can count
+LONGEST = 365_250 * DAY  # maximum seconds that a user can write: a thousand years, more than 64-bit ticks can count
 MOST_TICKS = LAST_TICK  # maximum length of time
 MOST = NEVER  # maximum product of two numbers that have 64 bits in the compiled form
 USUAL_PER_NS = 1000  # maximum ticks in a nanosecond for clocks of whole MHz

@@ -37,7 +37,7 @@ class KeepingWriter(Writer, Protocol):
     """A writer that needs no Record objects."""
 
     @property
-    def keeper(self) -> RecordSink: ...
+    def sink(self) -> RecordSink: ...
 
 
 @runtime_checkable
@@ -94,7 +94,7 @@ def recording(path: Path, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple
         def subscribe(recorder: Recorder, timebase: Timebase) -> None:
             writer = chosen.open_writer(file, timebase, modules)
             writers.append(writer)
-            recorder.subscribe(chosen.KINDS, writer.keeper if isinstance(writer, KeepingWriter) else writer.write)
+            recorder.subscribe(chosen.KINDS, writer.sink if isinstance(writer, KeepingWriter) else writer.write)
 
         def ended_at(tick: int, clocks: Clocks = NOT_TOLD) -> None:
             for writer in writers:

@@ -25,11 +25,11 @@ class PsrWriter:
         self._per_second = Fraction(timebase.per_second)
         self._modules = modules
         self.clocks: Clocks = {}
-        self.keeper = Columns()
-        self.write = self.keeper.add
+        self.sink = Columns()
+        self.write = self.sink.add
 
     def close(self, now: int) -> None:
-        table = self.keeper.table(self._per_second, now, self._modules)
+        table = self.sink.table(self._per_second, now, self._modules)
         write_table(replace(table, clocks=self.clocks), self._file)
 
 

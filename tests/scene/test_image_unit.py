@@ -64,7 +64,7 @@ def test_a_budget_that_the_image_breaks(periph_sim: Run, folder: Path):  # noqa:
         (
             "[serial]",
             '[[unit.dsp.stub]]\nregister = "SYS.PLLSTS"\nvalue = 1\n[serial]',
-            "SYS.PLLSTS is modelled; a stub",
+            "SYS.PLLSTS is modelled; stubs are for registers that are not",
         ),
         (
             "[serial]",

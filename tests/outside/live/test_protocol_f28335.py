@@ -209,7 +209,8 @@ def test_a_closed_port_is_told_by_its_url(tmp_path: Path) -> None:
     with pytest.raises(serial.SerialException, match="open already"):
         line.open()
     line.close()
-    for call in (line.read, line.flush, lambda: line.write(b"a"), lambda: line.in_waiting):
+    resets = line.reset_input_buffer, line.reset_output_buffer
+    for call in (line.read, line.flush, *resets, lambda: line.write(b"a"), lambda: line.in_waiting):
         with pytest.raises(serial.PortNotOpenError, match=r"pace=0 is closed; open\(\) restarts its case$"):
             call()
 

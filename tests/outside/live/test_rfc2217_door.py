@@ -321,6 +321,7 @@ def test_a_client_whose_computer_went_is_let_go_in_25_seconds(served: Served) ->
         idle, every, count = (connection.getsockopt(socket.IPPROTO_TCP, option) for option in options)
         assert connection.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE) == 1
         assert (idle, every, count, idle + every * count) == (10, 5, 3, 25)
+        assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY) == 1  # a byte is not kept for the next one
 
 
 def test_a_client_that_the_system_cannot_let_in_is_told(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -167,7 +167,7 @@ def test_code_in_flash_and_data_at_both_ends():
     [
         (" .word 0xE271", "0xe271 0x0000 is not an instruction of the F28335"),
         (" .word 0", "0x0000 is the illegal instruction"),
-        (" LB #0x3F0000", "0x3f0000 is read, where the F28335 has nothing|no memory is"),
+        (" LB #0x3F0000", "code is fetched from 0x3f0000, where there is no memory"),
         (" LB #0x7100", "code is fetched from 0x007100, where there is no memory"),
         (" MOVL XAR4,#0x3FE000\n MOV AL,*XAR4", "math tables of the boot ROM"),
         (" MOVL XAR4,#0x3FFFB9\n CMP *XAR4,#-2", "0x3fffb9 of the boot ROM is read: erasing and programming"),

@@ -140,6 +140,7 @@ def test_the_wave_of_the_last_round() -> None:
     assert lines["SCL"]["first"] == 1 and len(lines["SCL"]["edges"]) == clocks
     for line in wave["lines"]:
         assert line["edges"] == sorted(line["edges"]) and all(0 <= at <= wave["length"] for at in line["edges"])
+        assert line["edges"] == [round(at, 3) for at in line["edges"]]
 
 
 def test_the_edges_of_a_round_are_those_from_20_us_before_to_20_us_behind() -> None:

@@ -21,9 +21,9 @@ from .scene.result import Result
 
 
 def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
-    """The case that these tables say, as a file would: make_case(name="mine", duration="10 ms", unit={...}).
+    """Return the case of these tables, as of a file: make_case(name="mine", duration="10 ms", unit={...}).
 
-    changes: "key=value" texts, as `--set` has them. BadCase with one sentence where a table is wrong.
+    changes: "key=value" texts, as for `--set`. BadCase with one sentence if a table is wrong.
     """
     tree = dict(tables)
     places = tuple((change, apply(tree, change)) for change in changes)
@@ -42,13 +42,13 @@ def run(
     programs: Mapping[str, Program | Firmware] | None = None,
     record: str | Path | None = None,
 ) -> Result:
-    """What a run of the case came to, judged as `periph-sim run` judges it.
+    """Run a case and return its judged result, as `periph-sim run` does.
 
     case: of `load` or `make_case`, or a file, to which `changes` apply. seconds: instead of the case's own: "10 ms"
     or a Fraction. programs: firmware given as functions (dsp, settings), by unit; the unit's own `firmware` is then
     only a name. record: a file for the records; its suffix says the format.
 
-    BadCase, FirmwareError and their like, one sentence each, where it cannot be run; BadRecording where `record` is a
-    file that this run has read.
+    BadCase or FirmwareError, one sentence each, if it cannot be run; BadRecording if `record` has no known suffix,
+    cannot be written, or is a file that this run has read.
     """
     return PreparedScene(case, changes).run(seconds=seconds, programs=programs, record=record)

@@ -1,12 +1,12 @@
-"""A process that waits for another one, which does the work: no exit status is taken for a verdict that never came.
+"""Runs a command in a worker process, so that its exit status is a verdict only if the command completed.
 
     process that was started --fork--> worker: runs the command; its output is written; `complete`
       waits, forwards signals <--pipe-- "pid status", which only `complete` writes
-      exits with the status, or with 3
+      exits with the status, with 3, or by the worker's signal
 
-User code can end its process behind Python's back: by `os._exit` and `execv`, by a signal, by `abort` in C. The worker
-is then gone without a word in the pipe, and the command exits with status 3 and a sentence. It also does so if the
-worker's standard output is not what it was at the start, so that the output may have gone elsewhere.
+User code can end the worker without Python's knowledge. If it does so by `os._exit` or `execv`, nothing is written to
+the pipe, and the command exits with status 3 and a message. If a signal ends the worker, as `abort` in C does, the
+command ends by the same signal. If the worker's standard output was closed or redirected, 3 replaces status 0 or 1.
 
 Temporary files of outputs, which the worker names by `remove_unless_complete`, are removed if it ends before it is
 complete.

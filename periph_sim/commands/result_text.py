@@ -118,7 +118,7 @@ def row(verdict: Verdict) -> dict[str, str]:
 
 
 def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
-    """Return a line for each broken budget, with its instant."""
+    """Return a line for each broken budget: why, and when if that is known."""
     return [f"{each.name}: {broken(each)}" for each in budgets if each.broken]
 
 

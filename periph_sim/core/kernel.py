@@ -347,7 +347,7 @@ class Kernel:
                 self._stuck(f"wires did not settle at t={self.now} after {STORM} steps")
 
     def _notify_parties(self) -> None:
-        """Let the settled wires notify their parties."""
+        """Notify the listeners of all wires that have settled."""
         wire = self._notifying
         while wire is not None:
             self._notifying = wire.then

@@ -140,8 +140,8 @@ def days(length: Fraction) -> str:
 class Clock:
     """The cycles of one clock in ticks: cycle n begins at tick(n).
 
-    hz may be any positive rational number. `retune` changes it from a cycle on; earlier cycles keep their ticks, so
-    cycle counts never jump.
+    hz may be any positive rational number. `retune` changes it from a cycle on, which keeps its tick, so cycle counts
+    do not jump. `tick` and `cycle_at` are valid from the last `retune` on.
     """
 
     STATE = State(

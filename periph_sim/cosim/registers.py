@@ -8,7 +8,7 @@ from ..scene.scene import Scene
 
 
 def peek(scene: Scene, place: str) -> int:
-    """Read MODULE.REGISTER[.FIELD], with UNIT. before it if there are several. Raise OutsideError if unknown."""
+    """Read MODULE.REGISTER[.FIELD], in a scene of several units UNIT.MODULE.REGISTER. OutsideError if unknown."""
     parts = place.split(".")
     if parts[0] not in scene.units:
         if len(scene.units) > 1:

@@ -157,7 +157,7 @@ def a_round(evidence: Evidence, due: int, end: int) -> Chain:
 
 
 def _phase_parts(evidence: Evidence, phase: RecordedPhase, end: int) -> list[Stretch]:
-    """Divide a phase into the bus's own time and the firmware's activities while it held SCL."""
+    """Divide a phase into the times of its bits, and those for which the unit or a device held SCL low."""
     parts: list[Stretch] = []
     at = phase.begin
     for let_go, rise in evidence.stretches(phase.begin, end):

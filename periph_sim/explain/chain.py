@@ -95,7 +95,7 @@ class Chain:
     typical: int | None = None
     typical_holds: bool = True
     more: tuple[Part, ...] = ()
-    blame: Part | None = None  # for an occurrence without length: the firmware's activity
+    blame: Part | None = None  # for an occurrence without length: its cause, an activity, access or note
 
     @property
     def blamed(self) -> Part | None:

@@ -61,9 +61,7 @@ DIRECTIVES = {
 # Chains of objects are freed in a loop, however long. Cython knows this directive at classes, and takes it for all of
 # them only where its options are complete already.
 FOR_ALL_CLASSES = {"trashcan": True}
-# Modules that run several times in each event: checks of attributes for None would take a tenth of their instructions.
-# What Python can hand to them is checked on the way in: arguments by Cython, attributes in their setters.
-NEVER_NONE = "self"  # no method runs with None as `self`: its caller has checked the object whose method it calls
+NEVER_NONE = "self"  # the argument that is never None: the caller has checked the object whose method it calls
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
 FLAGS = ("-c", "-O2", "-DNDEBUG", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-ffunction-sections", "-w")
@@ -102,7 +100,7 @@ class NoBuild(Exception):
 
 
 def compiler() -> str:
-    """Return the C compiler's command. NoBuild if it or Cython is missing."""
+    """Return the command of the C compiler. Raise NoBuild if the compiler, Cython or Python.h is missing."""
     if find_spec("Cython") is None:
         raise NoBuild("Cython is not installed; install the extra `core`: pip install 'periph-sim[core]'")
     name = os.environ.get("CC", "cc")

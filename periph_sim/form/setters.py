@@ -24,7 +24,7 @@ REFUSAL = """\
 
 
 def never_none(source: Source) -> list[tuple[str, str]]:
-    """Return class and name of each attribute of a compiled class that the source never sets to None."""
+    """Return (class, name) of each attribute whose type is a compiled class and that is never set to None."""
     optional = set(_optional(source.tree))
     typed = [(one.name, name, of) for one in source.classes.values() for name, of in one.attributes.items()]
     return [(owner, name) for owner, name, of in typed if of.kind and name not in optional]

@@ -1,7 +1,8 @@
 """Ctrl-C while C code runs: SIGINT is deferred until Python may raise KeyboardInterrupt.
 
 Python calls its handler when a function begins, so also when C calls back: an exception raised there, before the
-function's `try`, would be printed and dropped by ctypes. During C code SIGINT is kept, and raised by `raise_if_kept`.
+function's `try`, would be printed and dropped by ctypes. While C code runs, SIGINT is stored; `leave_c` then raises
+KeyboardInterrupt.
 """
 
 from __future__ import annotations

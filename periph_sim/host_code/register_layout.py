@@ -95,7 +95,7 @@ class RegisterLayout:
         return (at, size) in self._numbers or (size <= LARGEST and bool(self._words(at, size)))
 
     def announced(self, at: int, size: int) -> Place | None:
-        """Return the place of an announced write; None if only the store shows it (`stored`)."""
+        """Return the place of a write that gcc reported before it; None if only the store shows it (`stored`)."""
         number, words = self._numbers.get((at, size)), self._words(at, size)
         if number is not None:
             return number if not words or not self._is_ambiguous(number) else None

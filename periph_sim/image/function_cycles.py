@@ -110,7 +110,7 @@ class _Reader:
         return found.words
 
     def _word(self, found: Instruction, wide: bool) -> tuple[int, int] | None:
-        """Return (address, words) of an operand relative to DP or SP; equal ones are the same word of memory."""
+        """Return (key, words) of an operand relative to DP or SP; None for others. Equal keys are equal addresses."""
         field = found.values.get("l", 0xFF)
         if field >= 0x80:
             return None

@@ -1,4 +1,4 @@
-"""The summary of an image as text and as a dictionary for JSON."""
+"""Text and JSON dictionaries of an image's summary and of the cycles of a function."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ def begin(config: pytest.Config) -> None:
 
 
 def end(status: int) -> int:
-    """Return the exit status of a finished session."""
+    """Report a session as complete and return its exit status; 3 instead of 0 if its output may be lost."""
     global _completion
     if _completion is None:
         return status

@@ -204,7 +204,7 @@ class _Beside(NamedTuple):
 
 
 def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
-    """All reads of a place, and the polls put back; with f those that looked at it, beside its changes."""
+    """Return the reads of a place, skipped polls included, each with the nearest change. f: only reads of it."""
     before, after, nearest, reads = [NONE], [NONE], [NONE], 0
     unplaced = np.zeros(0, np.int64)
     for code in sorted(set(place.looked_at.tolist())):

@@ -267,7 +267,7 @@ class Run:
 
     @property
     def counts_alike(self) -> bool:
-        """True if all units have the same clock, as far as is known."""
+        """True if all units have the same clock, or no clock is known."""
         return self._sysclk is not None or len(set(self._clocks.values())) <= 1
 
     @cached_property

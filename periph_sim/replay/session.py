@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 OF_ROUNDS = ("round", "missed rounds", "nacked rounds", "slack")
-PAUSE = 2  # characters: a longer one on RX ends a frame
+PAUSE = 2  # in character times; a longer pause on RX ends a frame
 
 OnFrame = Callable[[int, tuple[int, ...], int], None]
 
@@ -84,7 +84,7 @@ class SessionScene(Scene):
 class SessionReplay(I2cReplay):
     """Replay of an I2C and a UART capture on a case. offset: seconds from the I2C capture's begin to the UART's.
 
-    wanted: format of RX for the times of frames; None: as the firmware sets the SCI. The rest as in I2cReplay.
+    wanted: line format with which RX is decoded; None: as the firmware sets the SCI. The rest as in I2cReplay.
     """
 
     def __init__(

@@ -24,7 +24,11 @@ CLASS = "Device"
 
 
 def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: TargetContext) -> PythonTarget:
-    """The device on its address. BadCase, with its line, if the file or its class cannot be had; FirmwareStalled."""
+    """Return the device of a Python file, attached at its address.
+
+    BadCase, with its line, if the file cannot be loaded or its class or settings are wrong; FirmwareStalled if its code
+    does not return in time.
+    """
 
     def mistake(what: str, *key: str | int) -> Exception:
         return context.case.mistake(what, "device", name, *(key or ("model",)))

@@ -1,4 +1,4 @@
-"""The wires that a case's [outside] names: refused where there is no such wire, or somebody else drives it already."""
+"""Check of the wires that a case's [outside] names: each must exist and be named once."""
 
 from __future__ import annotations
 

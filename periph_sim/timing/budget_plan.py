@@ -134,7 +134,7 @@ def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, giv
 
 
 def _part(budget: Budget, which: str, given: str | int) -> int:
-    """ "40 %" in millionths."""
+    """Return a share such as "40 %" in millionths. BadBudget if it is not one."""
     try:
         return round(share(given) * MILLIONTHS)
     except ValueError:

@@ -166,7 +166,7 @@ class TargetSide(BitParty):
             self._refused = level == 1
 
     def _ninth(self) -> int:
-        """Return SDA for the ninth bit, once eight are over."""
+        """Pass the received byte to the target and return the level of SDA for the ninth bit; 0: ACK."""
         if self._does == SENDS_DATA:
             return 1
         if self._does == RECEIVES_ADDRESS:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from .registers import M32, SIGN32, Cpu, Operation, s32
 
-__all__ = ("bind",)  # the instructions and what they share are called from C only
+__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 
 
 def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> int:

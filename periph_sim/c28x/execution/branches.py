@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from .registers import CODE, M16, M32, Cpu, Operation
 
-__all__ = ("bind",)  # the instructions and what they share are called from C only
+__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 
 PMA = 0x3F_0000
 

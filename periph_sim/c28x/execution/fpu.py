@@ -28,7 +28,7 @@ from .float32 import (
 )
 from .registers import LUF, LVF, M16, M32, NF, NI, RND32, TF, ZF, ZI, Cpu, Operation, s16, s32
 
-__all__ = ("bind",)  # the instructions and what they share are called from C only
+__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 
 UNCF = 15
 

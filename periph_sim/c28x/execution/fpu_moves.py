@@ -11,7 +11,7 @@ from ..operands import FPU_APART, FPU_FIRST
 from .fpu import UNCF, condition, moved
 from .registers import HIGH16, LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF, ZI, Cpu, IllegalOperation, Operation
 
-__all__ = ("bind",)  # the instructions and what they share are called from C only
+__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 
 WINDOW, WINDOW_END = 0x0F00, 0x0F30  # addresses of R0H to R7H in moves
 MEMORY = -1

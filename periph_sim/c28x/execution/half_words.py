@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from .registers import M16, SIGN16, Cpu, Operation, mirrored, s16
 
-__all__ = ("bind",)  # the instructions and what they share are called from C only
+__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 
 
 def sum16(cpu: Cpu, a: int, b: int) -> int:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from .accumulator import add, difference_ovcu, logic, subtract, sum_ovcu
 from .registers import M32, Cpu, Operation, s16, s32
 
-__all__ = ("bind",)  # the instructions and what they share are called from C only
+__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 
 PMA = 0x3F_0000
 

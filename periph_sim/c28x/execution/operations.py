@@ -17,7 +17,9 @@ from . import accumulator, branches, control, fpu, fpu_moves, half_words, moves,
 from .registers import READS, WRITES, Operation
 
 FIELDS = "bcghiklmnpqrstuvwxyz"
-OF_ONE_XAR = re.compile(r"(MOVL_(?:loc32_)?XAR)(\d)(.*)")  # eight forms each with the same function
+OF_ONE_XAR = re.compile(
+    r"(MOVL_(?:loc32_)?XAR)(\d)(.*)"
+)  # families of eight forms, for XAR0 to XAR7, with one function each
 MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
 
 _forms: dict[str, Operation] = {}

@@ -11,7 +11,7 @@ from .accumulator import logic
 from .half_words import put
 from .registers import M16, M32, Cpu, Operation, s16, s32
 
-__all__ = ("bind",)  # the instructions and what they share are called from C only
+__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 
 
 def left(cpu: Cpu, value: int, shift: int, bits: int) -> int:

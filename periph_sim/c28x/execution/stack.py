@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from .registers import CODE, HIGH16, M16, SPA, Cpu, Operation
 
-__all__ = ("bind",)  # the instructions and what they share are called from C only
+__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 
 
 def _push_halves(cpu: Cpu, n: int, shift: int) -> None:

@@ -45,7 +45,7 @@ def lag_between(times: Floats, late: Floats, other: Floats) -> Lag:
 
 
 def _at(instants: Floats, times: Floats, attitudes: Floats) -> Floats:
-    """Interpolate attitudes on the chord, which is accurate enough for steps of a few degrees."""
+    """Interpolate quaternions linearly and normalise them; accurate enough for steps of a few degrees."""
     between = np.stack([np.interp(instants, times, column) for column in attitudes.T], axis=1)
     return np.asarray(between / np.linalg.norm(between, axis=1, keepdims=True), np.float64)
 

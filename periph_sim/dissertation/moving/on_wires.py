@@ -61,7 +61,7 @@ class ModelRuns:
         self._sent = [-1]  # numbers of frames; -1 before the first
         self._taken = 0
         self._waiting = 0  # words in the FIFO
-        self._begun_with: list[int] = []  # frames read
+        self._begun_with: list[int] = []  # for each model run, the number of frames read when it began
         self._ended = 0
 
     @property

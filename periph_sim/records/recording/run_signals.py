@@ -70,7 +70,7 @@ class Signal:
 
 
 class RunSignals:
-    """The signals of a run. `write` takes its records; `signals` and `capture` return the result."""
+    """The signals of a run. `write` adds its records; `signals`, `lines` and `bits` return the result."""
 
     def __init__(self, timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
         """modules: unit -> its modules, `I2C-A`, `SCI-A`, `pin:MODEL`."""

@@ -29,9 +29,10 @@ class Bin:
 
 @dataclass(frozen=True)
 class Distribution:
-    """All values in `unit`, chosen by size. limits: key and value. quantiles: name and value (nearest rank).
+    """All numbers are in `unit`, which depends on their size. limits: key and value. quantiles: name and value (nearest
+    rank).
 
-    counted: the values are counts, so a bin of width 1 holds one value.
+    counted: the values are whole counts, so a bin of width 1 contains one distinct value.
     """
 
     unit: str

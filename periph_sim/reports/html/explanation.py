@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ...explain.chain import Chain, FirmwarePlace, Part
 from ...timing.format_value import figure
 
-MOST = 6  # parts
+MOST = 6  # parts shown at most
 NOTHING = figure(0.0, "us")
 
 

@@ -19,7 +19,7 @@ from .named_files import texts_in
 from .origin import SHOWN, Place, Source
 
 WIDEST = 2**63 - 1  # of an integer: what TOML promises, and what compiled code counts with
-_TOO_LONG = re.compile(r"[0-9_]{4300}")  # digits: Python refuses to read an integer with more
+_TOO_LONG = re.compile(r"[0-9_]{4300}")  # Python parses no integer of more digits
 
 
 NAMES = {"name", "measure", "chip", "model", "pair", "breaks", "order"}  # keys whose texts are names

@@ -248,8 +248,10 @@ class OutsideTable(Table, frozen=True, kw_only=True):
 class HostTable(Table, frozen=True, kw_only=True):
     """The host that sends frames over the UART. ppm: error of the clock that schedules them; error: of its bit rate.
 
-    lose: [frame, byte] pairs not sent. silent: [from, length] in which no frame begins. twice: frames sent two times.
-    motion: the settings of a kind of `devices.motion`, which is its `kind`. encoding: those of `host_frame`.
+    lose: [frame, byte] pairs not sent. silent: [begin, length] of spans without the begin of a frame.
+    twice: frames sent two times.
+    motion: `kind`, the name of a motion in `sensors.motion`, and that motion's settings. encoding: settings of
+        `sensors.host_frame.Encoding`.
     """
 
     baud: Annotated[int, Meta(ge=1, le=10_000_000)] = 115_200

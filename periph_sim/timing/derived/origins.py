@@ -172,7 +172,7 @@ class ModelOrigins(Origins):
         self._left_out = False  # chains that may be the true one, since a read last agreed with one
         self._before: list[Chain] = []  # those of the run before the last
         self._runs = 0
-        self._over: list[Run] = []  # runs that no chain has taken yet
+        self._over: list[Run] = []  # ended runs that are not in a chain yet
         self._last: Run | None = None
         self._may_take: list[Sent] = []
 

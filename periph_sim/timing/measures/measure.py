@@ -37,7 +37,7 @@ class MeasuredScene(Protocol):
     """Questions that a measure may ask a scene, in addition to the records that it subscribes to."""
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Send events to `reply`. Return what it expects, and a function that says why it was never asked for."""
+        """Subscribe `reply`. Return the expected reply, and a function that returns why it was never requested."""
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:
         """Return the watcher of the wire that the measure is named for, which gives its findings to the measure."""
@@ -66,7 +66,7 @@ class MeasuredScene(Protocol):
 
 
 MILLIONTHS = 1_000_000  # parts of the time and LSB are counted in these
-READ = "read"  # an occurrence: one addressed phase, which begins with its START
+READ = "read"  # an occurrence: one addressed phase, read or written, identified by its START
 
 
 class Measure(Listener):

@@ -122,7 +122,7 @@ def _sort(entry: Entry) -> str | None:
 
 
 def _step(diff: TraceDiff, point: ChangePoint) -> str:
-    """Format a change point with the event just before it, which may be in one of the two only."""
+    """Format a change point with the event just before it, which may be in only one of the two captures."""
     before = diff.entries[point.entry.number - 1]
     event = before.b or before.a
     assert event is not None, "an entry has at least one event"

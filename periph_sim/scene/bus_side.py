@@ -1,4 +1,4 @@
-"""Transfers and rounds on a scene's I2C bus: its wires and the master's requests go in.
+"""Transfers and rounds on a scene's I2C bus, derived from its wires and the master's requests.
 
     SCL, SDA --I2cMonitor--> transfers --BusRounds--> transfers as asked, rounds
 

@@ -1,4 +1,4 @@
-"""SYSCLKOUT of the units of a scene, for a recording: a scene goes in; from which tick on each had which comes out."""
+"""SYSCLKOUT of the units of a scene over time, for a recording."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ from .scene import Scene
 
 
 def clocks_of(scene: Scene) -> Mapping[str, Sequence[tuple[int, Fraction]]]:
-    """By unit, in Hz."""
+    """Return (first tick, SYSCLKOUT in Hz) of each interval of constant frequency, by unit."""
     return {name: unit.clock_history for name, unit in scene.units.items()}

@@ -1,4 +1,4 @@
-"""The I2C controller of a case: [controller] goes in, the sensor head on SCL and SDA comes out; and what is asked.
+"""The I2C controller of a case: the sensor head on SCL and SDA that [controller] describes, and its requests.
 
     Case --head_plan--> HeadPlan, of all scenes of the case --build_head--> ControllerAgent, of one scene
 

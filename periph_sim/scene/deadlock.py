@@ -1,4 +1,4 @@
-"""Firmware that waits for something that cannot come: a unit's wait goes in; the reason, if there is one, comes out.
+"""Detection of firmware that waits for an event that cannot occur, with the reason.
 
     registers that the wait reads <-- their modules, if they have a clock: what they have due by themselves,
                                       and wires, moved by other parties
@@ -92,7 +92,7 @@ def nothing_comes(
 
 
 def polls_for_input(dsp: Dsp) -> bool:
-    """True if passes of a wait without a time-out are executed that only an input can end: `skip_polls = false`."""
+    """Return True if firmware executes the passes of an endless wait for an input, as with `skip_polls = false`."""
     spin, time = dsp.program.spin, dsp.processor.time
     waits = spin is not None and spin.ends == NEVER and spin.unchanged(time.cycle)
     return waits and time.lands == NEVER and dsp.core.earliest() == NEVER
@@ -119,7 +119,7 @@ def watchdog_runs(dsp: Dsp) -> bool:
 
 
 def watchdog_ends(dsp: Dsp, since: int) -> bool:
-    """True if the watchdog's reset may end a wait since this cycle: no service routine restarts it again and again."""
+    """Return True if the watchdog may end a wait since this cycle: no service routine restarts it repeatedly."""
     return watchdog_runs(dsp) and dsp.control.watchdog_rounds(since, _now(dsp)) < RESTARTED
 
 

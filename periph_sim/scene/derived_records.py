@@ -30,7 +30,7 @@ class DerivedRecords:
     """bytes: who compares bytes that were read; None where no subscriber names them."""
 
     def __init__(self, recorder: Recorder) -> None:
-        """To be built after all have subscribed, and before units are: some records follow from those of firmware."""
+        """Create it after all have subscribed, before units are built: some records follow from those of firmware."""
         self._recorder = recorder
         self._named = {kind: recorder.named_things(kind) for kind in KINDS}
         self._transfers: TransferRecords | None = None

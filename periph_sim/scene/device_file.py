@@ -1,4 +1,4 @@
-"""A user's own device: the path of a Python file goes in, a target of its class `Device` comes out.
+"""A user's own device: the class `Device` of a Python file, as a target.
 
 The file is imported as firmware files are: in a package of its own, with what it imports beside it.
 """

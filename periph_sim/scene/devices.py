@@ -1,4 +1,4 @@
-"""Puts the devices of a case on a scene's bus: a `[device.NAME]` table goes in, a target behind its wires comes out.
+"""The devices of a case on a scene's bus: targets connected to SCL and SDA, one for each `[device.NAME]` table.
 
 DeviceTable --> family of `devices.targets`, or a Python file --> Target
 SCL, SDA <--> TargetSide <--> DisturbedTarget (stretch, fault), if it has any <--> Target
@@ -92,7 +92,7 @@ class DeviceOnBus:
 
 
 def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answers) -> TargetSide:
-    """A target on SCL and SDA, disturbed as its table says."""
+    """Connect a target to SCL and SDA, disturbed as its table says."""
     scl, sda = context.wire("SCL"), context.wire("SDA")
     sides: list[TargetSide] = []
 
@@ -183,7 +183,7 @@ def _target(context: SceneContext, name: str, table: DeviceTable, place: TargetC
 
 
 def _settings(context: SceneContext, name: str, kind: type[Table], table: DeviceTable) -> Table:
-    """The keys that are the model's own, checked."""
+    """Return the settings of the model, checked: the keys of the table that only this model has."""
     try:
         return kind.model_validate(table.own)
     except BadTable as error:

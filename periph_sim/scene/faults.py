@@ -1,4 +1,4 @@
-"""The faults of a case: `[[fault]]` tables go in, agents on the scene's wires come out."""
+"""The faults of a case: agents on the scene's wires, built from `[[fault]]` tables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Imports firmware files: a path, or the name of a shipped program, goes in; its module comes out.
+"""Import of firmware files, by path or by the name of a shipped program.
 
 Each file is a module of a package of its own, under a unique name: a repository's own `firmware/` never
 meets ours, nor two folders' files of one name. `from .other import f` finds other.py beside the file, else the shipped
@@ -32,7 +32,7 @@ _numbers = count()
 
 
 def shipped_names() -> list[str]:
-    """Names of the shipped programs, and of the modules that they share, sorted."""
+    """Return the names of the shipped programs and of the modules that they share, sorted."""
     return sorted(file.stem for file in SHIPPED.glob("*.py") if file.stem != "__init__")
 
 
@@ -44,14 +44,14 @@ def is_shipped(name: str) -> bool:
 
 
 def shipped_module(name: str) -> ModuleType:
-    """The module of a shipped program, imported once."""
+    """Return the module of a shipped program, imported once."""
     if SHIPPED_PACKAGE not in sys.modules:
         _make_package(SHIPPED_PACKAGE, [SHIPPED])
     return importlib.import_module(f"{SHIPPED_PACKAGE}.{name}")
 
 
 def module_of_file(path: Path) -> ModuleType:
-    """The module of a firmware file, imported anew with all that it imports from its folder: an edit counts at once."""
+    """Return a firmware file's module, imported anew with all it imports from its folder: edits take effect."""
     path = note_input(path).resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
     for loaded in [name for name in tuple(sys.modules) if name.startswith(f"{package}.")]:  # other threads import, too

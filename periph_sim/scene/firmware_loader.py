@@ -1,4 +1,4 @@
-"""Finds a program and checks its settings: names and values of a case go in, a `Firmware` and its settings come out."""
+"""Loading of a program as a `Firmware`, and checks of the settings that a case gives it."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def _shipped_module(name: str) -> ModuleType:
 
 
 def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
-    """The firmware's Settings with the given values. BadSetting naming the setting otherwise."""
+    """Return the firmware's Settings, None if it takes none. Raise BadSetting with the name of a wrong setting."""
     kind = firmware.settings
     if not (inspect.isclass(kind) and is_dataclass(kind)):
         for name in given:
@@ -147,7 +147,7 @@ def computed_by(settings: object) -> Computed | None:
 
 
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:
-    """A dataclass with the given values. BadSetting naming the setting otherwise. who: in messages."""
+    """Return a dataclass with the given values. Raise BadSetting with the name of a wrong one. who: in messages."""
     try:
         return convert(kind, given)
     except BadTable as error:
@@ -164,7 +164,7 @@ _shared: dict[tuple[type, str], object] = {}
 
 
 def shared(kind: type[T], given: dict[str, object], who: str) -> T:
-    """The same; of a frozen dataclass made once for all scenes that say the same."""
+    """Return the same as `filled`. A frozen dataclass is made once for all scenes with these values."""
     if not cast(Any, kind).__dataclass_params__.frozen:
         return filled(kind, given, who)
     key = kind, repr(given)

@@ -1,4 +1,4 @@
-"""The host of a case: [host] goes in; the sender on RX, what its frames tell, and what is true meanwhile come out.
+"""The host of a case: the sender on RX, the values of its frames, and the true values of the sensor chips.
 
     [host.motion], ramp --> values of frame n --> Host --> RX
                        '--> Truth at a tick, by the host's own clock
@@ -68,7 +68,7 @@ class HostAgent:
     """
 
     def __init__(self, context: SceneContext, table: HostTable, plan: HostPlan, sensors: ImuParameters | None) -> None:
-        """BadCase, with its line, for a motion or an encoding that cannot be."""
+        """Build the sender and its frames. Raise BadCase, with its line, for an impossible motion or encoding."""
         self._context = context
         self._period = table.period
         encoding = self._settings("encoding", lambda: encoding_of(table.encoding))

@@ -1,4 +1,4 @@
-"""Values of the host's frames: the tables [host.motion] and [host.encoding] of a case go in."""
+"""Values of the host's frames, from the tables [host.motion] and [host.encoding] of a case."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from .firmware_loader import BadSetting, shared
 
 
 def encoding_of(given: dict[str, object]) -> Encoding:
-    """BadSetting, naming the setting, for one that is not as it should be."""
+    """Return the encoding of the frames. Raise BadSetting, naming the setting, if one is wrong."""
     return shared(Encoding, given, "host.encoding")
 
 
 def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, period: Fraction) -> MotionFrames:
-    """The frames of the motion that `given` names with `kind`, and sets up. BadSetting naming the setting otherwise."""
+    """Return the frames of the motion in `given`. Raise BadSetting, naming the setting, if one is wrong."""
     settings = dict(given)
     name = settings.pop("kind", None)
     if name is None:

@@ -1,4 +1,4 @@
-"""Observers of a unit's image that a case and its budgets need: names go in; observers of its program come out.
+"""Observers of a unit's image that a case and its budgets need.
 
 unit.memory             --> PresetMemory: variables as the image begins
 budgets, span records   --> FunctionSpans: a span for each function

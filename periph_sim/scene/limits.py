@@ -1,4 +1,4 @@
-"""A case's budgets as judges: a case goes in; what takes values and says verdicts comes out.
+"""Judges of a case's budgets: they take values and return verdicts.
 
 Case, Scope --plans, kept for the next scene--> BudgetJudge of each budget
 """

@@ -57,7 +57,10 @@ class LoggedOutside(Agent):
 def logged_outside(
     case: Case, kernel: Kernel, wires: Mapping[str, Wire], start: int, ticks_per_second: int
 ) -> LoggedOutside:
-    """BadCase, with its line, for a log that cannot be had, is damaged, or is of other wires or clocks."""
+    """Return the agent that replays the log of [outside].
+
+    Raise BadCase, with its line, if the log is unreadable, damaged, or of other wires or clocks.
+    """
     assert case.outside is not None and case.outside.log is not None
     path = case.folder / case.outside.log
     try:

@@ -1,4 +1,4 @@
-"""The I2C module of a unit reset from beside its firmware: a wire goes in, writes of I2CMDR.IRS come out.
+"""Reset of a unit's I2C module from outside its firmware: a wire writes I2CMDR.IRS.
 
 wire low:  IRS = 0           wire high:  IRS = 1, if it was so before
 """

@@ -1,4 +1,4 @@
-"""The log of a session: a file goes in; the levels and bytes of the outside, instant by instant, come out.
+"""The log of a session: the levels and bytes of the outside, instant by instant.
 
 {"format": "periph-sim outside", "version": 1, "case": ..., "ticks_per_second": ..., "wires": [...],
  "file": ..., "set": [...]}             the case's file, from the log's folder, and its changes; if it has one
@@ -107,7 +107,7 @@ class LogReader:
             )
 
     def _instant(self, value: object, last: int) -> Instant:
-        """The instant that a line says, after tick `last`."""
+        """Return the instant in a line. Raise BadLog if it is wrong or not after tick `last`."""
         try:
             tick, levels, begun = msgspec.convert(value, tuple[int, dict[str, int], list[str]])
         except msgspec.ValidationError:
@@ -126,7 +126,7 @@ class LogReader:
         return Instant(tick, levels, dict.fromkeys(begun, 1))
 
     def _line(self) -> object:
-        """The next value; None at the end. Half a line there is what a process that died had begun to write."""
+        """Return the next value, or None at the end or at an incomplete line, which a terminated process leaves."""
         try:
             text = self._file.readline(LONGEST_LINE)
             if len(text) == LONGEST_LINE:

@@ -1,4 +1,4 @@
-"""Replaces parties of a case by the outside: a case with [outside] goes in; the case that is built comes out.
+"""Replacement of parties of a case by its [outside].
 
     the outside drives    it replaces      is then judged
     SDA and SCL           [controller]     rounds, requests and bytes, from the wires: its requests become [rounds]
@@ -48,9 +48,9 @@ def as_driven(case: Case) -> Case:
 
 
 def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
-    """The case as it is built where the outside drives these wires, instead of those that its [outside] names.
+    """Return the case as it is built if the outside drives these wires, instead of those of its [outside].
 
-    BadCase where its [outside] names more, and so replaced a party that would now be missing.
+    Raise BadCase if its [outside] names more, and so replaced a party that would now be missing.
     """
     for party, lines in (("controller", BUS), ("host", frozenset(("RX",)))):
         if party in case._replaced and not lines.issubset(wires):
@@ -60,7 +60,7 @@ def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
 
 
 def _without(party: str, lines: str, case: Case, driven: Case) -> Case:
-    """The driven case with the budgets that it can judge. lines: on which it takes the place of a party."""
+    """Return the driven case with the budgets that it can judge. lines: the wires on which `party` is replaced."""
     kept = tuple(budget for budget, judged in zip(case.budget, _judged(case, driven), strict=True) if judged)
     names = [budget.name for budget in kept]
     left_out = ", ".join(repr(budget.name) for budget in case.budget if budget.name not in names)

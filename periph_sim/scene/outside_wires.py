@@ -10,7 +10,7 @@ from .case.model import BadCase, Case
 
 
 def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
-    """BadCase, with its line."""
+    """Raise BadCase, with its line, if [outside] names an unknown wire, or one twice."""
     assert case.outside is not None
     names = case.outside.wires
     for entry, name in enumerate(names):

@@ -1,4 +1,4 @@
-"""The RS-485 pairs of a scene: [[transceiver]] tables go in; pairs, transceivers and notes come out.
+"""The RS-485 pairs of a scene with their transceivers and notes, built from [[transceiver]] tables.
 
 Each note of a pair appears once for each transceiver or group of drivers, with its first time and its count.
 """
@@ -32,7 +32,7 @@ class Pairs:
             self._add(one, sci_line(one.sci.unit, one.sci.module))
 
     def of(self, unit: str, module: str) -> Transceiver | None:
-        """The transceiver of an SCI, where it has one."""
+        """Return the transceiver of an SCI, or None."""
         return self._transceivers.get((unit, module))
 
     def lines(self) -> Mapping[str, Line]:

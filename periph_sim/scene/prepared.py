@@ -1,4 +1,4 @@
-"""A prepared scene: a case goes in once; any number of runs of it, with changed keys, come out.
+"""A prepared scene: a case that is prepared once and run any number of times, with changed keys.
 
     file or Case --> PreparedScene --scene(changes)--> Scene, not yet run
                                    --run(changes)----> Result

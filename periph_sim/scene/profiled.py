@@ -1,4 +1,4 @@
-"""A run whose images are looked at: a case goes in; time by function and counts by instruction come out, by unit."""
+"""Profile of a run of images: time by function and counts by instruction, for each unit."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Profiled(Struct, frozen=True):
     coverage: dict[str, Coverage]
 
     def place_of(self, unit: str, function: str) -> str:
-        """The begin of a function."""
+        """Return the place where a function begins."""
         return self.programs[unit].place_of(function)
 
 

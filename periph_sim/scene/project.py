@@ -1,4 +1,4 @@
-"""Settings of a repository: a folder goes in; `[tool.periph-sim]` of the nearest pyproject.toml comes out.
+"""Settings of a repository: `[tool.periph-sim]` of the nearest pyproject.toml.
 
     [tool.periph-sim]
     cases = ["timing", "bench/line.toml"]   what `check` runs by itself; else timing, else the present folder
@@ -7,7 +7,7 @@
     jobs = 2
     tolerance = 1
 
-Paths count from the folder of the file. A pyproject.toml without this table is somebody else's business, valid or not.
+Paths count from the folder of the file. A pyproject.toml without this table is ignored, valid or not.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class Project(Struct, frozen=True):
 
 
 def project_of(folder: Path) -> Project:
-    """The project that a folder belongs to. BadCase, with file and key, where its table is wrong."""
+    """Return the project that a folder belongs to. Raise BadCase, with file and key, if its table is wrong."""
     for above in (folder.resolve(), *folder.resolve().parents):
         settings = _settings(above / FILE)
         if settings is not None:
@@ -95,7 +95,7 @@ def project_of(folder: Path) -> Project:
 
 
 def _settings(file: Path) -> Settings | None:
-    """None if there is no such file, or if it says nothing of periph-sim."""
+    """Return the settings in a file. None if there is no such file, or if it has no table for periph-sim."""
     try:
         data = read_input(file)
     except OSError:
@@ -130,6 +130,6 @@ def _sentence(source: Source, error: BadTable) -> str:
 
 
 def _near(path: Path) -> Path:
-    """The path as a user in the present folder would write it."""
+    """Return the path relative to the present folder if it is below it, else unchanged."""
     here = Path.cwd()
     return Path(os.path.relpath(path, here)) if path.is_relative_to(here) else path

@@ -1,4 +1,4 @@
-"""Origins of the bytes that a scene's controller reads: a scene goes in; the origins of its reads come out."""
+"""Origins of the bytes that a scene's controller reads."""
 
 from __future__ import annotations
 

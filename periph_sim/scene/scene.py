@@ -1,4 +1,4 @@
-"""A running scene: a case goes in; wires, units, agents and measures are built, run, and summed up.
+"""A running scene: the wires, units, agents and measures of a case are built, run and summarized.
 
     Case --> Scene --run--> Result
              wires SDA, SCL, RX, TX; units; sensor head; host; budgets
@@ -410,7 +410,7 @@ class Scene:
         return result_of(self, length, self._wall)
 
     def typical(self) -> list[Verdict]:
-        """The least critical occurrence of each budget, as verdicts. Call it after `run`."""
+        """Return the least critical occurrence of each budget, as verdicts. Call it after `run`."""
         found = (limit.typical(self.start) for limit in self.limits)
         return [verdict for verdict in found if verdict is not None]
 
@@ -430,7 +430,7 @@ class Scene:
         return [f"{name} {self._wait(self.units[name])} and would for ever: {why}" for name, why in stuck.items()]
 
     def _wait(self, dsp: Dsp) -> str:
-        """The wait that a unit is in or that a service routine interrupts, as a phrase."""
+        """Return the wait that a unit is in or that a service routine interrupts, as a phrase."""
         found = dsp.program.unanswered_wait()
         if found is None:
             return self.doing(dsp)

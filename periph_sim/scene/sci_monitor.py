@@ -1,4 +1,4 @@
-"""Records of an SCI's receiver: its unit goes in; words waiting, overruns and characters received come out.
+"""Records of an SCI's receiver: words waiting, overruns and characters received.
 
 thing      value
 words      words in the receive FIFO; made when they change, or when an overrun flag does

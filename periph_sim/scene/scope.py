@@ -1,4 +1,4 @@
-"""Names that events of a case can refer to: a case goes in; units, modules and wires come out as a Scope."""
+"""Scope of a case: the units, modules and wires that its events can refer to."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Puts the sensor chips of a case on a scene's bus: a `[chip.NAME]` table goes in, a chip behind its wires comes out.
+"""The sensor chips of a case on a scene's bus, connected to SCL and SDA, one for each `[chip.NAME]` table.
 
 ChipTable --> values --> Source --> chip <--> RegisterPointer <--> TargetSide <--> SCL, SDA
 """
@@ -50,7 +50,7 @@ class ChipOnBus:
         return self.pointer.answer(address_byte)
 
     def on_end(self, stop: bool, whole: bool) -> None:
-        """A chip of registers needs no end."""
+        """Do nothing: a chip of registers does not use the end of a transfer."""
 
     def power_on(self) -> None:
         """Replace the chip by one whose supply comes now, with registers as after power-on."""
@@ -65,7 +65,10 @@ class ChipOnBus:
 
 
 def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipOnBus:
-    """The chip of `[chip.NAME]`, not yet on its wires. source: instead of the case's values. BadCase with its line."""
+    """Return the chip of `[chip.NAME]`, not yet on its wires. source: replaces the case's values, if given.
+
+    Raise BadCase, with its line, for an impossible chip.
+    """
     case, timebase = context.case, context.timebase
     table = case.chip[name]
     place = ("chip", name)

@@ -1,4 +1,4 @@
-"""Checks the period of firmware's sensor models against the scene's: a case goes in, BadCase may come out."""
+"""Check of the period of firmware's sensor models against the scene's."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .case.model import Case
 
 
 def check_sensor_period(case: Case, unit: str, settings: object, sensors: ImuParameters) -> None:
-    """BadCase unless the models' period is that at which this firmware runs them.
+    """Raise BadCase unless the models' period is that at which this firmware runs them.
 
     That is the period of the rounds; or of the host, if `models_run` is "frame" or there are no rounds.
     """

@@ -1,4 +1,4 @@
-"""Errors with `strict`: a note of a chip or device goes in; an error of the firmware comes out."""
+"""Notes of chips and devices that are errors of the firmware with `strict`."""
 
 from __future__ import annotations
 

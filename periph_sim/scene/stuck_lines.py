@@ -1,4 +1,4 @@
-"""Lines of the bus that stay low: a wire that was reported goes in; a sentence, and whether the run hangs, come out.
+"""Lines of the bus that stay low: a sentence for each reported wire, and whether the run hangs.
 
 controller agent, or StuckWatch where there is none --wire--> StuckLines --> sentences
 """

@@ -1,4 +1,4 @@
-"""Summary of a run: a scene that has run goes in; its Result with verdicts, counts and notes comes out."""
+"""Summary of a run: its Result with verdicts, counts and notes."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def notes_of(scene: Scene) -> list[str]:
 
 
 def _missed_rounds(scene: Scene) -> list[str]:
-    """A note on rounds that the controller could not begin, where no budget judges them."""
+    """Return a note on rounds that the controller could not begin, unless a budget judges them."""
     head, table = scene.head, scene.case.controller
     judged = any(part.budget.measure == "missed rounds" for limit in scene.limits for part in limit.parts)
     if head is None or table is None or not head.missed or judged:

@@ -1,4 +1,4 @@
-"""Observers of UART lines: a scene's wires go in; records of frames and of characters to SCIs come out.
+"""Observers of UART lines: records of frames and of characters to SCIs.
 
 A frame is read as its sender sends it: the host's with its bit rate, a unit's as the SCI is set whose TX is on the
 wire; if no sender is known, with the settings of the SCI whose RX is on it.
@@ -74,17 +74,17 @@ class UartLines:
 
 
 def sci_line(context: SceneContext, dsp: Dsp, module: str) -> tuple[Fraction, UartFormat]:
-    """Ticks of a bit, and the format, that an SCI is set to now."""
+    """Return the ticks of a bit, and the format, that an SCI is set to now."""
     return _ticks_and_format(context.timebase.per_second, *_settings(dsp, module))
 
 
 def line_of(dsp: Dsp, module: str = "SCI-A") -> uart_line.Line:
-    """The rate and format that an SCI of a unit is set to."""
+    """Return the rate and format that an SCI of a unit is set to."""
     return _line(*_settings(dsp, module))
 
 
 def _settings(dsp: Dsp, module: str) -> tuple[int, int, Fraction, int]:
-    """SCICCR; SCIHBAUD and SCILBAUD as one number; SYSCLKOUT in Hz, and what LSPCLK divides it by.
+    """Return SCICCR; SCIHBAUD and SCILBAUD as one number; SYSCLKOUT in Hz, and the divider of LSPCLK.
 
     Only writes change these registers. They are read as of cycle 0, for which the chip does nothing: asked for now, it
     would do what is due now before its turn in this tick, and subscribers to its flags would not be notified.

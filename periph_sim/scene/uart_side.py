@@ -1,4 +1,4 @@
-"""Serial lines of a scene: its wires and units go in; outside parties and records of receivers come out.
+"""Serial lines of a scene: outside parties, pairs, and records of receivers and lines.
 
 [host], [serial] --> RX, or a pair --transceiver--> RX --> SCI --> SciMonitor: records of its receiver
 TX of an SCI, pairs --> UartLines: frames, characters

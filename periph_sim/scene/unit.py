@@ -1,4 +1,4 @@
-"""Builds a unit of a case: a [unit.NAME] table goes in; its F28335, with its firmware started, comes out.
+"""A unit of a case: the F28335 that a [unit.NAME] table describes, with its firmware started.
 
 Case --unit_plan--> UnitPlan, of all scenes of the case --build_unit--> BuiltUnit, of one scene
 """
@@ -141,7 +141,7 @@ def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Fi
 
 
 def _started_sources(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
-    """The unit's C sources run from main on."""
+    """Make the unit run its C sources from main on. The returned firmware represents them in lists of firmware."""
     from ..host_code.build import BadSources, Sources
     from ..host_code.firmware import HostFirmware
 
@@ -171,7 +171,7 @@ def _stubs(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> list[Stub]
 
 
 def _no_python(dsp: Dsp, settings: object) -> None:
-    """An image has no main of Python's."""
+    """Raise Misuse: an image or C sources have no main that Python could call."""
     raise Misuse(f"{dsp.name} runs an image, which has no main that Python could call")
 
 

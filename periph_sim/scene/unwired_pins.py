@@ -1,4 +1,4 @@
-"""Modules that firmware has put on pins without a wire: a unit goes in; a sentence each comes out, with keys to add.
+"""Notes on modules that firmware has put on pins without a wire, with the keys to add.
 
 Source: SPRUFB0D Tables 46 to 49.
 """
@@ -37,7 +37,7 @@ def unwired_pins(dsp: Dsp) -> list[str]:
 
 
 def _pins(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int, ...]:
-    """The pins that the multiplexer joins with a signal."""
+    """Return the pins that the multiplexer connects to a signal."""
     if signal in descriptor.outputs:
         return gpio.sink(signal)
     source = gpio.source(signal)
@@ -45,5 +45,5 @@ def _pins(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int, .
 
 
 def _key(name: str) -> str:
-    """A name as a key of TOML."""
+    """Return a name as a TOML key."""
     return f'"{name}"' if "." in name else name

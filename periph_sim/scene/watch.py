@@ -1,4 +1,4 @@
-"""Puts who watches a wire on it: a [watch.NAME] table and the measure that it judges go in; the watcher comes out.
+"""Watchers of wires, built from [watch.NAME] tables and the measures that they feed.
 
 Wire --edges--> Edges | Blink | ... --deviations--> WatchedWire, a measure
 """
@@ -21,7 +21,7 @@ from .case.model import Case
 def watcher_of(
     case: Case, wires: Mapping[str, Wire], timebase: Timebase, start: int, measure: WatchedWire
 ) -> WireWatcher:
-    """The watcher of a measure, listening. BadCase, with its line, for one that cannot be."""
+    """Return the watcher of a measure, listening to its wire. Raise BadCase, with its line, for an impossible one."""
     name = measure.name
     if name not in case.watch:
         entry = next(n for n, budget in enumerate(case.budget) if budget.measure.endswith(f":{name}"))

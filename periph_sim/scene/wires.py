@@ -1,4 +1,4 @@
-"""The wires of a scene, by name: each is made when somebody first asks for it, so that no scene has one too many."""
+"""The wires of a scene, by name. Each is made at its first use, so that a scene has none that it does not need."""
 
 from __future__ import annotations
 
@@ -18,5 +18,5 @@ class SceneWires(dict[str, Wire]):
         return self[name]
 
     def made(self, kernel: Kernel, name: str, recorder: Recorder) -> Wire:
-        """A new one."""
+        """Return a new wire."""
         return Wire(kernel, name, recorder)

@@ -1,4 +1,4 @@
-"""A case file that is read once: `key=value` changes go in; the changed case comes out, only changed tables checked.
+"""A case file that is read once. Changes (`key=value`) are applied to it, and only changed tables are checked again.
 
 text --> tree of TOML --> Case
 change of host.jitter --> the table [host] is read and checked anew; all others are the same objects

@@ -1,4 +1,4 @@
-"""Search for cases: a folder goes in; the paths of the case files below it come out.
+"""Search for the case files in a folder and its sub-folders.
 
 A folder of cases may be any repository, with a pyproject.toml and a virtual environment in it. A case is recognized
 from other TOML by its tables, and is found even where its TOML is broken, so that `check` reports it instead of
@@ -19,7 +19,7 @@ NOT_SEARCHED = frozenset({"node_modules", "__pycache__", "site-packages"})
 
 
 def is_case(path: Path) -> bool:
-    """True if a `.toml` file has a table that only cases have: unit, budget or controller."""
+    """Return True if a `.toml` file has a table that only cases have: unit, budget or controller."""
     try:
         return path.suffix == ".toml" and MARKER.search(read_regular(path)) is not None
     except OSError:
@@ -27,12 +27,12 @@ def is_case(path: Path) -> bool:
 
 
 def is_searched(folder: Path) -> bool:
-    """True unless it is hidden, a virtual environment, or a folder of installed or compiled things."""
+    """Return False if the folder is hidden, a virtual environment, or one of installed or compiled things."""
     return not folder.name.startswith(".") and folder.name not in NOT_SEARCHED and not (folder / "pyvenv.cfg").exists()
 
 
 def cases_below(folder: Path) -> Iterator[Path]:
-    """The case files of a folder and its sub-folders, by name. Hidden folders and virtual environments are left out."""
+    """Yield the case files of a folder and of its sub-folders, by name. Only `is_searched` sub-folders are entered."""
     for above, folders, files in os.walk(folder):
         here = Path(above)
         folders[:] = sorted(name for name in folders if is_searched(here / name))

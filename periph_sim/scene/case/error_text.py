@@ -1,4 +1,4 @@
-"""Error sentences: a mistake in a table goes in; file, line, key, what was found and the fix come out."""
+"""Error messages for mistakes in a table: file, line, key, what was found and the fix."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ SHOWN = 60  # characters of a wrong value that a message repeats
 
 
 def explain(source: Source, error: BadTable, tree: object = None) -> str:
-    """One sentence about the first thing wrong. tree: what was to be a case, for the names of its entries."""
+    """Return one sentence about the first mistake. tree: the data that was checked, for the names of its entries."""
     first = error.first
     key = key_of(first.place, tree)
     where = source.where(first.place)

@@ -1,4 +1,4 @@
-"""The JSON schema of case files, for editors: nothing goes in; what the models of a case take comes out.
+"""The JSON schema of case files, for editors.
 
 All of it is read from the models: the tables of `Case`, the kinds of faults and motions with their settings, and the
 options of a unit. What firmware takes as settings only the firmware knows, so that table is left open.
@@ -26,7 +26,7 @@ DIALECT = "http://json-schema.org/draft-07/schema#"  # editors of TOML know noth
 
 
 def case_schema() -> Schema:
-    """The schema as a tree, for `json.dumps`."""
+    """Return the schema as a tree, for `json.dumps`."""
     faults = {f"fault {name}": kind.Settings for name, kind in kinds_of_fault().items()}
     motions = {f"motion {name}": kind.Settings for name, kind in kinds_of_motion().items()}
     devices = {f"device {family.MODELS[0]}": family for family in families().values()}
@@ -50,7 +50,7 @@ def case_schema() -> Schema:
 
 
 def _one_of(kinds: Mapping[str, object], schemas: Schema) -> Schema:
-    """A table whose key `kind` says which other keys it has."""
+    """Return the schema of a table whose key `kind` decides which other keys it has."""
     choices = []
     for name in kinds:
         schema = schemas[name]
@@ -61,7 +61,7 @@ def _one_of(kinds: Mapping[str, object], schemas: Schema) -> Schema:
 
 
 def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) -> Iterator[Schema]:
-    """A device's table by its model; the keys of a Python file only the file knows."""
+    """Yield a device table's schema for each family of models, and one for Python files, whose keys are not known."""
     for name, family in families.items():
         own = schemas[name]
         properties = {**common["properties"], **own["properties"], "model": {"enum": [*family.MODELS]}}
@@ -72,7 +72,7 @@ def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) ->
 
 
 def _watches(common: Schema, kinds: Mapping[str, object], schemas: Schema) -> Iterator[Schema]:
-    """A watcher's table by its kind."""
+    """Yield the schema of a watcher's table for each kind."""
     for name in kinds:
         own = schemas[name]
         properties = {**common["properties"], **own["properties"], "kind": {"enum": [name.partition(" ")[2]]}}
@@ -85,7 +85,7 @@ def _closed(schema: Schema) -> Schema:
 
 
 def _options(kind: type) -> Schema:
-    """The table of answers to open questions that a class of options takes."""
+    """Return the schema of a table of answers to the open questions in a class of options."""
     found: Schema = {}
     for field in dataclasses.fields(kind):
         about = field.metadata

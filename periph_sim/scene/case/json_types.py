@@ -1,4 +1,4 @@
-"""The JSON schema of types: an annotation of a table goes in; what a file may say there, for editors, comes out.
+"""The JSON schema of types: for each annotation of a table, what a file may contain there, for editors.
 
     int, Annotated[...], a `Table` ... --schema_of--> {"type": "integer"} ...
 
@@ -80,7 +80,7 @@ def _annotated(kind: Any, checks: tuple[Any, ...], definitions: Schema) -> Schem
 
 
 def schema_of_table(kind: Any, definitions: Schema) -> Schema:
-    """A table's keys, with their defaults where a file would say them so."""
+    """Return the schema of a table: its keys, with the defaults that a file can contain."""
     keys = keys_of(kind)
     properties = {said: _property(key, definitions) for said, key in keys.items()}
     schema: Schema = {

@@ -1,4 +1,4 @@
-"""TOML and `key=value` changes go in; a checked `Case` comes out, or one sentence that says what is wrong."""
+"""Loading of cases: TOML and `key=value` changes are read into a checked `Case`."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class UnknownKey(BadCase):
 
 
 def load(path: Path | str, changes: list[str] | None = None) -> Case:
-    """The case in a file, with `key=value` changes applied. BadCase with one sentence otherwise.
+    """Return the case in a file, with `key=value` changes applied. Raise BadCase with one sentence if it is wrong.
 
     Paths of firmware files count from the folder of the case, wherever the command was started.
     """
@@ -50,9 +50,9 @@ def shared_case(path: Path, text: str, changes: tuple[str, ...]) -> Case:
 
 @lru_cache(maxsize=16)
 def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> tuple[Case, list[str]]:
-    """A case, and those of its fields that hold dicts or lists, of which each who loads it gets his own.
+    """Return a case and the names of its fields with dicts or lists, which `load` copies for each caller.
 
-    It is in its text and its changes alone, so it is checked once for all the scenes of it.
+    The case depends only on its path, its text and its changes, so it is checked once for all its scenes.
     """
     case = _checked(path, text, changes)
     fields = ((name, getattr(case, name)) for name in case.__struct_fields__)
@@ -71,7 +71,7 @@ def _checked(path: Path, text: str, changes: tuple[str, ...]) -> Case:
 
 
 def built(case: Case, source: Source) -> Case:
-    """A checked case of a source as it is built: without the parties that its [outside] replaces."""
+    """Return a checked case of a source without the parties that its [outside] replaces."""
     case = case.from_source(source)
     if case.outside is None:
         return case
@@ -81,7 +81,7 @@ def built(case: Case, source: Source) -> Case:
 
 
 def case_of(tree: dict[str, Any], path: Path) -> Case:
-    """The case that a tree says, as if it stood in a file there. BadCase with one sentence if it says none."""
+    """Return the case in a tree, as if read from the file `path`. Raise BadCase with one sentence if it is wrong."""
     source = Source(path, "", values=tuple(texts_in(tree)))
     try:
         return built(located(Case.model_validate(copied(tree)), path.parent), source)
@@ -112,13 +112,13 @@ def located(case: Case, folder: Path) -> Case:
 
 
 def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
-    """The text of a TOML file, and the tree it says. what: is in it, for messages. BadCase if it cannot be had."""
+    """Return the text of a TOML file and its tree. what: its kind, for messages. Raise BadCase if either fails."""
     text = text_of(path, what)
     return text, tree_of(path, text)
 
 
 def text_of(path: Path, what: str) -> str:
-    """The text of a TOML file. what: is in it, for messages. BadCase if it cannot be had."""
+    """Return the text of a TOML file. what: its kind, for messages. Raise BadCase if it cannot be read as UTF-8."""
     try:
         data = read_input(path)
     except IsADirectoryError:
@@ -138,7 +138,7 @@ def text_of(path: Path, what: str) -> str:
 
 
 def tree_of(path: Path, text: str) -> dict[str, Any]:
-    """The tree that the text of a TOML file says. BadCase if it says none."""
+    """Return the tree of a TOML text. path: for messages. Raise BadCase if the text cannot be parsed."""
     try:
         return cast(dict[str, Any], copied(_tables(text)))
     except tomllib.TOMLDecodeError as error:
@@ -226,7 +226,7 @@ def apply(tree: dict[str, object], change: str) -> Place:
 
 
 def _child(table: object, name: str, change: str) -> tuple[str | int, object]:
-    """The key or number of the named child, and the child; an empty table if there was none."""
+    """Return the key or index of the named child, and the child. A missing table is added, empty."""
     if isinstance(table, list):
         number = _index(table, name, change)
         return number, _not_a_value(table[number], name, change)
@@ -241,7 +241,7 @@ def _not_a_value(child: object, name: str, change: str) -> object:
 
 
 def _index(table: list[object], name: str, change: str) -> int:
-    """An entry of a list of tables: by number, or by its `name`."""
+    """Return the index of an entry in a list of tables, which is named by its index or its `name`."""
     for i, entry in enumerate(table):
         if name == str(i) or (isinstance(entry, dict) and entry.get("name") == name):
             return i

@@ -1,4 +1,4 @@
-"""Origin of values in a case: a place goes in; "file, line N" or the `--set` that wrote it comes out."""
+"""Origins of the values in a case: "file, line N", or the `--set` that wrote the value."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Source(Struct, frozen=True):
 
 
 def key_of(place: Place, tree: object) -> str:
-    """A place as `--set` has it: "budget.response.max". tree: the case; entries with a name go by it."""
+    """Return a place as `--set` writes it: "budget.response.max". tree: the case, for the unique names of entries."""
     parts = []
     for part in place:
         entries = tree

@@ -1,4 +1,4 @@
-"""A set of sensor parameters in TOML goes in; checked parameters come out, or one sentence that says what is wrong.
+"""Sets of sensor parameters, loaded from TOML and checked.
 
     period = "20 ms"                      [gyroscope]
     wrap = "unwrapped"                    bias = "-3.1, 3.6, 0.04 deg/s"
@@ -36,7 +36,7 @@ SHIPPED = Path(__file__).parents[2] / "sensors" / "models" / "sets"
 
 
 def named(name: str) -> ImuParameters:
-    """The parameters of a shipped set ("table_5_1"), or of the file at that path. BadCase if there is neither."""
+    """Return the parameters of a shipped set ("table_5_1") or of a file. Raise BadCase if there is neither."""
     shipped = {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
     if name in shipped:
         return load(shipped[name])
@@ -47,7 +47,7 @@ def named(name: str) -> ImuParameters:
 
 
 def load(path: Path) -> ImuParameters:
-    """The parameters in a file. BadCase with file, line, name, value and range otherwise."""
+    """Return the parameters in a file. Raise BadCase, with file, line, name, value and range, if one is wrong."""
     text, tree = read(path, "parameter")
     source = Source(path, text)
     given = {}
@@ -96,7 +96,7 @@ def _value(source: Source, place: Place, parameter: Parameter, value: Any) -> An
 
 
 def _numbers(value: Any, unit: str, bare: bool) -> tuple[list[float], float]:
-    """The numbers of a value, and what to multiply them with. ValueError, a phrase, if it is none."""
+    """Return the numbers of a value and their factor to `unit`. Raise ValueError, with a phrase, if one is wrong."""
     if isinstance(value, str):
         *numbers, last = [part.strip() for part in value.split(",")]
         number, _, said = last.partition(" ")

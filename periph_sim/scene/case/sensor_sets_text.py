@@ -1,4 +1,4 @@
-"""Sensor parameters as TOML: a set goes in, the text that `sensors.load` reads back to the last bit comes out."""
+"""Sensor parameters as TOML text, which `sensor_sets.load` reads back to the last bit."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ...sensors.models.quantity import Checked, Parameter, Quantity, parameters_
 
 
 def text_of(imu: ImuParameters) -> str:
-    """Every parameter, those of the whole set first, then a table a sensor."""
+    """Return the text of all parameters: those of the whole set first, then a table for each sensor."""
     parts = parameters_of(ImuParameters)
     lines = [_line(imu, one) for one in parts if one.says is not None]
     for one in parts:

@@ -132,7 +132,7 @@ class SerialTable(Table, frozen=True, kw_only=True):
         return self.multiprocessor if entry is None or entry.multiprocessor is None else entry.multiprocessor
 
     def form(self, entry: SendTable | ExpectTable | None = None) -> UartFormat:
-        """The format of an entry's characters."""
+        """Return the format of an entry's characters; without an entry, that of the table."""
         own = {} if entry is None else {key: getattr(entry, key) for key in FORMAT}
         bits, parity, stop = (getattr(self, key) if own.get(key) is None else own[key] for key in FORMAT)
         return UartFormat(bits, parity, stop, self.mode(entry) == "address-bit")
@@ -149,7 +149,7 @@ class SerialTable(Table, frozen=True, kw_only=True):
 
 
 def with_replies(budgets: tuple[Budget, ...], serial: SerialTable | None) -> tuple[Budget, ...]:
-    """The budgets of a case, and one more for each reply that it expects."""
+    """Return the budgets of a case, and one more for each expected reply without a budget of its name."""
     expected = () if serial is None else serial.expect
     known = {(budget.name, budget.measure) for budget in budgets}
     return budgets + tuple(reply_budget(one) for one in expected if (one.name, REPLY + one.name) not in known)
@@ -160,7 +160,7 @@ def reply_budget(expected: ExpectTable) -> Budget:
 
 
 def in_words(length: Fraction) -> str:
-    """A length as a case writes it, in the largest unit in which it is whole."""
+    """Return a duration as a case writes it: in the largest unit in which it is whole, else in seconds."""
     symbol, number = next(
         ((symbol, length * size) for symbol, size in UNITS if (length * size).denominator == 1), ("s", length)
     )

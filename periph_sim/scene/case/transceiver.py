@@ -1,4 +1,4 @@
-"""RS-485 transceivers of a case: [[transceiver]] tables go in; which SCI is on which pair, and by which pin, comes out.
+"""RS-485 transceivers of a case: which SCI is on which pair, and which pin enables its driver.
 
     TX --> DI  driver    --\
     GPIO -> DE              >== pair
@@ -41,7 +41,7 @@ class OnPair(Struct, frozen=True):
 
 
 def on_pairs(case: Case) -> list[OnPair]:
-    """Every SCI that is on a pair. BadCase, with its line, for a transceiver that cannot be."""
+    """Return every SCI that is on a pair. Raise BadCase, with its line, for an impossible transceiver."""
     if not case.transceiver:
         return []
     wiring = wiring_of(case)
@@ -71,7 +71,7 @@ def on_pairs(case: Case) -> list[OnPair]:
 
 
 def de_pin(case: Case, entry: int) -> Pin:
-    """The pin that switches the driver of a transceiver on. BadCase if there is none."""
+    """Return the pin that enables the driver of a transceiver. Raise BadCase if it is no pin of exactly one unit."""
     text = case.transceiver[entry].de
     node = node_of(case, text, "transceiver", entry, "de")
     if isinstance(node, tuple):

@@ -1,4 +1,4 @@
-"""Wires of pins: a case's units, named pins and cables go in; the wire of each pin comes out.
+"""The wire of each pin of a case, from its units, named pins and cables.
 
     [unit.NAME] modules --> usual pins --.
     [unit.NAME] pins ------> names ------+--joined--> Wiring: GPIO number -> wire, a unit each
@@ -54,16 +54,16 @@ class Wiring(Struct, frozen=True):
     pins: Mapping[str, Mapping[int, str]]
 
     def line(self, unit: str, module: str, signal: str) -> str:
-        """The wire of a module's signal: of "dsp", "SCI-A", "TX"."""
+        """Return the wire of a module's signal, for instance of "dsp", "SCI-A", "TX"."""
         return self.pins[unit][SIGNALS[module][signal]]
 
     def wires(self) -> tuple[str, ...]:
-        """Every wire with a pin of a unit on it."""
+        """Return every wire with a pin of a unit on it."""
         return tuple(dict.fromkeys(wire for pins in self.pins.values() for wire in pins.values()))
 
 
 def wiring_of(case: Case) -> Wiring:
-    """BadCase, with its line, for a cable that cannot be."""
+    """Return the wiring of a case. Raise BadCase, with its line, for an impossible cable."""
     joints = _Joints()
     for unit, pin, name in _named(case):
         joints.join((unit, pin), name)
@@ -94,7 +94,7 @@ class SciLines(Struct, frozen=True):
 
 
 def sci_lines(case: Case, wiring: Wiring) -> list[SciLines]:
-    """Every SCI of a case, unit by unit."""
+    """Return every SCI of a case with its wires, unit by unit."""
     return [
         SciLines(name, module, wiring.line(name, module, "RX"), wiring.line(name, module, "TX"))
         for name, unit in case.unit.items()
@@ -104,7 +104,7 @@ def sci_lines(case: Case, wiring: Wiring) -> list[SciLines]:
 
 
 def sci_named(case: Case, text: str, *place: str | int) -> SciLines:
-    """The SCI that a text names: "dsp.SCI-A", or "SCI-A" where only one unit has it. BadCase if there is none."""
+    """Return the SCI of a name: "dsp.SCI-A", or "SCI-A" if only one unit has it. Raise BadCase if none matches."""
     lines = {(sci.unit, sci.module): sci for sci in sci_lines(case, wiring_of(case))}
     unit, _, module = text.rpartition(".")
     owners = [owner for owner, its in lines if its == module]
@@ -125,7 +125,7 @@ def sci_named(case: Case, text: str, *place: str | int) -> SciLines:
 
 
 def module_pins(case: Case, unit: str) -> Mapping[int, tuple[str, str]]:
-    """(module, signal) of the usual pins of a unit's modules, by GPIO number."""
+    """Return (module, signal) of the usual pins of a unit's modules, by GPIO number."""
     return _pins_of(tuple(case.unit[unit].modules))
 
 
@@ -170,7 +170,7 @@ def _no_pin(case: Case, text: str, *place: str | int) -> BadCase:
 
 
 def _wire_names(case: Case) -> list[str]:
-    """Names that a cable's end may have: named pins, the bus, what the host sends on."""
+    """Return the wire names that a cable's end may have: named pins, the bus, the wire that the host sends on."""
     found = [label for unit in case.unit.values() for label in unit.pins]
     if case.controller is not None or case.chip or any("I2C-A" in unit.modules for unit in case.unit.values()):
         found += SIGNALS["I2C-A"]
@@ -178,7 +178,7 @@ def _wire_names(case: Case) -> list[str]:
 
 
 def _named(case: Case) -> Iterator[tuple[str, int, str]]:
-    """(unit, pin, name) of the pins whose wire has a name that does not come from a cable."""
+    """Yield (unit, pin, name) of the pins whose wire has a name that does not come from a cable."""
     for unit, table in case.unit.items():
         if "I2C-A" in table.modules:
             yield from (
@@ -227,7 +227,7 @@ def _check(case: Case, entry: int, group: list[Node]) -> None:
 
 
 def _pins(case: Case, unit: str, joints: _Joints) -> list[int]:
-    """The pins of a unit that have a wire: those of its modules, the named ones, those of cables."""
+    """Return the pins of a unit that have a wire: those of its modules, the named ones, those of cables."""
     cabled = [node[1] for node in joints.nodes() if isinstance(node, tuple) and node[0] == unit]
     return list(dict.fromkeys([*module_pins(case, unit), *case.unit[unit].pins.values(), *cabled]))
 
@@ -260,6 +260,6 @@ class _Names:
         return f"{module}.{signal}" if alone else f"{unit}.{module}.{signal}"
 
     def _pin(self, unit: str, pin: int) -> str:
-        """A pin in full."""
+        """Return the full name of a pin."""
         module, signal = self._usual[unit].get(pin, ("", ""))
         return f"{unit}.{module}.{signal}" if module else f"{unit}.GPIO{pin}"

@@ -1,4 +1,4 @@
-"""The characters of an entry of a serial table: text, bytes or a file go in; values that fit the line come out."""
+"""The characters of an entry of a serial table, from text, bytes or a file, checked to fit the line."""
 
 from __future__ import annotations
 

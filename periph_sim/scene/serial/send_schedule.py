@@ -1,4 +1,4 @@
-"""Schedule of one entry of [[serial.send]]: its trigger goes in; one or more bursts on a line come out.
+"""Schedule of one entry of [[serial.send]]: one or more bursts on a line after its trigger.
 
 at, event, text --> happened --delay--> fire --> BurstSender
                                 '--period--> fire ...

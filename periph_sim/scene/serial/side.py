@@ -1,4 +1,4 @@
-"""Parties that talk to SCIs from outside: [[serial.send]] and [[serial.expect]] go in; bursts and replies come out.
+"""Parties that talk to SCIs from outside: bursts of [[serial.send]] and replies of [[serial.expect]].
 
 events, times, replies --> Send --> BurstSender --> RX of an SCI
 TX of an SCI --> UartReader --> Reply (a measure), TextTrigger
@@ -40,7 +40,7 @@ class SerialSide:
     """Made before wires are, so that the events that it waits for are recorded; `attach` puts it on them."""
 
     def __init__(self, case: Case, table: SerialTable, scope: Scope, recorder: Recorder) -> None:
-        """BadCase, with its line, for an event that cannot be."""
+        """Subscribe to the events of all entries. Raise BadCase, with its line, for an invalid event."""
         self._case = case
         self._table = table
         self.sends: dict[str, Send] = {}
@@ -58,7 +58,7 @@ class SerialSide:
                 self._triggers[kind, number] = trigger
 
     def attach(self, context: SceneContext, pairs: Pairs) -> None:
-        """BadCase, with its line, for what cannot be sent or expected."""
+        """Connect senders and readers to the wires. Raise BadCase, with its line, if an entry is impossible."""
         self._context = context
         self._pairs = pairs
         self._lines = {(sci.unit, sci.module): sci for sci in sci_lines(self._case, context.wiring)}
@@ -81,7 +81,7 @@ class SerialSide:
         return {wire: self._line_of(sender) for wire, sender in self._senders.items()}
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """BadCase if no such reply is expected."""
+        """Add a measure of an expected reply. Return what it expects, and a function that says why it never began."""
         names = [expect.name for expect in self._table.expect]
         number = names.index(reply.name)
         self._replies[number].append(reply)

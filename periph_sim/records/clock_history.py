@@ -1,4 +1,4 @@
-"""SYSCLKOUT of a unit over a recording: the file's clocks, or records of PLLCR and PLLSTS, go in; cycles come out.
+"""SYSCLKOUT of a unit over a recording, from the file's clocks or from records of PLLCR and PLLSTS.
 
 A file without clocks may still show them: a unit with a 30 MHz crystal begins at the reset's clock, as an image does,
 and all accesses fall on the cycles that follow from that. Otherwise the clock is that of `Run.cycles`.
@@ -67,7 +67,7 @@ class ClockHistory(NamedTuple):
         return found
 
     def tick(self, number: int) -> int:
-        """The tick at which a cycle begins."""
+        """Return the tick at which a cycle begins."""
         firsts = self._firsts
         now = max(bisect_right(firsts, number) - 1, 0)
         return self.begins[now] + int((number - firsts[now]) * self.periods[now])
@@ -81,11 +81,14 @@ class ClockHistory(NamedTuple):
         return found
 
     def _now(self, at: NDArray[np.int64]) -> NDArray[np.intp]:
-        """The number of the clock at each of these ticks."""
+        """Return the number of the clock at each of these ticks."""
         return np.maximum(np.searchsorted(self.begins, at, "right") - 1, 0)
 
     def in_words(self, per_second: Fraction) -> str:
-        """ "7.5 MHz, from 4.373 ms on 150 MHz"; of more than three the last, with how often it changed."""
+        """Return the clocks as text: "7.5 MHz, from 4.373 ms on 150 MHz".
+
+        Of more than three clocks it names only the last, with the number of changes.
+        """
         clocks = [f"{float(per_second / period / 1_000_000):.8g} MHz" for period in self.periods]
         if len(clocks) > MOST_TOLD:
             return f"{clocks[-1]} at last, changed {counted(len(clocks) - 1, 'time')}"
@@ -96,7 +99,10 @@ class ClockHistory(NamedTuple):
 def history(
     per_second: Fraction, changes: Iterable[tuple[int, str, int]], accesses: Iterable[int]
 ) -> ClockHistory | None:
-    """changes: of SHOWN, as (tick, what, value) in their order. accesses: their ticks. None if it is not known."""
+    """Return the clocks that the changes of registers show; None if the accesses do not fit them.
+
+    changes: of SHOWN, as (tick, what, value) in order; without any the result is None, too. accesses: their ticks.
+    """
     told = list(changes)
     if not told:
         return None
@@ -122,6 +128,6 @@ def history(
 
 
 def _period(per_second: Fraction, state: dict[str, int]) -> Fraction:
-    """Ticks of a cycle; while the PLL locks, and in bypass, OSCCLK is only divided."""
+    """Return the ticks of a cycle; while the PLL locks, and in bypass, OSCCLK is only divided."""
     ratio = state[DIV] if state[LOCKED] and 1 <= state[DIV] <= 10 else 1
     return per_second * DIVIDE[state[DIVSEL] & 3] / (OSCCLK_HZ * ratio)

@@ -1,6 +1,6 @@
-"""A run that may be recorded: a path, or none, goes in; what a scene calls to be recorded comes out.
+"""Optional recording of a run.
 
-Who records nothing imports no writer, and no table of records either.
+A run that is not recorded imports neither a writer nor a table of records.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def if_recorded(
     path: Path | None, modules: dict[str, tuple[str, ...]]
 ) -> AbstractContextManager[tuple[Subscribe, EndedAt]]:
-    """As `recording` gives them, or two functions that do nothing."""
+    """Return `recording` for the path; without a path, a context of two functions that do nothing."""
     if path is None:
         return nullcontext((_nobody_subscribes, _nobody_is_told))
     from .recording import recording
@@ -29,8 +29,8 @@ def if_recorded(
 
 
 def _nobody_subscribes(recorder: Recorder, timebase: Timebase) -> None:
-    """Nothing is recorded."""
+    """Record nothing."""
 
 
 def _nobody_is_told(tick: int, clocks: Clocks | None = None) -> None:
-    """Nothing is written."""
+    """Write nothing."""

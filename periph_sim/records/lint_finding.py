@@ -1,4 +1,4 @@
-"""Results of lints: rows of faulty accesses go in; one finding for each place comes out."""
+"""Lints, the faults that they report, and findings: one for each place."""
 
 from __future__ import annotations
 

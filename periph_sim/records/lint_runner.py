@@ -17,13 +17,13 @@ from .run import Run
 
 @cache
 def all_lints() -> dict[str, Lint]:
-    """The lints by name, in the order of their names."""
+    """Return the lints by name, in the order of their names."""
     found = modules_with("faults", lints.__name__, lints.__path__)
     return {name.replace("_", "-"): cast(Lint, module) for name, module in found.items()}
 
 
 def lint(run: Run | Path | str, options: Options | None = None) -> list[Finding]:
-    """Findings of all lints, in the order of first times. run: recorded, or the file of one."""
+    """Return the findings of all lints, ordered by their first time. run: a recorded run, or its file."""
     if not isinstance(run, Run):
         run = Run.read(run)
     found = []

@@ -8,7 +8,7 @@ from .run import Run
 
 
 def text(run: Run, findings: list[Finding]) -> str:
-    """A line a finding with its place, and below it what it is and why; then the count."""
+    """Return the findings as text, each with its place, source, lint and first time; then their number."""
     lines = []
     for f in findings:
         times = "once" if f.count == 1 else f"{f.count} times, first"
@@ -19,7 +19,7 @@ def text(run: Run, findings: list[Finding]) -> str:
 
 
 def as_json(run: Run, findings: list[Finding]) -> dict[str, object]:
-    """Times in seconds as numbers."""
+    """Return the findings for JSON, with times in seconds."""
     return {
         "run": run.name,
         "lints": {name: one.SAYS for name, one in all_lints().items()},

@@ -76,7 +76,7 @@ def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...
 
 
 def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
-    """Reads and writes, row by row, of the read-modify-writes among a group of writes."""
+    """Return the reads and the writes, row by row, of the read-modify-writes among a group of writes."""
     found = read_modify_writes(run, group.unit)
     ours = among(found.writes, group.rows)
     return found.reads[ours], found.writes[ours]
@@ -113,8 +113,10 @@ def _judged(
 
 
 def _lost(run: Run, group: Group, f: Field, reads: Rows, writes: Rows, plain: Rows, other: bool) -> LostFlag:
-    """plain: reads that looked at the flag, but for those of these read-modify-writes. other: it was not the one
-    meant."""
+    """Return how often these read-modify-writes lost the flag.
+
+    plain: reads of the flag that do not belong to these read-modify-writes. other: another flag was meant.
+    """
     table = run.table
     changes = run.changes(group.unit, group.module, group.register, f)
     rises, falls = changes[table.value[changes] != 0], changes[table.value[changes] == 0]

@@ -1,4 +1,4 @@
-"""Reconstruction of skipped polls: recorded passes of a wait go in; the polls beside a change come out.
+"""Reconstruction of skipped polls next to a change, from the recorded passes of a wait.
 
 A skipped wait leaves its first and last passes in a recording. Its passes are equally long, so the polls between are on
 a grid that the passes before the gap define. If the last read after the gap is on the grid, the gap is a skipped wait.
@@ -59,8 +59,11 @@ class _Grid:
 
 
 def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows, looking: NDBool) -> Polls:
-    """reads: rows of one place that reads one register. waits: the read after it is the next access of its routine.
-    changes: rows of the register's changes. looking: the reads that looked at what changed; the polls are theirs."""
+    """Return the polls in skipped waits that are next to a change.
+
+    reads: rows of one place that reads one register. waits: the read after it is the next access of its routine.
+    changes: rows of the register's changes. looking: the reads of what changed; the polls belong to them.
+    """
     grid = _Grid(run, unit)
     ticks = grid.places(run.table.tick[reads])
     gaps = np.where(waits, np.diff(ticks, append=ticks[-1:]), 0)

@@ -1,6 +1,6 @@
 """Distances between the firmware's reads of status registers and the changes of what they read, by place.
 
-reads, polls put back --> distance to the nearest change, in cycles --> closest, histogram by decades
+reads, skipped polls  --> distance to the nearest change, in cycles --> closest, histogram by decades
 read-modify-writes    --> flags that rose in between, flags cleared unmeant
 
     i2c.I2CSTR.XRDY == 1   changes of XRDY     i2c.I2CSTR.all, i2c.I2CSTR.SCD = 1   of any field: all go back
@@ -40,7 +40,7 @@ class NearMiss:
 class PlaceRaces:
     """One place's reads of one register. before: a read that just missed a change; after: one that just saw it.
 
-    polls: put back from skipped waits. unplaced: skipped waits with a change whose polls could not be put back.
+    polls: reconstructed from skipped waits. unplaced: skipped waits with a change for which that failed.
     histogram: reads by the distance to their nearest change, by decades of cycles; `alone` had no change to compare.
     """
 
@@ -83,9 +83,9 @@ class Races:
 
 
 def races(run: Run, register: str | None = None) -> Races:
-    """All status registers, or one as "I2C-A.I2CSTR" or one field of it; closest first.
+    """Return the races of all status registers, or of one such as "I2C-A.I2CSTR" or one of its fields; closest first.
 
-    NotInRun where the firmware never accessed such a register, or there is none.
+    Raise NotInRun if the firmware never accessed such a register, or if it does not exist.
     """
     chosen = groups_of(run, register)
     places = [place for group, f in chosen if group.way == "R" for place in _places(run, group, f)]
@@ -94,9 +94,11 @@ def races(run: Run, register: str | None = None) -> Races:
 
 
 def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
-    """(cycles, ticks, unplaced): of each read and each poll put back that has a change to be compared with, how many
-    cycles lie between the two, and when it was, in the order of time; and the skipped waits with a change whose polls
-    could not be put back. NotInRun as for `races`."""
+    """Return (cycles, ticks, unplaced). NotInRun as for `races`.
+
+    cycles: from each read or reconstructed poll to its nearest change, if there is a change. ticks: of these reads and
+    polls, in order. unplaced: number of skipped waits with a change whose polls could not be reconstructed.
+    """
     unplaced = 0
     cycles, ticks = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
     for group, f in groups_of(run, register):
@@ -128,7 +130,7 @@ class _Reads(NamedTuple):
 
 
 def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
-    """Each place with its reads. The read of a read-modify-write is one of all of the register, which it gives back."""
+    """Yield the reads of each place. Read-modify-writes read the whole register, since they write it back."""
     table = run.table
     rows, following = run.in_order(group.unit)
     order = np.argsort(rows)
@@ -145,8 +147,10 @@ def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
 
 
 def _loops_of_an_image(run: Run, unit: str, reads: Rows, nexts: Rows) -> NDBool:
-    """Reads that a loop makes again after one or two others: each has its own place in an image. Those others, and the
-    time to the next pass, or a wait that was recorded in between, tell the loop."""
+    """Return True for each read that a loop repeats after one or two other reads, which have places of their own.
+
+    It is a loop if only reads lie between, and the next pass follows shortly or after a recorded wait.
+    """
     rows, following = run.in_order(unit)
     order = np.argsort(rows)
     is_read = np.array([name.startswith("R ") for name in run.table.names["what"]], bool)
@@ -165,13 +169,13 @@ def _loops_of_an_image(run: Run, unit: str, reads: Rows, nexts: Rows) -> NDBool:
 
 
 def _code(run: Run, name: str) -> int:
-    """The number that a field's name has in the table; -1 where no access names it."""
+    """Return the code of a field's name in the table; -1 if no access names the field."""
     names = run.table.names["field"]
     return names.index(name) if name in names else -1
 
 
 def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
-    """The rows at which fields changed that were not changed, in that cycle, by an access of the unit itself."""
+    """Return the rows at which fields changed, without changes by the unit's own accesses at the same tick."""
     of = [run.changes(group.unit, group.module, group.register, each) for each in fields]
     rows = np.sort(np.concatenate(of))
     others: Rows = rows[~np.isin(run.made_by(rows), run.in_order(group.unit)[0])]
@@ -179,7 +183,7 @@ def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
 
 
 class _Side(NamedTuple):
-    """Reads, and polls put back, with the change on one side of each. ticks: of the reads. distances: ticks, NEVER
+    """Reads, and reconstructed polls, with the change on one side of each. ticks: of the reads. distances: ticks, NEVER
     where there is no change. changes: rows."""
 
     ticks: Rows
@@ -228,7 +232,7 @@ def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
 
 
 def _of_reads(run: Run, reads: Rows, changes: Rows) -> tuple[_Side, _Side]:
-    """Each read beside the next change, and beside the last one."""
+    """Return the reads with the change after each, and the reads with the change before each."""
     tick = run.table.tick[reads]
     at, rows = np.searchsorted(changes, reads), np.append(changes, 0)
     ends = run.table.tick[rows]
@@ -268,7 +272,7 @@ def _judged(run: Run, group: Group, f: Field | None, place: _Reads) -> PlaceRace
 
 
 def _closest(run: Run, unit: str, side: _Side, way: int) -> NearMiss | None:
-    """way: 1 where the change follows the read, -1 where it precedes it."""
+    """Return the closest of the reads to its change. way: 1 if the change follows the read, -1 if it precedes it."""
     if not len(side.distances) or int(side.distances.min()) == NEVER:
         return None
     distance = int(side.distances.min())

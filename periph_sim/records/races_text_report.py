@@ -21,7 +21,7 @@ NOTES = (
 
 
 def text(races: Races) -> str:
-    """Tables of places, closest first; what read-modify-writes did to flags; and how to read it."""
+    """Return tables of places, closest first, then the flags that read-modify-writes lost, and notes."""
     run = races.run
     if not races.places:
         return f"{run.name}: no read of a status register was recorded"
@@ -47,7 +47,7 @@ def text(races: Races) -> str:
 
 
 def as_json(races: Races) -> dict[str, object]:
-    """Distances in cycles; times in seconds."""
+    """Return the races for JSON, with distances in cycles and times in seconds."""
     run = races.run
     return {
         "run": run.name,

@@ -1,4 +1,4 @@
-"""Read-modify-writes: the accesses of a run go in; pairs of a read and a write of one statement come out.
+"""Read-modify-writes of a run: pairs of a read and a write of one statement.
 
     i2c.I2CSTR.SCD = 1     R I2CSTR, W I2CSTR: one place, one routine, one field, a few cycles apart
 
@@ -24,7 +24,7 @@ class Pairs(NamedTuple):
     in_order: Rows
 
     def read_of(self, write: int) -> int | None:
-        """The row of the read that a write belongs to; None if it is a plain write."""
+        """Return the row of the read that a write belongs to; None if it is a plain write."""
         place = int(np.searchsorted(self.writes, write))
         return int(self.reads[place]) if place < len(self.writes) and self.writes[place] == write else None
 
@@ -35,7 +35,7 @@ class Pairs(NamedTuple):
 
 
 def read_modify_writes(run: Run, unit: str) -> Pairs:
-    """All that a unit's firmware made."""
+    """Return all read-modify-writes of a unit's firmware."""
     reads, writes, in_order = run.remembered(f"read-modify-writes of {unit}", lambda: _found(run, unit))
     return Pairs(reads, writes, in_order)
 

@@ -1,4 +1,4 @@
-"""Records as text: a record goes in; a phrase comes out. The packing of values is defined here.
+"""Records as text. The packing of values is defined here.
 
 BUS address 0x1A1   "controller: 0x68 W NACK (gyroscope)"
 BUS byte 0x22       "controller: 0x11 ACK (gyroscope)"
@@ -26,7 +26,7 @@ class BusByte(NamedTuple):
     read: bool | None = None
 
     def __str__(self) -> str:
-        """ "0x68 R ACK", "0x11 NACK"."""
+        """Return the byte as text: "0x68 R ACK", "0x11 NACK"."""
         way = "" if self.read is None else " R" if self.read else " W"
         return f"0x{self.value:02X}{way} {'ACK' if self.acked else 'NACK'}"
 
@@ -55,9 +55,9 @@ def happened(record: Record) -> str:
 
 
 def happened_where(record: Record) -> str:
-    """The same with the unit: "dsp.I2C-A.I2CSTR.SDIR set", "dsp: SCIRXINTA entered at sci_received:76".
+    """Return a record as text with its unit: "dsp.I2C-A.I2CSTR.SDIR set", "dsp: SCIRXINTA entered at sci_received:76".
 
-    Of a flag's change only one of a variable has a place.
+    Of changes of flags, only those of a variable have a place in the firmware.
     """
     said = happened(record)
     if record.kind is Kind.FLAG:

@@ -1,4 +1,4 @@
-"""Accesses that a question is about: a run and a register's name go in; the groups of its accesses come out.
+"""Choice of the accesses that a question is about, by a register's name.
 
 "I2C-A.I2CSTR", "dsp.I2C-A.I2CSTR.XRDY", None for every status register --> groups, each with the field named
 """
@@ -12,7 +12,10 @@ from .run import Group, NotInRun, Run
 
 
 def groups_of(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
-    """The field is None for all of a register. NotInRun where the firmware never accessed what is named."""
+    """Return the groups of accesses to a register, each with the named field, None for the whole register.
+
+    register: None for every status register. Raise NotInRun if the firmware never accessed what is named.
+    """
     if register is not None:
         return _named(run, register)
     return [(group, None) for group in run.accesses if is_status(group.register)]

@@ -1,4 +1,4 @@
-"""Register maps of recorded modules: a module's name goes in; its registers come out."""
+"""Register maps of recorded modules, by the module's name."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ def register_of(module: str, name: str) -> Register | None:
 
 
 def reads_take(name: str) -> bool:
-    """True if a read of "MODULE.REGISTER" takes what it yields: a word out of a buffer, or a flag."""
+    """Return True if a read of "MODULE.REGISTER" removes what it yields: a word from a buffer, or a flag."""
     register = register_of(*name.partition(".")[::2])
     return register is not None and register.reads_take
 
 
 def yields_data(name: str) -> bool:
-    """True if a read of "MODULE.REGISTER" yields one of the words that pass through it."""
+    """Return True if a read of "MODULE.REGISTER" yields one of the words that pass through it."""
     register = register_of(*name.partition(".")[::2])
     return register is not None and register.yields is Yields.DATA
 

@@ -64,7 +64,7 @@ class Cycles:
     how: str
 
     def of(self, ticks: int) -> int:
-        """Whole cycles in a distance, rounded to nearest."""
+        """Return the whole cycles in a number of ticks, rounded to nearest."""
         return round(Fraction(ticks) / self.ticks)
 
 
@@ -106,7 +106,7 @@ class Run:
     # Looks -----------------------------------------------------------------------
 
     def rows(self, kind: Kind, where: str | None = None, what: str | None = None) -> Rows:
-        """Rows of one kind, place and thing, in the order of their ticks."""
+        """Return the rows of one kind, place and thing, in the order of their ticks."""
         key = kind, where, what
         if key not in self._rows:
             found = self.table.rows(kind, where, what)
@@ -129,26 +129,26 @@ class Run:
         return self.table.records(rows)
 
     def row_of(self, number: int) -> int | None:
-        """The row of a record by its number; None where it was not recorded."""
+        """Return the row of a record by its number; None if it was not recorded."""
         row = int(np.searchsorted(self.table.number, number))
         return row if number and row < len(self.table) and int(self.table.number[row]) == number else None
 
     def made_by(self, rows: Rows) -> Rows:
-        """Beside each row that of its cause, where both happened at one tick; else -1."""
+        """Return for each row that of its cause, if both happened at one tick; else -1."""
         table = self.table
         causes = np.minimum(np.searchsorted(table.number, table.cause[rows]), max(len(table) - 1, 0))
         at_once = (table.number[causes] == table.cause[rows]) & (table.tick[causes] == table.tick[rows])
         return np.where(at_once, causes, -1)
 
     def last(self, rows: Rows, tick: int, before: int | None = None) -> int | None:
-        """The last of these rows up to a tick, and above row `before` where that is given."""
+        """Return the last of these rows up to a tick, and before row `before` if that is given; or None."""
         place = int(np.searchsorted(self.table.tick[rows], tick, "right"))
         while place and before is not None and rows[place - 1] >= before:
             place -= 1
         return int(rows[place - 1]) if place else None
 
     def next(self, rows: Rows, after: int) -> int | None:
-        """The first of these rows below row `after`."""
+        """Return the first of these rows after row `after`, or None."""
         place = int(np.searchsorted(rows, after, "right"))
         return int(rows[place]) if place < len(rows) else None
 
@@ -163,11 +163,11 @@ class Run:
         }
 
     def changes(self, unit: str, module: str, register: Register, f: Field) -> Rows:
-        """The rows at which a field changed."""
+        """Return the rows at which a field changed."""
         return self.rows(Kind.FLAG, f"{unit}.{module}", f"{register.name}.{f.name}")
 
     def changed_before(self, unit: str, module: str, register: Register, f: Field, row: int) -> int | None:
-        """The row of the field's last change above a row."""
+        """Return the row of the field's last change before a row, or None."""
         return self.last(self.changes(unit, module, register, f), int(self.table.tick[row]), row)
 
     def values(self, unit: str, module: str, register: Register, f: Field, rows: Rows) -> Rows:
@@ -178,8 +178,10 @@ class Run:
         return held[before]
 
     def in_order(self, unit: str) -> tuple[Rows, Rows]:
-        """The unit's accesses as its firmware made them: those of the main program, then routine by routine, each
-        in order; and beside each row the one that follows in the same routine, -1 at its end."""
+        """Return the unit's accesses by routine, and for each of them the next one in the same routine, -1 at its end.
+
+        The main program comes first, then each run of a service routine; the accesses of each are in order.
+        """
         if unit in self._orders:
             return self._orders[unit]
         rows = self.rows(Kind.ACCESS, unit)
@@ -192,14 +194,14 @@ class Run:
         return rows, following
 
     def routine(self, unit: str, entry: int) -> Rows:
-        """The unit's accesses in one run of a service routine, by the number of its entry; 0: in the main program."""
+        """Return the unit's accesses in one run of a service routine. entry: number of its entry; 0: main program."""
         rows, _ = self.in_order(unit)
         routines = self.remembered(f"routines of {unit}", lambda: self.table.cause[rows])
         found: Rows = rows[np.searchsorted(routines, entry) : np.searchsorted(routines, entry, "right")]
         return found
 
     def service(self, unit: str, routine: int, after: int, before: int) -> tuple[Rows, Rows]:
-        """The rows at which service routines ended between two rows, and those at which they were entered.
+        """Return the rows at which service routines ended between two rows, and those at which they were entered.
 
         routine: the number of the entry of the routine that they interrupted; 0: the main program.
         """
@@ -247,7 +249,7 @@ class Run:
         return found
 
     def by_place(self, rows: Rows) -> Iterator[tuple[str, Rows]]:
-        """The rows of each place in the firmware, "function:line"."""
+        """Yield each place in the firmware, "function:line", with its rows."""
         codes = self.table.columns["text"][rows]
         for code in sorted(set(codes.tolist())):
             yield self.table.names["text"][code], rows[codes == code]
@@ -255,7 +257,7 @@ class Run:
     # Time ------------------------------------------------------------------------
 
     def clock(self, unit: str = "") -> ClockHistory:
-        """SYSCLKOUT of a unit; of a name that is no unit's that of the first one."""
+        """Return SYSCLKOUT of a unit; that of the first unit if no unit has this name."""
         if self._sysclk is None and self._clocks:
             return self._clocks.get(unit) or next(iter(self._clocks.values()))
         return ClockHistory((0,), (self.cycles.ticks,))
@@ -314,13 +316,13 @@ class Run:
         return Fraction(ticks) / self.per_second
 
     def at(self, tick: int) -> str:
-        """A time of the run, in milliseconds, to the nanosecond."""
+        """Return a time of the run as text, in milliseconds, to the nanosecond."""
         return f"{float(self.seconds(tick) * 1000):.6f} ms"
 
     def length(self, ticks: int, begin: int | None = None, unit: str = "") -> str:
-        """A distance in the unit that suits it, with its cycles. begin: its first tick, where the clock may change.
+        """Return a duration as text in a suitable unit, and in cycles. begin: its first tick, as the clock may change.
 
-        unit: whose cycles; of none, such as a wire, they are left out where units have different clocks.
+        unit: whose cycles are counted. Without one, as for a wire, they are left out if units have different clocks.
         """
         ns = self.seconds(ticks) * 10**9
         suits, size = next(((u, size) for u, size in UNITS if abs(ns) < 1000 * size), ("s", 10**9))

@@ -1,4 +1,4 @@
-"""The subject of a question: "I2CA.I2CSTR.XRDY@12.345ms" goes in; a subject and a tick come out.
+"""The subject and the tick of a question such as "I2CA.I2CSTR.XRDY@12.345ms".
 
 Units may be left out where only one has the thing; hyphens and case do not matter.
 """
@@ -37,7 +37,7 @@ class RecordedSignal:
 
 
 def asked(run: Run, question: str) -> tuple[RecordedSignal, int]:
-    """Subject and tick. NotInRun says what is wrong with the question."""
+    """Return the subject and the tick of a question. Raise NotInRun if it cannot be answered."""
     name, at, time = question.rpartition("@")
     if not at or not name.strip():
         raise NotInRun(f"{question!r}: expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us")
@@ -46,7 +46,7 @@ def asked(run: Run, question: str) -> tuple[RecordedSignal, int]:
 
 
 def named(run: Run, name: str) -> RecordedSignal:
-    """The one subject that a name means. NotInRun where there is none, or more than one."""
+    """Return the one subject that a name means. Raise NotInRun if no subject, or more than one, matches."""
     known = subjects(run)
     wanted = _folded(name)
     found = (
@@ -64,7 +64,7 @@ def named(run: Run, name: str) -> RecordedSignal:
 
 
 def subjects(run: Run) -> list[RecordedSignal]:
-    """All that can be asked for."""
+    """Return all subjects of a run."""
     found = []
     for unit, modules in run.units.items():
         for module in modules:
@@ -88,12 +88,12 @@ def subjects(run: Run) -> list[RecordedSignal]:
 
 
 def _memories(run: Run) -> list[int]:
-    """The places of units' variables among the names of the table."""
+    """Return the codes of the places of units' variables in the table."""
     return [code for code, where in enumerate(run.table.names["where"]) if where.endswith(f".{MEMORY}")]
 
 
 def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
-    """The tick that a time means: that of the change of the subject which is shown as this time, if there is one.
+    """Return the tick that a time means: that of the subject's change which is shown as this time, if there is one.
 
     Shown times are rounded, so the exact instant of a change may be a little later than what is typed for it.
     """
@@ -122,7 +122,7 @@ def _last_digit(text: str) -> Fraction:
 
 
 def _hint(known: list[RecordedSignal], name: str) -> str:
-    """The nearest names, written with as many parts as the one given."""
+    """Return a phrase with the nearest names, written with as many parts as the given one, or with what the run has."""
     parts = name.count(".") + 1
     short = dict.fromkeys(".".join(s.name.split(".")[-parts:]) for s in known if s.name.count(".") + 1 >= parts)
     folded = {_folded(text): text for text in short}

@@ -1,4 +1,4 @@
-"""Budgets before a run: tables go in; how each is measured, and its limits in ticks, come out, checked.
+"""Plans of budgets: how each budget is measured, and its checked limits in ticks.
 
     Budget, Scope --> BudgetPlan --> BudgetJudge, one in each scene
 
@@ -74,8 +74,11 @@ def plan_of(
     start: int = 0,
     others: Sequence[BudgetPlan] = (),
 ) -> BudgetPlan:
-    """scope: what a measure of events may name. start: the tick at which the run begins. others: before it, of one
-    scene. BadBudget where it cannot be judged."""
+    """Return the plan of a budget. Raise BadBudget if the budget cannot be judged.
+
+    scope: what a measure of events may name. start: the tick at which the run begins. others: the plans of the budgets
+    before it in the same scene.
+    """
     try:
         make = maker_of(budget.measure, scope or Scope())
     except BadEvent as error:
@@ -98,7 +101,7 @@ def plan_of(
 def _joined(
     budget: Budget, measure: Measure, entry: int, timebase: Timebase, scope: Scope | None, start: int
 ) -> tuple[Budget, BudgetPlan]:
-    """A condition as a budget of its own."""
+    """Return a condition as a budget of its own, with its plan."""
     given = budget.also[entry]
     try:
         name = f"{budget.name} and {given.measure}"
@@ -116,7 +119,7 @@ def _joined(
 
 
 def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, given: str | int) -> int:
-    """The limit in ticks, millionths or counts."""
+    """Return the limit in ticks, millionths or counts."""
     unit = measure.unit
     if unit == "time":
         try:
@@ -143,7 +146,7 @@ def _part(budget: Budget, which: str, given: str | int) -> int:
 
 
 def _steps(budget: Budget, which: str, given: str | int) -> int:
-    """2 or "2.5 LSB" in millionths."""
+    """Return a limit such as 2 or "2.5 LSB" in millionths. BadBudget if it is not one."""
     text = str(given)
     try:
         steps = exact_number(text.removesuffix("LSB"))
@@ -187,5 +190,5 @@ def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict
 
 @lru_cache(maxsize=1024)  # scenes of one case have the same limits again and again
 def _nearest_tick(given: str | int, per_second: int) -> int:
-    """ValueError where the text is no duration."""
+    """Return a duration in ticks, rounded to nearest. Raise ValueError if the text is not a duration."""
     return round_ratio(duration(given) * per_second, "nearest")

@@ -1,6 +1,6 @@
-"""Budgets as a case file states them: tables with limits go in, checked Budgets come out.
+"""Budgets as a case file states them, with checked limits.
 
-What their measures mean, `budgets.py` knows.
+Their measures are plain text here; `budget_plan.py` resolves them.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Limited(Table, frozen=True, kw_only=True):
             raise ValueError(f"a budget needs a limit: {', '.join(keys[:-1])} or {keys[-1]}")
 
     def limits(self) -> dict[str, str | int]:
-        """The limits that are given, by key."""
+        """Return the limits that are given, by key."""
         given: dict[str, str | int | None] = {key: getattr(self, key, None) for key in LIMITS}
         return {key: limit for key, limit in given.items() if limit is not None}
 

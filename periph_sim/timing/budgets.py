@@ -1,4 +1,4 @@
-"""Budgets: limits and measures go in, verdicts with worst case, margin and time come out."""
+"""Verdicts of budgets, with worst case, margin and time."""
 
 # core: compiled
 
@@ -91,9 +91,10 @@ class BudgetJudge:
                     part._found = f"{part.budget.measure!r} has no value for {lacks} of {what}"
 
     def verdict(self, start: int = 0) -> Verdict:
-        """The verdict of a run that began at `start`. What was measured too seldom is not judged, which is no pass.
+        """Return the verdict of a run that began at `start`.
 
-        Of joined conditions that which is broken, else that which is not judged, else the first; all of them in words.
+        A budget that was measured too seldom is not judged, so it has not passed.
+        If conditions are joined, it is the verdict of `shown`, and `found` describes all of them.
         """
         if not self.joined:
             return self._judge(start)
@@ -169,7 +170,7 @@ class BudgetJudge:
         return f"{float(100 * self._coverage_of):g} %"
 
     def typical(self, start: int = 0) -> Verdict | None:
-        """The other end of what was measured: the value furthest from the limit. None where there was one value."""
+        """Return the verdict on the value furthest from the limit; None unless the measure took at least two values."""
         part = self.shown
         measure, worst = part.measure, self.verdict(start)
         low = worst.which == "min"
@@ -179,7 +180,7 @@ class BudgetJudge:
         return replace(worst, worst=part.show(value), at_s=float(self._timebase.seconds(at - start)), margin=None)
 
     def _in_words(self, verdict: Verdict) -> str:
-        """ "age 22.153 ms at 0.025195 s (max 25 ms)"."""
+        """Return the verdict as text: "age 22.153 ms at 0.025195 s (max 25 ms)"."""
         value = f"{verdict.worst} {verdict.unit}"
         if verdict.unit == "us" and verdict.worst is not None:
             value = self._timebase.show(round(verdict.worst * self._timebase.per_second / 1_000_000))
@@ -201,7 +202,7 @@ class BudgetJudge:
         return _Seen(which, limit, value, at, limit - value)
 
     def show(self, value: BigInt) -> float | int:
-        """A value of the measure in the unit of verdicts."""
+        """Return a value of the measure in the unit of verdicts."""
         if self.measure.unit == "%":
             return value * 100 / MILLIONTHS
         if self.measure.unit == "LSB":

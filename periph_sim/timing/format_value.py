@@ -1,6 +1,6 @@
-"""Figures of verdicts for people: values with their units go in, short texts come out.
+"""Figures of verdicts as short texts.
 
-Needs no module of ours: what only shows figures need not load what measures them.
+Imports no other module of this package at run time, so that showing figures does not load the measures.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ PLAIN = ("count", "value")  # units that say nothing beside a number
 
 
 def figure(value: float | int | None, unit: str) -> str:
-    """`5.000 us`, `17.380 ms`, `1.28 %`, or a plain count; `-` where there is none."""
+    """Return a value as text: `5.000 us`, `17.380 ms`, `1.28 %`, or a plain count; `-` for None."""
     if value is None:
         return "-"
     if unit == "%":
@@ -27,7 +27,7 @@ def figure(value: float | int | None, unit: str) -> str:
 
 
 def in_words(value: float | int, unit: str) -> str:
-    """The same within a sentence, where no column says what is counted: `12 words`."""
+    """Return a figure for use within a sentence, where no column names the unit: `12 words`."""
     text = figure(value, unit)
     return f"{text} {unit}" if unit not in PLAIN and text == f"{value}" else text
 
@@ -44,12 +44,12 @@ def limit(value: float | int, unit: str, which: str) -> str:
 
 
 def simulated(seconds: float) -> str:
-    """The length of a run: `1.5 s`, `6.667 us`."""
+    """Return the length of a run as text: `1.5 s`, `6.667 us`."""
     return f"{seconds * 1_000_000:.3f} us" if 0 < seconds < 0.001 else f"{seconds:g} s"
 
 
 def duration_text(seconds: float) -> str:
-    """`60 ms`, `10 s`."""
+    """Return a duration as text: `60 ms`, `10 s`."""
     return f"{seconds * 1000:g} ms" if seconds < 1 else f"{seconds:g} s"
 
 

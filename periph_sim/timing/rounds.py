@@ -1,13 +1,13 @@
-"""Rounds on a bus: transfers and what a master asks go in; what each transfer was asked for, and rounds, come out.
+"""Rounds on a bus, and the request that each transfer fulfils.
 
     transfers --.                          .--> transfers with the request's name, bytes asked, bytes expected
                 +--> recognized in order --+--> rounds: due, begin, end, refused requests
     Asked ------'                          '--> rounds due, rounds missed
 
-A transfer is a request's if it begins with its address and way, and writes what it writes. A transfer that is none of
-them belongs to no round. A round begins with its first START, or when it had to begin by the schedule if the START was
-held up, and ends with the STOP of its last request. A round is missed, too, if one of its requests is not made: a later
-one comes in its place, or the first one of the next round.
+A transfer is a request's if it begins with its address and way, and writes what it writes. A transfer that matches no
+request belongs to no round. A round begins with its first START, or when it had to begin by the schedule if the START
+was held up, and ends with the STOP of its last request. A round is missed, too, if one of its requests is not made: a
+later one comes in its place, or the first one of the next round.
 
 When rounds are due: an agent has a schedule. A firmware, or a capture, has a clock of its own: there a round is due a
 period after the begin of the one before, and missed if it has not begun half a period later.
@@ -265,7 +265,7 @@ def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
 
 
 def may_be(made: Phase, request: Transfer) -> bool:
-    """Return True if a transfer that begins with this phase may be the one that was asked for."""
+    """Return True if a transfer that begins with this phase may be the requested one."""
     asked: Phase = request.phases[0]
     if made.address != asked.address or made.read != asked.read:
         return False

@@ -1,4 +1,4 @@
-"""All values that budgets measured, not only the worst: limits after a run go in; arrays come out.
+"""All values that budgets measured, not only the worst, as arrays.
 
     Scene(case, keep_values=True) --run--> limits --values_of--> Values each
 

@@ -1,4 +1,4 @@
-"""Walk from a record back to its causes: a row goes in; the row of its cause comes out, and how that is known.
+"""Walk from a record back to its causes, each with how it is known.
 
 A recording names the causes of what chips do: the access or edge that changed a flag or moved a pin. After filters and
 bit clocks it is the last one that had come through. Three causes are inferred from the order of the records, and marked

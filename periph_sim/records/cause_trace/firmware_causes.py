@@ -1,4 +1,4 @@
-"""Causes of accesses of the firmware: the row of an access goes in; links to its causes come out.
+"""Causes of accesses of the firmware.
 
     write --> the look before it, in the same routine, that saw the newest change
               beside it: the read of its own read-modify-write, the flag that it handed back; later looks

@@ -1,4 +1,4 @@
-"""Parties that pull a wire low: an edge, or a record of other holders, goes in; parties and links to them come out.
+"""Parties that pull a wire low, and causes of a change of these parties.
 
 EDGE fell "controller"   HOLD "controller, dsp.SCLA"   HOLD "dsp.SCLA"   EDGE rose
 pulled it low first      joined in                     holds it alone

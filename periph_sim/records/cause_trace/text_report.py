@@ -37,7 +37,7 @@ def text(answer: Answer) -> str:
 
 
 def as_json(answer: Answer) -> dict[str, object]:
-    """Times in seconds as numbers, and in ticks; `back` begins with the record that gave the value."""
+    """Return the answer for JSON, with times in seconds; `back` begins with the record that gave the value."""
     run, subject = answer.run, answer.subject
     register, f = subject.register, subject.field
     return {
@@ -64,7 +64,7 @@ def as_json(answer: Answer) -> dict[str, object]:
 
 
 def said(run: Run, step: Step) -> str:
-    """One record in words, with the section of the manual that tells of its register."""
+    """Return a record as text, for a flag with the section of the manual that describes its register."""
     record = step.record
     words = happened_where(record)
     if record.kind is Kind.EDGE and record.value:
@@ -78,7 +78,7 @@ def said(run: Run, step: Step) -> str:
 
 
 def _with_source(words: str) -> str:
-    """The words, the section of the manual behind them never broken."""
+    """Return the words with the section of the manual at their end, if any, kept on one line."""
     what, bracket, source = words.partition(" [")
     return f"{what} {together(f'[{source}')}" if bracket else words
 

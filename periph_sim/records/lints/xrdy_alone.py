@@ -53,7 +53,7 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
 
 
 def _wiped_by(run: Run, group: Group) -> Rows:
-    """Beside each access the firmware's write that cleared SDIR since the module was addressed; -1 if none did."""
+    """Return for each access the firmware's write that cleared SDIR since the module was addressed, or -1."""
     value = run.table.value
     changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["SDIR"])
     addressed = run.changes(group.unit, group.module, I2CSTR, I2CSTR["AAS"])

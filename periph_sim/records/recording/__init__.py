@@ -1,4 +1,4 @@
-"""Writing a run to a file: records go in as they happen; the file appears whole when the run is over, or not at all.
+"""Recording of a run to a file, which appears complete when the run is over, or not at all.
 
 One file of this folder is one format. It defines
 
@@ -69,13 +69,13 @@ class EndedAt(Protocol):
 
 @cache
 def recording_formats() -> dict[str, RecordingFormat]:
-    """The formats of this folder by suffix."""
+    """Return the formats of this folder by suffix."""
     found = [cast(RecordingFormat, module) for module in modules_with("SUFFIX", __name__, __path__).values()]
     return {one.SUFFIX: one for one in found}
 
 
 def format_of(path: Path) -> RecordingFormat | None:
-    """The format whose suffix the name ends with, which may have two dots; None where there is none."""
+    """Return the format whose suffix the name ends with, or None. A suffix may have two dots."""
     name = path.name.casefold()
     return next((found for suffix, found in recording_formats().items() if name.endswith(suffix)), None)
 
@@ -140,7 +140,7 @@ def _chosen(path: Path) -> RecordingFormat:
 
 @contextmanager
 def _opened(path: Path, chosen: RecordingFormat) -> Iterator[IO[Any]]:
-    """The file, which takes its place when all went well."""
+    """Yield the open file, which appears at `path` only if no error occurs."""
     try:
         with atomic_write(path) as unfinished, unfinished.open(chosen.MODE, encoding=_encoding(chosen)) as file:
             yield file

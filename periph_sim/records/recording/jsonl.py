@@ -30,7 +30,7 @@ class JsonlWriter:
         self._file.write(json.dumps(row) + "\n")
 
     def close(self, now: int) -> None:
-        """Nothing is left to write."""
+        """Do nothing, since every record is already written."""
 
 
 def _value(record: Record) -> int | str | None:

@@ -153,13 +153,13 @@ class PerfettoWriter:
 
 
 def _title(transfer: i2c.Transfer) -> str:
-    """`0x68 W 0x68 R`."""
+    """Return the title of a transfer: `0x68 W 0x68 R`."""
     named = (phase for phase in transfer.phases if phase.address is not None)
     return " ".join(f"0x{phase.address:02X} {'R' if phase.read else 'W'}" for phase in named) or "cut off"
 
 
 def _byte(byte: i2c.Byte, place: int) -> str:
-    """`0x68 W ACK` of the first byte of a phase, `0x1D ACK` of others; a cut byte shows its bits."""
+    """Return a byte as text: `0x68 W ACK` if first in a phase, else `0x1D ACK`; a cut byte as its bits."""
     if byte.value is None:
         return "cut off: " + "".join(str(bit.value) for bit in byte.bits)
     if byte.acked is None:

@@ -1,4 +1,4 @@
-"""Signals of a run for waveform files of any format: records go in as they happen; named signals come out.
+"""Named signals of a run for waveform files of any format.
 
     EDGE   wires.SCL                     a wire; the four of the bus and the line, pins, and any other that moves
     FLAG   dsp.I2C_A.I2CSTR              a whole register of an I2C or SCI module
@@ -54,13 +54,15 @@ class Signal:
             self._values.append(value)
 
     def put_all(self, at: Numbers, values: Numbers) -> None:
-        """Changes in order of time, all behind those before."""
+        """Append changes in order of time, all later than the existing ones."""
         self._at.extend(at.tolist())
         self._values.extend(values.tolist())
 
     def changes(self) -> tuple[Numbers, Numbers]:
-        """(ticks, which rise strictly from 0; the value from each on). The first is `initial` at 0, or what replaced it
-        there; none repeats the one before."""
+        """Return (ticks, values). Ticks rise strictly from 0, and each value holds from its tick on.
+
+        The value at 0 is `initial`, unless a change at 0 replaces it. No value equals the one before it.
+        """
         at = np.concatenate([np.zeros(1, np.int64), np.frombuffer(self._at, np.int64)])
         values = np.concatenate([np.full(1, self.initial, np.int64), np.frombuffer(self._values, np.int64)])
         last = np.append(at[1:] != at[:-1], True)
@@ -106,18 +108,18 @@ class RunSignals:
             self._signal(".".join(key)).put(record.tick, int(depth > 0))
 
     def signals(self, end: int) -> list[Signal]:
-        """All of them, wires first. end: the last tick of the run."""
+        """Return all signals, wires first. end: the last tick of the run."""
         bus = _bus_state(self._capture([self._wires["SCL"], self._wires["SDA"]], end))
         wires = list(self._wires.values())
         return [*wires, *bus, *(signal for signal in self._signals.values() if signal not in wires)]
 
     def lines(self, end: int) -> Capture:
-        """The run as an analyser with a clip on every signal of one bit would show it, registers aside."""
+        """Return the signals of one bit, without fields of registers, as a logic analyser would capture them."""
         fields = {signal.name for signal, _, _ in self._fields.values()}
         return self._capture([s for s in self.signals(end) if s.width == 1 and s.name not in fields], end)
 
     def bits(self, end: int) -> Capture:
-        """Every signal, those of several bits a bit a channel: `dsp.I2C_A.I2CSTR[12]`."""
+        """Return every signal, with a channel for each bit of those with several: `dsp.I2C_A.I2CSTR[12]`."""
         return self._capture(self.signals(end), end)
 
     def _signal(self, name: str, width: int = 1, initial: int = 0) -> Signal:
@@ -150,7 +152,7 @@ class RunSignals:
 
 
 def _bus_state(lines: Capture) -> list[Signal]:
-    """SCL and SDA as a bus: busy from START to STOP; address, data, ACK and NACK while they last; the byte."""
+    """Return SCL and SDA as a bus: busy from START to STOP; address, data, ACK and NACK while they last; the byte."""
     table = i2c_table(lines, 0, 1)
     begins = table.kind == Row.START
     ends = table.kind == Row.STOP
@@ -168,7 +170,7 @@ def _bus_state(lines: Capture) -> list[Signal]:
 
 
 def _while(name: str, table: I2cTable, rows: NDArray[np.bool_]) -> Signal:
-    """1 from where each of the rows begins to its end."""
+    """Return a signal that is 1 from the begin of each row to its end."""
     signal = Signal(name)
     at = np.column_stack((table.at[rows], table.end[rows])).ravel()
     signal.put_all(at, np.tile(np.array([1, 0], np.int64), len(at) // 2))

@@ -72,7 +72,7 @@ class AgeRecords(Listener):
         self._made = NO_TIME  # and of the one that the last models worked on
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        """A host frame ended at `tick`."""
+        """Note a host frame that ended at `tick`."""
         if self._first_ended == NO_TIME:
             self._first_ended = tick
         self._last_ended = tick
@@ -81,7 +81,7 @@ class AgeRecords(Listener):
         return 0 if what == MODEL else UNWANTED
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
-        """Models begin (1) or end (0)."""
+        """Handle the begin (1) or the end (0) of the models."""
         if value:
             self._taken = self._last_ended
         elif self._taken != NO_TIME:

@@ -59,7 +59,7 @@ class ErrorRecords:
         self._left_out = NO_TIME  # when the last frame was due that is no longer in `_due`
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        """A host frame ended at `tick`."""
+        """Store the tick at which this host frame was due."""
         if len(self._due) == MOST:
             self._left_out = self._due[0]
         self._due.append(self._frame_due(number))

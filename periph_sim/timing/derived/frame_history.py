@@ -43,7 +43,7 @@ class FrameHistory:
         return self._numbers[frame], self._ended[frame], bytes(shown[at : at + BYTES])
 
     def _shown_at(self, address: int) -> bytearray:
-        """The bytes that the chip with this address shows of each frame, one frame after the other."""
+        """Return the bytes that the chip with this address shows of each frame, one frame after the other."""
         shown = self._shown.setdefault(address, bytearray())
         name, chip = BY_ADDRESS[address]
         size = VALUES.size

@@ -50,7 +50,7 @@ class Sent:
         self._shown: dict[int, bytes] = {}
 
     def shown_at(self, address: int) -> bytes:
-        """The register bytes of the chip with this address where it shows the numbers of the frame."""
+        """Return the register bytes of the chip with this address while it shows the numbers of the frame."""
         data = self._shown.get(address)
         if data is None:
             name, chip = BY_ADDRESS[address]
@@ -72,11 +72,11 @@ class Origins:
         self._of: dict[int, Origin] = {}
 
     def of(self, phase: Phase) -> Origin | None:
-        """The origin of what a phase of the transfer that is just over has read; None of what is no chip's data."""
+        """Return the origin of the data that a phase of the last transfer read; None if it read no chip."""
         return self._of.get(id(phase))
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        """A host frame ended at `tick`."""
+        """Note a host frame that ended at `tick`."""
         self._sent.append(Sent(number, values, tick))
 
     def transfer(self, transfer: Transfer) -> None:
@@ -177,7 +177,7 @@ class ModelOrigins(Origins):
         self._may_take: list[Sent] = []
 
     def model_pin(self, now: int, level: int) -> None:
-        """The pin is high while the models run: a run can have worked on the frames that had come by its rise."""
+        """Follow the pin that is high while the models run. A run can only use frames that ended before it rose."""
         if level:
             self._may_take = list(self._sent)
         elif self._pulled_up:  # it becomes an output

@@ -1,1 +1,1 @@
-"""The language of budgets: texts go in, events and measures of events come out."""
+"""The language of budgets, in which events and measures of events are written."""

@@ -1,4 +1,4 @@
-"""Named events: text goes in, an Event, and with a Scope the test for its records comes out.
+"""Named events: their syntax, and the tests that recognize their records.
 
     event   = one { "or" one } | ( "first" | "last" | number ( "st" | "nd" | "rd" | "th" ) ) one "of" group
     group   = "transfer" | "round" | "burst"
@@ -107,7 +107,7 @@ class Matcher(Struct, frozen=True, dict=True):
         return (self, *self.others)
 
     def fits(self, record: Record) -> bool:
-        """True if this is the event, whichever of its group it is."""
+        """Return True if a record is this event. Its number within a group is not checked."""
         return self._fits(record) or any(other._fits(record) for other in self.others)
 
     def _fits(self, record: Record) -> bool:
@@ -133,7 +133,10 @@ class Matcher(Struct, frozen=True, dict=True):
         return frozenset()
 
     def rows(self, table: RecordTable) -> NDArray[np.int64]:
-        """The rows at which it happened, in order. BadEvent for one of a group, which only a budget can tell."""
+        """Return the rows at which it happened, in order.
+
+        Raise BadEvent for the n-th event of a group, which only a budget can find.
+        """
         if self.group is not None:
             raise BadEvent(
                 f"{self.text!r}: over a recorded run every one is found; leave first, last or the number out"
@@ -167,7 +170,7 @@ def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDA
 
 @lru_cache(maxsize=1024)  # scenes of one case name the same again and again
 def event_of(text: str) -> Event:
-    """The event that a text names. BadEvent otherwise."""
+    """Return the event that a text names. Raise BadEvent if it names none."""
     words = Words(text)
     event = read_event(words)
     words.end()
@@ -175,7 +178,7 @@ def event_of(text: str) -> Event:
 
 
 def read_event(words: Words) -> Event:
-    """The event that comes next. BadEvent otherwise."""
+    """Read the next event. Raise BadEvent if the next words do not name one."""
     begin = words.place
     nth = _read_nth(words)
     first = _read_one(words)
@@ -190,7 +193,7 @@ def read_event(words: Words) -> Event:
 
 
 def _read_nth(words: Words) -> int:
-    """1 for "first" or "1st", -1 for "last"; 0 where no such word comes."""
+    """Read an ordinal and return 1 for "first" or "1st", -1 for "last"; 0 if the next word is not one."""
     for word, nth in (("first", 1), ("last", -1)):
         if words.took(word):
             return nth
@@ -211,7 +214,7 @@ def _read_one(words: Words) -> Event:
 
 
 def matcher(event: Event | str, scope: Scope) -> Matcher:
-    """The test for an event. BadEvent if it cannot happen in this scene."""
+    """Return the test for an event. Raise BadEvent if it cannot happen in this scene."""
     if isinstance(event, str):
         event = event_of(event)
     found = EVENTS[event.kind].match(event, scope)
@@ -234,12 +237,12 @@ def group_of(event: Event, scope: Scope) -> Group:
 
 
 def matcher_for(event: Event | str, table: RecordTable) -> Matcher:
-    """The same for a recorded run."""
+    """Return the test for an event in a recorded run."""
     return matcher(event, scope_of_table(table))
 
 
 def stretch_of(name: str, scope: Scope) -> Group:
-    """A transfer or a round: it begins with a START that is no repeated one."""
+    """Return the group for a transfer or a round, which begins with a START that is not a repeated one."""
     return Group(name, matcher("bus START", scope), matcher("bus STOP", scope))
 
 

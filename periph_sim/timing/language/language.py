@@ -1,4 +1,4 @@
-"""Measures of events as text: "from EVENT to EVENT" goes in; what is measured, between which events, comes out.
+"""Measures of events as text, such as "from EVENT to EVENT": their syntax and its parser.
 
     text --> words --> Said(form, events or names, rule) ; BadEvent says what was found where what was expected
 
@@ -115,7 +115,7 @@ def is_form(text: str) -> bool:
 
 
 def near_form(text: str) -> str:
-    """The form whose first word is nearly the text's; empty if none is."""
+    """Return the form whose first word resembles the text's; "" if no form has one."""
     close = get_close_matches(text.split(" ", 1)[0], list(FORMS), 1, 0.75)
     return FORMS[close[0]] if close else ""
 

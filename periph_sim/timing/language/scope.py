@@ -1,4 +1,4 @@
-"""Names that events can refer to: a case or a recorded run goes in; units, modules, registers and wires come out.
+"""Names that events can refer to: units, modules, registers and wires of a case or a recorded run.
 
     Case, RecordTable --> Scope --> where a record of a named thing comes from, or BadEvent with near names
 
@@ -90,7 +90,7 @@ class Scope:
         return name
 
     def register(self, unit: str, text: str) -> tuple[str, str, Register]:
-        """(unit, module, register) of "I2C-A.I2CDXR"."""
+        """Return (unit, module, register) of a name such as "I2C-A.I2CDXR"."""
         parts = text.split(".")
         if len(parts) != 2:
             raise BadEvent(f"{text!r} is no register; write its module and its name, for instance I2C-A.I2CDXR")
@@ -99,7 +99,7 @@ class Scope:
         return owner, module, _register(module, name)
 
     def field(self, unit: str, text: str) -> tuple[str, str, Register, Field]:
-        """(unit, module, register, field) of "I2C-A.I2CSTR.XRDY"."""
+        """Return (unit, module, register, field) of a name such as "I2C-A.I2CSTR.XRDY"."""
         parts = text.split(".")
         if len(parts) != 3:
             raise BadEvent(
@@ -113,7 +113,7 @@ class Scope:
         return owner, module, register, register[wanted]
 
     def vector(self, unit: str, name: str) -> str:
-        """The unit whose CPU can take this interrupt."""
+        """Return the unit whose CPU can take this interrupt."""
         asked = [self.unit(unit)] if unit else list(self.units)
         having = {u: [v for m in self._modules(u) for v in VECTORS.get(m, ())] for u in asked}
         found = [u for u, vectors in having.items() if name in vectors]
@@ -123,7 +123,7 @@ class Scope:
         return self._one(found, name)
 
     def unit(self, name: str) -> str:
-        """The unit of this name; the only one where none is named."""
+        """Return the unit of this name, or the only unit if `name` is empty."""
         if not name:
             return self._one(list(self.units), "it")
         if name not in self.units:
@@ -131,7 +131,7 @@ class Scope:
         return name
 
     def owner(self, unit: str, module: str) -> str:
-        """The unit that has a module."""
+        """Return the unit that has a module."""
         if unit:
             if module not in self._modules(self.unit(unit)):
                 raise BadEvent(f"{unit} has no module {module!r}; {did_you_mean(module, self._modules(unit))}")
@@ -143,7 +143,7 @@ class Scope:
         return self._one(having, module)
 
     def image(self, unit: str) -> str:
-        """The unit that runs an image."""
+        """Return the unit that runs an image."""
         if unit and self.unit(unit) not in self.images:
             raise BadEvent(f"{unit} runs Python firmware; this is of a unit that runs an image")
         if not unit and not self.images:
@@ -151,7 +151,7 @@ class Scope:
         return unit or self._one(list(self.images), "one")
 
     def variable(self, unit: str, name: str) -> str:
-        """The unit whose image has this variable."""
+        """Return the unit whose image has this variable."""
         owner = self.image(unit)
         try:
             self.images[owner].variable(name)
@@ -160,7 +160,7 @@ class Scope:
         return owner
 
     def span(self, unit: str, name: str) -> tuple[str, bool]:
-        """The unit of a stretch of firmware, and whether it is known that there is one, as of an image's functions."""
+        """Return the unit of a span, and True if the span is known to exist, as a function of an image is."""
         owner = self.unit(unit)
         names = self.images.get(owner)
         if names is None:
@@ -172,7 +172,7 @@ class Scope:
         return owner, names.known
 
     def places(self, unit: str) -> frozenset[str]:
-        """Every place of a unit that a record can come from; of all units where none is named."""
+        """Return every place of a unit that a record can come from; those of all units if `unit` is empty."""
         named = [self.unit(unit)] if unit else list(self.units)
         return frozenset(place for u in named for place in (u, *(f"{u}.{m}" for m in self._modules(u))))
 

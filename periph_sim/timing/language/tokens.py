@@ -1,4 +1,4 @@
-"""A text taken word by word: what a measure or event says goes in, words come out, or what was expected instead."""
+"""Words of a measure's or event's text, read one by one, with errors that say what was expected."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Words:
 
     @property
     def following(self) -> str:
-        """The word after the next one; empty if there is none."""
+        """The word after the next one; empty at the end."""
         return self._words[self._at + 1] if self._at + 1 < len(self._words) else ""
 
     def rest(self) -> str:
@@ -60,7 +60,7 @@ class Words:
         return True
 
     def name(self, expected: str) -> tuple[str, str]:
-        """(unit, name); the unit is empty where none is named."""
+        """Read a name and return (unit, name); the unit is empty if it is not given."""
         word = self.take(expected)
         unit, colon, name = word.partition(":")
         if word[0] in "\"'":
@@ -73,7 +73,7 @@ class Words:
         return unit, name
 
     def number(self, top: int) -> int | None:
-        """The number that comes next, if one does."""
+        """Read a number and return it; None, with nothing read, if the next word does not begin with a digit."""
         word = self.next
         if not word[:1].isdigit():
             return None

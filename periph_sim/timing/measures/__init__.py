@@ -1,1 +1,1 @@
-"""Measures, one file a family: records and agents' reports go in, values come out."""
+"""Measures, one file for each family."""

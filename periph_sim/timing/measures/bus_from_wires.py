@@ -1,4 +1,4 @@
-"""Bytes on an I2C bus, derived from its wires: levels and the parties that pull them go in; bytes come out.
+"""Bytes on an I2C bus, derived from the levels of its wires and the parties that pull them.
 
     SCL, SDA, who pulls --> START, address, ACK, first bit of each byte, STOP; when the others had let go of SCL
 
@@ -159,13 +159,13 @@ class BusFromWires(BitParty):
     # Events ---------------------------------------------------------------------------
 
     def started(self, now: int) -> None:
-        """A START that is no repeated one."""
+        """Handle a START that is not a repeated one."""
 
     def stopped(self, now: int) -> None:
-        """A STOP."""
+        """Handle a STOP."""
 
     def held(self, let_go: int, rose: int) -> None:
-        """SCL rose; the others had let go of it before, or just then."""
+        """Handle a rise of SCL. let_go: when the others released it, at `rose` or before."""
 
     def first_bit(self, let_go: int, rose: int) -> None:
-        """SCL rose for the first bit of data byte `index`, as the byte before was acknowledged; or for a STOP."""
+        """Handle the rise of SCL for the first bit of data byte `index`, after an acknowledged byte, or for a STOP."""

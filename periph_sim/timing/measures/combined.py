@@ -1,4 +1,4 @@
-"""Conditions that must hold together: measures of the same occurrences go in, each left with those that count.
+"""Conditions that must hold together: each measure is reduced to the occurrences that count for the first one.
 
     age            a   b       c    d            the first one says which occurrences count
     value error    a   b   x        d   y        of c it has no value: nothing is proven

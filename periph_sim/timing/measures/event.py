@@ -1,4 +1,4 @@
-"""Measures of named events: Matchers go in; a Measure that subscribes to their records comes out.
+"""Measures of named events.
 
 Of two events at one tick the one recorded first is the earlier one.
 """

@@ -1,4 +1,4 @@
-"""Base of measures of events: records go in; the events that happened come out, in their order.
+"""Base class of measures of events. It recognizes events in records and reports them in their order.
 
     topic  --tag_of--> events that its records may be, and with which values: determined once
     record --on_record--> event that counts immediately --------------.
@@ -57,7 +57,7 @@ class ValueTest:
 
 
 def value_test(found: Sequence[Matcher]) -> ValueTest:
-    """A test that values pass which one of these matchers, of which there is at least one, accepts."""
+    """Return a test for the values that any of these matchers accepts. At least one matcher is required."""
     test: ValueTest | None = None
     for one in reversed(found):
         test = ValueTest(one.mask, one.want, test)
@@ -162,7 +162,7 @@ class EventMeasure(Measure):
             self._drain()
 
     def _counts(self, place: int, tick: int, value: int) -> None:
-        """An event of the measure, behind those that wait."""
+        """Count an event and report it, or queue it if earlier events still wait."""
         self.seen[place] += 1
         if self._queued:
             self._queue.append(_Seen(place, tick, value, 1))
@@ -170,7 +170,7 @@ class EventMeasure(Measure):
             self.happened(place, tick, value)
 
     def _hear_of_group(self, one: Hearing, tick: int, value: int) -> None:
-        """A record that may begin or end the group of an event, or be the event in it that counts."""
+        """Handle a record that may begin or end an event's group, or be the event that counts in it."""
         groups, place = one.groups, one.place
         assert groups is not None
         begins = one.begins is not None and one.begins.fits(value)
@@ -188,7 +188,7 @@ class EventMeasure(Measure):
             self._counts(place, tick, value)
 
     def _settle(self, place: int, counts: int) -> None:
-        """No later one of its group can take the place of the last one that was seen, or one does."""
+        """Decide whether the newest event at this place counts (1) or a later one of its group replaces it (0)."""
         newest: _Seen | None = self._newest.pop(place, None)
         if newest is not None:
             newest.counts = counts
@@ -203,7 +203,7 @@ class EventMeasure(Measure):
         self._queued = bool(queue)
 
     def happened(self, place: int, tick: int, value: int) -> None:
-        """Called for each of its events, in order. What only wants their counts leaves it as it is."""
+        """Handle an event. Called for each event in order; does nothing in measures that only need their counts."""
 
     def finish(self, now: int) -> None:
         for place in list(self._newest):
@@ -237,7 +237,7 @@ def subjects_of(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:
 
 
 def span_hint(name: str, spans: set[str]) -> str:
-    """A phrase that names the spans that a run had, or those of them whose names are near."""
+    """Return a phrase that names the spans that a run had, or only those with similar names."""
     if not spans:
         return "the run had no span"
     hint = did_you_mean(name, sorted(spans))

@@ -1,4 +1,4 @@
-"""Makers of measures: a budget's text and what a scene has go in; a function that makes the Measure comes out.
+"""Makers of measures: functions that make the measure named in a budget.
 
 text --registry--> the measure of that name ---------------------------.
   '---language--> Said --events, names--> Matchers --> measure of events -+--> Maker --> Measure, one for each run
@@ -31,7 +31,7 @@ Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so it ser
 
 
 def measure_named(text: str, scope: Scope) -> Measure:
-    """The measure that a text names. BadEvent, a sentence, if it names none, or events that this scene cannot have."""
+    """Return the measure that a text names. Raise BadEvent if it names none, or events that this scene cannot have."""
     return maker_of(text, scope)()
 
 
@@ -62,7 +62,7 @@ def _called(name: str, scope: Scope) -> Maker:
 
 
 def make_of_events(text: str, scope: Scope) -> Measure:
-    """The measure that a text names. BadEvent if it names none, or events that this scene cannot have."""
+    """Return the measure of events that a text names. BadEvent as for `measure_named`."""
     return _maker_of_events(measure_of(text), scope)()
 
 

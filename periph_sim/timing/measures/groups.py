@@ -1,4 +1,4 @@
-"""Groups of events, as in "the last byte of a transfer": records go in; begins of groups and n-th events come out.
+"""Groups of events, as in "the last byte of a transfer".
 
 transfer   from its START to the next transfer's
 round      from its first START to the next round's; which one is the first, `rounds` knows
@@ -19,7 +19,7 @@ PAUSE = 2  # characters without a frame that end a burst
 
 
 class Groups:
-    """Counts one event within its group. nth: the one that is asked for, from 1; -1 for the last."""
+    """Counter of one event within its group. nth: the occurrence that is wanted, from 1; -1 for the last."""
 
     def __init__(self, group: Group, nth: int) -> None:
         self.nth = nth

@@ -1,4 +1,4 @@
-"""Loads: busy times of the CPU or the bus go in; their share of the run, or of the busiest window, comes out.
+"""Load of the CPU or the bus: its busy time as a share of the run or of the busiest window.
 
     busy      ──┐__┌─────┐___┌─┐_________
     of the run                              all of it

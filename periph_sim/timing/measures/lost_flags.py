@@ -1,4 +1,4 @@
-"""Lost flags as measures: accesses and flag changes go in; flags cleared unintentionally come out.
+"""Measures of flags that read-modify-writes cleared unintentionally.
 
     records --Modifies--> flags that were lost, and when
 

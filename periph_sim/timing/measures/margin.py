@@ -1,4 +1,4 @@
-"""Margin of writes to I2CDXR, and time for which a unit holds SCL: wires, accesses and flags go in; times come out.
+"""Measures of the margin of writes to I2CDXR and of the time for which a unit holds SCL.
 
     SCL    ─┐___________┌─┐_        the controller releases SCL at g, when the first bit must be ready
     ACK end             g

@@ -1,4 +1,4 @@
-"""Base of all measures: records of a run go in as they are made; the worst value and its tick come out.
+"""Base class of all measures, which follow the records of a run and keep the worst value and its tick.
 
 A measure keeps no history, so memory does not grow with the run, unless `keep` asks for all values; a percentile counts
 equal ones (`tally`). Measures with a fixed name are rows in `registry`; measures of events that users name are in
@@ -161,7 +161,7 @@ class Measure(Listener):
 
     @property
     def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
-        """(values, when each was), both int64[count], as they came; None where `keep` was not asked for."""
+        """(values, when each was), both int64[count], in order; None unless `keep` was called."""
         if self._kept is None:
             return None
         import numpy as np  # with the first percentile: most runs need none
@@ -191,7 +191,7 @@ class Measure(Listener):
         return self._tally.percentile(per_mille)
 
     def listen(self, scene: MeasuredScene) -> None:  # core: python
-        """Ask the scene for what this measure needs beside records."""
+        """Ask the scene for what this measure needs in addition to records."""
 
     def subscribe(self, recorder: Recorder) -> None:
         """Subscribe to the records that this measure looks at, which has them made."""
@@ -202,7 +202,7 @@ class Measure(Listener):
         return UNWANTED
 
     def finish(self, now: int) -> None:  # core: python
-        """The run is over."""
+        """Handle the end of the run."""
 
     def occasion(self, at: int, number: int = 1) -> None:
         """Count occasions. at: as given to `take`."""

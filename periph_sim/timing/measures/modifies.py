@@ -1,4 +1,4 @@
-"""Read-modify-writes during a run: accesses and flag changes go in; flags cleared unintentionally come out.
+"""Read-modify-writes during a run, and the flags that they cleared unintentionally.
 
     R . . R x W      W lands: its read is the nearest one of the same statement, a few cycles before. What rose between?
           '---'

@@ -1,4 +1,4 @@
-"""The measures of events over a recorded run, all at once: a RecordTable and events as text go in, arrays come out.
+"""Measures of events over a recorded run, as arrays.
 
     table = formats.psr.read_table(path)
     timing.between(table, "bus address 0x68 read", "access W I2C-A.I2CDXR") --> durations and starts, int64 ticks

@@ -103,7 +103,7 @@ class Between(EventMeasure):
             self._first(tick)
 
     def between(self) -> None:
-        """An event happened that belongs to no pair."""
+        """Handle an event that belongs to no pair."""
 
     def _started(self, tick: int) -> None:
         assert self._rule is not None
@@ -151,13 +151,13 @@ class Between(EventMeasure):
                 return
 
     def _ended(self, one: Open) -> Open | None:
-        """The first one waits no more: the next one."""
+        """Remove the first event that waits, and return the next one."""
         self._waiting = following = one.following
         one.following, self._spare = self._spare, one
         return following
 
     def _clear(self) -> None:
-        """None waits any more."""
+        """Remove all events that wait."""
         one = self._waiting
         while one is not None:
             one = self._ended(one)
@@ -169,7 +169,7 @@ class Between(EventMeasure):
             self._group_over()
 
     def last_clock(self, now: int) -> int:
-        """What `clock` would say at the end of the run."""
+        """Return the value of `clock` at the end of the run."""
         return now
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:

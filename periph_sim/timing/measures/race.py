@@ -1,4 +1,4 @@
-"""Races as a measure: accesses and flag changes go in; distances in cycles come out. Both exist for a table, too.
+"""Measure of races, and functions for the races and lost flags of a table of records.
 
     records --Kept--> records.Run, when the run is over --> distances in cycles
 

@@ -1,4 +1,4 @@
-"""Measures of values in records: a row names the records; their values, their number or their sum comes out.
+"""Measures of the values, the number or the sum of the records that a row names.
 
 value       a record whose value is taken, at its tick; or that is counted
 occasion    something to measure, whether it has a value or not

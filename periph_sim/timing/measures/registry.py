@@ -177,7 +177,7 @@ def value_error(chips: str, at_frame: bool) -> Row:
 
 
 def make(name: str) -> Measure:
-    """The measure that a budget names: one of MEASURES, "span:NAME", "reply:NAME", "watch:NAME". KeyError otherwise."""
+    """Return the measure of a name: one of MEASURES, "span:NAME", "reply:NAME", "watch:NAME". KeyError for others."""
     if name.startswith(REPLY):
         return Reply(name.removeprefix(REPLY))
     if name.startswith(SPAN):

@@ -1,4 +1,4 @@
-"""Times of expected replies: requests and characters go in; how long a reply took, or what is wrong, comes out.
+"""Measure of the time until an expected reply.
 
 send begins          ends
 |====================|------------- time ------------|
@@ -84,7 +84,7 @@ class Reply(Measure):
             self._settle()
 
     def others_turn(self, tick: int) -> None:
-        """End wrong replies: something else is asked for, and later characters belong to that."""
+        """End wrong replies: another request begins, and later characters belong to it."""
         for one in self._open:
             if one.wrong_at != NO_TIME and (one.ends == NO_TIME or one.ends > tick):
                 one.ends = tick

@@ -1,4 +1,4 @@
-"""Time in a state: events that begin and end it go in; each time in it, or the sum of all, comes out.
+"""Measures of the time in a state: each time, or the sum of all.
 
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
 

@@ -1,4 +1,4 @@
-"""The register of a measure of races or lost flags: the name in a budget goes in; a Watched comes out."""
+"""The register that a measure of races or lost flags names."""
 
 from __future__ import annotations
 

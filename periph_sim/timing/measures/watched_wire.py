@@ -1,4 +1,4 @@
-"""Deviations of a watched wire: findings of its watcher go in; the largest, or what is wrong, comes out."""
+"""Measure of the deviations of a watched wire."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What Python programs call besides the classes themselves: tables or a file go in, a case and its judged run come out.
+"""Functions for Python programs: a case from tables or a file, and the judged result of its run.
 
 make_case(...) or load(file) --> Case --run--> Result
 """

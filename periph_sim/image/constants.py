@@ -5,7 +5,7 @@
     MOVL @0x2,XAR4        write of 0x0085F0 to 0x1C5 << 6 | 2
 
 DP and XAR0 to XAR7 are tracked within a function and over its forward branches, as compilers use them; what comes
-from memory, an argument or arithmetic is not known, and accesses by it are not told.
+from memory, an argument or arithmetic is not known, and accesses by it are not listed.
 
 Source: SPRU430F chapter 5 (addresses).
 """

@@ -98,7 +98,7 @@ class Reaction(Agent):
         """Record that all before tick `now` is done."""
         self._now = now
         self._fresh = False
-        if len(self._put) > 2 * REMEMBERED:  # nobody asks what comes next, so nobody looks
+        if len(self._put) > 2 * REMEMBERED:  # `due` is not called, so nothing else removes them
             self._pass(len(self._put) - REMEMBERED)
 
     def due(self) -> int:

@@ -42,7 +42,10 @@ class NoSuchBudget(KeyError):
 
 @dataclass(frozen=True)
 class Plan:
-    """What to run. seconds: None for the case's own duration. programs: firmware given as functions, by unit."""
+    """A case with its changes, to be run.
+
+    seconds: None for the case's own duration. programs: firmware given as functions, by unit.
+    """
 
     case: Case
     seconds: Fraction | None = None

@@ -154,7 +154,7 @@ class Answering:
 
     @property
     def unjudged(self) -> str:
-        """Why a replay without differences proves nothing; empty if it does."""
+        """Return why a replay without differences proves nothing; empty if it proves something."""
         if self.asked:
             return ""
         addresses = ", ".join(f"{address:02X}" for address in self.own)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from hashlib import blake2b
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -146,7 +147,11 @@ def _identity(scene: Scene) -> Iterator[tuple[str, str]]:
             yield f"[{key}]", _digest(repr(getattr(scene.case, key)).encode())
     for name, dsp in scene.units.items():
         if isinstance(dsp.program, ImageProgram):
-            yield f"program in unit {name}", _digest_of_image(dsp.program.image)
+            program = _digest_of_image(dsp.program.image)
+        else:
+            sources = scene.case.unit[name].sources or [scene.firmware[name].main.__code__.co_filename]
+            program = _digest(b"".join(_bytes_of(Path(source)) for source in sources))
+        yield f"program in unit {name}", program
     yield "choice of records", _digest(repr(list(_recorded(scene.recorder))).encode())
 
 
@@ -160,6 +165,14 @@ def _recorded(recorder: Recorder) -> Iterator[object]:
 def _digest_of_image(image: Image) -> str:
     words = [(section.address, section.run, list(section.words)) for section in image.sections]
     return _digest(msgspec.json.encode((words, image.initial)))
+
+
+def _bytes_of(source: Path) -> bytes:
+    """Return the present contents of a source file; nothing for code that is in no file."""
+    try:
+        return source.read_bytes()
+    except OSError:
+        return b""
 
 
 def _digest(data: bytes) -> str:

@@ -1,4 +1,4 @@
-"""A scene that nobody holds any more: its firmware ends where it waits, unread, and all of it is free."""
+"""A scene that is deleted or closed: its firmware ends where it waits, without an effect, and its memory is free."""
 
 from __future__ import annotations
 

@@ -192,6 +192,22 @@ def test_other_firmware_goes_on_from_random_instants_as_it_did(name: str, count:
         assert again == records
 
 
+def test_a_snapshot_of_firmware_that_was_edited_is_refused(tmp_path: Path):
+    """Also if the edit would have its effect only after the snapshot."""
+    text = "def main(dsp, settings):\n    dsp.compute(1_000_000)\n    dsp.compute(100)\n"
+    source = tmp_path / "mine.py"
+    source.write_text(text)
+    case = Case.model_validate(
+        {"name": "x", "duration": "1 ms", "unit": {"dsp": {"firmware": str(source), "modules": ["GPIO"]}}}
+    )
+    scene = Scene(case)
+    scene.advance(ms(scene, 1))
+    snapshot = scene.state()
+    Scene(case).restore(snapshot)
+    source.write_text(text.replace("100)", "200)"))
+    assert refused(Scene(case), snapshot) == "the snapshot was taken of a scene with another program in unit dsp"
+
+
 def test_a_state_that_no_run_leads_to_is_refused():
     """Here the test has changed a word of RAM."""
     scene = Scene(case_of("responder"))

@@ -1,4 +1,4 @@
-"""What failed and why, in plain sentences, from a Verdict, its Chain and its values.
+"""The failure of a budget in sentences: the broken limit and its cause, from a Verdict, its Chain and its values.
 
 response is broken: 97.953 us, at most 50.000 us allowed (47.953 us too much), at 0.105195 s.
 3 of 1500 occurrences are beyond the limit, the first at 0.055195 s.

@@ -24,11 +24,11 @@ def _lines(found: Trade) -> Iterator[str]:
     reference = found.outcomes[0]
     ran, half = duration_text(found.ran_s), duration_text(found.ran_s / 2)
     settled = f"{', '.join(found.changed)} changed since {half}" if found.changed else f"{half} gives the same errors"
-    runs = reference.cost.runs
+    start, timed = duration_text(found.start_s), duration_text(found.timed_s)
     yield from paragraph(
-        f"{found.case}: {ran}, n-th occurrence and value against n-th of {reference.row.name}; {settled}; CPU time of "
-        f"{runs} runs of {duration_text(found.timed_s)} after the first {duration_text(found.start_s)}"
+        f"{found.case}: {ran}, n-th occurrence and value against n-th of {reference.row.name}; {settled}"
     )
+    yield from paragraph(f"CPU time: {reference.cost.runs} runs of {timed} after the first {start}")
     yield ""
     yield from text_table(TITLES, [_row(outcome, outcome is reference) for outcome in found.outcomes], range(1, 6))
     for outcome in found.outcomes:

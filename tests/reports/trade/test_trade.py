@@ -63,9 +63,7 @@ def test_rows_that_are_the_same_in_half_of_the_run_are_not_run_longer(monkeypatc
     found = traded("responder", AS_GIVEN, "late", length=Fraction(2))
     assert runs == [(level, length, "") for length in (1.0, 2.0) for level in (AS_GIVEN, "late")]
     assert (found.ran_s, found.changed) == (2.0, ()) and found.outcomes[1].errors.time == Error(0.5, "s", "a")
-    said = (
-        "responder: 2 s, n-th occurrence and value against n-th of as given; 1 s gives the same errors; CPU time of 5"
-    )
+    said = "responder: 2 s, n-th occurrence and value against n-th of as given; 1 s gives the same errors CPU time: 5"
     assert " ".join(text(found).split()).startswith(said)
 
 
@@ -78,7 +76,7 @@ def test_a_row_that_changes_in_the_second_half_is_run_twice_as_long(monkeypatch:
 def test_a_row_that_goes_on_changing_is_named(monkeypatch: pytest.MonkeyPatch):
     observing(monkeypatch, lambda length: [1 + length])
     found = traded("responder", AS_GIVEN, "late", length=Fraction(2))
-    assert (found.ran_s, found.changed) == (4.0, ("late",)) and "; late changed since 2 s;" in " ".join(
+    assert (found.ran_s, found.changed) == (4.0, ("late",)) and "; late changed since 2 s CPU time: 5 runs" in " ".join(
         text(found).split()
     )
 
@@ -140,12 +138,12 @@ def test_the_cheapest_row_that_judges_alike_is_recommended(others: list[Outcome]
 def test_budgets_that_judge_otherwise_and_the_place_of_errors_are_named():
     rows = (outcome("exact", 3.0), outcome("late", 1.0, 2e-6, differ=["margin", "age"]), outcome("as late", 1.05))
     said = text(Trade("mine", 2.0, (), 0.1, 1.0, rows, {}, rows[0], "why")).splitlines()
-    assert [line.split() for line in said[5:8]] == [
+    assert [line.split() for line in said[6:9]] == [
         [*["exact", "5", "of", "5", "reference", "reference", "3", "3.3%"]],
         [*["late", "3", "of", "5", "2", "us", "none", "1", "10.0%"]],
         [*["as", "late", "5", "of", "5", "none", "none", "1.05", "9.5%"]],
     ]
-    assert said[8:] == [
+    assert said[9:] == [
         "late judges differently: margin, age",
         "largest errors of times: late in a",
         "same cost within their spread: late and as late",

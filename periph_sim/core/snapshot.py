@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from array import array
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from datetime import datetime
 from enum import Enum
 from fractions import Fraction
@@ -203,15 +203,17 @@ class _Collector:
         kind, items = type(value).__name__, list(value.items() if isinstance(value, dict) else value)
         if isinstance(value, array):
             kind = f"{ARRAY}{value.typecode}"
-        if all(map(_is_plain, items)):
+        if _are_plain(items):
             if isinstance(value, set | frozenset):
                 items.sort()
-            self.values[name] = Group(kind, tuple(self._relative(one, time) for one in items))
+            if time is not Time.NONE:
+                items = [self._relative(one, time) for one in items]
+            self.values[name] = Group(kind, tuple(items))
         else:
             self._items(name, kind, value if isinstance(value, dict) else dict(enumerate(items)), time)
 
     def _items(self, name: str, kind: str, items: Mapping[Any, object], time: Time) -> None:
-        if not all(map(_is_plain, items)):
+        if not _are_plain(items):
             self.values[name] = Foreign(KEYED_BY_OBJECTS)
             return
         self.values[name] = Made(kind, tuple(items))
@@ -270,7 +272,12 @@ def _first_instant(values: tuple[Any, ...]) -> int:
 
 
 def _is_plain(value: object) -> bool:
-    return isinstance(value, (*PLAIN, Enum)) or (isinstance(value, tuple) and all(map(_is_plain, value)))
+    return isinstance(value, (*PLAIN, Enum)) or (isinstance(value, tuple) and _are_plain(value))
+
+
+def _are_plain(values: Collection[object]) -> bool:
+    """Return whether all are plain values. Types are compared first, because RAM has 34,816 words."""
+    return {*map(type, values)} <= {*PLAIN} or all(map(_is_plain, values))
 
 
 def _chained(first: Any) -> Iterator[Any]:

@@ -359,3 +359,22 @@ def test_a_write_that_moves_a_pin_is_foretold_to_the_tick(how: str, lands: int) 
             assert due is not None and session.advance(due) == []
             moved = session.advance(due + 1)
         assert moved == [Change(due, "SDA", 1)]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_moves_may_be_put_in_any_order_before_time_advances(seed: int) -> None:
+    moves = traffic((0x50,), seed, 3_400_000, 3_750)
+    given = []
+    for order in (moves, Random(seed).sample(moves, len(moves))):
+        with Session(CASES["interrupts"](), BUS) as session:
+            session.advance(3_000_000)
+            for at, levels in order:
+                session.apply(at, levels)
+            found: list[object] = []
+            due = session.next_output()
+            while due is not None and due < moves[-1][0]:
+                found += [due, *session.advance(due), *session.advance(due + 1)]
+                due = session.next_output()
+            given.append(found)
+    assert given[0] == given[1]
+    assert sum(isinstance(one, Change) for one in given[0]) > 2

@@ -149,6 +149,17 @@ def test_a_telnet_option_has_at_most_256_bytes(served: Served, length: int, stay
         assert ("was disconnected" in served.said[-1]) != stays
 
 
+@pytest.mark.parametrize(("most", "stays"), [(300, True), (299, False)])
+def test_unread_answers_to_telnet_options_have_a_limit(
+    served: Served, monkeypatch: pytest.MonkeyPatch, most: int, stays: bool
+) -> None:
+    with served.client() as client:
+        monkeypatch.setattr(rfc2217_door, "MOST", most)
+        client.send(b"\xff\xfd\x63" * 100)  # each is answered with three bytes
+        served.passes("2 ms")
+        assert ("faster than it read the answers" in served.said[-1]) != stays
+
+
 def test_a_door_that_closes_ends_its_client(served: Served) -> None:
     with served.client() as client:
         assert len(served.door.files()) == 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..core.kernel import Kernel
+from ..core.sampler import watch
 from ..core.state import State
 from ..core.wire import Wire
 
@@ -20,7 +21,7 @@ class HeldLine:
         self._left = 0  # clocks until the line is released
         if clocks:
             assert scl is not None
-            scl.watch(self._scl_changed)
+            watch([scl], self._scl_changed)
 
     def pull(self) -> None:
         self._pin.drive(0)

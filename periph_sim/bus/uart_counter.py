@@ -14,11 +14,12 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import final
 
-from ..core.kernel import Agent
+from ..core.agent import Agent
 from ..core.records import Topic
+from ..core.sampler import watch
 from ..core.state import State
 from ..core.time import NO_TIME
-from ..core.wire import Wire, watch
+from ..core.wire import Wire
 from .uart.frame_format import UartFormat
 from .uart.reader import Line
 

@@ -22,141 +22,21 @@ normal order.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from operator import attrgetter
 from typing import final
 
+from .agent import REQUESTED, Action, Agent, Call, SampledParty, Settleable, Shortcut, describe
 from .chip import NEVER
+from .event_queue import NUMBERS, Event, EventQueue
 from .state import State
 
 TIMER, PADS, CHIP, CPU, PROBE = range(5)
 _AFTER_ALL = PROBE + 1  # all phases of an instant
-_NUMBERS = 1 << 56  # number of ranks in each phase
 
 STORM = 100_000  # more events than this in one tick are an endless loop
-
-Action = Callable[[], None]
-
-# How a sampled party is notified after the wires settle: not at all, by its own request, or by one of its wires.
-NOT_DUE, REQUESTED, BY_WIRE = range(3)
-
-_order = attrgetter("time", "rank")
 
 
 class SimulationStuck(Exception):
     """Events kept causing events without time passing."""
-
-
-class Agent:
-    """A party that acts in a simulation: at its scheduled events, and when lines that it samples have settled."""
-
-    __slots__ = ()
-
-    def act(self, tag: int) -> None:
-        """Called at the time of an event that was scheduled with this `tag`."""
-        raise NotImplementedError(f"{type(self).__name__} schedules events but does not define act()")
-
-    def sampled(self, now: int, levels: int) -> None:
-        """Called when sampled lines have changed. levels: their settled levels."""
-        raise NotImplementedError(f"{type(self).__name__} samples lines but does not define sampled()")
-
-    def pulled(self, line: int, now: int, pulling: int) -> None:
-        """Called when the set of parties that pull a line has changed; its level may be the same.
-
-        pulling: bit i is party i of the line.
-        """
-        raise NotImplementedError(f"{type(self).__name__} watches pulls of lines but does not define pulled()")
-
-
-@final
-class Call(Agent):
-    """An agent that calls a function, for events that are too rare to need their own class."""
-
-    STATE = State("action", made=True)
-
-    __slots__ = ("action",)
-
-    def __init__(self, action: Action) -> None:
-        self.action = action
-
-    def act(self, tag: int) -> None:
-        self.action()
-
-
-@final
-class Event:  # core: freelist 16
-    """A scheduled event.
-
-    rank: orders events of one time, by phase and then by number.
-    queued: True until the event runs or is cancelled.
-    plain: True if the agent calls a function.
-    following: the next event in the queue.
-    """
-
-    STATE = State("agent plain phase queued tag", ticks="time", made=True)
-
-    __slots__ = ("agent", "following", "phase", "plain", "queued", "rank", "tag", "time")
-
-    time: int
-    phase: int
-    rank: int
-    agent: Agent
-    tag: int
-    queued: bool
-    plain: bool
-    following: Event | None
-
-
-class Settleable:
-    """An object, such as a wire, that takes its new level when all parties of a phase have acted.
-
-    rank: see `Kernel.rank`.
-    following: the next one that settles in this phase. then: the next one that notifies its parties.
-    """
-
-    __slots__ = ("following", "rank", "then")
-
-    rank: int
-    following: Settleable | None
-    then: Settleable | None
-
-    def settle(self) -> None:
-        """Take the new level and mark the parties to be notified as `due`."""
-        raise NotImplementedError
-
-    def notify_parties(self, now: int) -> None:
-        """Notify the parties that `settle` marked and that have not been notified since."""
-
-
-class SampledParty:
-    """A subscriber to settled levels.
-
-    due: how it will be notified: NOT_DUE, REQUESTED or BY_WIRE.
-    plain: True if calling `agent.sampled` with `levels` is enough; otherwise `deliver` is called.
-    following: the next party to be notified.
-    """
-
-    __slots__ = ("agent", "due", "following", "levels", "plain", "rank")
-
-    rank: int
-    due: int
-    plain: bool
-    agent: Agent
-    levels: int
-    following: SampledParty | None
-
-    def deliver(self, now: int) -> None:
-        raise NotImplementedError
-
-
-class Shortcut:
-    """A sequence of events that was applied in one step and can be undone until its end."""
-
-    __slots__ = ()
-
-    def materialize(self) -> None:
-        """Restore the state that would exist now if each event had been run."""
-        raise NotImplementedError
 
 
 @final
@@ -171,7 +51,7 @@ class Kernel:
     fault: an exception of another party in a nested loop, to be raised in the outer loop.
     """
 
-    STATE = State(ticks="now", chains="_first")
+    STATE = State("_queue", ticks="now")
 
     def __init__(self, start: int = 0) -> None:
         self.now = start
@@ -191,9 +71,7 @@ class Kernel:
         self._bound_rank = 0  # and those at this time with a lower rank
         self._at = -1  # time of the last event
         self._in_this_tick = 0  # number of events before it in its tick
-        self._number = 0
-        self._first: Event | None = None  # queued events, in order: the first of a chain
-        self._latest: Event | None = None  # scheduled last; the next one often follows it
+        self._queue = EventQueue()
         self._stop = False
         self._ranks = 0
 
@@ -231,28 +109,7 @@ class Kernel:
         """
         if time < self.now or event.queued:
             self._refuse(event, time)
-        self._number += 1
-        event.time = time
-        event.rank = rank = event.phase * _NUMBERS + self._number
-        event.tag = tag
-        first = self._first
-        if first is None or first.time > time or (first.time == time and first.rank > rank):
-            event.following, self._first = first, event
-        else:
-            before = self._latest
-            if (
-                before is None
-                or not before.queued
-                or before.time > time
-                or (before.time == time and before.rank > rank)
-            ):
-                before = first
-            after = before.following
-            while after is not None and (after.time < time or (after.time == time and after.rank < rank)):
-                before, after = after, after.following
-            event.following, before.following = after, event
-        event.queued = True
-        self._latest = event
+        self._queue.insert(event, time, tag)
 
     def _refuse(self, event: Event, time: int) -> None:
         who = describe(event.agent)
@@ -262,29 +119,19 @@ class Kernel:
 
     def cancel(self, event: Event) -> None:
         """Remove an event from the queue. Nothing happens if it is not queued."""
-        if not event.queued:
-            return
-        event.queued = False
-        before = self._first
-        if before is event:
-            self._first = event.following
-        else:
-            while before is not None and before.following is not event:
-                before = before.following
-            if before is not None:  # else a replay has taken it out
-                before.following = event.following
-        event.following = None
+        self._queue.remove(event)
 
     def next_time(self) -> int:
         """Return the time of the next event (ticks), or NEVER."""
-        return NEVER if self._first is None else self._first.time
+        first = self._queue.first
+        return NEVER if first is None else first.time
 
     def quiet_until(self) -> int:
         """Return the first tick at which anything but the caller may act, or the end of this run."""
         if self._unsettled is not None or self._sampling is not None or self._stop:
             return self.now
         end = self._horizon + 1
-        event = self._first
+        event = self._queue.first
         return end if event is None or event.time > end else event.time
 
     def stop(self) -> None:
@@ -335,11 +182,7 @@ class Kernel:
             self._sampling = None
             while party is not None:
                 next_party = party.following
-                party.due = NOT_DUE
-                if party.plain:
-                    party.agent.sampled(self.now, party.levels)
-                else:
-                    party.deliver(self.now)
+                party.notify(self.now)
                 party = next_party
             self._notify_parties()
             steps += 1
@@ -385,7 +228,7 @@ class Kernel:
     def _do(self, time: int, before: int) -> None:
         """Run the events before `time`, and those at `time` in phases before `before`; then settle."""
         bound, rank, at, in_this_tick = self._bound, self._bound_rank, self._at, self._in_this_tick
-        self._bound, self._bound_rank, self._at, self._in_this_tick = time, before * _NUMBERS, -1, 0
+        self._bound, self._bound_rank, self._at, self._in_this_tick = time, before * NUMBERS, -1, 0
         while self._next(True):
             pass
         self.settle()
@@ -395,20 +238,20 @@ class Kernel:
         """Settle the wires and run the next event. Return False if there is none, or another loop must run it."""
         if self._stop:
             return False
-        event = self._first
+        event = self._queue.first
         if (self._unsettled is not None or self._sampling is not None) and (
             event is None or event.time > self._at or event.phase > self._phase
         ):
             self.settle()  # may schedule an event in this tick, or stop the run
             if self._stop:
                 return False
-            event = self._first
+            event = self._queue.first
         if event is None or (event.plain and not in_outer_loop):
             return False
         time = event.time
         if time >= self._bound and (time > self._bound or event.rank >= self._bound_rank):
             return False
-        self._first, event.following = event.following, None
+        self._queue.first, event.following = event.following, None
         event.queued = False
         self.events += 1
         self._phase = event.phase
@@ -437,45 +280,16 @@ class Kernel:
         owner, outer, self.nested_owner = self.nested_owner, self.outer_loop, None
         self._notify_parties()
         self.settle()
-        later = self._taken_out()
+        later = self._queue.take_all()
         self.now, self._stop = since, False
         self.schedule(since, agent, tag)
         self._do(now, phase)
         self.now, self._phase, self._stop = now, phase, stop
         self.nested_owner, self.outer_loop = owner, outer
-        events = self._taken_out()
+        events = self._queue.take_all()
         events.extend([event for event in later if event.queued and event not in events])
-        events.sort(key=_order, reverse=True)
-        for event in events:
-            event.following, self._first = self._first, event
+        self._queue.put_back(events)
 
     def restored(self) -> None:
-        """Number the events of a restored queue in their order."""
-        self._latest = self._unsettled = self._sampling = None
-        event = self._first
-        while event is not None:
-            self._number += 1
-            event.rank = event.phase * _NUMBERS + self._number
-            event = event.following
-
-    def _taken_out(self) -> list[Event]:
-        """Remove all events from the queue and return them in order."""
-        events: list[Event] = []
-        event = self._first
-        while event is not None:
-            events.append(event)
-            event = event.following
-        self._first = self._latest = None
-        return events
-
-
-def describe(agent: Agent) -> str:
-    """Return the owner of an agent's events as a text for messages."""
-    if isinstance(agent, Call):
-        action = agent.action
-        owner: object = getattr(action, "__self__", None)
-        name = getattr(action, "__qualname__", repr(action))
-    else:
-        owner, name = agent, type(agent).__name__
-    who = getattr(owner, "name", None) or getattr(owner, "who", None)
-    return f"{who} ({name})" if who else name
+        """Forget what is unsettled: the state of a snapshot is settled."""
+        self._unsettled = self._sampling = None

@@ -10,21 +10,19 @@ Every input of a chip ends in `publish`, so no output, request or wake-up is mis
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, final
+from typing import final
 
+from .agent import Agent
 from .chip import ANY_CHANGED, NEVER, PINS_CHANGED, WAKE_CHANGED, Chip, Note
-from .chip_input import Input, WriteOrigins
-from .kernel import CHIP, Agent, Event, Kernel
+from .chip_input import WaitingInputs, WriteOrigins
+from .event_queue import Event
+from .flag_recorder import FlagRecorder, watched_registers
+from .kernel import CHIP, Kernel
 from .records import Kind, Recorder
+from .sampler import Sampler
 from .state import State
 from .time import Clock
-from .watched_register import WatchedRegister
-from .wire import BITS, MAX_PARTIES, Pin, Sampler
-
-if TYPE_CHECKING:
-    from .watched_register import WatchedField
-
-MAX_INPUTS = 64  # inputs that may wait for their effect; a chip that never wakes needs no more
+from .wire import BITS, MAX_PARTIES, Pin
 
 # Tags of events: the chip's wake-up, sampling of its inputs, or n >= 2: output n // 2 - 1 takes level n % 2. The bits
 # from RECORD on are the record that caused it.
@@ -63,35 +61,22 @@ class Socket(Agent):
     """
 
     STATE = State(
-        "chip inputs pins watchers _out _held _watched _note_count _inputs _wake _last_input",
+        "chip inputs pins watchers waiting _out _held _flags _note_count _wake",
         cycles="_wake_cycle",
-        records="_last_cause",
-        chains="_first_input",
     )
 
     __slots__ = (
         "_clock",
-        "_first_input",
+        "_flags",
         "_held",
-        "_inputs",
         "_kernel",
-        "_last_cause",
-        "_last_input",
-        "_looked",
         "_mid_byte",
-        "_moving",
         "_note_count",
         "_on_request",
         "_out",
         "_recorder",
-        "_some_data",
-        "_some_steady",
-        "_spare",
-        "_touched",
         "_wake",
         "_wake_cycle",
-        "_watched",
-        "_writes",
         "after",
         "before",
         "chip",
@@ -107,11 +92,11 @@ class Socket(Agent):
         "pins",
         "release",
         "traces",
+        "waiting",
         "watchers",
     )
 
     traces: bool
-    _some_data: bool
     _mid_byte: int
 
     def __init__(
@@ -149,23 +134,12 @@ class Socket(Agent):
         self._out = chip.out
         self._wake_cycle = NEVER
         self._wake: Event = kernel.event(self, phase)  # the event of that wake-up
-        self._last_cause = 0
+        self.waiting = WaitingInputs()
         self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
-        self._inputs = 0  # number of inputs that have had no effect yet
-        self._first_input: Input | None = None  # a chain of them, by cycle and then by record
-        self._last_input: Input | None = None
-        self._spare: Input | None = None  # a chain of inputs to use again
-        subjects = recorder.subjects(Kind.FLAG)
-        wanted = [r for r in chip.MAP if subjects is None or f"{name}.{r.name}" in subjects]
-        self._watched = [WatchedRegister(r, recorder, name) for r in wanted]
-        self._moving = [r for r in self._watched if r.offset not in chip.steady or r.upper not in (0, *chip.steady)]
-        self._some_steady = len(self._moving) < len(self._watched)
-        self._some_data = any(r.data for r in self._watched)
-        self._looked = self._watched  # registers that the last `_look` read
-        self._writes = -1  # the chip's count at the last `_look`
-        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before the last `_look`
-        if self._watched:
-            self._look(clock.cycle_at(kernel.now))
+        registers = watched_registers(chip, recorder, name)
+        self._flags: FlagRecorder | None = FlagRecorder(chip, clock, recorder, registers) if registers else None
+        if self._flags is not None:
+            self._flags.look(clock.cycle_at(kernel.now))
 
     # Inputs ------------------------------------------------------------------
 
@@ -237,56 +211,18 @@ class Socket(Agent):
 
     def given(self, cycle: int) -> None:
         """Note that the present record has effect from `cycle` on, as the cause of later actions of the chip."""
-        cause, given = self._recorder.cause, self._spare
-        if not cause:
-            return
-        if given is None:
-            given = Input()
-        else:
-            self._spare = given.following
-        given.cycle, given.cause = cycle, cause
-        before = self._last_input
-        if before is not None and given.comes_before(before):  # rarely
-            before, after = None, self._first_input
-            while after is not None and not given.comes_before(after):
-                before, after = after, after.following
-        if before is None:
-            given.following, self._first_input = self._first_input, given
-        else:
-            given.following, before.following = before.following, given
-        if given.following is None:
-            self._last_input = given
-        self._inputs += 1
-        if self._inputs > MAX_INPUTS:
-            self._take_first()
-
-    def _take_first(self) -> None:
-        """Remove the first waiting input."""
-        first = self._first_input
-        assert first is not None
-        self._first_input = first.following
-        if first.following is None:
-            self._last_input = None
-        first.following, self._spare = self._spare, first
-        self._inputs -= 1
+        self.waiting.add(cycle, self._recorder.cause)
 
     def _woken(self) -> None:
         cycle, chip = self._wake_cycle, self.chip
         self._wake_cycle = NEVER
         changed = chip.wake(cycle) if chip.next_wake <= cycle else PINS_CHANGED
-        if not self._watched and not self.traces:
+        if self._flags is None and not self.traces:
             self.publish(cycle, changed)
         else:
-            outer, self._recorder.cause = self._recorder.cause, self._cause_at(cycle)
+            outer, self._recorder.cause = self._recorder.cause, self.waiting.cause_at(cycle)
             self.publish(cycle, changed)
             self._recorder.cause = outer
-
-    def _cause_at(self, cycle: int) -> int:
-        """Return the record of the last input that had effect by `cycle`."""
-        while self._first_input is not None and self._first_input.cycle <= cycle:
-            self._last_cause = self._first_input.cause
-            self._take_first()
-        return self._last_cause
 
     def later(self, tick: int, action: Callable[[], None]) -> None:
         """Call `action()` at `tick`, as an effect of the present record."""
@@ -327,8 +263,8 @@ class Socket(Agent):
         watcher: ChipObserver
         for watcher in self.watchers:
             watcher.look(cycle)
-        if self._watched:
-            self._record_flags(cycle)
+        if self._flags is not None:
+            self._flags.record(cycle, self.waiting)
         if chip.notes:
             self._take_notes(cycle)
 
@@ -420,53 +356,6 @@ class Socket(Agent):
         self.pins[index] = pins
         for pin in pins:
             pin.drive(self._out >> index & 1)
-
-    # Records -----------------------------------------------------------------
-
-    def _look(self, cycle: int) -> bool:
-        """Read the watched registers as a debugger does. Return True if any has changed.
-
-        Questions that only these reads depend on are not added to `touched`.
-        """
-        chip = self.chip
-        if self._some_steady:
-            self._looked = self._moving if chip.writes == self._writes else self._watched
-            self._writes = chip.writes
-        touched = chip.touched
-        if len(touched) != len(self._touched):  # the set only grows, except for the names removed below
-            self._touched = frozenset(touched)
-        moved = False
-        register: WatchedRegister
-        for register in self._looked:
-            register.was = register.value
-            register.value = chip.peek(cycle, register.offset)
-            if register.upper:
-                register.value |= chip.peek(cycle, register.upper) << 16
-            if register.value != register.was:
-                moved = True
-        if len(touched) != len(self._touched):
-            touched.intersection_update(self._touched)
-        return moved
-
-    def _record_flags(self, cycle: int) -> None:
-        if self._recorder.cause:
-            self._last_cause = self._recorder.cause
-        loaded = 0
-        if self._some_data:
-            loaded, self.chip.loaded = self.chip.loaded, 0
-        if not self._look(cycle) and not loaded:
-            return
-        tick = self._clock.tick(cycle)
-        register: WatchedRegister
-        for register in self._looked:
-            changed: int = register.was ^ register.value
-            if register.data and loaded >> register.offset & 1:
-                changed |= register.data
-            if changed:
-                field: WatchedField
-                for field in register.fields:
-                    if changed & field.mask:
-                        field.topic.emit(tick, (register.value & field.mask) >> field.lsb)
 
     def _take_notes(self, cycle: int) -> None:
         notes = tuple(self.chip.notes)

@@ -1,6 +1,6 @@
 """Wires: lines that several parties can pull, and the notification of the parties that sample them.
 
-    Pin.drive --> settle: level, low if any party pulls --> Sampler --> watcher(tick, levels)
+    Pin.drive --> settle: level, low if any party pulls --> SampledParty --> watcher(tick, levels)
 
 A wire has a pull-up and any number of parties that may pull it low. `level` is the settled level: it changes when all
 parties of an instant have acted, independently of their order, and a level that does not outlast the instant is never
@@ -11,40 +11,19 @@ seen. A party that samples several wires is called once for all that changed tog
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from operator import attrgetter
 from typing import final
 
-from .kernel import BY_WIRE, NOT_DUE, Agent, Kernel, SampledParty, Settleable, Shortcut
+from .agent import BY_WIRE, NOT_DUE, Agent, SampledParty, Settleable, Shortcut
+from .kernel import Kernel
 from .records import Kind, Recorder, Topic
 from .state import State
-
-Watcher = Callable[[int, int], None]
 
 MAX_PARTIES = 62  # parties of a wire, lines of a sampler: their masks are C integers of 64 bits in the compiled form
 BITS = tuple(1 << place for place in range(MAX_PARTIES))
 
 
-_bit_of = attrgetter("bit")
-
-
 class TooManyParties(ValueError):
     """More parties than a wire can have. The message is one sentence."""
-
-
-@final
-class _WatcherAgent(Agent):
-    """An agent that calls a function with the sampled levels."""
-
-    STATE = State("_watcher")
-
-    __slots__ = ("_watcher",)
-
-    def __init__(self, watcher: Watcher) -> None:
-        self._watcher = watcher
-
-    def sampled(self, now: int, levels: int) -> None:
-        self._watcher(now, levels)
 
 
 class Wire(Settleable):
@@ -100,15 +79,11 @@ class Wire(Settleable):
         self._named = 0
         return Pin(self, BITS[place])
 
-    def watch(self, watcher: Watcher) -> Sampler:
-        """Call `watcher(tick, level)` on every change of the settled level."""
-        return watch([self], watcher)
-
     def watch_pulls(self, agent: Agent, line: int = 0) -> None:
         """Call `agent.pulled(line, ...)` in each instant in which the set of pulling parties changes."""
         self._add_pull_watch(PullWatch(agent, line, None))
 
-    def notify_on_pulls(self, sampler: Sampler) -> None:
+    def notify_on_pulls(self, sampler: SampledParty) -> None:
         """Also notify `sampler`, which listens to the wire, in each such instant."""
         self._add_pull_watch(PullWatch(sampler.agent, 0, sampler))
 
@@ -185,18 +160,14 @@ class Wire(Settleable):
                 sampler = watch.sampler
                 watch = watch.following
                 if sampler is not None and sampler.due == BY_WIRE:
-                    sampler.on_wire_settled(now)
+                    sampler.notify(now)
         if self._moved:
             listener = self._watches
             while listener is not None:
                 sampler = listener.sampler
                 listener = listener.following
                 if sampler.due == BY_WIRE:
-                    sampler.due = NOT_DUE
-                    if sampler.plain:
-                        sampler.agent.sampled(now, sampler.levels)
-                    else:
-                        sampler.deliver(now)
+                    sampler.notify(now)
 
     def _notify_pulled(self, first: PullWatch) -> None:
         watch: PullWatch | None = first
@@ -235,9 +206,9 @@ class Wire(Settleable):
         """Return True if no pull is unsettled."""
         return self._pulling == self.pulling
 
-    def listeners(self) -> list[Sampler | PullWatch]:
+    def listeners(self) -> list[SampledParty | PullWatch]:
         """Return the subscribers to its level and to the parties that pull it."""
-        listeners: list[Sampler | PullWatch] = []
+        listeners: list[SampledParty | PullWatch] = []
         listener, watch = self._watches, self._pull_watches
         while listener is not None:
             listeners.append(listener.sampler)
@@ -265,7 +236,7 @@ class Wire(Settleable):
             names = self._names_of[pulling] = ", ".join(self.held_by())
         return names
 
-    def add(self, sampler: Sampler, bit: int) -> None:
+    def add(self, sampler: SampledParty, bit: int) -> None:
         """Add a listener: this wire's level becomes this bit of the sampler's levels."""
         self._changed()
         watch = _Watch(sampler, bit)
@@ -277,7 +248,7 @@ class Wire(Settleable):
                 last = last.following
             last.following = watch
 
-    def remove(self, sampler: Sampler, bit: int) -> None:
+    def remove(self, sampler: SampledParty, bit: int) -> None:
         """Remove a listener that was added with this bit."""
         self._changed()
         before, watch = None, self._watches
@@ -307,7 +278,7 @@ class PullWatch:
 
     __slots__ = ("agent", "following", "line", "sampler")
 
-    def __init__(self, agent: Agent, line: int, sampler: Sampler | None) -> None:
+    def __init__(self, agent: Agent, line: int, sampler: SampledParty | None) -> None:
         self.agent = agent
         self.line = line
         self.sampler = sampler
@@ -322,7 +293,7 @@ class _Watch:
 
     __slots__ = ("bit", "following", "sampler")
 
-    def __init__(self, sampler: Sampler, bit: int) -> None:
+    def __init__(self, sampler: SampledParty, bit: int) -> None:
         self.sampler = sampler
         self.bit = bit
         self.following: _Watch | None = None
@@ -343,138 +314,3 @@ class Pin:
     def drive(self, level: int) -> None:
         """Pull the wire low (0) or release it (1)."""
         self.wire.pull(self.mask, level)
-
-
-@final
-class _Line:
-    """One line of a sampler: a wire, or None if the owner sets its level with `put`."""
-
-    STATE = State("bit wire", made=True)
-
-    __slots__ = ("bit", "wire")
-
-    def __init__(self, bit: int) -> None:
-        self.bit = bit
-        self.wire: Wire | None = None
-
-
-@final
-class Sampler(SampledParty):
-    """The lines that one party samples: bit i of `levels` is line i.
-
-    A line is a wire (`listen`) or has a level that the owner sets (`put`).
-    agent: its `sampled` is called with the tick and `levels` once in each instant in which any line changes. The record
-        under which the first of these lines changed is then the present one.
-    """
-
-    STATE = State("levels plain agent _seen _lines", records="_put_under")
-
-    __slots__ = ("_kernel", "_lines", "_put_under", "_recorder", "_seen")
-
-    def __init__(self, kernel: Kernel, recorder: Recorder, agent: Agent | Watcher, levels: int = 0) -> None:
-        self.levels = levels
-        self.due = NOT_DUE
-        self.rank = kernel.rank()
-        self._kernel = kernel
-        self._recorder = recorder
-        self.agent = agent if isinstance(agent, Agent) else _WatcherAgent(agent)
-        self.plain = True  # no record can be the cause of a change
-        self._lines: list[_Line] = []  # lines set by `listen` or `put`, the lowest first
-        self._put_under = 0  # the record under which a level was put last
-        self._seen = levels
-
-    def listen(self, line: int, wire: Wire) -> None:
-        """Make this line a wire. ValueError if the number is too large."""
-        if line >= MAX_PARTIES:
-            raise ValueError(f"wire {wire.name} would be line {line}; a sampler has lines 0 to {MAX_PARTIES - 1}")
-        self._leave(line).wire = wire
-        if wire.recorded:
-            self.plain = False
-        wire.add(self, BITS[line])
-        self._set(line, wire.level)
-
-    def put(self, line: int, level: int) -> None:
-        """Set the level of this line, which is no wire any more."""
-        self._leave(line)
-        self._put_under = self._recorder.cause
-        if self._put_under:
-            self.plain = False
-        self._set(line, level)
-
-    def jump(self, bits: int) -> None:
-        """Toggle these lines without notification; the changes belong to skipped edges."""
-        self.levels ^= bits
-        self._seen ^= bits
-
-    def restored(self) -> None:
-        """Clear `due`: nothing is due in a restored state."""
-        self.due = NOT_DUE
-
-    def request_sample(self) -> None:
-        """Request a call in this instant, even if no line changes."""
-        self._kernel.request_sample(self)
-
-    def on_wire_settled(self, now: int) -> None:
-        """Deliver the levels; called by a wire."""
-        self.due = NOT_DUE
-        if self.plain:
-            self.agent.sampled(now, self.levels)
-        else:
-            self.deliver(now)
-
-    def deliver(self, now: int) -> None:
-        self._deliver_under_record(now)
-
-    def _deliver_under_record(self, now: int) -> None:
-        moved = self.levels ^ self._seen
-        self._seen = self.levels
-        recorder = self._recorder
-        outer = recorder.cause
-        if moved:
-            recorder.cause = self._moved_under(moved)
-        self.agent.sampled(now, self.levels)
-        recorder.cause = outer
-
-    def _set(self, line: int, level: int) -> None:
-        if self.levels >> line & 1 != level:
-            self.levels ^= BITS[line]
-            self.request_sample()
-
-    def _moved_under(self, moved: int) -> int:
-        """Return the record under which the first of these lines has changed."""
-        line: _Line
-        for line in self._lines:
-            if moved & line.bit:
-                return self._put_under if line.wire is None else line.wire.cause
-        return self._put_under
-
-    def _leave(self, number: int) -> _Line:
-        """Return the line of this number, detached from its wire if it had one."""
-        bit = BITS[number]
-        line: _Line
-        for line in self._lines:
-            if line.bit == bit:
-                wire: Wire | None
-                wire, line.wire = line.wire, None
-                if wire is not None:
-                    wire.remove(self, bit)
-                return line
-        line = _Line(bit)
-        self._lines.append(line)
-        self._lines.sort(key=_bit_of)
-        return line
-
-
-def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:
-    """Call `watcher(tick, levels)` whenever any of these wires has changed; bit i is wire i. ValueError without wires.
-
-    If `watcher` is an agent, its `sampled` is called.
-    """
-    if not wires:
-        raise ValueError("there is no wire to watch")
-    wires[0].kernel.materialize()
-    levels = sum(wire.level << i for i, wire in enumerate(wires))
-    sampler = Sampler(wires[0].kernel, wires[0].recorder, watcher, levels)
-    for line, wire in enumerate(wires):
-        sampler.listen(line, wire)
-    return sampler

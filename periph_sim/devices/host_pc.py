@@ -21,7 +21,8 @@ from typing import TYPE_CHECKING, Literal
 import msgspec
 
 from ..bus.uart.sender import UartSender
-from ..core.kernel import Agent, Kernel
+from ..core.agent import Agent
+from ..core.kernel import Kernel
 from ..core.state import State
 
 if TYPE_CHECKING:

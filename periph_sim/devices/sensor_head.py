@@ -21,7 +21,8 @@ from random import Random
 
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import Transfer
-from ..core.kernel import Agent, Kernel
+from ..core.agent import Agent
+from ..core.kernel import Kernel
 from ..core.state import State
 from .sensor_rounds import Request, Round, Schedule
 

@@ -13,7 +13,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple, final
 
-from ..core.kernel import Agent, Event, Kernel
+from ..core.agent import Agent
+from ..core.event_queue import Event
+from ..core.kernel import Kernel
 from ..core.wire import Wire
 from ..form.c_types import Text
 

@@ -19,11 +19,13 @@ from fractions import Fraction
 from operator import itemgetter
 from typing import TYPE_CHECKING, final
 
+from ..core.agent import Agent
 from ..core.chip import NEVER
-from ..core.kernel import Agent, Event
+from ..core.event_queue import Event
+from ..core.sampler import Sampler
 from ..core.socket import WAKE, Socket
 from ..core.time import Clock
-from ..core.wire import Pin, Sampler
+from ..core.wire import Pin
 from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import SCL
 from ..f28335.sci.module import Sci

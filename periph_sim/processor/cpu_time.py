@@ -13,8 +13,10 @@ from __future__ import annotations
 
 from typing import final
 
+from ..core.agent import Agent
 from ..core.chip import NEVER
-from ..core.kernel import CPU, Agent, Event, Kernel
+from ..core.event_queue import Event
+from ..core.kernel import CPU, Kernel
 from ..core.state import State
 from ..core.time import LAST_TICK, Clock
 

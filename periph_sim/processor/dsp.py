@@ -22,6 +22,7 @@ from ..core.chip import Chip, Note
 from ..core.kernel import CHIP, PADS, Kernel
 from ..core.options import Answers, options_from
 from ..core.records import Recorder
+from ..core.sampler import watch
 from ..core.socket import Socket
 from ..core.state import State
 from ..core.suggest import did_you_mean
@@ -352,7 +353,7 @@ class Dsp(FirmwareView):
 
     def connect_reset(self, xrs: Wire) -> None:
         """Connect the XRS pin: low holds this unit in reset."""
-        xrs.watch(self._xrs_changed)
+        watch([xrs], self._xrs_changed)
 
     def _xrs_changed(self, tick: int, level: int) -> None:
         """Reset, or end the reset, at the next cycle, since clocks change there."""

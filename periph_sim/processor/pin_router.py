@@ -13,13 +13,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from ..core.agent import Agent
 from ..core.chip import NEVER
-from ..core.kernel import Agent, Kernel
+from ..core.kernel import Kernel
 from ..core.records import Recorder
+from ..core.sampler import Sampler
 from ..core.socket import Socket
 from ..core.state import State
 from ..core.time import NO_TIME, Clock
-from ..core.wire import Pin, Sampler, Wire
+from ..core.wire import Pin, Wire
 from ..f28335.cpu.xint import Xint
 from ..f28335.gpio.module import Gpio
 from ..f28335.gpio.register_map import BIT

@@ -13,7 +13,8 @@ from __future__ import annotations
 
 from typing import final
 
-from ..core.kernel import Agent, Kernel
+from ..core.agent import Agent
+from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.state import State
 from ..core.time import Clock

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 
+from ..core.sampler import watch
 from ..core.time import Timebase
 from ..core.wire import Wire
 from ..traces.capture.capture import Capture, Channel, channel_of
@@ -19,7 +20,7 @@ class WireLog:
         self._ticks: list[list[int]] = [[0] for _ in wires]
         self._levels: list[list[int | None]] = [[wire.level] for wire in wires]
         for wire, ticks, levels in zip(wires, self._ticks, self._levels, strict=True):
-            wire.watch(_collector(ticks, levels))
+            watch([wire], _collector(ticks, levels))
 
     def capture(self, timebase: Timebase, now: int) -> Capture:
         """Return the wires' levels up to and including tick `now`."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..bus.i2c.bit_skip import BitParty, BitSkip
 from ..bus.i2c.skipping_controller import SkippingController
-from ..core.kernel import Agent
+from ..core.agent import Agent
 from .context import SceneContext
 
 if TYPE_CHECKING:

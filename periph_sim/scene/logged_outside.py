@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 
-from ..core.kernel import Agent, Kernel
+from ..core.agent import Agent
+from ..core.kernel import Kernel
 from ..core.suggest import did_you_mean
 from ..core.wire import Wire
 from .case.model import Case

@@ -8,6 +8,7 @@ from __future__ import annotations
 from functools import partial
 
 from ..core.kernel import Kernel
+from ..core.sampler import watch
 from ..core.state import State
 from ..core.wire import Wire
 from ..f28335.i2c.register_map import I2C_MAP
@@ -25,7 +26,7 @@ class ModuleReset:
         self._clock = unit.clock
         self._socket = unit.socket("I2C-A")
         self._was_on: bool  # IRS when the wire fell; the wire is high at first
-        wire.watch(self._changed)
+        watch([wire], self._changed)
 
     def _changed(self, tick: int, level: int) -> None:
         """Write I2CMDR.IRS in the cycle of this edge."""

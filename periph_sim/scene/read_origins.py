@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Protocol
 
+from ..core.sampler import watch
 from ..timing.derived.origins import FrameOrigins, ModelOrigins, Origins
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def origins_of(scene: Parts) -> Origins:
         what = "what sensor models show can be checked only with the pin that is high while they run"
         raise _mistake(scene.case, f"{what}; give the unit pins = {{ {MODEL_PIN} = 34 }}")
     origins = ModelOrigins(scene.computed)
-    scene.wires[MODEL_PIN].watch(origins.model_pin)
+    watch([scene.wires[MODEL_PIN]], origins.model_pin)
     for dsp in scene.units.values():
         dsp.on_reset.append(origins.reset)
     return origins

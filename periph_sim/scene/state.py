@@ -20,8 +20,8 @@ from .. import __version__
 from ..c28x.execution.registers import Operation
 from ..core.records import RECORDED, Recorder
 from ..core.restore import Finds, NotRestorable, restore
+from ..core.sampler import Sampler
 from ..core.snapshot import Module, Snapshot, class_name, take_snapshot
-from ..core.wire import Sampler
 from ..processor.image.program import ImageProgram
 from ..processor.operand import Operand
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from ..core.convert import BadTable, keys_of
+from ..core.sampler import watch
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase
 from ..core.wire import Wire
@@ -50,5 +51,5 @@ def watcher_of(
 
     context = WatchContext(table.wire, ticks, start, ticks(table.tolerance), measure.take, measure.refute)
     watcher = family.build(settings, context)
-    wires[table.wire].watch(watcher.edge)
+    watch([wires[table.wire]], watcher.edge)
     return watcher

@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from periph_sim import form
-from periph_sim.core.kernel import Agent, Kernel
+from periph_sim.core.agent import Agent
+from periph_sim.core.kernel import Kernel
 
 from .child import in_form
 from .timed import Seconds, median_of, middle

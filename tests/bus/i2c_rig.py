@@ -13,6 +13,7 @@ from periph_sim.bus.i2c.controller import I2cController
 from periph_sim.bus.i2c.transfer import BusTiming, Phase, Transfer
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
 
 UNIT = 10
@@ -35,7 +36,7 @@ class I2cRig:
         self.partner = {name.lower(): wire.attach("partner") for name, wire in self.wires.items()}
         self.edges: list[tuple[int, str, int]] = []
         for name, wire in self.wires.items():
-            wire.watch(partial(self._edge, name))
+            watch([wire], partial(self._edge, name))
         self.over: list[Transfer] = []
         self.stuck: list[tuple[int, str, list[str]]] = []
         self.controller = I2cController(

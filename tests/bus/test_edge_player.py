@@ -5,6 +5,7 @@ from __future__ import annotations
 from periph_sim.bus.edge_player import EdgePlayer
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
+from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
 
 
@@ -12,7 +13,7 @@ def test_edges_come_when_they_are_due_and_cost_an_event_each():
     kernel = Kernel()
     wire = Wire(kernel, "RX", Recorder())
     seen: list[tuple[int, int]] = []
-    wire.watch(lambda tick, level: seen.append((tick, level)))
+    watch([wire], lambda tick, level: seen.append((tick, level)))
     edges = [(10, 0), (13, 1), (20, 0), (90, 1)]
     player = EdgePlayer(kernel, wire, edges)
     kernel.run_until(50)

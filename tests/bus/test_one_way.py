@@ -5,6 +5,7 @@ from __future__ import annotations
 from periph_sim.bus.one_way import OneWayWire
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
+from periph_sim.core.sampler import watch
 
 
 def test_others_pull_the_back_and_hear_the_player():
@@ -12,7 +13,7 @@ def test_others_pull_the_back_and_hear_the_player():
     wire = OneWayWire(kernel, "SDA", Recorder(), "capture")
     player, chip = wire.attach("capture"), wire.attach("dsp.SDAA")
     heard: list[tuple[int, int]] = []
-    wire.watch(lambda now, level: heard.append((now, level)))
+    watch([wire], lambda now, level: heard.append((now, level)))
     steps = [(10, chip, 0), (20, player, 0), (30, chip, 1), (40, player, 1)]
     for at, pin, level in steps:
         kernel.call_at(at, lambda pin=pin, level=level: pin.drive(level))

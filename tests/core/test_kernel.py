@@ -6,20 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from periph_sim.core.agent import Agent, SampledParty, Settleable
 from periph_sim.core.chip import NEVER
-from periph_sim.core.kernel import (
-    CHIP,
-    CPU,
-    PADS,
-    PROBE,
-    STORM,
-    TIMER,
-    Agent,
-    Kernel,
-    SampledParty,
-    Settleable,
-    SimulationStuck,
-)
+from periph_sim.core.kernel import CHIP, CPU, PADS, PROBE, STORM, TIMER, Kernel, SimulationStuck
 
 PHASES = {"first agent": TIMER, "second agent": TIMER, "pads": PADS, "chip": CHIP, "cpu": CPU, "probe": PROBE}
 

@@ -11,14 +11,15 @@ from hypothesis import strategies as st
 
 from periph_sim.core.kernel import CPU, Kernel, SimulationStuck
 from periph_sim.core.records import Kind, Record, Recorder
-from periph_sim.core.wire import MAX_PARTIES, Sampler, Wire, watch
+from periph_sim.core.sampler import Sampler, watch
+from periph_sim.core.wire import MAX_PARTIES, Wire
 
 
 def wired(*who: str):
     kernel = Kernel()
     wire = Wire(kernel, "SDA", Recorder())
     told: list[tuple[int, int]] = []
-    wire.watch(lambda tick, level: told.append((tick, level)))
+    watch([wire], lambda tick, level: told.append((tick, level)))
     return kernel, wire, [wire.attach(name) for name in who], told
 
 
@@ -126,8 +127,8 @@ def test_an_answer_in_the_same_instant_is_told_after_every_watcher_heard_the_cau
     wire = Wire(kernel, "SCL", Recorder())
     a, b = wire.attach("a"), wire.attach("b")
     log: list[str] = []
-    wire.watch(lambda tick, level: (log.append(f"first {level}"), b.drive(0) if level else None))
-    wire.watch(lambda tick, level: log.append(f"second {level}"))
+    watch([wire], lambda tick, level: (log.append(f"first {level}"), b.drive(0) if level else None))
+    watch([wire], lambda tick, level: log.append(f"second {level}"))
     kernel.call_at(1, lambda: a.drive(0))
     kernel.call_at(2, lambda: a.drive(1))
     kernel.run_until(2)
@@ -137,8 +138,8 @@ def test_an_answer_in_the_same_instant_is_told_after_every_watcher_heard_the_cau
 def test_who_leaves_a_wire_as_that_tells_of_a_move_is_told_all_the_same():
     kernel, wire, (a,), _ = wired("a")
     told: list[tuple[int, int]] = []
-    wire.watch(lambda tick, level: leaving.put(0, level))
-    wire.watch(lambda tick, level: None)
+    watch([wire], lambda tick, level: leaving.put(0, level))
+    watch([wire], lambda tick, level: None)
     leaving = watch([wire], lambda tick, levels: told.append((tick, levels)))
     kernel.call_at(1, lambda: a.drive(0))
     kernel.call_at(2, lambda: a.drive(1))
@@ -152,7 +153,7 @@ def test_wires_that_never_rest_are_told():
     kernel = Kernel()
     wire = Wire(kernel, "SDA", Recorder())
     pin = wire.attach("a")
-    wire.watch(lambda tick, level: pin.drive(1 - level))
+    watch([wire], lambda tick, level: pin.drive(1 - level))
     kernel.call_at(1, lambda: pin.drive(0))
     with pytest.raises(SimulationStuck, match="wires did not settle at t=1"):
         kernel.run_until(1)
@@ -176,7 +177,7 @@ def test_an_edge_is_recorded_with_who_pulls_and_is_the_cause_of_what_follows():
     recorder.subscribe([Kind.EDGE, Kind.NOTE], seen.append)
     wire = Wire(kernel, "SDA", recorder)
     pin = wire.attach("target")
-    wire.watch(lambda tick, level: recorder.emit(tick, Kind.NOTE, "watcher", "heard", level))
+    watch([wire], lambda tick, level: recorder.emit(tick, Kind.NOTE, "watcher", "heard", level))
     kernel.call_at(4, lambda: pin.drive(0))
     kernel.run_until(4)
     edge, heard = seen
@@ -220,7 +221,7 @@ def test_who_joins_in_holding_a_line_is_the_effect_of_what_it_was_made_under():
     recorder.subscribe([Kind.EDGE, Kind.HOLD], seen.append)
     wire = Wire(kernel, "SCL", recorder)
     a, b = wire.attach("a"), wire.attach("b")
-    wire.watch(lambda tick, level: b.drive(0))
+    watch([wire], lambda tick, level: b.drive(0))
     kernel.call_at(1, lambda: a.drive(0))
     kernel.call_at(5, lambda: a.drive(1))
     kernel.run_until(9)

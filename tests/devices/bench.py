@@ -13,6 +13,7 @@ from periph_sim.bus.i2c.target_side import TargetSide
 from periph_sim.bus.i2c.transfer import BusTiming, Phase, Transfer
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
+from periph_sim.core.sampler import watch
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
 from periph_sim.devices.chips.register_chip import RegisterChip
@@ -40,8 +41,8 @@ class Bench:
         recorder = Recorder()
         self.scl, self.sda = (Wire(self.kernel, name, recorder) for name in ("SCL", "SDA"))
         self.edges: dict[str, list[tuple[int, int]]] = {"SCL": [], "SDA": []}
-        self.scl.watch(lambda tick, level: self.edges["SCL"].append((tick, level)))
-        self.sda.watch(lambda tick, level: self.edges["SDA"].append((tick, level)))
+        watch([self.scl], lambda tick, level: self.edges["SCL"].append((tick, level)))
+        watch([self.sda], lambda tick, level: self.edges["SDA"].append((tick, level)))
         self.pointers = [RegisterPointer(chip, lambda: self.kernel.now) for chip in chips]
         for pointer, chip in zip(self.pointers, chips, strict=True):
             TargetSide(self.kernel, self.scl, self.sda, pointer.answer, DELAY, type(chip).__name__)

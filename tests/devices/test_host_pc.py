@@ -10,6 +10,7 @@ import pytest
 from periph_sim.bus.uart.sender import UartSender
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
+from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
 from periph_sim.devices.host_pc import FRAME_BYTES, Host, HostSchedule, PacedBy, encode, ramp
 
@@ -23,7 +24,7 @@ class Desk:
         recorder = Recorder()
         self.falls: list[int] = []
         wire = Wire(self.kernel, "RX", recorder)
-        wire.watch(lambda tick, level: self.falls.append(tick) if not level else None)
+        watch([wire], lambda tick, level: self.falls.append(tick) if not level else None)
         self.sender = UartSender(self.kernel, recorder, wire, Fraction(BIT))
         self.host = Host(self.kernel, self.sender, schedule, seed=seed)
         self.sent: list[tuple[int, tuple[int, ...], int]] = []

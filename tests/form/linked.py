@@ -12,10 +12,10 @@ from tests.form.package import classes
 
 CHAINS = {
     ("core.chip_input", "Input", "following"),
-    ("core.kernel", "Event", "following"),
-    ("core.kernel", "SampledParty", "following"),
-    ("core.kernel", "Settleable", "following"),
-    ("core.kernel", "Settleable", "then"),
+    ("core.event_queue", "Event", "following"),
+    ("core.agent", "SampledParty", "following"),
+    ("core.agent", "Settleable", "following"),
+    ("core.agent", "Settleable", "then"),
     ("core.records", "_ListenerEntry", "following"),
     ("core.records", "_SinkEntry", "following"),
     ("core.wire", "PullWatch", "following"),

@@ -46,7 +46,9 @@ def release(length: int, *links: tuple[str, str, str]) -> None:
     assert (done.returncode, done.stdout.splitlines(), done.stderr) == (0, texts, "")
 
 
-@pytest.mark.parametrize("link", [("core.kernel", "Event", "following"), ("timing.measures.pair", "Open", "following")])
+@pytest.mark.parametrize(
+    "link", [("core.event_queue", "Event", "following"), ("timing.measures.pair", "Open", "following")]
+)
 def test_a_chain_of_20_000_is_released_in_256_kilobytes_of_stack(link: tuple[str, str, str]):
     release(20_000, link)
 

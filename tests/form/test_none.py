@@ -11,7 +11,8 @@ import sys
 import pytest
 
 from periph_sim import form
-from periph_sim.core.kernel import Agent, Kernel
+from periph_sim.core.agent import Agent
+from periph_sim.core.kernel import Kernel
 from periph_sim.form.sources import Sources
 
 MODULES = Sources(form.PACKAGE).compiled()

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from periph_sim import form
-from periph_sim.core.kernel import Agent, Kernel
+from periph_sim.core.agent import Agent
+from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.wire import Wire
 from periph_sim.form.setters import never_none, with_none_refused

@@ -18,6 +18,7 @@ from periph_sim.bus.edge_player import EdgePlayer
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.options import Answers, Value, options_from
 from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.sampler import watch
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Pin, Wire
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
@@ -138,7 +139,7 @@ class OnWires:
         self._began = kernel.now
         self._levels = self._out = RELEASED
         for wire in wires:
-            wire.watch(self._changed)
+            watch([wire], self._changed)
         self._follow()
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
+from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
 from periph_sim.outside.door import Change, Door
 
@@ -15,7 +16,7 @@ def test_a_hold_that_does_not_outlast_its_instant_is_no_change() -> None:
     door = Door(kernel, {"SDA": sda, "SCL": scl}, lambda tick, levels: None)
     chip, clock = sda.attach("chip"), scl.attach("chip")
     held = iter([1, 1, 0])  # what the chip does once its pull has settled
-    sda.watch(lambda tick, level: None if level else chip.drive(next(held)))
+    watch([sda], lambda tick, level: None if level else chip.drive(next(held)))
     kernel.call_at(3, lambda: chip.drive(0))
     kernel.call_at(5, lambda: clock.drive(0))
     kernel.call_at(5, lambda: chip.drive(0))

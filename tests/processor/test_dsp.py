@@ -9,6 +9,7 @@ import pytest
 
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
+from periph_sim.core.sampler import watch
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
 from periph_sim.f28335.parts.f28335 import PART
@@ -135,7 +136,7 @@ def test_lspclk_changed_and_changed_back_is_that_of_the_sci_each_time():
     """One data bit of 0 behind the start bit: TXD is low for 16 SCICLK of two LSPCLK each, as BRR = 0 has it."""
     dsp, kernel, wires = unit("SCI-A", TXD=29)
     low: list[int] = []
-    wires["TXD"].watch(lambda tick, level: low.append(dsp.clock.cycle_at(tick)))
+    watch([wires["TXD"]], lambda tick, level: low.append(dsp.clock.cycle_at(tick)))
 
     def main() -> None:
         clocks, sci = dsp.module("SYS"), dsp.module("SCI-A")

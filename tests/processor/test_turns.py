@@ -9,7 +9,8 @@ from contextlib import contextmanager
 import greenlet
 import pytest
 
-from periph_sim.core.kernel import CHIP, TIMER, Agent, SimulationStuck
+from periph_sim.core.agent import Agent
+from periph_sim.core.kernel import CHIP, TIMER, SimulationStuck
 from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.processor.program import Stop
 from tests.processor.bench import Bench

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.core.sampler import watch
 from periph_sim.devices.host_pc import encode
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
@@ -54,7 +55,7 @@ def test_the_high_byte_goes_first_where_the_encoding_says_so():
     scene = Scene(
         case("5 ms", host={"motion": {"kind": "static", "phi": "0.1 rad"}, "encoding": {"byte_order": "big"}})
     )
-    scene.wires["RX"].watch(lambda tick, level: levels.append((tick, level)))
+    watch([scene.wires["RX"]], lambda tick, level: levels.append((tick, level)))
     scene.run()
     bit = scene.timebase.per_second / 115200
     start = levels[0][0]

@@ -12,6 +12,7 @@ from weakref import ref
 import pytest
 
 from periph_sim.core.records import Kind, Record
+from periph_sim.core.sampler import watch
 from periph_sim.processor.dsp import Dsp
 from periph_sim.processor.image.program import ImageProgram
 from periph_sim.scene.case.load import load
@@ -174,7 +175,7 @@ def test_a_closed_scene_is_free_although_its_subscriber_refers_to_it() -> None:
 
     def run_one() -> ref[Scene]:
         scene = Scene(load(TIMING / "responder.toml"))
-        scene.wires["SDA"].watch(lambda tick, level: levels.append(scene.level_of("SCL")))
+        watch([scene.wires["SDA"]], lambda tick, level: levels.append(scene.level_of("SCL")))
         scene.run(SOON)
         return ref(scene)
 

@@ -66,7 +66,7 @@ def test_two_runs_of_a_case_have_equal_states(name: str):
         for scene in (first, second):
             scene.advance(ms(scene, at))
         assert first.state().differences(second.state()) == {}
-        pending.update(first.state().values["kernel._first"].keys)
+        pending.update(first.state().values["kernel._queue.first"].keys)
     assert pending and len(first.state().values) > 300
 
 

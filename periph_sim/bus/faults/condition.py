@@ -16,6 +16,7 @@ from fractions import Fraction
 from functools import partial
 from typing import Literal
 
+from ...core.sampler import watch
 from ...core.state import State
 from . import FaultContext, Repeated
 from .when import Length, When
@@ -41,7 +42,7 @@ class Condition:
         self._armed = False
         self._pulls = False
         self._rise = 0  # number of the last rise of SCL
-        self._scl.watch(self._scl_changed)
+        watch([self._scl], self._scl_changed)
 
     def arm(self) -> None:
         self._armed = True

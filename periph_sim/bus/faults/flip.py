@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...core.kernel import Agent
+from ...core.agent import Agent
+from ...core.sampler import watch
 from ...core.state import State
 from . import FaultContext, Repeated
 from .when import When
@@ -30,7 +31,7 @@ class Flip(Agent):
         self._armed = False
         self._pulls = False
         self._is_one = False  # no other party pulls SDA in this clock
-        self._scl.watch(self._scl_changed)
+        watch([self._scl], self._scl_changed)
         self._sda.watch_pulls(self)
 
     def arm(self) -> None:

@@ -17,7 +17,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...core.kernel import Agent, Event, Kernel, Shortcut
+from ...core.agent import Agent, Shortcut
+from ...core.event_queue import Event
+from ...core.kernel import Kernel
 from ...core.time import NO_TIME
 from ...core.wire import Wire
 from .bit_times import SKIPPED_BITS, BitTimes

@@ -7,8 +7,9 @@ For scenes without a controller agent, which would count them.
 
 from __future__ import annotations
 
+from ...core.sampler import watch
 from ...core.state import State
-from ...core.wire import Wire, watch
+from ...core.wire import Wire
 from .bit_skip import BitParty
 from .bit_times import SKIPPED_BITS, BitTimes
 from .line_events import EVENTS, FALL, IDLE, RISE, SDA, START, STOP

@@ -17,18 +17,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from ...core.kernel import Event, Kernel
+from ...core.event_queue import Event
+from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder, Topic
+from ...core.sampler import watch
 from ...core.state import State
 from ...core.time import NO_TIME
-from ...core.wire import Wire, watch
+from ...core.wire import Wire
 from .bit_skip import BitParty
 from .bus_clear import BusClear
 from .line_events import EVENTS, IDLE, NOTHING, SCL, SDA, START, STOP
 from .transfer import BusTiming, Phase, Transfer
 
 if TYPE_CHECKING:
-    from ...core.wire import Sampler
+    from ...core.sampler import Sampler
 
 # Purposes of events.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)

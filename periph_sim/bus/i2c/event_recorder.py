@@ -11,8 +11,9 @@ from __future__ import annotations
 
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
+from ...core.sampler import watch
 from ...core.state import State
-from ...core.wire import Wire, watch
+from ...core.wire import Wire
 from .bit_skip import BitParty
 from .bit_times import SKIPPED_BITS, BitTimes
 

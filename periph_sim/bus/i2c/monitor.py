@@ -17,9 +17,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import final
 
+from ...core.sampler import watch
 from ...core.state import State
 from ...core.time import NO_TIME
-from ...core.wire import Wire, watch
+from ...core.wire import Wire
 from .bit_skip import BitParty
 from .bit_times import SKIPPED_BITS, BitTimes
 from .line_events import SCL, SDA

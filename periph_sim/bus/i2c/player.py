@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from ...core.kernel import Kernel
+from ...core.sampler import watch
 from ...core.time import NO_TIME
 from ...core.wire import Wire
 
@@ -45,7 +46,7 @@ class I2cPlayer:
         self._moves: Sequence[Move] = ()
         self._next = 0
         self._done: Callable[[], None] = _nothing
-        self._lines = scl.watch(self._on_scl)
+        self._lines = watch([scl], self._on_scl)
 
     @property
     def busy(self) -> bool:

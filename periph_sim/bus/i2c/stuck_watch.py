@@ -12,9 +12,10 @@ from fractions import Fraction
 
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
+from ...core.sampler import watch
 from ...core.state import State
 from ...core.time import NO_TIME
-from ...core.wire import Wire, watch
+from ...core.wire import Wire
 from .bit_skip import BitParty, BitSkip
 from .bit_times import SKIPPED_BITS, BitTimes
 from .event_recorder import WHO

@@ -17,8 +17,9 @@ from collections.abc import Callable
 from typing import Protocol
 
 from ...core.kernel import Kernel
+from ...core.sampler import watch
 from ...core.state import State
-from ...core.wire import Wire, watch
+from ...core.wire import Wire
 from .bit_skip import ONES, BitParty
 from .bit_times import SKIPPED_BITS
 from .line_events import EVENTS, FALL, IDLE, RISE, SCL, SDA, START

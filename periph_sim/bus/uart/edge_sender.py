@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
-from ...core.kernel import Agent, Event, Kernel
+from ...core.agent import Agent
+from ...core.event_queue import Event
+from ...core.kernel import Kernel
 from ...core.state import State
 
 EDGE = 0x100  # tag of the events of edges; a subclass may have others

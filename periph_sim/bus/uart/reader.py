@@ -15,10 +15,13 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...core.kernel import Agent, Event, Kernel
+from ...core.agent import Agent
+from ...core.event_queue import Event
+from ...core.kernel import Kernel
+from ...core.sampler import watch
 from ...core.state import State
 from ...core.time import NO_TIME
-from ...core.wire import Wire, watch
+from ...core.wire import Wire
 from .frame_format import UartFormat
 
 Line = Callable[[], tuple[Fraction, UartFormat]]

@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
+from ...core.sampler import watch
 from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire
@@ -118,9 +119,9 @@ class Transceiver:
         reader = UartReader(pair.kernel, tx, line)
         reader.on_begin.append(self._begins)
         reader.on_end.append(self._over)
-        tx.watch(lambda tick, level: self.driver.drive(level))
-        de.watch(self._turned)
-        pair.wire.watch(lambda tick, level: self._hear())
+        watch([tx], lambda tick, level: self.driver.drive(level))
+        watch([de], self._turned)
+        watch([pair.wire], lambda tick, level: self._hear())
 
     def _turned(self, tick: int, level: int) -> None:
         self.driver.enable(bool(level))

@@ -20,6 +20,7 @@ from ...bus.i2c.transfer import BusTiming, Phase, Transfer
 from ...bus.uart.sender import UartSender
 from ...core.kernel import Kernel
 from ...core.records import Recorder
+from ...core.sampler import watch
 from ...core.time import DAY, LAST_TICK, Clock, Timebase, TimeError
 from ...core.wire import Wire
 from ..models.arrays import codes_of
@@ -124,7 +125,7 @@ def uart_edges(start: int) -> Edges:
 def _watched(start: int, *wires: Wire) -> Edges:
     edges: Edges = []
     for wire in wires:
-        wire.watch(partial(_keep, edges, wire.name, start))
+        watch([wire], partial(_keep, edges, wire.name, start))
     return edges
 
 

@@ -14,6 +14,7 @@ from periph_sim.bus.faults.when import When
 from periph_sim.core.convert import BadTable, convert
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
+from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
 from tests.waves import play, tidy
 
@@ -44,7 +45,7 @@ class Desk:
 
     def falls(self, signal: str, until: int) -> list[int]:
         found: list[int] = []
-        self.wires[signal].watch(lambda tick, level: None if level else found.append(tick))
+        watch([self.wires[signal]], lambda tick, level: None if level else found.append(tick))
         self.run_until(until)
         return found
 

@@ -10,6 +10,7 @@ from itertools import pairwise
 import pytest
 
 from periph_sim.bus.i2c.transfer import Phase, Transfer
+from periph_sim.core.sampler import watch
 from tests.bus.i2c_rig import UNIT, I2cRig
 from tests.waves import play, tidy
 
@@ -47,7 +48,7 @@ def test_so_many_clocks_as_are_needed_up_to_nine(clocks: int):
         if not level and len(falls(desk)) == clocks:
             desk.partner["sda"].drive(1)
 
-    desk.wires["SCL"].watch(scl)
+    watch([desk.wires["SCL"]], scl)
     desk.run_until(10_000)
     assert desk.over == [transfer]
     before = [tick for tick in falls(desk) if tick < transfer.phases[0].start_at]

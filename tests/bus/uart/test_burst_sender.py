@@ -10,6 +10,7 @@ from periph_sim.bus.uart.burst_sender import Burst, BurstSender, Character
 from periph_sim.bus.uart.frame_format import UartFormat
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
+from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
 
 BIT = Fraction(100)
@@ -44,7 +45,7 @@ class Desk:
         wire = Wire(self.kernel, "RX", Recorder())
         self.edges: list[tuple[int, int]] = []
         self.told: list[tuple[str, int]] = []
-        wire.watch(lambda tick, level: self.edges.append((tick, level)))
+        watch([wire], lambda tick, level: self.edges.append((tick, level)))
         self.sender = BurstSender(self.kernel, wire.attach("serial"), "serial")
 
     def send(self, at: int, burst: Burst) -> None:

@@ -12,6 +12,7 @@ from periph_sim.bus.uart.frame_format import UartFormat
 from periph_sim.bus.uart.sender import UartSender
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
 
 NONE = Fraction(0)
@@ -28,7 +29,7 @@ class Line:
         self.edges: list[tuple[int, int]] = []
         self.over: list[int] = []
         wire = Wire(self.kernel, "RX", recorder)
-        wire.watch(lambda tick, level: self.edges.append((tick, level)))
+        watch([wire], lambda tick, level: self.edges.append((tick, level)))
         self.peer = UartSender(self.kernel, recorder, wire, bit, frame)
 
     def send(self, data: bytes, gap: Fraction = NONE) -> list[tuple[int, int]]:

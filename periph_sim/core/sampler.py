@@ -1,0 +1,158 @@
+"""Parties that sample wires: each is notified once of all of its lines that changed in one instant."""
+
+# core: compiled without checks for None
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from operator import attrgetter
+from typing import final
+
+from .agent import NOT_DUE, Agent, SampledParty
+from .kernel import Kernel
+from .records import Recorder
+from .state import State
+from .wire import BITS, MAX_PARTIES, Wire
+
+Watcher = Callable[[int, int], None]
+
+_bit_of = attrgetter("bit")
+
+
+@final
+class _WatcherAgent(Agent):
+    """An agent that calls a function with the sampled levels."""
+
+    STATE = State("_watcher")
+
+    __slots__ = ("_watcher",)
+
+    def __init__(self, watcher: Watcher) -> None:
+        self._watcher = watcher
+
+    def sampled(self, now: int, levels: int) -> None:
+        self._watcher(now, levels)
+
+
+@final
+class _Line:
+    """One line of a sampler: a wire, or None if the owner sets its level with `put`."""
+
+    STATE = State("bit wire", made=True)
+
+    __slots__ = ("bit", "wire")
+
+    def __init__(self, bit: int) -> None:
+        self.bit = bit
+        self.wire: Wire | None = None
+
+
+@final
+class Sampler(SampledParty):
+    """The lines that one party samples: bit i of `levels` is line i.
+
+    A line is a wire (`listen`) or has a level that the owner sets (`put`).
+    agent: its `sampled` is called with the tick and `levels` once in each instant in which any line changes. The record
+        under which the first of these lines changed is then the present one.
+    """
+
+    STATE = State("levels plain agent _seen _lines", records="_put_under")
+
+    __slots__ = ("_kernel", "_lines", "_put_under", "_recorder", "_seen")
+
+    def __init__(self, kernel: Kernel, recorder: Recorder, agent: Agent | Watcher, levels: int = 0) -> None:
+        self.levels = levels
+        self.due = NOT_DUE
+        self.rank = kernel.rank()
+        self._kernel = kernel
+        self._recorder = recorder
+        self.agent = agent if isinstance(agent, Agent) else _WatcherAgent(agent)
+        self.plain = True  # no record can be the cause of a change
+        self._lines: list[_Line] = []  # lines set by `listen` or `put`, the lowest first
+        self._put_under = 0  # the record under which a level was put last
+        self._seen = levels
+
+    def listen(self, line: int, wire: Wire) -> None:
+        """Make this line a wire. ValueError if the number is too large."""
+        if line >= MAX_PARTIES:
+            raise ValueError(f"wire {wire.name} would be line {line}; a sampler has lines 0 to {MAX_PARTIES - 1}")
+        self._leave(line).wire = wire
+        if wire.recorded:
+            self.plain = False
+        wire.add(self, BITS[line])
+        self._set(line, wire.level)
+
+    def put(self, line: int, level: int) -> None:
+        """Set the level of this line, which is no wire any more."""
+        self._leave(line)
+        self._put_under = self._recorder.cause
+        if self._put_under:
+            self.plain = False
+        self._set(line, level)
+
+    def jump(self, bits: int) -> None:
+        """Toggle these lines without notification; the changes belong to skipped edges."""
+        self.levels ^= bits
+        self._seen ^= bits
+
+    def restored(self) -> None:
+        """Clear `due`: nothing is due in a restored state."""
+        self.due = NOT_DUE
+
+    def request_sample(self) -> None:
+        """Request a call in this instant, even if no line changes."""
+        self._kernel.request_sample(self)
+
+    def deliver(self, now: int) -> None:
+        moved = self.levels ^ self._seen
+        self._seen = self.levels
+        recorder = self._recorder
+        outer = recorder.cause
+        if moved:
+            recorder.cause = self._moved_under(moved)
+        self.agent.sampled(now, self.levels)
+        recorder.cause = outer
+
+    def _set(self, line: int, level: int) -> None:
+        if self.levels >> line & 1 != level:
+            self.levels ^= BITS[line]
+            self.request_sample()
+
+    def _moved_under(self, moved: int) -> int:
+        """Return the record under which the first of these lines has changed."""
+        line: _Line
+        for line in self._lines:
+            if moved & line.bit:
+                return self._put_under if line.wire is None else line.wire.cause
+        return self._put_under
+
+    def _leave(self, number: int) -> _Line:
+        """Return the line of this number, detached from its wire if it had one."""
+        bit = BITS[number]
+        line: _Line
+        for line in self._lines:
+            if line.bit == bit:
+                wire: Wire | None
+                wire, line.wire = line.wire, None
+                if wire is not None:
+                    wire.remove(self, bit)
+                return line
+        line = _Line(bit)
+        self._lines.append(line)
+        self._lines.sort(key=_bit_of)
+        return line
+
+
+def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:
+    """Call `watcher(tick, levels)` whenever any of these wires has changed; bit i is wire i. ValueError without wires.
+
+    If `watcher` is an agent, its `sampled` is called.
+    """
+    if not wires:
+        raise ValueError("there is no wire to watch")
+    wires[0].kernel.materialize()
+    levels = sum(wire.level << i for i, wire in enumerate(wires))
+    sampler = Sampler(wires[0].kernel, wires[0].recorder, watcher, levels)
+    for line, wire in enumerate(wires):
+        sampler.listen(line, wire)
+    return sampler

@@ -41,12 +41,13 @@ from typing import NamedTuple
 from . import BUILT, HARD_BUILT, LIBRARY, MANIFEST, PACKAGE, digest, source_of, symbol, usable
 from .arrays import CHECK, arrays_of, with_index_checks
 from .declarations import declarations, used_by
+from .declared import BadDeclaration
 from .directives import disobeyed
 from .fold import declared, folded
 from .members import with_members_bound
 from .setters import REFUSAL, never_none, with_none_refused
 from .source_copy import prepared
-from .sources import UNCHECKED, BadDeclaration, Sources, header_of
+from .sources import UNCHECKED, Sources, header_of
 
 DIRECTIVES = {
     "annotation_typing": False,  # types are the .pxd's business: annotations are mypy's

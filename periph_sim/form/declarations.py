@@ -12,7 +12,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from .sources import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Source, Sources, Type
+from .compiled_class import Class
+from .declared import INTEGER, NUMBERS, OBJECT, VOID, Function, Type
+from .sources import Source, Sources
 
 LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # their names in `cython`
 # Value of a C function that has raised an exception. Without it each caller would have to ask Python. A function

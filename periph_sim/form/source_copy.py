@@ -20,7 +20,8 @@ import ast
 import re
 from collections.abc import Collection, Iterable, Iterator
 
-from .sources import VOID, Source
+from .declared import VOID
+from .sources import Source
 from .syntax import walked
 
 BY_NAME = re.compile(r"^( *)(\S+ = )globals\(\)\[(\w+)\]\n*\Z", re.MULTILINE)

@@ -20,7 +20,8 @@ from ..processor.image.program import ImageProgram
 from ..processor.image.stack_depth import CPU, SECTION, STACK, StackDepth
 from ..processor.image.variable_records import VariableRecords
 from ..processor.image.wait_records import WaitRecords
-from .case.model import Case, Unit
+from .case.model import Case
+from .case.unit_table import Unit
 
 
 def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgram, recorder: Recorder) -> None:

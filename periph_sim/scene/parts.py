@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..timing.measures.reply import Reply
     from .bit_skip import bit_skip_of
     from .controller import build_head, head_plan, rounds_of, skips_bits
-    from .deadlock import deadlock_reason
+    from .deadlock_search import deadlocks_of
     from .derived_records import DerivedRecords
     from .devices import build_devices, put_on_bus
     from .faults import build_faults
@@ -42,7 +42,7 @@ _HOMES = {
     "timing.measures.reply": ("Reply",),
     "scene.bit_skip": ("bit_skip_of",),
     "scene.controller": ("build_head", "head_plan", "rounds_of", "skips_bits"),
-    "scene.deadlock": ("deadlock_reason",),
+    "scene.deadlock_search": ("deadlocks_of",),
     "scene.derived_records": ("DerivedRecords",),
     "scene.devices": ("build_devices", "put_on_bus"),
     "scene.faults": ("build_faults",),
@@ -78,7 +78,7 @@ __all__ = [
     "build_head",
     "build_unit",
     "check_outside",
-    "deadlock_reason",
+    "deadlocks_of",
     "drives_bus",
     "head_plan",
     "host_plan",

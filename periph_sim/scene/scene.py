@@ -15,7 +15,6 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 from weakref import finalize, proxy
 
-from ..core.chip import NEVER
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
 from ..core.suggest import did_you_mean
@@ -26,10 +25,11 @@ from . import parts
 from .bus_side import SPIKE, BusSide
 from .case.model import Case, RoundsTable
 from .context import SceneContext
+from .measured_parts import MeasuredParts
 from .plan import ScenePlan
 from .result import Result
 from .strict import insist
-from .stuck_lines import StuckLines, doing, waits
+from .stuck_lines import StuckLines, doing
 from .summary import result_of
 from .uart_side import UartSide
 from .wires import SceneWires
@@ -46,22 +46,17 @@ if TYPE_CHECKING:
     from ..devices.sensor_head import SensorHead
     from ..devices.sensor_rounds import Request, Round
     from ..devices.truth import Truth
-    from ..devices.watchers import WireWatcher
     from ..processor.dsp import Dsp
     from ..sensors.host_frame import MotionFrames
     from ..sensors.models.parameters import ImuParameters
     from ..timing.budgets import BudgetJudge
-    from ..timing.measures.reply import Expected, Reply
-    from ..timing.measures.watched_wire import WatchedWire
     from ..timing.rounds import Asked
     from ..timing.verdict import Verdict
     from .devices import DeviceOnBus, NoteLog
     from .firmware_loader import Firmware
     from .host import HostAgent
-    from .release_delay import ReleaseDelay
     from .sensor_chips import ChipOnBus
 
-SETTLED = Fraction(1, 1_000_000)  # seconds in which outputs and holds that were begun are over
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
 
@@ -128,6 +123,7 @@ class Scene:
         self._wall = 0.0  # seconds that it has taken
         wire = self.wires.wire
         context = SceneContext(case, self.timebase, self.start, self.kernel, self.recorder, wire, wiring)
+        self.measured = MeasuredParts(context, self.wires, self.units, self.bus, serial)
         for name in case.unit:
             built = parts.build_unit(context, name, plan.unit(name), (programs or {}).get(name))
             self.units[name], self.firmware[name] = built.dsp, built.firmware
@@ -163,7 +159,7 @@ class Scene:
             self.wires.wire(transceiver.pair)
         if case.fault:
             self.faults = parts.build_faults(context, self.wires, self.units)
-        self._uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self)
+        self._uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self.measured)
         self._there = self._what_is_there()
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
@@ -172,7 +168,7 @@ class Scene:
             self.derived.attach(proxy(self))
         for limit in self.limits:
             for measure in limit.own_measures:
-                measure.listen(proxy(self))
+                measure.listen(self.measured)
         if case.outside is not None:
             parts.check_outside(case, self.wires)
             self._uart.count(case.outside.wires)
@@ -268,48 +264,6 @@ class Scene:
     def record_receivers(self) -> None:
         """Record what the receivers of SCIs do, and the characters that are sent to them."""
         self._uart.record_receivers()
-
-    def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        return self._uart.on_reply(reply)
-
-    def watcher(self, measure: WatchedWire) -> WireWatcher:
-        return parts.watcher_of(self.case, self.wires, self.timebase, self.start, measure)
-
-    def rounds_at_start(self) -> Callable[[], bool]:
-        return self.bus.rounds.at_start
-
-    def began(self) -> int:
-        return self.start
-
-    def level_of(self, wire: str) -> int:
-        return self.wires[wire].level
-
-    def value_of(self, place: str, name: str) -> int:
-        unit, _, module = place.partition(".")
-        if module not in self.units[unit].sockets:
-            return parts.variable_value(self.units[unit], name)
-        socket = self.units[unit].socket(module)
-        chip = socket.chip
-        register_name, _, field_name = name.partition(".")
-        register = chip.MAP[register_name]
-        cycle = self.units[unit].clock.cycle_at(self.kernel.now)
-        touched = frozenset(chip.touched)
-        value = socket.peek(cycle, register.offset)
-        if register.width == 32:
-            value |= socket.peek(cycle, register.offset + 1) << 16
-        chip.touched.intersection_update(touched)  # looking is not depending on them
-        return register[field_name].extract(value)
-
-    def ticks_per_second(self) -> int:
-        return self.timebase.per_second
-
-    def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
-        return self.units[unit or next(iter(self.units))].clock_history
-
-    def i2c_release_delay(self, unit: str) -> ReleaseDelay:
-        dsp = self.units[unit]
-        i2c = dsp.plan.answers(parts.I2cOptions)
-        return parts.ReleaseDelay(self.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, dsp.plan.system)
 
     def sci_bytes(self) -> int:
         """Characters that were sent to SCIs by others than units."""
@@ -415,49 +369,8 @@ class Scene:
         return [verdict for verdict in found if verdict is not None]
 
     def deadlocks(self) -> list[str]:
-        """Firmware that waits for what cannot come, a sentence each: for what, since when, why it cannot.
-
-        If firmware let no simulated time pass and so ended the run, only that is reported.
-        """
-        if self.stalled:
-            return [self.stalled]
-        stuck = dict.fromkeys(self.units, "")
-        before = -1
-        while len(stuck) != before:  # any of them may be helped by one that turned out not to be stuck
-            before, may_move = len(stuck), partial(self._may_move, set(stuck))
-            found = {name: parts.deadlock_reason(self.units[name], may_move, self._instant) for name in stuck}
-            stuck = {name: why for name, why in found.items() if why}
-        return [f"{name} {self._wait(self.units[name])} and would for ever: {why}" for name, why in stuck.items()]
-
-    def _wait(self, dsp: Dsp) -> str:
-        """Return the wait that a unit is in or that a service routine interrupts, as a phrase."""
-        found = dsp.program.unanswered_wait()
-        if found is None:
-            return self.doing(dsp)
-        return waits(found.what, found.place, self._instant(dsp.clock.tick(found.since)))
-
-    def _instant(self, tick: int) -> str:
-        return self.timebase.show(tick - self.start)
-
-    def _may_move(self, stuck: set[str], wire: Wire, parties: list[str]) -> bool:
-        """Return True if a party may move the wire: not stuck, and not only answering or waiting in a round."""
-        coming = self.kernel.next_time()
-        if coming <= self.kernel.now + self.timebase.ticks(SETTLED):
-            return True
-        held = wire.held_by()
-        for who in parties:
-            name = who.partition(".")[0]
-            if name in self.units:
-                may = name not in stuck
-            elif wire.name in ("SCL", "SDA") and (name in self.chips or name in self.devices):
-                may = who in held and coming < NEVER
-            elif name == "controller" and self.head is not None:
-                may = self.head.at_rest or coming < NEVER
-            else:
-                may = True
-            if may:
-                return True
-        return False
+        """Return a sentence for each unit whose firmware waits for what cannot come."""
+        return parts.deadlocks_of(self)
 
 
 def _let_go(recorder: Recorder, units: Mapping[str, Dsp]) -> None:

@@ -6,7 +6,7 @@ TX of an SCI, pairs --> UartLines: frames, characters
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ..f28335.sci.module import Sci
     from ..processor.dsp import Dsp
     from ..timing.measures.measure import MeasuredScene
-    from ..timing.measures.reply import Expected, Reply
     from .host import HostAgent
     from .pairs import Pairs
     from .serial.side import SerialSide
@@ -100,10 +99,6 @@ class UartSide:
         """End the run."""
         if self._lines is not None:
             self._lines.finish(now)
-
-    def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        assert self._serial is not None
-        return self._serial.on_reply(reply)
 
     def record_receivers(self) -> None:
         """Record what the receivers of SCIs do, and the characters that are sent to them."""

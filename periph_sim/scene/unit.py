@@ -23,9 +23,10 @@ from ..f28335.system.options import SystemOptions
 from ..processor.dsp import Dsp, DspPlan
 from ..processor.error_origin import Misuse
 from ..processor.user_code import UserCode
-from .case.model import Case, Unit
+from .case.model import Case
 from .case.optimizations import DECODING, POLLS
 from .case.transceiver import pulled_down
+from .case.unit_table import Unit
 from .case.wiring import Wiring
 from .context import CaseTicks, SceneContext
 from .firmware_loader import (

@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 from periph_sim.form import PACKAGE
+from periph_sim.form.compiled_class import Class
 from periph_sim.form.declarations import declarations
-from periph_sim.form.sources import Class, Sources
+from periph_sim.form.sources import Sources
 
 
 @cache

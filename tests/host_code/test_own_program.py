@@ -10,7 +10,8 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.image.assemble import SHIPPED
 from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import Case, Unit
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.case.unit_table import Unit
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING

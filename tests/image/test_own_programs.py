@@ -17,7 +17,8 @@ from periph_sim.f28335.i2c.register_map import I2CMDR, I2CSTR
 from periph_sim.f28335.system.register_names import register_name
 from periph_sim.image.assemble import SHIPPED
 from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import Case, Unit
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.case.unit_table import Unit
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING

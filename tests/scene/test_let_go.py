@@ -175,7 +175,7 @@ def test_a_closed_scene_is_free_although_its_subscriber_refers_to_it() -> None:
 
     def run_one() -> ref[Scene]:
         scene = Scene(load(TIMING / "responder.toml"))
-        watch([scene.wires["SDA"]], lambda tick, level: levels.append(scene.level_of("SCL")))
+        watch([scene.wires["SDA"]], lambda tick, level: levels.append(scene.measured.level_of("SCL")))
         scene.run(SOON)
         return ref(scene)
 

@@ -70,7 +70,7 @@ def test_whole_numbers_of_other_kinds_are_taken(tmp_path: Path):
     )
     scene = scene_of(tmp_path, text)
     scene.run()
-    assert scene.value_of("dsp.I2C-A", "I2COAR.OAR") == np.int16(0x68)
+    assert scene.measured.value_of("dsp.I2C-A", "I2COAR.OAR") == np.int16(0x68)
 
 
 MAINS = {

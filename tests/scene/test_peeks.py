@@ -69,6 +69,6 @@ def test_a_value_that_a_budget_asks_for_depends_on_no_open_question(monkeypatch:
 
     scene = small.scene_with(monkeypatch, main, ["I2C-A", "GPIO"])
     scene.run()
-    assert scene.value_of("dsp.I2C-A", "I2COAR.OAR") == 0
-    assert scene.value_of("dsp.GPIO", "GPAMUX2.GPIO28") == 1
+    assert scene.measured.value_of("dsp.I2C-A", "I2COAR.OAR") == 0
+    assert scene.measured.value_of("dsp.GPIO", "GPAMUX2.GPIO28") == 1
     assert not scene.units["dsp"].socket("I2C-A").chip.touched

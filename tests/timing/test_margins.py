@@ -85,7 +85,7 @@ def test_it_is_the_time_to_the_controllers_release_less_what_the_module_takes(
 ):
     ran = Ran(name, seconds, *changes)
     wanted = by_hand(ran)
-    delay = ran.scene.i2c_release_delay("dsp")
+    delay = ran.scene.measured.i2c_release_delay("dsp")
     assert len(wanted) >= 54 and ran.margins == {at: value - delay.ticks(at) for at, value in wanted.items()}
 
 

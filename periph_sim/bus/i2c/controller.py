@@ -26,7 +26,8 @@ from ...core.time import NO_TIME
 from ...core.wire import Wire
 from .bit_skip import BitParty
 from .bus_clear import BusClear
-from .line_events import EVENTS, IDLE, NOTHING, SCL, SDA, START, STOP
+from .filtered_bus import FilteredBus
+from .line_events import SCL
 from .transfer import BusTiming, Phase, Transfer
 
 if TYPE_CHECKING:
@@ -50,20 +51,18 @@ class I2cController(BitParty):
 
     STATE = State(
         "busy _sda_level _rising _high _high_end _transfer _done _phase _phase_index _stretch _wanted "
-        "_acks _got _byte _bit _in _index _receiving _bus_busy _lines _scl_seen _sda_event _sda_seen "
-        "_next _guard _clear _sampler",
-        ticks="_let_go_at _last_stop _scl_moved _refused_since _sda_moved",
+        "_acks _got _byte _bit _in _index _receiving _bus _next _guard _clear _sampler",
+        ticks="_let_go_at _refused_since",
     )
 
     __slots__ = (
         "_acks",
         "_bit",
-        "_bus_busy",
+        "_bus",
         "_byte",
         "_clear",
         "_clear_after",
         "_done",
-        "_filter",
         "_gives_up",
         "_got",
         "_guard",
@@ -73,9 +72,7 @@ class I2cController(BitParty):
         "_in",
         "_index",
         "_kernel",
-        "_last_stop",
         "_let_go_at",
-        "_lines",
         "_low_time",
         "_next",
         "_on_stuck",
@@ -87,14 +84,9 @@ class I2cController(BitParty):
         "_rising",
         "_sampler",
         "_scl_mask",
-        "_scl_moved",
-        "_scl_seen",
         "_scl_wire",
-        "_sda_event",
         "_sda_level",
         "_sda_mask",
-        "_sda_moved",
-        "_sda_seen",
         "_sda_wire",
         "_stretch",
         "_stuck_after",
@@ -109,10 +101,10 @@ class I2cController(BitParty):
 
     _recorder: Recorder | None
     _sampler: Sampler
+    _bus: FilteredBus
     _clear: BusClear
     _low_time: int
     _hold: int
-    _filter: int
     _high: int
 
     def __init__(
@@ -130,7 +122,7 @@ class I2cController(BitParty):
     ) -> None:
         self.who = who
         self.timing = timing
-        self._low_time, self._hold, self._filter = timing.low, timing.hold, timing.filter
+        self._low_time, self._hold = timing.low, timing.hold
         self.busy = False
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
@@ -149,7 +141,6 @@ class I2cController(BitParty):
         self._high = timing.high  # the next high time of SCL, and the step after it
         self._high_end = BIT_END
         self._let_go_at = 0
-        self._last_stop = -timing.free
         self._transfer = Transfer("", [])
         self._done: Callable[[Transfer], None] = lambda transfer: None
         self._phase = Phase(0, False)
@@ -163,18 +154,12 @@ class I2cController(BitParty):
         self._in = 0  # bits read so far
         self._index = NO_BYTE  # the number of the data byte, or ADDRESS
         self._receiving = False
-        self._scl_moved = kernel.now
-        self._bus_busy = False  # between a START and its STOP, of any controller
         self._gives_up = gives_up
         self._clear_after = clear_after
         self._refused_since = NO_TIME  # since when a START is due and the bus not free
         masks, times = (self._scl_mask, self._sda_mask), (timing.low, timing.high, timing.hold)
         self._clear = BusClear(kernel, scl, sda, masks, times, self._cleared)
-        self._lines = IDLE
-        self._scl_seen = SCL  # its level before its last change, without spikes
-        self._sda_moved = -timing.filter
-        self._sda_event = NOTHING  # the condition of its last change, if it lasts
-        self._sda_seen = 1  # after the filter
+        self._bus = FilteredBus(kernel.now, timing.filter, timing.free)
         self._sampler = watch([scl, sda], self)
 
     @property
@@ -210,8 +195,8 @@ class I2cController(BitParty):
         self._transfer = transfer
         self._done = done
         self._phase_index = 0
-        self._settle(self._kernel.now)
-        self._then(max(self._kernel.now, self._last_stop + self.timing.free), BEGIN)
+        self._bus.settle(self._kernel.now)
+        self._then(max(self._kernel.now, self._bus.last_stop + self.timing.free), BEGIN)
 
     def bytes_under_way(self) -> int:
         """Return the number of whole bytes, addresses included, of the transfer whose STOP has not come."""
@@ -226,7 +211,7 @@ class I2cController(BitParty):
             if self._may_clear(now):
                 self._clear.begin()
                 return
-            free_at = self._last_stop + self.timing.free
+            free_at = self._bus.last_stop + self.timing.free
             self._then(free_at if free_at > now else now + self.timing.free, BEGIN)
             return
         self._disarm_guard()
@@ -243,14 +228,14 @@ class I2cController(BitParty):
 
     def _may_start(self, now: int) -> bool:
         """True if both lines are high, and the bus has been free long enough, or is this controller's."""
-        if not self._scl_wire.level or not self._sda():
+        if not self._scl_wire.level or not self._bus.sda(self._kernel.now):
             return False
-        return self._phase_index > 0 or not (self._bus_busy or now < self._last_stop + self.timing.free)
+        return self._phase_index > 0 or not (self._bus.busy or now < self._bus.last_stop + self.timing.free)
 
     def _may_clear(self, now: int) -> bool:
         if not self._clear_after or not self._scl_wire.level:
             return False
-        return now - max(self._refused_since, self._scl_moved) >= self._clear_after
+        return now - max(self._refused_since, self._bus.scl_moved) >= self._clear_after
 
     def _cleared(self, clocks: int, free: bool) -> None:
         """Continue after a bus clear, successful or not. A transfer in progress is lost."""
@@ -260,22 +245,10 @@ class I2cController(BitParty):
             self._transfer.lost = True
             self._finish()
         else:
-            self._then(max(self._kernel.now, self._last_stop + self.timing.free), BEGIN)
+            self._then(max(self._kernel.now, self._bus.last_stop + self.timing.free), BEGIN)
 
     def sampled(self, now: int, levels: int) -> None:
-        before = self._lines
-        event = EVENTS >> 3 * (before << 2 | levels) & 7
-        if (before ^ levels) & SDA:
-            if before >> 1 != self._sda_seen:
-                self._settle(now)
-            self._sda_moved, self._sda_event = now, self._classify_sda_edge(now, event)
-        if (before ^ levels) & SCL:
-            if now - self._scl_moved >= self._filter:
-                self._scl_seen = before & SCL
-            self._scl_moved = now
-        self._lines = levels
-        if levels >> 1 != self._sda_seen:
-            self._settle(now)
+        self._bus.sampled(now, levels)
         if self._rising:
             if levels & SCL:
                 self._rising = False
@@ -286,29 +259,6 @@ class I2cController(BitParty):
                 self._rose(now)
             else:
                 self._watch_stuck()
-
-    def _classify_sda_edge(self, now: int, event: int) -> int:
-        """Return the condition of an SDA change just after a spike of SCL: decided by the levels after the filter."""
-        if event != NOTHING or now - self._scl_moved >= self._filter or not self._scl_seen:
-            return event
-        return START if self._lines & SDA else STOP
-
-    def _settle(self, now: int) -> None:
-        """Apply SDA's last change once it has outlasted the filter, at its original tick."""
-        level = self._lines >> 1
-        if level == self._sda_seen or now - self._sda_moved < self._filter:
-            return
-        self._sda_seen = level
-        if self._sda_event == START:
-            self._bus_busy = True
-        elif self._sda_event == STOP:
-            self._bus_busy = False
-            self._last_stop = self._sda_moved
-
-    def _sda(self) -> int:
-        """Return SDA after the filter."""
-        self._settle(self._kernel.now)
-        return self._sda_seen
 
     def _then(self, time: int, tag: int) -> None:
         self._kernel.reschedule(self._next, time, tag)
@@ -346,7 +296,7 @@ class I2cController(BitParty):
 
     def _bit_end(self) -> None:
         """End the high phase: sample SDA, go to the next bit."""
-        level = self._sda()
+        level = self._bus.sda(self._kernel.now)
         bit = self._bit
         if bit == 8:
             self._byte_end(level == 0)
@@ -429,7 +379,7 @@ class I2cController(BitParty):
 
     def _stuck(self) -> None:
         self._guard = None
-        due = self._scl_moved + self._stuck_after
+        due = self._bus.scl_moved + self._stuck_after
         if due > self._kernel.now:  # another controller's transfers continued meanwhile
             self._guard = self._kernel.schedule(due, self, STUCK)
             return

@@ -11,7 +11,7 @@ from __future__ import annotations
 from .bit_skip import ONES, BitSkip
 from .bit_times import SKIPPED_BITS
 from .controller import NO_BYTE, RELEASE, I2cController
-from .line_events import NOTHING, SCL, SDA
+from .line_events import SCL
 
 
 class SkippingController(I2cController):
@@ -35,7 +35,7 @@ class SkippingController(I2cController):
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
         """True if its filter passes each level of a bit, and no line is monitored for being stuck."""
-        return self._guard is None and self._filter <= min(high, hold, low - hold)
+        return self._guard is None and self._bus.passes(min(high, hold, low - hold))
 
     def byte(self) -> int:
         return ONES if self._receiving else self._byte
@@ -48,8 +48,6 @@ class SkippingController(I2cController):
         level = shown >> (SKIPPED_BITS - bit) & 1
         self._bit, self._in = bit, shown >> (SKIPPED_BITS + 1 - bit)
         self._sda_level = self.byte() >> (SKIPPED_BITS - bit) & 1
-        self._lines = SDA if level else 0
-        self._sda_seen, self._sda_event, self._sda_moved = level, NOTHING, fell + self._hold
-        self._scl_seen, self._scl_moved = SCL, fell
+        self._bus.jump(level, fell, fell + self._hold)
         if bit and self._index == 0:
             self._phase.answer_at = self._kernel.now

@@ -14,7 +14,8 @@ from pathlib import Path
 from ...core.counted import counted
 from ...explain.explain import Explained, explain_each
 from ...scene.case.load import load
-from ...scene.case.model import Case, Unit
+from ...scene.case.model import Case
+from ...scene.case.unit_table import Unit
 from ...scene.result import SKIPPED, Result
 from ...timing.budget_schema import Budget, Condition
 from ...timing.format_value import figure, percentile

@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ...core.suggest import did_you_mean
-from ...scene.case.model import BadCase, Case, Unit
+from ...scene.case.model import BadCase, Case
+from ...scene.case.unit_table import Unit
 from ...scene.firmware_loader import BadFirmware, BadSetting, load_firmware, settings_for
 
 KINDS = ("image", "C", "Python")  # of firmware: cycles of instructions, cycles estimated from C, stated cycles

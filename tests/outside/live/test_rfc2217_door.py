@@ -94,7 +94,7 @@ def test_the_client_s_rate_and_format_are_the_line_s(tmp_path: Path) -> None:
         thread.join()
     assert [sentence.split()[-1] for sentence in made[0].said] == ["connected", "left"]
     assert made[0].session.level("RX") == 1
-    assert made[0].session.scene.value_of("dsp.SCI-A", "SCIRXST.BRKDT") == 1
+    assert made[0].session.scene.measured.value_of("dsp.SCI-A", "SCIRXST.BRKDT") == 1
 
 
 def test_a_program_without_telnet_has_the_line_as_it_was_made(served: Served) -> None:

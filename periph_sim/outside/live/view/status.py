@@ -141,7 +141,7 @@ class Status:
             "totals": totals,
             "readings": list(self._readings.values()),
             "attitude": self._attitude(),
-            "flags": [f"{place}.{name}" for place, name in self._flags if scene.value_of(place, name)],
+            "flags": [f"{place}.{name}" for place, name in self._flags if scene.measured.value_of(place, name)],
             "budgets": [self._so_far(one) for one in scene.limits],
             "lateness": self._lateness(),
             "wave": None if self._wave is None else self._wave.wave(scene.start),

@@ -1,0 +1,96 @@
+"""The state of an I2C bus as a controller sees it behind its spike filter: SDA, and whether the bus is busy.
+
+Source: UM10204 section 3.1.4 (the bus is busy from a START to its STOP), Table 10 (tSP, tBUF).
+"""
+
+# core: compiled without checks for None
+
+from __future__ import annotations
+
+from typing import final
+
+from ...core.state import State
+from .line_events import EVENTS, IDLE, NOTHING, SCL, SDA, START, STOP
+
+
+@final
+class FilteredBus:
+    """filter: ticks that a change of SDA must last. free: ticks between a STOP and the next START.
+
+    busy: True between a START and its STOP, of any controller.
+    last_stop: the tick of the last STOP. scl_moved: that of SCL's last change, spikes included.
+    """
+
+    STATE = State("busy _lines _scl_seen _sda_event _sda_seen", ticks="last_stop scl_moved _sda_moved")
+
+    __slots__ = (
+        "_filter",
+        "_lines",
+        "_scl_seen",
+        "_sda_event",
+        "_sda_moved",
+        "_sda_seen",
+        "busy",
+        "last_stop",
+        "scl_moved",
+    )
+
+    def __init__(self, now: int, filter: int, free: int) -> None:
+        self.busy = False
+        self.last_stop = -free
+        self.scl_moved = now
+        self._filter = filter
+        self._lines = IDLE
+        self._scl_seen = SCL  # its level before its last change, without spikes
+        self._sda_moved = -filter
+        self._sda_event = NOTHING  # the condition of its last change, if it lasts
+        self._sda_seen = 1  # after the filter
+
+    def sampled(self, now: int, levels: int) -> None:
+        """Take new levels of both lines."""
+        before = self._lines
+        event = EVENTS >> 3 * (before << 2 | levels) & 7
+        if (before ^ levels) & SDA:
+            if before >> 1 != self._sda_seen:
+                self.settle(now)
+            self._sda_moved, self._sda_event = now, self._classify_sda_edge(now, event)
+        if (before ^ levels) & SCL:
+            if now - self.scl_moved >= self._filter:
+                self._scl_seen = before & SCL
+            self.scl_moved = now
+        self._lines = levels
+        if levels >> 1 != self._sda_seen:
+            self.settle(now)
+
+    def _classify_sda_edge(self, now: int, event: int) -> int:
+        """Return the condition of an SDA change just after a spike of SCL: decided by the levels after the filter."""
+        if event != NOTHING or now - self.scl_moved >= self._filter or not self._scl_seen:
+            return event
+        return START if self._lines & SDA else STOP
+
+    def settle(self, now: int) -> None:
+        """Apply SDA's last change once it has outlasted the filter, at its original tick."""
+        level = self._lines >> 1
+        if level == self._sda_seen or now - self._sda_moved < self._filter:
+            return
+        self._sda_seen = level
+        if self._sda_event == START:
+            self.busy = True
+        elif self._sda_event == STOP:
+            self.busy = False
+            self.last_stop = self._sda_moved
+
+    def sda(self, now: int) -> int:
+        """Return SDA after the filter."""
+        self.settle(now)
+        return self._sda_seen
+
+    def passes(self, shortest: int) -> bool:
+        """Return True if the filter passes levels that last this long."""
+        return self._filter <= shortest
+
+    def jump(self, level: int, scl_fell: int, sda_moved: int) -> None:
+        """Take the state behind skipped bits: SCL low since `scl_fell`, SDA at this level since `sda_moved`."""
+        self._lines = SDA if level else 0
+        self._sda_seen, self._sda_event, self._sda_moved = level, NOTHING, sda_moved
+        self._scl_seen, self.scl_moved = SCL, scl_fell

@@ -1,0 +1,105 @@
+"""A class of a compiled module: its attributes and methods with the types that they have in C."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, cast
+
+from .declared import Function, Type
+from .syntax import is_own, own_assignments, read_names, walked
+
+if TYPE_CHECKING:
+    from .sources import Source
+
+CLASS_MARKS = re.compile(r"python|freelist \d+")
+
+
+class Class:
+    """A compiled class."""
+
+    def __init__(self, source: Source, node: ast.ClassDef) -> None:
+        self.source, self.node, self.name = source, node, node.name
+        self.marks = source.marks(node, CLASS_MARKS)
+        self.is_final = bool(node.decorator_list)
+        self.base = source.find_class(ast.unparse(node.bases[0])) if node.bases else None
+        self.assigned_at: dict[str, int] = {}
+        self.defined = {one.name: one for one in node.body if isinstance(one, ast.FunctionDef)}
+        if self.base and self.base.is_final:
+            raise source.bad(node.lineno, f"class {node.name} has the base {self.base.name}, which is @final")
+
+    @property
+    def bases(self) -> Iterator[Class]:
+        one = self.base
+        while one is not None:
+            yield one
+            one = one.base
+
+    def member(self, name: str, called: bool) -> Type | None:
+        """Return the type of an attribute, or of what a method or property returns."""
+        for one in (self, *self.bases):
+            if name in one.defined:
+                is_property = any(ast.unparse(way) == "property" for way in one.defined[name].decorator_list)
+                return one.source.type_of(one.defined[name].returns) if called != is_property else None
+            if not called and name in one.known:
+                return one.known[name]
+        return None
+
+    @property
+    def attributes(self) -> dict[str, Type]:
+        """All attributes that the class adds to its base's."""
+        known = self.known
+        for name, line in self.assigned_at.items():
+            if name not in known:
+                raise self.source.bad(line, f"nothing says the type of {self.name}.{name}; annotate it in the class")
+        return known
+
+    @cached_property
+    def known(self) -> dict[str, Type]:
+        """The attributes whose type is known, by annotation or by first value."""
+        inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
+        found: dict[str, Type] = {}
+        self.__dict__["known"] = found  # a value may name another attribute
+        for target, annotation in self._annotated():
+            if target.isupper():  # a constant that subclasses set
+                continue
+            kind = self.source.type_of(annotation)
+            if found.setdefault(target, kind).c != kind.c:
+                what = f"{self.name}.{target} is {kind.c} here and {found[target].c} in another annotation"
+                raise self.source.bad(annotation.lineno, what)
+        for method in sorted(self.defined.values(), key=lambda one: one.name != "__init__"):
+            arguments = {one.arg: one.annotation for one in (*method.args.args, *method.args.kwonlyargs)}
+            for name, value, line in own_assignments(method):
+                if name in found or name in inherited or name in self.defined:
+                    continue
+                self.assigned_at.setdefault(name, line)
+                if value and (says := self.source.type_of_value(value, self, arguments)):
+                    found[name] = says
+        return {name: kind for name, kind in found.items() if name not in inherited}
+
+    def _annotated(self) -> Iterator[tuple[str, ast.expr]]:
+        for node in self.node.body:
+            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value is None:
+                yield node.target.id, node.annotation
+        for method in self.defined.values():
+            for one in walked(method):
+                if isinstance(one, ast.AnnAssign) and is_own(one.target):
+                    yield cast("ast.Attribute", one.target).attr, one.annotation
+
+    @cached_property
+    def methods(self) -> dict[str, Function]:
+        handed_on = {name for one in (self, *self.bases) for name in read_names(one.node, "self")}
+        found = {}
+        for name, node in self.defined.items():
+            over = next((base.methods[name] for base in self.bases if name in base.methods), None)
+            kind = "cdef" if name.startswith("_") and name not in self.source.called_on_others else "cpdef"
+            kind = "def" if name in handed_on or name.startswith("__") else kind
+            if over and over.kind == "def":
+                kind, over = "def", None
+            found[name] = self.source.function(node, kind, over)
+            if over and found[name].kind == "def":
+                what = f"{self.name}.{name} cannot be compiled as the C method that it overrides can"
+                raise self.source.bad(node.lineno, f"{what}; mark that one '# core: python'")
+        return found

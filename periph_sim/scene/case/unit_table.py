@@ -1,0 +1,90 @@
+"""The table of a unit: one chip, its program, and what is known of its code and crystal."""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from fractions import Fraction
+from typing import Annotated, Literal
+
+from msgspec import Meta, field
+
+from ...core.settings import Duration
+from ...core.table import Table
+from ...f28335.cpu.compiled_code_costs import CodeCosts
+from .scalars import Answer, CodeCycles, Crystal, PassCycles, Ppm, VariableValues
+
+COMPILED = CodeCosts()
+
+
+class Code(Table, frozen=True, kw_only=True):
+    """Cycles of compiled code besides accesses and computations; the defaults are counted in images."""
+
+    between_accesses: CodeCycles = COMPILED.between_accesses
+    poll_pass: PassCycles = COMPILED.poll_pass
+    isr_prologue: CodeCycles = COMPILED.isr_prologue
+    isr_epilogue: CodeCycles = COMPILED.isr_epilogue
+
+
+class StubTable(Table, frozen=True, kw_only=True):
+    """The answer of an unmodelled register, from the start or from a time on. register: its name or address."""
+
+    register_: str | int = field(name="register")
+    value: Annotated[int, Meta(ge=0, le=0xFFFF)]
+    after: Duration = Fraction(0)
+
+
+class Compile(Table, frozen=True, kw_only=True):
+    """Compilation of C sources. include: folders of headers. defines: macros. undefined: with UBSan."""
+
+    include: tuple[str, ...] = ()
+    defines: dict[str, str | int] = {}
+    undefined: bool = False
+
+
+class Unit(Table, frozen=True, kw_only=True):
+    """One chip of the family. part: which one.
+
+    pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves.
+
+    Either firmware, a Python program, or image, a linker's .out file or assembly (.asm), or sources in C, which are
+    compiled for the host. boot: where an image begins.
+    memory: what its variables are as it begins.
+    """
+
+    firmware: str = ""
+    image: str = ""
+    sources: tuple[str, ...] = ()
+    compile: Compile = Compile()
+    boot: Literal["entry", "flash", "ram"] = "entry"
+    stub: tuple[StubTable, ...] = ()
+    memory: VariableValues = {}
+    settings: dict[str, object] = {}
+    part: str = "F28335"
+    modules: tuple[str, ...]
+    oscclk: Crystal = Fraction(30_000_000)
+    pll: Annotated[int, Meta(ge=1, le=10)] = 10
+    ppm: Ppm = Fraction(0)
+    from_boot: bool = False
+    skip_polls: bool = True
+    pins: dict[str, Annotated[int, Meta(ge=0, le=87)]] = {}
+    code: Code = Code()
+    options: dict[str, dict[str, Answer]] = {}  # by group, as `periph-sim regs --options` lists them
+
+    def check_together(self, given: Set[str]) -> None:
+        programs = [name for name in ("firmware", "image", "sources") if getattr(self, name)]
+        if not programs:
+            raise ValueError("a unit needs a program; give firmware, or image")
+        if len(programs) > 1:
+            raise ValueError(f"a unit has one program; give {' or '.join(programs)}, not both")
+        if self.sources and "settings" in given:
+            raise ValueError(
+                "settings is of Python firmware; sources take [unit.NAME.compile] defines, so leave it out"
+            )
+        if self.memory and not self.image:
+            raise ValueError("memory is of an image's variables; settings are what Python firmware takes")
+        said = sorted({"settings", "code", "pll", "from_boot"} & given)
+        if self.image and said:
+            raise ValueError(f"{said[0]} is of Python firmware; an image says that by itself, so leave it out")
+        said = sorted({"boot", "stub"} & given)
+        if self.firmware and said:
+            raise ValueError(f"{said[0]} is of an image; Python firmware begins at main, so leave it out")

@@ -1,0 +1,86 @@
+"""What measures may ask of a scene, in addition to the records that they subscribe to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from . import parts
+
+if TYPE_CHECKING:
+    from ..core.wire import Wire
+    from ..devices.watchers import WireWatcher
+    from ..processor.dsp import Dsp
+    from ..timing.measures.reply import Expected, Reply
+    from ..timing.measures.watched_wire import WatchedWire
+    from .bus_side import BusSide
+    from .context import SceneContext
+    from .release_delay import ReleaseDelay
+    from .serial.side import SerialSide
+    from .wires import SceneWires
+
+
+class MeasuredParts:
+    """The parts of a scene that measures ask; see `timing.measures.measure.MeasuredScene`."""
+
+    def __init__(
+        self,
+        context: SceneContext,
+        wires: SceneWires,
+        units: Mapping[str, Dsp],
+        bus: BusSide,
+        serial: SerialSide | None,
+    ) -> None:
+        self._context = context
+        self._wires = wires
+        self._units = units
+        self._bus = bus
+        self._serial = serial
+
+    def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
+        assert self._serial is not None
+        return self._serial.on_reply(reply)
+
+    def watcher(self, measure: WatchedWire) -> WireWatcher:
+        context = self._context
+        return parts.watcher_of(context.case, self._wires, context.timebase, context.start, measure)
+
+    def rounds_at_start(self) -> Callable[[], bool]:
+        return self._bus.rounds.at_start
+
+    def began(self) -> int:
+        return self._context.start
+
+    def wire(self, name: str) -> Wire:
+        return self._wires.wire(name)
+
+    def level_of(self, wire: str) -> int:
+        return self._wires[wire].level
+
+    def value_of(self, place: str, name: str) -> int:
+        unit, _, module = place.partition(".")
+        if module not in self._units[unit].sockets:
+            return parts.variable_value(self._units[unit], name)
+        socket = self._units[unit].socket(module)
+        chip = socket.chip
+        register_name, _, field_name = name.partition(".")
+        register = chip.MAP[register_name]
+        cycle = self._units[unit].clock.cycle_at(self._context.kernel.now)
+        touched = frozenset(chip.touched)
+        value = socket.peek(cycle, register.offset)
+        if register.width == 32:
+            value |= socket.peek(cycle, register.offset + 1) << 16
+        chip.touched.intersection_update(touched)  # looking is not depending on them
+        return register[field_name].extract(value)
+
+    def ticks_per_second(self) -> int:
+        return self._context.timebase.per_second
+
+    def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
+        return self._units[unit or next(iter(self._units))].clock_history
+
+    def i2c_release_delay(self, unit: str) -> ReleaseDelay:
+        dsp = self._units[unit]
+        i2c = dsp.plan.answers(parts.I2cOptions)
+        return parts.ReleaseDelay(self._context.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, dsp.plan.system)

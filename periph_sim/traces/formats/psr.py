@@ -15,9 +15,6 @@ string is stored once. `ticks_per_second` is a whole number, a fraction as text 
 one "edge" record for each edge, `where` being the channel's index, and under `capture` what edges do not contain; in a
 run each wire that ever changed is a channel. `clocks` has for each unit pairs of a tick and the SYSCLKOUT from then
 on, in Hz as text.
-
-Files of version 2, which have number, tick, value and cause as int64, kind as uint8, and where, what, text and field as
-uint32 columns, can also be read, as can those of version 1, without field.
 """
 
 from __future__ import annotations
@@ -170,18 +167,13 @@ def _load(path: Path) -> tuple[dict[str, Any], RecordTable]:
             if total > MOST_BYTES:
                 _bad(path, "its members", f"{total} bytes unpacked", f"at most {MOST_BYTES}", "record a shorter run")
             head = _head(path, archive)
-            if head["version"] < 3:
-                stored = [name for name in COLUMNS if name != "field" or head["version"] > 1]
-                columns = {name: _column(path, archive, name, (COLUMNS[name][1],)) for name in stored}
-            else:
-                columns = {name: _column(path, archive, name, WIDTHS) for name in STORED}
+            columns = {name: _column(path, archive, name, WIDTHS) for name in STORED}
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError) as error:
         raise BadCapture(path, "the archive", f"a broken zip ({_said(error)})", "an undamaged file", COPY) from error
     lengths = {name: len(values) for name, values in columns.items()}
     if len(set(lengths.values())) != 1:
         _bad(path, "its columns", f"lengths {lengths}", "one length")
-    topics = None if head["version"] < 3 else _topics(path, head, columns)
-    return head, _table(path, head, columns, topics)
+    return head, _table(path, head, columns, _topics(path, head, columns))
 
 
 def _said(error: Exception) -> str:
@@ -227,8 +219,8 @@ def _head(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
     if not isinstance(head, dict) or head.get("format") != FORMAT:
         _bad(path, "head.npy", "another kind of file", f"the format {FORMAT!r}", "give a recording of periph-sim")
     version = head.get("version")
-    if type(version) is not int or version < 1:
-        _bad(path, "head.npy", f"version {version!r}", f"a number up to {VERSION}")
+    if type(version) is not int or version < VERSION:
+        _bad(path, "head.npy", f"version {version!r}", f"version {VERSION}", "record it again")
     if version > VERSION:
         _bad(path, "head.npy", f"version {version}", f"up to {VERSION}", "read it with the newer periph-sim it is from")
     return head
@@ -257,10 +249,10 @@ def _topics(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) 
     return Topics(of, row.astype(np.uint32))
 
 
-def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]], topics: Topics | None) -> RecordTable:
+def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]], topics: Topics) -> RecordTable:
     """Build the table after checking head and columns against each other."""
     try:
-        names = {name: tuple(_strings(head["names"][name])) for name in TABLES if name in columns}
+        names = {name: tuple(_strings(head["names"][name])) for name in TABLES}
         end = _whole(head["end"])
         per_second = _rate(head["ticks_per_second"])
         modules = {str(unit): tuple(_strings(of)) for unit, of in head["modules"].items()}
@@ -269,14 +261,12 @@ def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]], t
         raise BadCapture(path, "head.npy", f"{type(error).__name__} {error}", "names, end and rate", COPY) from error
     for name, known in names.items():
         if len(columns[name]) and int(columns[name].max()) >= len(known):
-            member = "head.npy, topics" if topics is not None and name in TOPIC else f"{name}.npy"
+            member = "head.npy, topics" if name in TOPIC else f"{name}.npy"
             _bad(path, member, f"place {int(columns[name].max())}", f"places in a table of {len(known)} names")
     known_kinds = [kind.value for kind in RECORDED]
     strange = [name for name in names["kind"] if name not in known_kinds]
     if strange:
         _bad(path, "head.npy", f"records of kind {strange[0]!r}", ", ".join(known_kinds))
-    if "field" not in columns:
-        columns, names = columns | {"field": np.zeros(len(columns["tick"]), "<u4")}, names | {"field": ("",)}
     return RecordTable(columns, names, per_second, end, modules, topics, clocks)
 
 

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from periph_sim.core.records import RECORDED, Kind, Record
 from periph_sim.traces import formats
 from periph_sim.traces.formats import psr
-from periph_sim.traces.formats.record_table import BLOCK, COLUMNS, TABLES, table_of
+from periph_sim.traces.formats.record_table import BLOCK, table_of
 from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
 
@@ -150,27 +150,6 @@ def packed(path: Path, arrays: dict[str, Any]) -> Path:
     return path
 
 
-def older(path: Path, records: list[Record], version: int) -> Path:
-    """The file as versions 1 and 2 wrote it: all of COLUMNS as they are, of version 1 without field."""
-    table = table_of(records, Fraction(3 * 10**9), 200)
-    columns = {name: table.columns[name] for name in COLUMNS if version > 1 or name != "field"}
-    head = {"format": psr.FORMAT, "version": version, "ticks_per_second": 3 * 10**9, "end": 200, "modules": {}}
-    head |= {"names": {name: table.names[name] for name in TABLES if version > 1 or name != "field"}, "capture": None}
-    return packed(path, {"head": np.frombuffer(json.dumps(head).encode(), np.uint8), **columns})
-
-
-def test_files_of_older_versions_are_read(tmp_path: Path):
-    access = Record(8, 125, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 2, "f:1", 0, "NACK")
-    table = psr.read_table(older(tmp_path / "two.psr", [*RUN, access], 2))
-    assert list(table.records()) == [*RUN, access]
-    with (tmp_path / "again.psr").open("wb") as file:
-        psr.write_table(table, file)
-    assert list(psr.read_table(tmp_path / "again.psr").records()) == [*RUN, access]
-    table = psr.read_table(older(tmp_path / "one.psr", [*RUN, access], 1))
-    assert list(table.records()) == [*RUN, access._replace(field="")]
-    assert edges(formats.read(tmp_path / "one.psr")) == {"MODEL": [0, 95], "SDA": [1, 90]}
-
-
 @pytest.mark.parametrize(
     ("most", "stored"), [(127, "int8"), (128, "int16"), (1 << 15, "int32"), (1 << 31, "int64"), (-128, "int8")]
 )
@@ -199,7 +178,8 @@ def refusal(path: Path, read: Callable[[Path], object] = psr.read_table) -> str:
     ("key", "value", "sentence"),
     [
         ("version", 4, "head.npy: found version 4, expected up to 3; read it with the newer periph-sim it is from"),
-        ("version", "1", "head.npy: found version '1', expected a number up to 3; copy or record it again"),
+        ("version", 2, "head.npy: found version 2, expected version 3; record it again"),
+        ("version", "1", "head.npy: found version '1', expected version 3; record it again"),
         (
             "format",
             "other",

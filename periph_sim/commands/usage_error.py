@@ -19,7 +19,7 @@ MISTAKES = {
     "periph_sim.sensors.motion.BadMotion",
     "periph_sim.sensors.noise.BadNoise",
     "periph_sim.sensors.extremes.NoSuchExtreme",
-    "periph_sim.f28335.system.memory_map.NoSuchAddress",
+    "periph_sim.f28335.memory.memory_map.NoSuchAddress",
     "periph_sim.traces.capture.capture.BadCapture",
     "periph_sim.processor.error_origin.FirmwareError",
     "periph_sim.sensors.identification.series.BadSeries",

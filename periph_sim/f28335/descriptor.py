@@ -21,9 +21,9 @@ from msgspec import Struct, field
 from ..core.chip import Chip
 from ..core.options import Answers
 from ..core.registers import RegisterMap
-from .cpu.pie_map import VECTORS
 from .gpio.pin_mux_table import FUNCTIONS
-from .system.clocks_map import PCLKCR0, PCLKCR3
+from .pie.register_map import VECTORS
+from .system_control.register_map import PCLKCR0, PCLKCR3
 
 ARGUMENTS = frozenset(("name", "number", "options"))  # that the class of a chip may have
 CLOCKS = ("SYSCLKOUT", "LSPCLK")
@@ -83,7 +83,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     chip: str = ""
     takes: tuple[str, ...] = ()
     options: str = "system"
-    options_class: str = "system.options.SystemOptions"
+    options_class: str = "system_options.SystemOptions"
     gate: str = ""
     input_gate: str = ""
     clock: str = "SYSCLKOUT"

@@ -18,7 +18,7 @@ from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ..f28335.system.memory_map import NoSuchAddress
+from ..f28335.memory.memory_map import NoSuchAddress
 from ..processor.dsp import Dsp
 from ..processor.error_origin import FirmwareError, FirmwareLost
 from ..processor.image.elsewhere import UnmappedMemory

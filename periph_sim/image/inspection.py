@@ -12,9 +12,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from ..c28x.decoder import Instruction, sweep
-from ..f28335.cpu.pie_map import CPU_VECTORS, LINES, VECTOR_TABLE, cpu_vector, line_vector
-from ..f28335.system.address_space import Content, area_at
-from ..f28335.system.register_names import register_name
+from ..f28335.memory.address_space import Content, area_at
+from ..f28335.memory.register_names import register_name
+from ..f28335.pie.register_map import CPU_VECTORS, LINES, VECTOR_TABLE, cpu_vector, line_vector
 from .constants import Access, accesses
 from .debug_info import DebugInfo, SourceLine
 from .model import Image, Section

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from ..core.input_files import read_input
 from ..f28335.descriptor import Part
+from ..f28335.memory.address_space import not_loadable
 from ..f28335.parts.f28335 import PART
-from ..f28335.system.address_space import not_loadable
 from . import coff2
 from .model import BadImage, Image, quoted
 

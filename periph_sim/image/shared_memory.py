@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from ..f28335.system.address_space import Content, area_at
+from ..f28335.memory.address_space import Content, area_at
 from .model import Image
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ..c28x.decoder import other_unit
 from ..core.text_table import columns, paragraph, text_table
-from ..f28335.system.register_names import NOT_MODELLED
+from ..f28335.memory.register_names import NOT_MODELLED
 from .function_cycles import FunctionCycles
 from .inspection import Function, Inspection, Register, contents_of
 from .model import Section

@@ -19,7 +19,7 @@ from elftools.dwarf.die import DIE
 from msgspec import Struct
 
 from ..core.suggest import did_you_mean
-from ..f28335.system.address_space import Content, area_at
+from ..f28335.memory.address_space import Content, area_at
 from .debug_info import DebugInfo, text_of
 from .model import Image
 from .number_types import FLOAT, SIGNED, UNSIGNED, BadVariable, inside, members_of, number_type

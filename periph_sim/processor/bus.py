@@ -28,9 +28,9 @@ from ..core.registers import Field, Register
 from ..core.state import State
 from ..core.time import Clock
 from ..f28335.cpu.interrupts import CpuInterrupts
-from ..f28335.system.memory_map import BOTH, HIGH, LOW, WRITE_TO_READ, AddressMap, ModuleRange, WaitStates
-from ..f28335.system.options import SystemOptions
-from ..f28335.system.ram import Ram, block_at
+from ..f28335.memory.memory_map import BOTH, HIGH, LOW, WRITE_TO_READ, AddressMap, ModuleRange, WaitStates
+from ..f28335.memory.ram import Ram, block_at
+from ..f28335.system_options import SystemOptions
 from ..form.c_types import Text
 from .cpu_time import CpuTime
 from .firmware_notes import FirmwareNotes

@@ -28,16 +28,16 @@ from ..core.state import State
 from ..core.suggest import did_you_mean
 from ..core.time import Clock, Timebase
 from ..core.wire import Wire
-from ..f28335.cpu import pie_map
 from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.cpu.interrupts import CpuInterrupts, int13_source
-from ..f28335.cpu.pie import Pie
 from ..f28335.descriptor import ModuleDescriptor, Part
+from ..f28335.memory.memory_map import AddressMap, ModuleRange
 from ..f28335.parts.f28335 import PART
-from ..f28335.system import clocks_map
-from ..f28335.system.clocks import WDRST_CYCLES, SystemControl
-from ..f28335.system.memory_map import AddressMap, ModuleRange
-from ..f28335.system.options import SystemOptions
+from ..f28335.pie import register_map as pie_map
+from ..f28335.pie.module import Pie
+from ..f28335.system_control import register_map as clocks_map
+from ..f28335.system_control.module import WDRST_CYCLES, SystemControl
+from ..f28335.system_options import SystemOptions
 from .processor import Processor
 from .program import Program
 from .python.cpu import Cpu

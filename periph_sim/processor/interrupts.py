@@ -22,9 +22,9 @@ from ..core.records import Kind, Recorder
 from ..core.state import State
 from ..core.time import Clock
 from ..f28335.cpu.interrupts import CONTEXT_WORDS, IER_WORD, ST1_WORD, CpuInterrupts, frame_of
-from ..f28335.cpu.pie import Pie
-from ..f28335.cpu.pie_map import GROUPS, VECTOR_TABLE, VECTORS
-from ..f28335.system.ram import Ram, block_at
+from ..f28335.memory.ram import Ram, block_at
+from ..f28335.pie.module import Pie
+from ..f28335.pie.register_map import GROUPS, VECTOR_TABLE, VECTORS
 from ..form.c_types import Text
 from .cpu_time import CpuTime
 from .error_origin import InterruptFault

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, final
 
 from ..core.records import NOWHERE, OF_MODIFIES, Topic
 from ..core.registers import Field, Register, Yields
-from ..f28335.cpu.pie_map import PIEACK
-from ..f28335.system.memory_map import BOTH, HIGH, LOW, WORDS_MASK, ModuleRange, WaitStates
+from ..f28335.memory.memory_map import BOTH, HIGH, LOW, WORDS_MASK, ModuleRange, WaitStates
+from ..f28335.pie.register_map import PIEACK
 
 if TYPE_CHECKING:
     from ..core.chip import Chip

@@ -22,10 +22,10 @@ from ..core.socket import Socket
 from ..core.state import State
 from ..core.time import NO_TIME, Clock
 from ..core.wire import Pin, Wire
-from ..f28335.cpu.xint import Xint
 from ..f28335.gpio.module import Gpio
 from ..f28335.gpio.register_map import BIT
 from ..f28335.gpio.routes import OUTPUTS
+from ..f28335.xint.module import Xint
 from ..form.c_types import BigInt
 
 Port = tuple[Socket, int]  # a peripheral and the index of one of its pins

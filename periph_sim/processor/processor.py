@@ -20,9 +20,9 @@ from ..core.state import State
 from ..core.time import Clock
 from ..f28335.cpu import instruction_costs as cpu_costs
 from ..f28335.cpu.interrupts import CpuInterrupts
-from ..f28335.cpu.pie import Pie
-from ..f28335.system.memory_map import AddressMap
-from ..f28335.system.options import SystemOptions
+from ..f28335.memory.memory_map import AddressMap
+from ..f28335.pie.module import Pie
+from ..f28335.system_options import SystemOptions
 from .bus import Bus
 from .cpu_time import CpuTime
 from .firmware_notes import FirmwareNotes

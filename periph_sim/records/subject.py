@@ -15,7 +15,7 @@ from ..core.records import Kind
 from ..core.registers import Field, Register
 from ..core.suggest import did_you_mean
 from ..core.time import TimeError, seconds
-from ..f28335.system.ram import MEMORY
+from ..f28335.memory.ram import MEMORY
 from .register_maps import registers_of
 from .run import NotInRun, Run
 

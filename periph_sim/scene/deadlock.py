@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, cast
 
 from ..core.chip import NEVER
 from ..core.wire import Wire
-from ..f28335.cpu.pie_map import CPU_VECTORS, GROUPS, LINES, PIEIER
 from ..f28335.i2c.register_map import STR_NACK
 from ..f28335.parts.f28335 import PART
+from ..f28335.pie.register_map import CPU_VECTORS, GROUPS, LINES, PIEIER
 
 if TYPE_CHECKING:
     from ..f28335.gpio.module import Gpio

@@ -10,7 +10,7 @@ budgets on the stack    --> StackDepth
 from __future__ import annotations
 
 from ..core.records import Kind, Recorder
-from ..f28335.system.ram import MEMORY
+from ..f28335.memory.ram import MEMORY
 from ..image.number_types import BadVariable
 from ..image.variables import Variables
 from ..processor.dsp import Dsp

@@ -13,7 +13,7 @@ from ..core.socket import Socket
 from ..core.time import Clock
 from ..f28335.i2c.options import I2cOptions
 from ..f28335.i2c.register_map import I2C_MAP
-from ..f28335.system.options import SystemOptions
+from ..f28335.system_options import SystemOptions
 
 I2CPSC, I2CEMDR = I2C_MAP["I2CPSC"].offset, I2C_MAP["I2CEMDR"].offset
 IPSC, BCM = I2C_MAP["I2CPSC"]["IPSC"].mask, I2C_MAP["I2CEMDR"]["BCM"].mask

@@ -19,7 +19,7 @@ from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.descriptor import named_class
 from ..f28335.parts import part_named, part_names
 from ..f28335.parts.f28335 import PART
-from ..f28335.system.options import SystemOptions
+from ..f28335.system_options import SystemOptions
 from ..processor.dsp import Dsp, DspPlan
 from ..processor.error_origin import Misuse
 from ..processor.user_code import UserCode

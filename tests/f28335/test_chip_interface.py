@@ -7,15 +7,15 @@ from typing import Any
 import pytest
 
 from periph_sim.core.chip import ANY_CHANGED, NEVER, NO_CHANGE
-from periph_sim.f28335.cpu.pie import Pie
-from periph_sim.f28335.cpu.xint import Xint
+from periph_sim.f28335.cpu_timer.module import CpuTimer
 from periph_sim.f28335.gpio.module import Gpio
 from periph_sim.f28335.i2c.module import I2c
+from periph_sim.f28335.pie.module import Pie
 from periph_sim.f28335.sci.module import Sci
 from periph_sim.f28335.spi.module import Spi
-from periph_sim.f28335.system.clocks import SystemControl
-from periph_sim.f28335.system.cpu_timer import CpuTimer
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_control.module import SystemControl
+from periph_sim.f28335.system_options import SystemOptions
+from periph_sim.f28335.xint.module import Xint
 
 from .i2c_rig import Rig
 

@@ -17,21 +17,21 @@ import pytest
 from periph_sim.core.chip import NEVER
 from periph_sim.core.restore import restore
 from periph_sim.core.snapshot import Module, take_snapshot
-from periph_sim.f28335.cpu.pie import Pie
-from periph_sim.f28335.cpu.xint import Xint
+from periph_sim.f28335.cpu_timer.module import CpuTimer
+from periph_sim.f28335.cpu_timer.register_map import PRD, TCR
 from periph_sim.f28335.gpio.module import Gpio
 from periph_sim.f28335.i2c import register_map as at
 from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.i2c.register_map import MDR_IRS, MDR_MST, MDR_STP, MDR_STT, MDR_TRX
+from periph_sim.f28335.pie.module import Pie
 from periph_sim.f28335.sci.module import Sci
 from periph_sim.f28335.sci.register_map import SCI_MAP
 from periph_sim.f28335.spi.module import Spi
 from periph_sim.f28335.spi.register_map import SPI_MAP
-from periph_sim.f28335.system.clocks import SystemControl
-from periph_sim.f28335.system.clocks_map import SCSR, WDCR, WDKEY
-from periph_sim.f28335.system.cpu_timer import CpuTimer
-from periph_sim.f28335.system.cpu_timer_map import PRD, TCR
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_control.module import SystemControl
+from periph_sim.f28335.system_control.register_map import SCSR, WDCR, WDKEY
+from periph_sim.f28335.system_options import SystemOptions
+from periph_sim.f28335.xint.module import Xint
 
 SYSTEM = SystemOptions()
 LATER = 2520 * 720_720  # cycles: whole periods of every LSPCLK, of OSCCLK's parts and of the watchdog's prescalers

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import pytest
 
 from periph_sim.core.options import options_from
-from periph_sim.f28335.system.cpu_timer import CpuTimer
-from periph_sim.f28335.system.cpu_timer_map import PRD, TCR, TPR
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.cpu_timer.module import CpuTimer
+from periph_sim.f28335.cpu_timer.register_map import PRD, TCR, TPR
+from periph_sim.f28335.system_options import SystemOptions
 
 from .i2c_registers import AAS, FFEN, FFIENA, FFRST, INT1, INT2, IRS, MST, STT, TRX
 from .i2c_rig import BIT, OTHER, OWN, Rig

@@ -13,7 +13,7 @@ from periph_sim.core.options import Value, options_from
 from periph_sim.f28335.i2c.options import I2cOptions
 from periph_sim.f28335.sci.options import SciOptions
 from periph_sim.f28335.spi.options import SpiOptions
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
 
 # The first is the default.
 ANSWERS: dict[type, dict[str, tuple[Value, ...]]] = {

@@ -13,14 +13,15 @@ import pytest
 from msgspec.structs import replace
 
 from periph_sim.core.registers import Field, Register, RegisterMap, Tie, Yields
-from periph_sim.f28335.cpu import pie_map, xint_map
+from periph_sim.f28335.cpu_timer import register_map as timer_map
 from periph_sim.f28335.gpio import register_map as gpio_map
 from periph_sim.f28335.i2c import register_map as i2c_map
 from periph_sim.f28335.parts.f28335 import PART
+from periph_sim.f28335.pie import register_map as pie_map
 from periph_sim.f28335.sci import register_map as sci_map
 from periph_sim.f28335.spi import register_map as spi_map
-from periph_sim.f28335.system import clocks_map
-from periph_sim.f28335.system import cpu_timer_map as timer_map
+from periph_sim.f28335.system_control import register_map as clocks_map
+from periph_sim.f28335.xint import register_map as xint_map
 from periph_sim.records.register_maps import reads_take, yields_data
 
 MAPS: dict[str, RegisterMap] = {

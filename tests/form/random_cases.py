@@ -16,7 +16,7 @@ from typing import Any
 
 from periph_sim.f28335.i2c.options import I2cOptions
 from periph_sim.f28335.sci.options import SciOptions
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.timing.budget_schema import Budget

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.f28335.cpu.pie_map import LINES, VECTOR_TABLE
 from periph_sim.f28335.i2c.register_map import I2CMDR, I2CSTR
-from periph_sim.f28335.system.register_names import register_name
+from periph_sim.f28335.memory.register_names import register_name
+from periph_sim.f28335.pie.register_map import LINES, VECTOR_TABLE
 from periph_sim.image.assemble import SHIPPED
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case

@@ -19,7 +19,7 @@ UNRECORDED = {
     "devices/chips/hmc5883l.py": {"idle_code", "power_on_measures", "rdy_clears"},  # reads of registers do
     "devices/chips/itg3200.py": {"fs_sel_other", "who_am_i_bit_0"},  # likewise
     "f28335/cpu/interrupts.py": {"int_latency", "irq_after_iret", "vector_fetch_waits"},  # entries, requests do
-    "f28335/cpu/pie.py": {"pieack_reset"},  # a request, or a read of PIEACK
+    "f28335/pie/module.py": {"pieack_reset"},  # a request, or a read of PIEACK
     "f28335/i2c/module.py": {"cnt_copy_point", "unequal_arrival"},  # START; edges that arrive together
     "f28335/i2c/registers.py": {"bcm_reset", "emdr_present", "noise_filter_cycles"},  # address, I2CEMDR; IRS = 1
     "f28335/i2c/slave.py": {"aas_sdir_point", "dxr_to_xsr_copy_point", "rrdy_point"},  # edges that can be skipped
@@ -29,8 +29,8 @@ UNRECORDED = {
     },  # each frame
     "f28335/sci/lines.py": {"rx_sync_stages"},  # each frame
     "f28335/spi/lines.py": {"input_latency"},  # each edge of SPICLK
-    "f28335/system/cpu_timer.py": {"timer_tif_point"},  # TIF
-    "f28335/system/memory_map.py": {"pf2_read_ws", "pf2_write_ws"},  # each access
+    "f28335/cpu_timer/module.py": {"timer_tif_point"},  # TIF
+    "f28335/memory/memory_map.py": {"pf2_read_ws", "pf2_write_ws"},  # each access
     "processor/bus.py": {"write_lands"},  # the write that is foreseen
     "processor/image/cpu.py": {"fpu_delay_slot"},  # a slot whose result is read
     "processor/image/instruction_timing.py": {"flash_model", "stalls"},  # a fetch; a wait, or at once

@@ -26,7 +26,7 @@ from periph_sim.f28335.i2c.options import I2cOptions
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.sci.options import SciOptions
 from periph_sim.f28335.spi.options import SpiOptions
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.firmware import start_pie
 from periph_sim.image.assemble import assemble
 from periph_sim.processor.dsp import Dsp, DspPlan

@@ -11,10 +11,10 @@ from periph_sim.core.socket import Socket
 from periph_sim.core.time import Clock, Timebase
 from periph_sim.f28335.cpu.compiled_code_costs import BARE, CodeCosts
 from periph_sim.f28335.cpu.interrupts import CpuInterrupts
-from periph_sim.f28335.cpu.pie import Pie
 from periph_sim.f28335.descriptor import Frame
-from periph_sim.f28335.system.memory_map import AddressMap, ModuleRange
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.memory.memory_map import AddressMap, ModuleRange
+from periph_sim.f28335.pie.module import Pie
+from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.processor import Processor
 from periph_sim.processor.python.cpu import Cpu
 from periph_sim.processor.python.register_view import ModulePort

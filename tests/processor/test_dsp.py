@@ -12,9 +12,9 @@ from periph_sim.core.records import Recorder
 from periph_sim.core.sampler import watch
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
+from periph_sim.f28335.memory.memory_map import NoSuchAddress
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.sci.register_map import SCI_MAP
-from periph_sim.f28335.system.memory_map import NoSuchAddress
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.error_origin import Misuse

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.core.records import Kind, Record, Recorder
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.error_origin import FirmwareError
 from tests.processor.bench import Bench
 

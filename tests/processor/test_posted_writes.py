@@ -18,7 +18,7 @@ from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
 from periph_sim.f28335.descriptor import Frame
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan
 from tests.processor.bench import Bench
 from tests.waves import Diagram, tidy

@@ -9,7 +9,7 @@ import pytest
 from periph_sim.core.kernel import CPU
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.f28335.descriptor import Frame
-from periph_sim.f28335.system.memory_map import ModuleRange, NoSuchAddress
+from periph_sim.f28335.memory.memory_map import ModuleRange, NoSuchAddress
 from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.processor.program import Program, Stop
 from tests.processor.bench import Bench

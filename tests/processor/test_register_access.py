@@ -13,8 +13,8 @@ from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
 from periph_sim.f28335.descriptor import Frame
-from periph_sim.f28335.system.memory_map import ModuleRange, NoSuchAddress
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.memory.memory_map import ModuleRange, NoSuchAddress
+from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.processor.python import register_view

@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
 from tests.processor.bench import Bench
 
 

@@ -11,12 +11,12 @@ from fractions import Fraction
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.registers import Register
-from periph_sim.f28335.cpu import pie_map
+from periph_sim.f28335.cpu_timer import register_map as timer_map
 from periph_sim.f28335.gpio import register_map as gpio_map
 from periph_sim.f28335.i2c.register_map import I2C_MAP
+from periph_sim.f28335.pie import register_map as pie_map
 from periph_sim.f28335.sci.register_map import SCI_MAP
-from periph_sim.f28335.system import clocks_map
-from periph_sim.f28335.system import cpu_timer_map as timer_map
+from periph_sim.f28335.system_control import register_map as clocks_map
 
 MAPS = {
     "I2C-A": I2C_MAP,

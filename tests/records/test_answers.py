@@ -7,13 +7,14 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.f28335.cpu import pie_map, xint_map
+from periph_sim.f28335.cpu_timer import register_map as timer_map
 from periph_sim.f28335.gpio import register_map as gpio_map
 from periph_sim.f28335.i2c.register_map import I2C_MAP
+from periph_sim.f28335.pie import register_map as pie_map
 from periph_sim.f28335.sci.register_map import SCI_MAP
 from periph_sim.f28335.spi.register_map import SPI_MAP
-from periph_sim.f28335.system import clocks_map
-from periph_sim.f28335.system import cpu_timer_map as timer_map
+from periph_sim.f28335.system_control import register_map as clocks_map
+from periph_sim.f28335.xint import register_map as xint_map
 from periph_sim.records.cause_trace.text_report import text
 from periph_sim.records.cause_trace.why import DEPTH, EFFECTS, why
 from periph_sim.records.register_maps import is_status, one_clears, register_of, registers_of

@@ -8,7 +8,7 @@ from dataclasses import fields
 from periph_sim.f28335.i2c.options import I2cOptions
 from periph_sim.f28335.sci.options import SciOptions
 from periph_sim.f28335.spi.options import SpiOptions
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
 from tests.rules.coverage import Named, gaps, named_rules, not_modelled, table
 from tests.rules.texts import texts
 

@@ -73,15 +73,21 @@ ROWS: dict[str, Row] = {
     "an F28335": Row(
         (
             *("processor.dsp", "processor.processor", "processor.bus", "processor.interrupts", "processor.python."),
-            *("f28335.cpu.pie", "f28335.cpu.interrupts", "f28335.system.clocks", "f28335.system.ram", "scene.unit"),
+            *(
+                "f28335.pie.module",
+                "f28335.cpu.interrupts",
+                "f28335.system_control.module",
+                "f28335.memory.ram",
+                "scene.unit",
+            ),
         ),
         present=("slave", "sci"),
     ),
     "I2C-A": Row(("f28335.i2c.",), present=("slave",)),
     "SCI": Row(("f28335.sci.", "scene.uart_lines"), present=("sci",)),
     "GPIO": Row(("f28335.gpio.", "processor.pin_router"), with_modules("GPIO")),
-    "XINT": Row(("f28335.cpu.xint",), with_modules("XINT")),
-    "CPU timers": Row(("f28335.system.cpu_timer",), with_modules("TIMER0")),
+    "XINT": Row(("f28335.xint.",), with_modules("XINT")),
+    "CPU timers": Row(("f28335.cpu_timer.",), with_modules("TIMER0")),
     "controller": Row(
         ("bus.i2c.controller", "bus.i2c.bus_clear", "devices.sensor_head", "scene.controller"),
         present=("slave", "bus"),

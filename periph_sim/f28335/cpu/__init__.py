@@ -1,1 +1,1 @@
-"""The CPU's interrupt logic and instruction costs, the PIE and the external interrupts (SPRUFB0D, SPRU430F)."""
+"""The CPU's interrupt logic and the costs of its instructions and of compiled code (SPRU430F)."""

@@ -35,7 +35,7 @@ from typing import NamedTuple
 
 from ...core.chip import NEVER, Note
 from ...core.state import State
-from ..system.options import SystemOptions
+from ..system_options import SystemOptions
 from . import instruction_costs as cpu_costs
 from .instruction_costs import IFR_DELAY, VECTOR_AND_SAVE
 

@@ -43,7 +43,7 @@ from ...core.chip import NEVER
 from ...core.registers import Register
 from ...core.state import State
 from ...form.c_types import BigInt
-from ..system.options import SystemOptions
+from ..system_options import SystemOptions
 from . import register_map as at
 from .qualifier import Qualifier
 from .register_map import BIT, PINS

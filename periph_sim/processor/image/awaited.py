@@ -13,8 +13,8 @@ from typing import NamedTuple
 from ...c28x import flow
 from ...c28x.decoder import Instruction, decode_at
 from ...core.registers import Register
-from ...f28335.system.address_space import Content, area_at
-from ...f28335.system.register_names import full_name
+from ...f28335.memory.address_space import Content, area_at
+from ...f28335.memory.register_names import full_name
 from ...image.model import Image
 from ..operand import Operand
 from .cpu import ImageCpu

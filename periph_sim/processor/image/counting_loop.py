@@ -21,7 +21,7 @@ from ...c28x.execution.registers import M16, M32, REGISTER, Cpu, Operation
 from ...c28x.hazards import BY_ARP, addressing
 from ...core.chip import NEVER
 from ...core.state import State
-from ...f28335.system.ram import Ram
+from ...f28335.memory.ram import Ram
 from ..cpu_time import CpuTime
 from .cpu import L0_AGAIN, L4_AGAIN, LOW_RAM, MIRROR, RAM_FROM, RAM_TO, ImageCpu
 from .instruction_watch import InstructionWatch

@@ -34,11 +34,11 @@ from ...c28x.pipeline import PACKED as STORES_PACKED
 from ...core.chip import Note
 from ...core.state import State
 from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
-from ...f28335.cpu.pie_map import VECTOR_TABLE
-from ...f28335.system import clocks_map
-from ...f28335.system.address_space import Content, area_at
-from ...f28335.system.options import SystemOptions
-from ...f28335.system.ram import Ram, block_at
+from ...f28335.memory.address_space import Content, area_at
+from ...f28335.memory.ram import Ram, block_at
+from ...f28335.pie.register_map import VECTOR_TABLE
+from ...f28335.system_control import register_map as clocks_map
+from ...f28335.system_options import SystemOptions
 from ...form.c_types import UInt16
 from ..processor import Processor
 from .elsewhere import BOOT_ROM, UnmappedMemory

@@ -22,9 +22,9 @@ from ...core.chip import Note
 from ...core.state import State
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.descriptor import FLASH, Part
+from ...f28335.memory.address_space import Area, Content, area_at
+from ...f28335.memory.register_names import full_name, is_protected, register_name
 from ...f28335.parts.f28335 import PART
-from ...f28335.system.address_space import Area, Content, area_at
-from ...f28335.system.register_names import full_name, is_protected, register_name
 from ...form.c_types import UInt16
 from ..firmware_notes import FirmwareNotes
 

@@ -21,8 +21,8 @@ from ...c28x.pipeline import Pipeline
 from ...core.state import State
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.descriptor import FLASH
-from ...f28335.system.options import SystemOptions
-from ...f28335.system.ram import block_at
+from ...f28335.memory.ram import block_at
+from ...f28335.system_options import SystemOptions
 from .elsewhere import UnmappedMemory
 
 if TYPE_CHECKING:

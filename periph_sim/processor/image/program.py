@@ -22,7 +22,7 @@ from ...core.chip import NEVER, Note
 from ...core.state import State
 from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
-from ...f28335.system.options import SystemOptions
+from ...f28335.system_options import SystemOptions
 from ...form.c_types import Text
 from ...image.model import Image
 from ..error_origin import FirmwareLost, InterruptFault

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from ...core.records import Kind, Recorder
 from ...core.state import State
 from ...core.time import Clock
-from ...f28335.system.ram import MEMORY, Ram
+from ...f28335.memory.ram import MEMORY, Ram
 from ...image.variables import Variable
 
 

@@ -13,7 +13,7 @@ from typing import final
 from ...core.chip import Note
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.cpu.compiled_code_costs import CodeCosts
-from ...f28335.system.ram import block_at
+from ...f28335.memory.ram import block_at
 from ..bus import Bus
 from ..cpu_time import CpuTime
 from ..operand import Operand

@@ -16,11 +16,11 @@ from ...core.chip import Note
 from ...core.settings import Spread
 from ...core.socket import Socket
 from ...core.suggest import did_you_mean
-from ...f28335.cpu import pie_map
 from ...f28335.cpu.interrupts import MASKABLE
+from ...f28335.memory.memory_map import AddressMap
 from ...f28335.parts.f28335 import PART
-from ...f28335.system.clocks import SystemControl
-from ...f28335.system.memory_map import AddressMap
+from ...f28335.pie import register_map as pie_map
+from ...f28335.system_control.module import SystemControl
 from ...form.c_types import BigInt, Text
 from ..error_origin import Misuse, flaw_of
 from .cpu import Cpu

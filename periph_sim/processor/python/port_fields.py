@@ -16,7 +16,7 @@ from typing import final
 
 from ...core.registers import Field, Register
 from ...core.suggest import did_you_mean
-from ...f28335.system.memory_map import HIGH, WORDS_MASK, ModuleRange
+from ...f28335.memory.memory_map import HIGH, WORDS_MASK, ModuleRange
 from ...form.c_types import BigInt, Text
 from ..bus import Bus
 from ..error_origin import Misuse

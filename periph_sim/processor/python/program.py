@@ -25,7 +25,7 @@ from greenlet import GreenletExit, getcurrent, greenlet
 
 from ...core.chip import NEVER
 from ...core.kernel import Kernel
-from ...f28335.cpu.pie_map import VECTORS
+from ...f28335.pie.register_map import VECTORS
 from ...form.c_types import BigInt, Text
 from ..error_origin import FirmwareError, FirmwareLost, FirmwareStalled, raised_at
 from ..processor import Processor

@@ -17,7 +17,7 @@ from typing import final
 
 from ...core.registers import Field, Register
 from ...core.suggest import did_you_mean
-from ...f28335.system.memory_map import BOTH, HIGH, LOW, ModuleRange
+from ...f28335.memory.memory_map import BOTH, HIGH, LOW, ModuleRange
 from .cpu import Cpu
 from .port_fields import Port, PortField, Registers, no_such_name
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from ...core.counted import counted
 from ...core.records import Kind, Record
-from ...f28335.cpu.pie_map import LINES
 from ...f28335.parts.f28335 import PART
+from ...f28335.pie.register_map import LINES
 from ..run import Run
 from .firmware_causes import INFERRED, MOST_ACCESSES, RECORDED, Link, accesses_before, causes_of_access, held_up
 from .holders import causes_of_hold, mover

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...core.records import Kind
-from ...f28335.cpu.pie_map import LINES, PIEACK
+from ...f28335.pie.register_map import LINES, PIEACK
 from ..lint_finding import Fault, Options
 from ..run import Run
 

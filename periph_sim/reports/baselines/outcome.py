@@ -13,7 +13,7 @@ from ...core.records import Recorder
 from ...core.time import Timebase
 from ...explain.chain import Chain
 from ...explain.explain import explain
-from ...f28335.system.memory_map import NoSuchAddress
+from ...f28335.memory.memory_map import NoSuchAddress
 from ...processor.error_origin import FirmwareError
 from ...scene.case.load import load
 from ...scene.case.model import BadCase, Case

@@ -13,7 +13,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from ...core.kernel import SimulationStuck
-from ...f28335.system.memory_map import NoSuchAddress
+from ...f28335.memory.memory_map import NoSuchAddress
 from ...processor.error_origin import FirmwareError
 from ...scene.case.load import text_of
 from ...scene.case.model import BadCase

@@ -9,7 +9,7 @@ from fractions import Fraction
 from math import inf, isinf
 
 from ...core.kernel import SimulationStuck
-from ...f28335.system.memory_map import NoSuchAddress
+from ...f28335.memory.memory_map import NoSuchAddress
 from ...processor.error_origin import FirmwareError
 from ...processor.user_code import output_muted
 from ...scene.case.model import BadCase, Case

@@ -13,7 +13,7 @@ from typing import TypeAlias
 from ...core.records import Kind
 from ...core.suggest import did_you_mean
 from ...devices.sensor_rounds import CHIPS
-from ...f28335.cpu.pie_map import LINES
+from ...f28335.pie.register_map import LINES
 from ..budget_schema import REPLY, SPAN, WATCH
 from ..language.events import OF_AGENT, Event, Group, Matcher, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, name_text, near_form

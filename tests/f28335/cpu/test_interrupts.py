@@ -30,9 +30,9 @@ from periph_sim.f28335.cpu.interrupts import (
     CpuInterrupts,
     int13_source,
 )
-from periph_sim.f28335.cpu.pie import Pie
-from periph_sim.f28335.cpu.pie_map import PIEACK, PIECTRL, PIEIER, PIEIFR, line_vector
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.pie.module import Pie
+from periph_sim.f28335.pie.register_map import PIEACK, PIECTRL, PIEIER, PIEIFR, line_vector
+from periph_sim.f28335.system_options import SystemOptions
 from tests.waves import play, tidy
 
 IFR_DELAY = 4

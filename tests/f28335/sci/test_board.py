@@ -7,10 +7,10 @@ import pytest
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.f28335.cpu import pie_map
+from periph_sim.f28335.memory.memory_map import NoSuchAddress
+from periph_sim.f28335.pie import register_map as pie_map
 from periph_sim.f28335.sci.register_map import SCI_MAP
-from periph_sim.f28335.system import clocks_map
-from periph_sim.f28335.system.memory_map import NoSuchAddress
+from periph_sim.f28335.system_control import register_map as clocks_map
 from periph_sim.processor.dsp import Dsp, DspPlan
 
 BASES = {"SCI-A": 0x7050, "SCI-B": 0x7750, "SCI-C": 0x7770}

@@ -10,7 +10,7 @@ from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.f28335.descriptor import Part
 from periph_sim.f28335.parts.f28335 import PART
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.image.assemble import assemble
 from periph_sim.image.model import Image
 from periph_sim.processor.dsp import Dsp, DspPlan

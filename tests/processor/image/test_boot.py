@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.f28335.system.memory_map import AddressMap
+from periph_sim.f28335.memory.memory_map import AddressMap
 from periph_sim.image.model import BadImage
 from periph_sim.processor.image.boot import BadStub, Stub, stubbed
 from tests.processor.image.rig import HEAD, Rig

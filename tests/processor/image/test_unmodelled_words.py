@@ -6,7 +6,7 @@ from collections import Counter
 
 import pytest
 
-from periph_sim.f28335.system.memory_map import AddressMap
+from periph_sim.f28335.memory.memory_map import AddressMap
 from periph_sim.processor.error_origin import FirmwareLost
 from periph_sim.processor.image import elsewhere
 from tests.processor.image.rig import HEAD, Rig

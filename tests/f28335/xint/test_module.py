@@ -8,10 +8,10 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
-from periph_sim.f28335.cpu.xint import Xint
-from periph_sim.f28335.cpu.xint_map import XINT
 from periph_sim.f28335.gpio.module import Gpio
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
+from periph_sim.f28335.xint.module import Xint
+from periph_sim.f28335.xint.register_map import XINT
 from periph_sim.processor.dsp import Dsp, DspPlan
 from tests.waves import play, tidy
 

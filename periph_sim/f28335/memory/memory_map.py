@@ -14,7 +14,7 @@ from ...core.registers import Register
 from ...core.socket import Socket
 from ...core.suggest import did_you_mean
 from ..descriptor import Frame
-from .options import SystemOptions
+from ..system_options import SystemOptions
 
 # A read in this range waits for a write in this range to complete (PROTSTART, PROTRANGE as set by the boot ROM).
 PROTECTED_BLOCK = range(0x4000, 0x8000)

@@ -33,7 +33,9 @@ from math import gcd
 
 from ...core.chip import ANY_CHANGED, NEVER, Chip, Note
 from ...core.state import State
-from .clocks_map import (
+from ..system_options import SystemOptions
+from .oscclk import PARTS, OscClock
+from .register_map import (
     HISPCP,
     LOSPCP,
     LPMCR0,
@@ -48,8 +50,6 @@ from .clocks_map import (
     WDCR,
     WDKEY,
 )
-from .options import SystemOptions
-from .oscclk import PARTS, OscClock
 from .watchdog import WDFLAG, WDINT_OSCCLKS, Watchdog
 
 PLL_LOCK_OSCCLKS = 131072  # SPRS439M Table 6-9

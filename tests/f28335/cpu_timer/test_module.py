@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from periph_sim.core.chip import NEVER
 from periph_sim.core.options import options_from
 from periph_sim.core.registers import Yields
-from periph_sim.f28335.system.cpu_timer import CpuTimer
-from periph_sim.f28335.system.cpu_timer_map import (
+from periph_sim.f28335.cpu_timer.descriptor import TIMERS
+from periph_sim.f28335.cpu_timer.module import CpuTimer
+from periph_sim.f28335.cpu_timer.register_map import (
     BASES,
     MAP,
     PRD,
@@ -20,13 +21,11 @@ from periph_sim.f28335.system.cpu_timer_map import (
     TCR,
     TIM,
     TIMH,
-    TINT0_PIE,
-    TINT1_CPU,
-    TINT2_CPU,
     TPR,
     TPRH,
 )
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.pie.register_map import CPU_VECTORS, LINES
+from periph_sim.f28335.system_options import SystemOptions
 from tests.waves import play, tidy
 
 TIF, TIE, TRB, TSS = 0x8000, 0x4000, 0x20, 0x10
@@ -241,7 +240,8 @@ def test_psc_cannot_be_written():
 
 @pytest.mark.rule("SYS-094")
 def test_where_the_timer_interrupts_go():
-    assert (TINT0_PIE, TINT1_CPU, TINT2_CPU) == ((1, 7), 13, 14)
+    tint0, tint1, tint2 = (timer.interrupts[0].vector for timer in TIMERS)
+    assert (LINES[tint0], CPU_VECTORS[tint1], CPU_VECTORS[tint2]) == ((1, 7), 13, 14)
 
 
 @pytest.mark.rule("SYS-086")

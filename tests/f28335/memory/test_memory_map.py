@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.core.options import options_from
-from periph_sim.f28335.system.memory_map import (
+from periph_sim.f28335.memory.memory_map import (
     BOTH,
     HIGH,
     LOW,
@@ -16,7 +16,7 @@ from periph_sim.f28335.system.memory_map import (
     NoSuchAddress,
     WaitStates,
 )
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
 from tests.scene.test_addresses import everything
 
 

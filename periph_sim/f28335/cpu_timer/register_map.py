@@ -9,11 +9,6 @@ from ...core.registers import Register, RegisterMap, Yields, field
 
 BASES = (0x0C00, 0x0C08, 0x0C10)  # timers 0, 1, 2
 
-# Destinations of their TINT lines (SPRUFB0D Figure 32, Table 112): a PIE group and line, or a CPU interrupt number.
-TINT0_PIE = (1, 7)
-TINT1_CPU = 13
-TINT2_CPU = 14
-
 TIM = Register(
     "TIM",
     0x0,

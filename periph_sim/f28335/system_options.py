@@ -5,7 +5,7 @@ Clocks, PIE, timers, GPIO, the bus and the CPU share this one class, because one
 
 from __future__ import annotations
 
-from ...core.options import Answers, BoolOption, IntOption, TextOption, choice, number
+from ..core.options import Answers, BoolOption, IntOption, TextOption, choice, number
 
 
 class SystemOptions(Answers):

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from periph_sim.core.options import options_from
 from periph_sim.f28335.parts.f28335 import PART
-from periph_sim.f28335.system.clocks import GATE_DELAY, GATES, PLL_LOCK_OSCCLKS, SystemControl
-from periph_sim.f28335.system.clocks_map import (
+from periph_sim.f28335.system_control.module import GATE_DELAY, GATES, PLL_LOCK_OSCCLKS, SystemControl
+from periph_sim.f28335.system_control.oscclk import PARTS, OscClock
+from periph_sim.f28335.system_control.register_map import (
     BASE,
     HISPCP,
     LOSPCP,
@@ -24,8 +25,7 @@ from periph_sim.f28335.system.clocks_map import (
     PLLSTS,
     WDCR,
 )
-from periph_sim.f28335.system.options import SystemOptions
-from periph_sim.f28335.system.oscclk import PARTS, OscClock
+from periph_sim.f28335.system_options import SystemOptions
 from tests.waves import play, tidy
 
 MHZ = 1_000_000

@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ...core.registers import RegisterMap
-from ..cpu import pie_map
 from ..parts.f28335 import PART
+from ..pie import register_map as pie_map
 
 
 class Module(NamedTuple):

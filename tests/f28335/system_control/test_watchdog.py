@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from periph_sim.core.chip import NEVER
 from periph_sim.core.options import options_from
 from periph_sim.core.registers import Yields
-from periph_sim.f28335.system.clocks import WDFLAG_DELAY, SystemControl
-from periph_sim.f28335.system.clocks_map import MAP, PLLCR, PLLSTS, SCSR, WDCNTR, WDCR, WDKEY
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_control.module import WDFLAG_DELAY, SystemControl
+from periph_sim.f28335.system_control.register_map import MAP, PLLCR, PLLSTS, SCSR, WDCNTR, WDCR, WDKEY
+from periph_sim.f28335.system_options import SystemOptions
 
 STEP = 512 // 4
 OVERFLOW = 131072 // 4

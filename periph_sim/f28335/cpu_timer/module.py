@@ -6,7 +6,7 @@
 
 Cycles are not counted one by one: the count is computed when it is read, and `next_wake`
 is the next zero that is observable (TIE = 1, or TIF still 0). TIM and PSC themselves
-change without a wake-up: `cpu_timer_map` marks them as free-running.
+change without a wake-up: `register_map` marks them as free-running.
 
 Source: SPRUFB0D section 5.5, Tables 31 to 38.
 
@@ -27,8 +27,8 @@ from typing import final
 
 from ...core.chip import ANY_CHANGED, NEVER, Chip, Note
 from ...core.state import State
-from .cpu_timer_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
-from .options import SystemOptions
+from ..system_options import SystemOptions
+from .register_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
 
 TIF = TCR["TIF"].mask
 TIE = TCR["TIE"].mask

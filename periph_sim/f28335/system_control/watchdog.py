@@ -23,9 +23,9 @@ from __future__ import annotations
 
 from ...core.chip import NEVER
 from ...core.state import State
-from .clocks_map import SCSR, WDCR
-from .options import SystemOptions
+from ..system_options import SystemOptions
 from .oscclk import PARTS
+from .register_map import SCSR, WDCR
 
 WDINT_OSCCLKS = 512  # width of the reset or interrupt pulse (section 5.4)
 OVERFLOW = 256

@@ -15,7 +15,7 @@ from typing import Annotated, NamedTuple, final
 
 from ...core.state import State
 from ...form.c_types import UInt16
-from ..cpu.pie_map import VECTOR_TABLE
+from ..pie.register_map import VECTOR_TABLE
 
 MEMORY = "memory"  # in records, in place of a module's name
 PAGE = 8  # bits of an address within a page

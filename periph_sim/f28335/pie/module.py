@@ -26,8 +26,8 @@ from typing import final
 
 from ...core.chip import NEVER, NO_CHANGE, Chip, Note
 from ...core.state import State
-from ..system.options import SystemOptions
-from .pie_map import (
+from ..system_options import SystemOptions
+from .register_map import (
     BOOT_ROM_VECTORS,
     CPU_VECTORS,
     GROUPS,

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from ...core.chip import ANY_CHANGED, NEVER, NO_CHANGE, Chip, Note
 from ...core.state import State
-from .xint_map import XINT
+from .register_map import XINT
 
 LINES = 7
 XNMICR = XINT["XNMICR"].offset

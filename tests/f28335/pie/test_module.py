@@ -10,8 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.options import options_from
-from periph_sim.f28335.cpu.pie import Pie
-from periph_sim.f28335.cpu.pie_map import (
+from periph_sim.f28335.cpu_timer.module import CpuTimer
+from periph_sim.f28335.cpu_timer.register_map import PRD, TCR
+from periph_sim.f28335.pie.module import Pie
+from periph_sim.f28335.pie.register_map import (
     BASE,
     CPU_VECTORS,
     LINES,
@@ -23,9 +25,7 @@ from periph_sim.f28335.cpu.pie_map import (
     VECTORS,
     line_vector,
 )
-from periph_sim.f28335.system.cpu_timer import CpuTimer
-from periph_sim.f28335.system.cpu_timer_map import PRD, TCR
-from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.f28335.system_options import SystemOptions
 from tests.waves import play, tidy
 
 ALL = 0xFFFF

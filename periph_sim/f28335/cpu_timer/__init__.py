@@ -1,0 +1,1 @@
+"""The CPU timers (SPRUFB0D section 5.5)."""

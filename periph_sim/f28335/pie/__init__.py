@@ -1,0 +1,1 @@
+"""The peripheral interrupt expansion (SPRUFB0D section 8)."""

@@ -1,1 +1,0 @@
-"""System control, CPU timers, watchdog and the memory map (SPRUFB0D)."""

@@ -1,0 +1,1 @@
+"""System control: clocks, gates and the watchdog (SPRUFB0D section 5)."""

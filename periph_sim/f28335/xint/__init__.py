@@ -1,0 +1,1 @@
+"""The external interrupts (SPRUFB0D section 8.6)."""

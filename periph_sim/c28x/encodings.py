@@ -17,9 +17,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-PAIR = 32  # bits of the two words that a pattern is matched against
+WORD = 16
+PAIR = 2 * WORD  # bits that a pattern is matched against
 CYCLES_WHERE = re.compile(r"(\w) (&|=) (\w+): (\d+)")
 
 
@@ -136,7 +137,7 @@ def encodings() -> tuple[Encoding, ...]:
 
 def read_table(text: str) -> tuple[Encoding, ...]:
     """Parse every form of a table. Raise ValueError if a row has an unused column."""
-    return tuple(_encoding(row) for row in tomllib.loads(text)["encoding"])
+    return tuple(_encoding(name, columns) for name, columns in tomllib.loads(text).items())
 
 
 @cache
@@ -144,68 +145,48 @@ def by_id() -> dict[str, Encoding]:
     return {encoding.id: encoding for encoding in encodings()}
 
 
-class _Row:
-    """A row of the table; columns are removed as they are read."""
-
-    def __init__(self, row: Mapping[str, object]) -> None:
-        self._left = dict(row)
-
-    def text(self, column: str, default: str | None = None) -> str:
-        return str(self._left.pop(column) if default is None else self._left.pop(column, default))
-
-    def number(self, column: str, default: int | None = None) -> int:
-        return int(self.text(column, None if default is None else str(default)))
-
-    def names(self, column: str) -> tuple[str, ...]:
-        listed = self._left.pop(column)
-        assert isinstance(listed, list)
-        return tuple(str(name) for name in listed)
-
-    def ends(self, name: str) -> None:
-        """Raise ValueError if a column was not read: it would have no effect."""
-        if self._left:
-            columns = " and ".join(sorted(self._left))
-            raise ValueError(f"encodings.toml: {name}: no code reads {columns}; read the column, or make it a comment")
-
-
-def _encoding(columns: Mapping[str, object]) -> Encoding:
-    row = _Row(columns)
-    bits = row.text("bits").ljust(PAIR, ".")
-    at_least, at_most = _bounds(row.text("where", ""))
-    cycles, name = row.number("cycles"), row.text("id")
+def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
+    """Return the form that a row of the table describes; the head of the table states the defaults."""
+    take = columns.pop
+    syntax, digits = take("syntax"), take("bits")
+    bits = digits.ljust(PAIR, ".")
+    at_least, at_most = _bounds(take("where", ""))
+    cycles = take("cycles", 1)
     found = Encoding(
         id=name,
-        mnemonic=row.text("mnemonic"),
-        syntax=row.text("syntax"),
-        also=row.text("also", ""),
-        words=row.number("words"),
+        mnemonic=syntax.partition(" ")[0],
+        syntax=syntax,
+        also=take("also", ""),
+        words=len(digits) // WORD,
         mask=int("".join("01"[bit in "01"] for bit in bits), 2),
         value=int("".join("01"[bit == "1"] for bit in bits), 2),
         fields=_fields(bits),
         at_least=at_least,
         at_most=at_most,
-        objmode=row.text("objmode"),
-        kind=row.text("class"),
-        alias_of=row.text("alias_of", ""),
-        shift_bias=row.number("shift_bias", 0),
+        objmode=take("objmode", "1"),
+        kind=take("class", "core"),
+        alias_of=take("alias_of", ""),
+        shift_bias=take("shift_bias", 0),
         cycles=cycles,
-        not_taken=row.number("not_taken", cycles),
-        cycles_where=_cycles_where(row.text("cycles_where", "")),
-        repeated=_repeated(row.text("cycles_rpt", ""), row.text("rpt") == "True"),
-        latency=row.text("latency", ""),
-        flags=row.text("flags"),
-        depends=row.text("depends"),
-        reads=row.names("reads"),
-        writes=row.names("writes"),
-        op=row.text("op"),
+        not_taken=take("not_taken", cycles),
+        cycles_where=_cycles_where(take("cycles_where", "")),
+        repeated=_repeated(take("cycles_rpt", "")),
+        latency=take("latency", ""),
+        flags=take("flags", ""),
+        depends=take("depends", ""),
+        reads=tuple(take("reads", ())),
+        writes=tuple(take("writes", ())),
+        op=take("op"),
     )
-    row.ends(name)
+    if columns:
+        unread = " and ".join(sorted(columns))
+        raise ValueError(f"encodings.toml: {name}: no code reads {unread}; read the column, or make it a comment")
     return found
 
 
-def _repeated(cycles: str, repeatable: bool) -> int:
+def _repeated(cycles: str) -> int:
     """Return the 2 of "N+2"; 0 if not repeatable."""
-    if not repeatable:
+    if not cycles:
         return 0
     if not cycles.startswith("N+"):
         raise ValueError(f"{cycles!r} is not the cycles of N + 1 executions, such as 'N+1'")

@@ -89,7 +89,7 @@ def test_32_bits_at_sp_and_reserved_conditions_are_no_instruction():
 def table_with(line: str) -> str:
     """The shipped table with another column in its first row."""
     text = resources.files("periph_sim.c28x").joinpath("encodings.toml").read_text(encoding="utf-8")
-    return text.replace("[[encoding]]\n", f"[[encoding]]\n{line}\n", 1)
+    return text.replace("[ITRAP0]\n", f"[ITRAP0]\n{line}\n", 1)
 
 
 def test_a_column_that_no_code_reads_is_refused():
@@ -122,9 +122,8 @@ def test_what_a_column_cannot_say_is_refused(line: str, sentence: str):
 
 
 def test_a_repeatable_form_says_what_its_passes_take():
-    row = 'id = "X"\nmnemonic = "X"\nsyntax = "X"\nbits = "0000000000000001"\nwords = 1\nobjmode = "1"\n'
-    row += 'class = "core"\ncycles = 1\nflags = ""\ndepends = ""\nreads = []\nwrites = []\nop = ""\nrpt = true\n'
+    row = '[X]\nsyntax = "X"\nbits = "0000000000000001"\nop = ""\n'
     with pytest.raises(ValueError, match=r"'passes\+3' is not the cycles of N \+ 1 executions"):
-        read_table(f'[[encoding]]\n{row}cycles_rpt = "passes+3"\n')
-    (found,) = read_table(f'[[encoding]]\n{row}cycles_rpt = "N+4"\n')
+        read_table(f'{row}cycles_rpt = "passes+3"\n')
+    (found,) = read_table(f'{row}cycles_rpt = "N+4"\n')
     assert (found.repeated, found.repeatable) == (4, True)

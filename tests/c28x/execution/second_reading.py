@@ -102,9 +102,7 @@ class After(NamedTuple):
 def read(op: str, flags: str, before: Before) -> After:
     """What a form does. CannotRead where its op is prose."""
     statements = [re.sub(r" \((carry|borrow)[^)]*\)", "", part.strip()) for part in op.split(";")]
-    statements = [
-        part for part in statements if not re.fullmatch(r"OVCU [+-]= (carry|borrow)|N,Z from the result", part)
-    ]
+    statements = [part for part in statements if not re.fullmatch(r"OVCU [+-]= (carry|borrow)", part)]
     parsed = [STATEMENT.fullmatch(part.partition(", ")[0]) for part in statements]
     if not all(parsed):
         raise CannotRead(op)

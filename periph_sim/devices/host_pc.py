@@ -25,7 +25,7 @@ from ..core.kernel import Agent, Kernel
 from ..core.state import State
 
 if TYPE_CHECKING:
-    from ..sensors.host_frame import ByteOrder
+    from ..imu.host_frame import ByteOrder
 
 VALUES = 6
 FRAME_BYTES = 2 * VALUES

@@ -47,9 +47,9 @@ if TYPE_CHECKING:
     from ..devices.sensor_rounds import Request, Round
     from ..devices.truth import Truth
     from ..devices.watchers import WireWatcher
+    from ..imu.host_frame import MotionFrames
+    from ..imu.models.parameters import ImuParameters
     from ..processor.dsp import Dsp
-    from ..sensors.host_frame import MotionFrames
-    from ..sensors.models.parameters import ImuParameters
     from ..timing.budgets import BudgetJudge
     from ..timing.measures.reply import Expected, Reply
     from ..timing.measures.watched_wire import WatchedWire

@@ -6,6 +6,7 @@ is imported when it is first used: `import periph_sim` alone loads what chooses 
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,8 @@ from .form import choose
 __version__ = "0.1.0"  # the one place: the wheel's metadata and `periph-sim --version` are read from here
 
 if TYPE_CHECKING:
+    from importlib.machinery import ModuleSpec
+
     from .api import make_case, run
     from .core.kernel import SimulationStuck
     from .processor.dsp import Dsp
@@ -111,7 +114,20 @@ def __getattr__(name: str) -> object:
     return found
 
 
+class _MovedModules:
+    """Finder of modules by their names in an earlier version, asked after all others."""
+
+    @staticmethod
+    def find_spec(name: str, path: object = None, target: object = None) -> ModuleSpec | None:
+        if not name.startswith(f"{__name__}."):
+            return None
+        from .removed import moved_module
+
+        return moved_module(name)
+
+
 choose()
+sys.meta_path.append(_MovedModules)
 
 
 def __dir__() -> list[str]:

@@ -3,7 +3,7 @@
 0 all budgets hold or the replay agrees, 1 not so, 2 bad usage or bad input, 3 a fault of our own, or user code that
 ended the process (`supervisor`).
 
-One file of `commands/` that defines a click command of its own name is one subcommand, found by being
+One file of a package in `PACKAGES` that defines a click command of its own name is one subcommand, found by being
 there; its SECTION is where the help lists it, its EXAMPLE stands first in its own help.
 Only the one that is asked for is imported: `periph-sim decode` starts without chips and boards.
 """
@@ -29,7 +29,8 @@ CLOSED_PIPE = 141  # as of a process that SIGPIPE ends; 0 and 1 would be a verdi
 CANNOT_WRITE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 LONGEST_MESSAGE = 2000  # characters: a path and a few shortened quotes
 
-FOLDER = Path(__file__).parent / "commands"
+ROOT = Path(__file__).parent
+PACKAGES = ("commands", "imu.commands")  # inside this one: each file with a click command of its name is a command
 
 OTHER = "other"
 SECTIONS = {  # of the help; a command's file says SECTION = "run"
@@ -42,7 +43,7 @@ SECTIONS = {  # of the help; a command's file says SECTION = "run"
 
 
 class Commands(click.Group):
-    """The files of a folder as subcommands; a `_` of the file's name is a `-` of the command's."""
+    """The files of the packages as subcommands; a `_` of the file's name is a `-` of the command's."""
 
     def invoke(self, ctx: click.Context) -> object:
         from .core.input_files import inputs_of_one_command
@@ -54,19 +55,21 @@ class Commands(click.Group):
             raise click.exceptions.Exit(CLOSED_PIPE) from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return sorted(file.stem.replace("_", "-") for file in FOLDER.glob("*.py") if _is_command(file))
+        files = (file for package in PACKAGES for file in _folder(package).glob("*.py"))
+        return sorted(file.stem.replace("_", "-") for file in files if _is_command(file))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if not _is_command(_file(cmd_name)):
+        file = _file(cmd_name)
+        if not _is_command(file):
             return None
-        name = f"{__package__}.commands.{_file(cmd_name).stem}"
+        name = ".".join([__package__, *file.relative_to(ROOT).with_suffix("").parts])
         if name not in sys.modules:
             gc.disable()  # what is imported stays: looking through it for garbage, now or at exit, only takes time
             importlib.import_module(name)
             gc.freeze()  # and never again in a process that runs several commands: what they left would stay, too
             gc.enable()
         module = sys.modules[name]
-        return _with_example(getattr(module, _file(cmd_name).stem), module)
+        return _with_example(getattr(module, file.stem), module)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -95,8 +98,14 @@ class Commands(click.Group):
                     formatter.write_dl([(name.ljust(widest), summary) for name, summary in found[section]])
 
 
+def _folder(package: str) -> Path:
+    return ROOT.joinpath(*package.split("."))
+
+
 def _file(command: str) -> Path:
-    return FOLDER / f"{command.replace('-', '_')}.py"
+    """Return the file of a command; a path without a file if there is no such command."""
+    paths = [_folder(package) / f"{command.replace('-', '_')}.py" for package in PACKAGES]
+    return next(filter(_is_command, paths), paths[0])
 
 
 def _is_command(file: Path) -> bool:

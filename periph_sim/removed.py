@@ -1,6 +1,13 @@
-"""Names that users may still write and that were removed, each with the sentence that says what to use instead."""
+"""Names that users may still write and that were removed or moved, each with the sentence that says what to use."""
 
 from __future__ import annotations
+
+import sys
+import warnings
+from importlib import import_module
+from importlib.abc import Loader
+from importlib.machinery import ModuleSpec
+from types import ModuleType
 
 COMMANDS = {
     "bound": (
@@ -21,3 +28,40 @@ NAMES = {
     )
     for name in ("schedule", "BadSchedule", "ScheduleResult")
 }
+
+MOVED = {  # modules and packages of earlier versions, which one release still finds
+    "periph_sim.devices.attitude": "periph_sim.imu.attitude",
+    "periph_sim.devices.samples": "periph_sim.imu.samples",
+    "periph_sim.dissertation": "periph_sim.imu",
+    "periph_sim.scene.case.sensor_sets": "periph_sim.imu.parameter_sets",
+    "periph_sim.scene.case.sensor_sets_text": "periph_sim.imu.parameter_sets_text",
+    "periph_sim.sensors": "periph_sim.imu",
+}
+
+
+def moved_module(name: str) -> ModuleSpec | None:
+    """Return the spec of a module by its former name; None if no module has moved from there."""
+    former = next((old for old in MOVED if name == old or name.startswith(f"{old}.")), None)
+    return None if former is None else ModuleSpec(name, _MovedModule(former))
+
+
+class _MovedModule(Loader):
+    """Loader of a module by its former name. former: the entry of MOVED."""
+
+    def __init__(self, former: str) -> None:
+        self._former = former
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        """Let the import system create an empty module."""
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Import the module by its present name, with a warning that names it."""
+        name, former = module.__name__, self._former
+        what = f"{former} is now {MOVED[former]}, and its former name will be removed in the next release"
+        warnings.warn(what, FutureWarning, stacklevel=2)
+        found = import_module(MOVED[former] + name.removeprefix(former))
+        if not hasattr(found, "__path__"):
+            sys.modules[name] = found
+            return
+        vars(module).update((key, value) for key, value in vars(found).items() if not key.startswith("__"))
+        module.__path__ = []  # modules inside are found by their former names, too, and only here

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import periph_sim
-from periph_sim.removed import COMMANDS, LEVELS, NAMES
+from periph_sim.removed import COMMANDS, LEVELS, MOVED, NAMES
 from tests.commands.conftest import Run
 from tests.commands.conftest import periph_sim as command  # noqa: F401
 
@@ -43,3 +43,22 @@ def test_a_removed_level_says_what_to_use(command: Run, how: tuple[str, str]):  
     came = command("run", CASE, *how)
     assert (came.status, came.out) == (2, "")
     assert came.err.count("\n") == 1 and came.err.endswith(f"{LEVELS['schedule']}\n")
+
+
+@pytest.mark.parametrize("former", MOVED)
+def test_a_moved_module_is_found_by_its_former_name_with_a_warning(former: str):
+    sys.modules.pop(former, None)
+    with pytest.warns(FutureWarning, match=rf"^{former} is now {MOVED[former]}, and its former name "):
+        found = import_module(former)
+    assert set(vars(import_module(MOVED[former]))) - {"__cached__", "__file__"} <= {*vars(found), "__builtins__"}
+
+
+def test_what_a_moved_package_contains_is_the_same_by_both_names():
+    code = "from periph_sim.sensors import motion; from periph_sim.sensors.models.parameters import ImuParameters"
+    code += "; import periph_sim.imu.motion as n; import periph_sim.imu.models.parameters as p"
+    code += "; print(p.ImuParameters is ImuParameters, motion.BadMotion is n.BadMotion)"
+    came = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert came.stdout == "True True\n"
+    assert came.stderr.count("FutureWarning: periph_sim.sensors is now periph_sim.imu") == 1
+    with pytest.warns(FutureWarning), pytest.raises(ModuleNotFoundError, match=r"periph_sim\.imu\.nothing"):
+        import_module("periph_sim.sensors.nothing")

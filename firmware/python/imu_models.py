@@ -2,7 +2,7 @@
 
     12 bytes --> six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu --> codes --> bytes
 
-The models are those of periph_sim/sensors/models, sample by sample as on the F28335: the last attitude and
+The models are those of periph_sim/imu/models, sample by sample as on the F28335: the last attitude and
 body rates are kept from one sample to the next, also without a new frame (section 3.4 of the dissertation).
 """
 
@@ -17,15 +17,15 @@ from typing import Annotated, Any, Literal
 
 from periph_sim.core.settings import DurationRange, Spread
 from periph_sim.firmware import After, Before
+from periph_sim.imu.host_frame import ACCELERATION, ANGLE
+from periph_sim.imu.models.counts import counts_of
+from periph_sim.imu.models.imu import Imu, Noise, State
+from periph_sim.imu.models.parameters import ImuParameters
+from periph_sim.imu.numeric import arithmetic_names as named
+from periph_sim.imu.numeric.estimate import estimate
+from periph_sim.imu.parameter_sets import named as parameter_set
+from periph_sim.imu.shared_models import ModelNoise, model_of, overflows_of
 from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.case.sensor_sets import named as parameter_set
-from periph_sim.sensors.host_frame import ACCELERATION, ANGLE
-from periph_sim.sensors.models.counts import counts_of
-from periph_sim.sensors.models.imu import Imu, Noise, State
-from periph_sim.sensors.models.parameters import ImuParameters
-from periph_sim.sensors.numeric import arithmetic_names as named
-from periph_sim.sensors.numeric.estimate import estimate
-from periph_sim.sensors.shared_models import ModelNoise, model_of, overflows_of
 
 FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")

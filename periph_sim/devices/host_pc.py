@@ -26,7 +26,7 @@ from ..core.kernel import Kernel
 from ..core.state import State
 
 if TYPE_CHECKING:
-    from ..sensors.host_frame import ByteOrder
+    from ..imu.host_frame import ByteOrder
 
 VALUES = 6
 FRAME_BYTES = 2 * VALUES

@@ -15,11 +15,11 @@ from typing import Any, final
 
 from msgspec import Struct
 
-from ..sensors.host_frame import ACCELERATION, ANGLE
-from ..sensors.models.imu import Imu, State
-from ..sensors.models.parameters import ImuParameters
-from ..sensors.numeric.arithmetic import Arithmetic
-from ..sensors.shared_models import ModelNoise, model_of
+from ..imu.host_frame import ACCELERATION, ANGLE
+from ..imu.models.imu import Imu, State
+from ..imu.models.parameters import ImuParameters
+from ..imu.numeric.arithmetic import Arithmetic
+from ..imu.shared_models import ModelNoise, model_of
 from .sensor_rounds import CHIPS, ChipData
 
 ModelState = State[Any]

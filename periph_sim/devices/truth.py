@@ -17,8 +17,8 @@ from functools import lru_cache
 from math import floor
 from typing import Protocol, TypeVar
 
-from ..sensors.models.parameters import ImuParameters
-from ..sensors.motion import Motion
+from ..imu.models.parameters import ImuParameters
+from ..imu.motion import Motion
 
 Axes = Sequence[Fraction | float]
 T = TypeVar("T")
@@ -76,7 +76,7 @@ class MotionTruth:
     def _sensed(self) -> Callable[[Fraction], Mapping[str, Axes]]:
         import numpy as np
 
-        from ..sensors.models.sensed_motion import SensedMotion  # computes arrays
+        from ..imu.models.sensed_motion import SensedMotion  # computes arrays
 
         felt = SensedMotion(self._imu, self._motion)
 

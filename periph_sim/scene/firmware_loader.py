@@ -21,8 +21,8 @@ from .firmware_files import is_shipped, module_of_file, shipped_module, shipped_
 
 if TYPE_CHECKING:
     from ..devices.model_codes import Computed
+    from ..imu.models.parameters import ImuParameters
     from ..processor.dsp import Dsp
-    from ..sensors.models.parameters import ImuParameters
 
 T = TypeVar("T")
 
@@ -131,7 +131,7 @@ def sensors_of(settings: object) -> ImuParameters | None:
     sensors = getattr(settings, "sensors", None)
     if sensors is None:
         return None
-    from ..sensors.models.parameters import ImuParameters
+    from ..imu.models.parameters import ImuParameters
 
     return sensors if isinstance(sensors, ImuParameters) else None
 

@@ -20,8 +20,8 @@ from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.sender import UartSender
 from ..devices.host_pc import Host, HostSchedule, ramp
 from ..devices.truth import Axes, LineBetweenFrames, MotionTruth, Truth
-from ..sensors.host_frame import MotionFrames
-from ..sensors.models.parameters import ImuParameters
+from ..imu.host_frame import MotionFrames
+from ..imu.models.parameters import ImuParameters
 from .case.model import HostTable
 from .context import CaseTicks, SceneContext
 from .firmware_loader import BadSetting

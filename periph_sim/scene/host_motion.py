@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from ..core.suggest import did_you_mean
-from ..sensors.host_frame import Encoding, MotionFrames
-from ..sensors.motion import kind_named, kinds
+from ..imu.host_frame import Encoding, MotionFrames
+from ..imu.motion import kind_named, kinds
 from .firmware_loader import BadSetting, shared
 
 

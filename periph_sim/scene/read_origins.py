@@ -11,8 +11,8 @@ from ..timing.derived.origins import FrameOrigins, ModelOrigins, Origins
 if TYPE_CHECKING:
     from ..core.wire import Wire
     from ..devices.model_codes import Computed
+    from ..imu.models.parameters import ImuParameters
     from ..processor.dsp import Dsp
-    from ..sensors.models.parameters import ImuParameters
     from .case.model import BadCase, Case
 
 MODEL_PIN = "MODEL"  # what a case calls the pin that firmware raises while its models run

@@ -46,9 +46,9 @@ if TYPE_CHECKING:
     from ..devices.sensor_head import SensorHead
     from ..devices.sensor_rounds import Request, Round
     from ..devices.truth import Truth
+    from ..imu.host_frame import MotionFrames
+    from ..imu.models.parameters import ImuParameters
     from ..processor.dsp import Dsp
-    from ..sensors.host_frame import MotionFrames
-    from ..sensors.models.parameters import ImuParameters
     from ..timing.budgets import BudgetJudge
     from ..timing.rounds import Asked
     from ..timing.verdict import Verdict

@@ -42,8 +42,8 @@ from .firmware_loader import (
 
 if TYPE_CHECKING:
     from ..devices.model_codes import Computed
+    from ..imu.models.parameters import ImuParameters
     from ..processor.image.boot import Stub
-    from ..sensors.models.parameters import ImuParameters
 
 T = TypeVar("T")
 
@@ -120,7 +120,7 @@ def build_unit(context: SceneContext, name: str, plan: UnitPlan, program: Firmwa
         raise case.mistake(str(error), "unit", name, "settings", *inside) from None
     sensors = guard(sensors_of, settings)
     if sensors is not None:
-        from .sensor_period import check_sensor_period
+        from ..imu.sensor_period import check_sensor_period
 
         check_sensor_period(case, name, settings, sensors)
     dsp.start(partial(run_main, firmware, dsp, settings))

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from firmware.python.imu_models import Models
-from periph_sim.sensors.host_frame import ACCELERATION, ANGLE
-from periph_sim.sensors.models.arrays import codes_of
-from periph_sim.sensors.models.imu import Noise
-from periph_sim.sensors.models.parameters import ImuParameters, MagnetometerParameters
-from periph_sim.sensors.numeric import arithmetic_names as named
+from periph_sim.imu.host_frame import ACCELERATION, ANGLE
+from periph_sim.imu.models.arrays import codes_of
+from periph_sim.imu.models.imu import Noise
+from periph_sim.imu.models.parameters import ImuParameters, MagnetometerParameters
+from periph_sim.imu.numeric import arithmetic_names as named
 
 from .timed import Seconds, timed
 

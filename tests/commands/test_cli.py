@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim import form
-from periph_sim.cli import FOLDER, OTHER, SECTIONS, cli, run_command
+from periph_sim.cli import OTHER, PACKAGES, ROOT, SECTIONS, cli, run_command
 from periph_sim.commands.json_output import VERSION
 from periph_sim.commands.usage_error import MISTAKES
 from tests.commands.conftest import Run
@@ -44,7 +44,8 @@ def test_every_file_with_a_click_command_is_a_command_of_its_name():
     for name in names:
         command = cli.get_command(None, name)  # type: ignore[arg-type]
         assert command is not None and command.name == name
-    assert len(names) < len(list(FOLDER.glob("*.py"))), "helpers beside the commands are none"
+    files = [file for package in PACKAGES for file in ROOT.joinpath(*package.split(".")).glob("*.py")]
+    assert len(names) < len(files), "helpers beside the commands are none"
 
 
 def test_help_shows_the_first_sentence_of_each(periph_sim: Run):
@@ -59,14 +60,14 @@ UNUSED = (  # by a short run of imu_hil: arrays pay off in longer ones
     "pydantic",
     "rich",
     "periph_sim.records.races",
-    "periph_sim.sensors.motion.flight",
+    "periph_sim.imu.motion.flight",
 )
 
 
 def test_a_run_imports_what_it_uses():
     case = Path(__file__).parents[2] / "timing" / "imu_hil.toml"
     loaded = imported_by("run", str(case), "--seconds", "20 ms")
-    assert {"periph_sim.sensors.motion.sines", "periph_sim.sensors.near_gaussian"} <= set(loaded)
+    assert {"periph_sim.imu.motion.sines", "periph_sim.imu.near_gaussian"} <= set(loaded)
     assert not set(UNUSED) & set(loaded)
 
 

@@ -9,10 +9,10 @@ import pytest
 
 from periph_sim.devices.model_codes import Computed, ModelCodes, register_bytes
 from periph_sim.devices.sensor_rounds import CHIPS
-from periph_sim.sensors.models.imu import Codes, Imu
-from periph_sim.sensors.models.parameters import ImuParameters, MagnetometerParameters
-from periph_sim.sensors.numeric import arithmetic_names as named
-from periph_sim.sensors.shared_models import ModelNoise
+from periph_sim.imu.models.imu import Codes, Imu
+from periph_sim.imu.models.parameters import ImuParameters, MagnetometerParameters
+from periph_sim.imu.numeric import arithmetic_names as named
+from periph_sim.imu.shared_models import ModelNoise
 
 IMU = ImuParameters()
 FRAMES = [(0, 0, 0, 0, 0, 0), (3000, -2000, 900, 120, -340, 560), (3100, -1700, 1000, 100, -300, 500)]

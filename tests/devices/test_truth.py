@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from periph_sim.devices.host_pc import ramp
 from periph_sim.devices.truth import LineBetweenFrames, MotionTruth, distance, shown
-from periph_sim.dissertation.at_rest.rest import expected_at_rest
-from periph_sim.sensors.models.parameters import ImuParameters
-from periph_sim.sensors.motion import kinds, sines
-from periph_sim.sensors.motion.pose import Pose
+from periph_sim.imu.at_rest.rest import expected_at_rest
+from periph_sim.imu.models.parameters import ImuParameters
+from periph_sim.imu.motion import kinds, sines
+from periph_sim.imu.motion.pose import Pose
 
 PERIOD = Fraction(1, 50)
 LINE = LineBetweenFrames(ramp, PERIOD)

@@ -64,8 +64,9 @@ def main() -> None:
     os.environ["OPENBLAS_NUM_THREADS"] = "1"  # as periph-sim does before it imports
     from periph_sim import cli
 
-    for file in sorted(cli.FOLDER.glob("[!_]*.py")):
-        importlib.import_module(f"periph_sim.commands.{file.stem}")
+    for package in cli.PACKAGES:
+        for file in sorted(cli.ROOT.joinpath(*package.split(".")).glob("[!_]*.py")):
+            importlib.import_module(f"periph_sim.{package}.{file.stem}")
     for module in USED:
         importlib.import_module(module)
     folder = Path(tempfile.mkdtemp())

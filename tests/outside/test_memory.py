@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
+from periph_sim.imu.host_frame import MotionFrames
 from periph_sim.outside.session import Session
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from periph_sim.sensors.host_frame import MotionFrames
 from periph_sim.timing.derived.frame_history import FrameHistory
 from periph_sim.timing.measures.tally import Tally
 from tests.outside.sessions import FIRMWARE, case

@@ -94,11 +94,11 @@ ROWS: dict[str, Row] = {
     ),
     "host": Row(("devices.host_pc", "bus.uart.sender", "scene.host"), {"unit": {"dsp": LOGGER}, "host": HOST}),
     "motion of a host": Row(
-        ("sensors.motion.", "scene.host_motion"),
+        ("imu.motion.", "scene.host_motion"),
         {"unit": {"dsp": LOGGER}, "host": {**HOST, "motion": {"kind": "static"}}},
     ),
     "sensor models": Row(
-        ("sensors.models.imu", "sensors.numeric.", "sensors.shared_models", "devices.model_codes"),
+        ("imu.models.imu", "imu.numeric.", "imu.shared_models", "devices.model_codes"),
         {"unit": {"dsp": IMU}, "host": HOST, "controller": {**HEAD, "period": "20 ms"}},
     ),
     "sensor chip": Row(
@@ -144,7 +144,7 @@ ROWS: dict[str, Row] = {
 # What stands in front of scenes, or beside them: rooms of the package, and of others. No scene needs one of them.
 DOORS = (
     *("__main__", "api", "cli", "outside.", "commands.", "pytest_plugin.", "reports.", "explain.", "replay."),
-    *("dissertation.", "traces.formats.", "traces.compliance.", "traces.diff.", "traces.drawing."),
+    *("imu.commands.", "imu.moving.", "traces.formats.", "traces.compliance.", "traces.diff.", "traces.drawing."),
 )
 OTHERS = (
     *("numpy", "click", "rich", "jinja2", "drawsvg", "pywellen", "pylibfst", "vcd", "zlib_ng", "matplotlib", "scipy"),

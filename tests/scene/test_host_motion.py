@@ -9,10 +9,10 @@ import pytest
 
 from periph_sim.core.sampler import watch
 from periph_sim.devices.host_pc import encode
+from periph_sim.imu.motion import BadMotion
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
-from periph_sim.sensors.motion import BadMotion
 from tests.scene.runs import run_file
 from tests.scene.small import case
 

@@ -10,9 +10,9 @@ import pytest
 
 from firmware.python.imu_models import NO_FRAME, Models
 from periph_sim.devices.host_pc import ramp
+from periph_sim.imu.models.arrays import codes_of
+from periph_sim.imu.models.parameters import ImuParameters, MagnetometerParameters
 from periph_sim.scene.case.model import BadCase
-from periph_sim.sensors.models.arrays import codes_of
-from periph_sim.sensors.models.parameters import ImuParameters, MagnetometerParameters
 from tests.scene.runs import Ran, run_file
 
 FLOAT = "unit.dsp.settings.arithmetic=float64"

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from periph_sim.dissertation.at_rest.rest import at_rest
-from periph_sim.sensors.models.parameters import ImuParameters
+from periph_sim.imu.at_rest.rest import at_rest
+from periph_sim.imu.models.parameters import ImuParameters
 from tests.scene.runs import run_file
 
 pytestmark = pytest.mark.long

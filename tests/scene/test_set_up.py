@@ -11,13 +11,13 @@ import pytest
 
 from periph_sim.core.convert import keys_of
 from periph_sim.f28335.gpio.routes import routes_of
+from periph_sim.imu import noise
+from periph_sim.imu.models import counts, sensed_motion
 from periph_sim.scene import firmware_files
 from periph_sim.scene.case import load as loading
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import KEPT, shared
 from periph_sim.scene.scene import Scene
-from periph_sim.sensors import noise
-from periph_sim.sensors.models import counts, sensed_motion
 from periph_sim.timing.language.language import measure_of
 
 SHARED = {

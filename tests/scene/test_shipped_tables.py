@@ -11,7 +11,7 @@ import pytest
 
 import periph_sim
 from periph_sim.c28x.encodings import read_table
-from periph_sim.scene.case import sensor_sets
+from periph_sim.imu import parameter_sets
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 
@@ -31,7 +31,7 @@ def build(path: Path) -> object:
 
 READERS: dict[str, Callable[[Path], object]] = {
     "c28x": read_encodings,
-    "sensors/models/sets": sensor_sets.load,
+    "imu/models/sets": parameter_sets.load,
     "templates": build,
 }
 FILES = sorted(path.relative_to(PACKAGE) for path in PACKAGE.rglob("*.toml"))

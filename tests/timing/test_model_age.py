@@ -10,7 +10,7 @@ from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.measures.registry import MEASURES
 from periph_sim.timing.verdict import Verdict
-from tests.dissertation.moving.subjects import TWO_ANGLES
+from tests.imu.moving.subjects import TWO_ANGLES
 from tests.scene.runs import TIMING, run_file
 
 AGES = 'budget=[{name = "age", measure = "age", max = "9 s"}, {name = "model age", measure = "model age", max = "9 s"}]'

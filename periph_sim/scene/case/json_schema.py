@@ -17,8 +17,8 @@ from ...devices.targets import Family, families
 from ...devices.watchers import watchers
 from ...f28335.parts import part_names
 from ...f28335.parts.f28335 import PART
-from ...sensors.host_frame import Encoding
-from ...sensors.motion import kinds as kinds_of_motion
+from ...imu.host_frame import Encoding
+from ...imu.motion import kinds as kinds_of_motion
 from .json_types import Schema, schema_of_table
 from .model import Case
 

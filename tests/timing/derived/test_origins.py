@@ -18,7 +18,7 @@ from periph_sim.devices.host_pc import ramp
 from periph_sim.devices.model_codes import Computed, ModelCodes, register_bytes
 from periph_sim.devices.sensor_rounds import CHIPS as CHIP_DATA
 from periph_sim.devices.truth import shown
-from periph_sim.sensors.models.parameters import AccelerometerParameters, ImuParameters
+from periph_sim.imu.models.parameters import AccelerometerParameters, ImuParameters
 from periph_sim.timing.derived import origins as origins_module
 from periph_sim.timing.derived.origin import BEFORE_ANY, Origin
 from periph_sim.timing.derived.origins import KEPT, RECENT, FrameOrigins, ModelOrigins, Origins

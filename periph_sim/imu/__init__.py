@@ -1,0 +1,1 @@
+"""Sensor models of an IMU: motion, arithmetic, noise, identification, extremes, and the dissertation's experiments."""

@@ -1,0 +1,126 @@
+"""Earth field of the dissertation's laboratory, from Table 5.1, Table 4.1 and section 5.2.
+
+    real mean at rest m, hard iron V --> m = H + d V --> d --> H_rt --> x, y, z at a yaw of 270, 180, 90, 0 degrees
+
+Table 5.1 gives the mean of the real magnetometer, level and pointing north, but not whether the hard iron of Table 4.1
+was nearby: d is 0 or 1. Section 5.2 decides. It says of the turn about z (Figure 5.1) that at 0 and 180 degrees y is
+about the bias, so the field has hardly any y component, and that the field is nearly horizontal, so it has hardly any
+z component. Least squares of either statement over d:
+
+    y: (m_y - d V_y)^2 least at d = m_y / V_y        z: d = m_z / V_z
+
+Both are below 0, so d = 0 is nearer: the mean is the undisturbed field.
+
+Equation 4.10 agrees: the hard iron is the mean measured near iron less the undisturbed one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, degrees
+
+import numpy as np
+
+from ...core.text_table import text_table
+from ..models.imu import Imu
+from ..models.parameters import ImuParameters, MagnetometerParameters
+from ..models.quantity import Vector
+from ..models.sensed_motion import Unrounded
+from . import published
+from .rest import Floats
+
+MEAN = published.REAL["magnetometer"].mean
+HARD_IRON = MagnetometerParameters().hard_iron
+YAWS = (270, 180, 90, 0)  # degrees, in the order of Figure 5.1
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One interpretation of Table 5.1's mean. disturbed: it includes the hard iron. field: H_rt then, in gauss."""
+
+    disturbed: bool
+    field: Vector
+
+    @property
+    def off_north(self) -> float:
+        """Angle of the horizontal field from the body's x axis when that points north, in degrees."""
+        return degrees(atan2(self.field[1], self.field[0]))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Both interpretations of the mean, and d by least squares of either statement of section 5.2.
+
+    candidates: undisturbed, disturbed.
+    """
+
+    along_y: float
+    along_z: float
+    candidates: tuple[Candidate, Candidate]
+
+    @property
+    def taken(self) -> Candidate:
+        """The interpretation nearest to both statements."""
+        return self.candidates[self.along_y + self.along_z > 1]
+
+
+def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
+    """Fit the earth field from the mean at rest and the hard iron, x, y, z in gauss."""
+    along_y, along_z = (mean[axis] / hard_iron[axis] for axis in (1, 2))
+    x, y, z = (m - v for m, v in zip(mean, hard_iron, strict=True))
+    return Fit(along_y, along_z, (Candidate(False, mean), Candidate(True, (x, y, z))))
+
+
+def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
+    """Return the measured field at each yaw (degrees), level, without noise or rounding: gauss, (n, 3)."""
+    model = Imu(Unrounded(), imu)
+    zero = np.zeros(len(yaws))
+    turned, _ = model.motion((zero, zero, np.radians(yaws)), (zero, zero, zero))
+    return np.stack(model.magnetometer.codes(turned, model.silence.magnetometer), axis=1) / imu.magnetometer.scale
+
+
+def text(imu: ImuParameters, found: Fit) -> str:
+    """Format the fit, and the turn of Figure 5.1 with this set."""
+    undisturbed, disturbed = found.candidates
+    x, y, z = found.taken.field
+    says = [
+        (
+            "y at 0 and 180 is about the bias: |Hy|",
+            f"{abs(undisturbed.field[1]):.4f}",
+            f"{abs(disturbed.field[1]):.4f}",
+            f"d = {found.along_y:.2f}",
+        ),
+        (
+            "the field is nearly horizontal: |Hz|",
+            f"{abs(undisturbed.field[2]):.4f}",
+            f"{abs(disturbed.field[2]):.4f}",
+            f"d = {found.along_z:.2f}",
+        ),
+        (
+            "x points north: degrees between x and H",
+            f"{abs(undisturbed.off_north):.1f}",
+            f"{abs(disturbed.off_north):.1f}",
+            "",
+        ),
+    ]
+    turned = [
+        (str(yaw), *(f"{value:.4f}" for value in row), f"{row[1] - imu.magnetometer.hard_iron[1]:.4f}")
+        for yaw, row in zip(YAWS, turn(imu), strict=True)
+    ]
+    lines = [
+        f"Earth field H from Table 5.1's real mean {_three(MEAN)} gauss",
+        "= H + d V, V the hard iron of Table 4.1",
+        "",
+        *text_table(("section 5.2 says", "d = 0", "d = 1", "least squares"), says, range(1, 4)),
+        "",
+        f"result: d = {int(found.taken.disturbed)}, H = ({x:.4f}, {y:.4f}, {z:.4f}) gauss",
+        "",
+        f"Turn about z as in Figure 5.1, with hard iron {_three(imu.magnetometer.hard_iron)} gauss",
+        "",
+        *text_table(("yaw", "x", "y", "z", "y less the bias"), turned, range(5)),
+    ]
+    return "\n".join(lines)
+
+
+def _three(values: Vector) -> str:
+    return ", ".join(f"{value:.4f}" for value in values)

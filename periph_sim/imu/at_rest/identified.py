@@ -1,0 +1,77 @@
+"""Build an `Imu` parameter set from identified columns named after sensors and axes.
+
+    gyroscope_x, _y, _z [deg/s] --> means, S removed --> bias;  densities, rounding removed --> noise_density
+
+The set gives the same means at rest: the part of gravity that cross-axis sensitivity turns into other axes
+is not bias.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from ..identification.text_report import Axis
+from ..models.parameters import ImuParameters
+from ..models.quantity import BadParameter, Vector
+from ..noise import AXES
+from .rest import SENSORS, UNITS, Sensor
+
+GRAVITY = np.array([0.0, 0.0, -1.0])  # ideal output of a level accelerometer, g; section 4.3.4
+
+
+def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: ImuParameters | None = None) -> ImuParameters:
+    """Return `start` (Table 4.1 if None) updated from the columns. hard_iron: bias is relative to an undisturbed mean.
+
+    Raise BadParameter for a column of no sensor, a missing axis, or a unit that differs from the model's.
+    """
+    imu = start or ImuParameters()
+    wanted = {f"{sensor}_{axis}": sensor for sensor in SENSORS for axis in AXES}
+    for name in axes:
+        if name not in wanted:
+            raise BadParameter(name, f"it is not a column of a sensor model; expected {', '.join(wanted)}")
+    for sensor in dict.fromkeys(wanted[name] for name in axes):
+        three = []
+        for axis in AXES:
+            name = f"{sensor}_{axis}"
+            if name not in axes:
+                raise BadParameter(name, f"it is missing; a set needs all three axes of the {sensor}")
+            if axes[name].unit != UNITS[sensor]:
+                raise BadParameter(name, f"its unit is {axes[name].unit!r}; expected {UNITS[sensor]!r}")
+            three.append(axes[name])
+        changes: dict[str, Any] = {sensor: _identified(sensor, getattr(imu, sensor), three, hard_iron)}
+        imu = replace(imu, **changes)
+    return imu
+
+
+def _identified(name: str, sensor: Any, three: list[Axis], hard_iron: bool) -> Sensor:
+    matrix = np.array(sensor.matrix) / sensor.scale
+    felt = np.linalg.solve(matrix, [axis.found.series.samples.mean() for axis in three])
+    changes: dict[str, Vector] = {"noise_density": _vector([axis.found.sensor_density for axis in three])}
+    if name == "accelerometer":
+        changes["bias"] = _vector(felt - GRAVITY)
+    elif name == "gyroscope":
+        changes["bias"] = _vector(felt)
+    else:
+        iron = np.array(sensor.hard_iron)
+        if hard_iron:
+            iron = np.linalg.solve(matrix, [axis.found.bias.value for axis in three])
+            changes["hard_iron"] = _vector(iron)
+        changes["earth_field"] = _vector(felt - iron)
+    slow = [axis.found.slow for axis in three]
+    terms = [one for one in slow if one is not None]
+    if terms:
+        for key in ("bias_instability", "random_walk"):
+            found = [getattr(one, key) for one in terms]
+            changes[key] = _vector([term.value if term.found else 0.0 for term in found])
+    identified: Sensor = replace(sensor, **changes)
+    return identified
+
+
+def _vector(values: list[float] | NDArray[np.float64]) -> Vector:
+    x, y, z = (float(value) for value in values)
+    return x, y, z

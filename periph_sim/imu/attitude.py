@@ -1,0 +1,144 @@
+"""Attitude from samples of the chips: estimates of an extended Kalman filter, and their errors.
+
+    first accel, mag --> start --+
+    gyro, accel, mag ----------> EKF, sample by sample --> quaternions --> errors against the truth
+
+The filter is that of the library `ahrs` (the extra `attitude`). It expects the direction of gravity, but an
+accelerometer at rest reads the opposite, (0, 0, -1 g) when level with z down: the sign is inverted here. It has no
+model of biases; subtract known ones before.
+
+Source: the conventions of the dissertation's chapter 4; documentation of ahrs.filters.EKF.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .rotations import Floats, angle_between, angles, quaternion_of, wrapped
+
+LEAST_ANGLE = 1e-6  # radians between gravity and field: with less, yaw is undefined
+
+
+class NoAttitude(ValueError):
+    """An attitude that cannot be estimated: samples of the wrong shape, or a missing library."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Variances of the filter: gyro in (rad/s)^2; accel and mag of vectors of length 1. Defaults: the library's."""
+
+    gyro: float = 0.3**2
+    accel: float = 0.5**2
+    mag: float = 0.8**2
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors in degrees, float64[n]. total: the angle of the rotation from truth to estimate, never ambiguous.
+
+    roll, pitch, yaw: estimate minus truth, -180 to 180. Near a pitch of +-90 degrees roll and yaw turn about the same
+    axis: there only their sum or difference, and `total`, are meaningful.
+    """
+
+    total: Floats
+    roll: Floats
+    pitch: Floats
+    yaw: Floats
+
+
+def estimate(
+    seconds: ArrayLike,
+    gyro: ArrayLike,
+    accel: ArrayLike,
+    mag: ArrayLike,
+    field: ArrayLike,
+    noise: Noise | None = None,
+    start: ArrayLike | None = None,
+) -> Floats:
+    """Return float64[n, 4]: the attitude at each sample, as quaternions of `rotations`.
+
+    seconds: float64[n], rising. gyro: float64[n, 3], deg/s. accel: float64[n, 3], g. mag: float64[n, 3], gauss.
+    field: north, east, down of the magnetic field at the body; only its direction counts. start: the attitude at the
+    first sample; by default the one that fits its accel and mag.
+    A sample of accel or mag that is zero or NaN (an overflow) is skipped. NoAttitude for invalid input.
+    """
+    times, rates, gravity, magnetic = _checked(seconds, gyro, accel, mag)
+    reference = np.asarray(field, np.float64)
+    if reference.shape != (3,) or not np.isfinite(reference).all() or not reference.any():
+        raise NoAttitude(f"field is {reference.tolist()}; expected north, east, down, not all of them 0")
+    if not len(times):
+        return np.empty((0, 4))
+    ekf = _filter(reference, noise or Noise())
+    found = np.empty((len(times), 4))
+    found[0] = fitting(gravity[0], magnetic[0], reference) if start is None else np.asarray(start, np.float64)
+    steps = np.diff(times)
+    for n in range(1, len(times)):
+        ekf.mag = magnetic[n] if _usable(magnetic[n]) else None
+        if _usable(gravity[n]):
+            found[n] = ekf.update(found[n - 1], rates[n], gravity[n], ekf.mag, float(steps[n - 1]))
+        else:
+            turned = ekf.f(found[n - 1], rates[n], float(steps[n - 1]))
+            found[n] = turned / np.linalg.norm(turned)
+    return found
+
+
+def fitting(gravity: Floats, mag: Floats, field: Floats) -> Floats:
+    """Return float64[4]: the attitude that fits gravity exactly, and the field as well as possible."""
+    seen, there = _axes(gravity, mag), _axes(np.array([0.0, 0.0, 1.0]), field)
+    return quaternion_of(there @ seen.T)
+
+
+def errors(estimated: ArrayLike, truth: ArrayLike) -> Errors:
+    """Compare estimated attitudes with the true ones; both float64[n, 4]."""
+    one, other = np.atleast_2d(estimated), np.atleast_2d(truth)
+    if one.shape != other.shape or one.shape[1] != 4:
+        raise NoAttitude(f"estimate {one.shape} and truth {other.shape} must both be n quaternions")
+    roll, pitch, yaw = np.degrees(wrapped(angles(one) - angles(other))).T
+    return Errors(np.degrees(angle_between(one, other)), roll, pitch, yaw)
+
+
+def _axes(down: Floats, field: Floats) -> Floats:
+    """Return the columns magnetic north, east, down, in the axes of both vectors."""
+    if not _usable(down) or not _usable(field):
+        raise NoAttitude("the first sample has no usable accel and mag; omit it, or give start")
+    down, field = down / np.linalg.norm(down), field / np.linalg.norm(field)
+    east = np.cross(down, field)
+    if np.linalg.norm(east) < LEAST_ANGLE:
+        raise NoAttitude("gravity and field are parallel, so yaw is undefined; give start")
+    east /= np.linalg.norm(east)
+    return np.stack([np.cross(east, down), east, down], axis=1)
+
+
+def _usable(vector: Floats) -> bool:
+    return bool(np.isfinite(vector).all() and vector.any())
+
+
+def _checked(seconds: ArrayLike, gyro: ArrayLike, accel: ArrayLike, mag: ArrayLike) -> tuple[Floats, ...]:
+    """Return (seconds, gyro in rad/s, gravity in g, mag): all float64, of one length."""
+    times = np.asarray(seconds, np.float64)
+    if times.ndim != 1 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+        raise NoAttitude("seconds must be one rising row of numbers")
+    three = {name: np.asarray(data, np.float64) for name, data in (("gyro", gyro), ("accel", accel), ("mag", mag))}
+    for name, data in three.items():
+        if data.shape != (len(times), 3):
+            raise NoAttitude(f"{name} has shape {data.shape}; expected ({len(times)}, 3), a row for each of seconds")
+    if not np.isfinite(three["gyro"]).all():
+        bad = int(np.argwhere(~np.isfinite(three["gyro"]))[0, 0])
+        raise NoAttitude(f"gyro[{bad}] is {three['gyro'][bad].tolist()}; the filter needs every sample of it")
+    return times, np.radians(three["gyro"]), -three["accel"], three["mag"]
+
+
+def _filter(field: Floats, noise: Noise) -> Any:
+    """Return the library's filter before its first sample."""
+    try:
+        from ahrs.filters import EKF
+    except ImportError:
+        raise NoAttitude(
+            "attitude estimation needs the library ahrs; install it with: pip install 'periph-sim[attitude]'"
+        ) from None
+    variances = [noise.gyro, noise.accel, noise.mag]
+    return EKF(frame="NED", magnetic_ref=field.tolist(), noises=variances)

@@ -1,0 +1,82 @@
+"""`periph-sim moving CASE`: one motion through emulator and real sensors into the same filter, compared with truth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import click
+
+from ...commands.input_options import length_given
+from ...commands.json_output import print_json
+from ...commands.progress import progress
+from ...commands.usage_error import running_user_code
+
+DIFFERENT = 1  # the exit status if the bytes on the wires differ from the computed ones
+
+SECTION = "sensors"
+EXAMPLE = "periph-sim moving timing/imu_moving.toml --direct"
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--seconds", type=str, help="Run this long instead of the case's duration; 10 or '10 s'.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@click.option("--direct", is_flag=True, help="Without wires: compute the readings. Quick.")
+@click.option(
+    "--plot", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Write attitudes.svg and rates.svg."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def moving(
+    case: Path, seconds: str | None, changes: tuple[str, ...], direct: bool, folder: Path | None, as_json: bool
+) -> int:
+    """Run the motion of CASE through the emulator and through real sensors, and compare the attitudes.
+
+    The emulator is the case's firmware, with its gyroscope as built and corrected; the real sensors are the three
+    chips on the same bus. Both go into the same filter.
+    """
+    from ...scene.case.load import load
+    from ..moving.experiment import run
+    from ..moving.subject import subject_of
+    from ..moving.text_report import as_json as to_json
+    from ..moving.text_report import lines
+
+    with running_user_code(), ExitStack() as outputs:
+        subject = subject_of(load(case, list(changes)), None if seconds is None else length_given(seconds))
+        pictures = None if folder is None else outputs.enter_context(_pictures(folder))
+        with progress(subject.case.name) as on_progress:
+            outcome = run(subject, not direct, on_progress)
+        if pictures is not None:
+            from ..moving import plot
+
+            plot.attitudes(outcome, pictures[0])
+            plot.rates(outcome, pictures[1])
+    if as_json:
+        print_json("moving", to_json(outcome))
+    else:
+        click.echo("\n".join(lines(outcome)))
+    return DIFFERENT if outcome.bytes is not None and outcome.bytes.different else 0
+
+
+@contextmanager
+def _pictures(folder: Path) -> Iterator[list[Path]]:
+    """Yield the paths of both pictures: they appear in the folder, which is created, on success, else neither does."""
+    from ...traces.formats.atomic_write import atomic_write
+
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise click.ClickException("--plot needs matplotlib: pip install 'periph-sim[sensors]'") from None
+    made = not folder.exists()
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise click.ClickException(f"--plot {folder}: {(error.strerror or 'an error').lower()}") from None
+    try:
+        with ExitStack() as both:
+            yield [both.enter_context(atomic_write(folder / name)) for name in ("attitudes.svg", "rates.svg")]
+    except BaseException:
+        if made:
+            folder.rmdir()
+        raise

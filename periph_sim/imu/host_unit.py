@@ -1,0 +1,171 @@
+"""The host unit as a separate program: sends frames of 12 bytes, from a flight or datagrams, over a serial port.
+
+    flight.csv --motion--> MotionFrames --.
+                                           +--> frame n, n periods after the first --> port
+    Simulink --UDP--> latest datagram ----'
+
+The port is any of pyserial's: a real one, the pseudo-terminal of `serve`, rfc2217://, f28335://. Bytes received on it
+are read and counted, so that the sender never blocks. A frame is what [host] of a case sends: see `host_frame`.
+"""
+
+from __future__ import annotations
+
+import socket
+import struct
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..devices.host_pc import VALUES, encode
+from ..outside.errors import OutsideError
+from ..outside.live.pacing import Pacer
+from .host_frame import Encoding, MotionFrames
+from .motion import BadMotion
+from .motion.flight import Settings, motion
+
+NANOSECONDS = 10**9
+AT_ONCE = 4096  # bytes
+LONGEST = 1 << 16  # bytes of a datagram
+KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # length of a datagram: format of its numbers
+OTHERS = "six doubles (48 bytes), six singles (24) or a frame as it is (12)"
+
+
+class FrameSource(Protocol):
+    def frame(self, number: int) -> bytes | None:
+        """Return the bytes of frame `number`; None if there is none yet."""
+
+    def over(self, number: int) -> bool:
+        """Return True if the frame before `number` was the last."""
+
+
+class FlightFrames:
+    """The frames of a flight in a CSV file. BadMotion or BadCapture if it contains none."""
+
+    def __init__(self, file: Path, encoding: Encoding, period: Fraction) -> None:
+        flight = motion(Settings(file))
+        self._last = int(Fraction(flight.ends) / period)
+        self._values = MotionFrames(flight, encoding, Fraction(0), period)
+        self._order = encoding.byte_order
+
+    def frame(self, number: int) -> bytes | None:
+        return encode(self._values(number), self._order)
+
+    def over(self, number: int) -> bool:
+        return number > self._last
+
+
+class UdpFrames:
+    """The latest values received as a datagram: phi, theta, psi in rad, ax, ay, az in g; held until the next.
+
+    order: byte order. refused: datagrams without such values. held: frames without new values.
+    OutsideError for a port that is taken.
+    """
+
+    def __init__(self, address: str, port: int, encoding: Encoding, order: str, notify: Callable[[str], None]) -> None:
+        self.refused = self.held = 0
+        self._encoding = encoding
+        self._order = "<" if order == "little" else ">"
+        self._notify = notify
+        self._frame: bytes | None = None
+        self._socket = socket.socket(socket.AF_INET6 if ":" in address else socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            self._socket.bind((address, port))
+        except (OSError, OverflowError) as error:
+            self._socket.close()
+            what = getattr(error, "strerror", None) or error
+            raise OutsideError(f"port {port} of {address}: {what}; give another one") from None
+        self._socket.setblocking(False)
+        self.port: int = self._socket.getsockname()[1]
+
+    def close(self) -> None:
+        self._socket.close()
+
+    def frame(self, number: int) -> bytes | None:
+        latest = self._latest()
+        if latest is None:
+            self.held += self._frame is not None
+        else:
+            self._frame = latest
+        return self._frame
+
+    def over(self, number: int) -> bool:
+        return False
+
+    def _latest(self) -> bytes | None:
+        """Return the last valid datagram since the last call."""
+        found = None
+        while True:
+            try:
+                data = self._socket.recv(LONGEST)
+            except BlockingIOError:
+                return found
+            except OSError:  # an error of a datagram sent to us
+                continue
+            try:
+                found = self._framed(data)
+            except BadMotion as error:
+                self.refused += 1
+                if self.refused == 1:
+                    self._notify(f"a datagram was refused: {error}")
+
+    def _framed(self, data: bytes) -> bytes:
+        if len(data) == 2 * VALUES:
+            return data
+        if len(data) not in KINDS:
+            raise BadMotion(f"it has {len(data)} bytes; expected {OTHERS}")
+        values = np.array([struct.unpack(f"{self._order}{VALUES}{KINDS[len(data)]}", data)])
+        if not np.isfinite(values).all():
+            raise BadMotion("a value is infinite or no number")
+        counts, _ = self._encoding.counts(values)
+        return encode(tuple(counts[0].tolist()), self._encoding.byte_order)
+
+
+@dataclass
+class Sent:
+    """frames and bytes that went out; came: bytes that came back."""
+
+    frames: int = 0
+    bytes: int = 0
+    came: int = 0
+
+
+def send_frames(
+    port: Any,
+    source: FrameSource,
+    period: Fraction,
+    pacer: Pacer,
+    frames: int | None = None,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Sent:
+    """Send frames until there are no more, or it is stopped. pacer: in nanoseconds; it also measures lateness.
+
+    Waiting is done by reading: this also advances a port whose time is simulated.
+    """
+    sent = Sent()
+    number = 0
+    while (frames is None or sent.frames < frames) and not source.over(number) and not stopped():
+        due = int(number * period * NANOSECONDS)
+        left = pacer.wait(due)
+        while left > 0 and not stopped():
+            port.timeout = left
+            sent.came += len(port.read(AT_ONCE))
+            left = pacer.wait(due)
+        data = source.frame(number)
+        number += 1
+        if data is not None:
+            port.write(data)
+            sent.frames += 1
+            sent.bytes += len(data)
+            pacer.reached(due)
+    port.flush()
+    return sent
+
+
+def pacer_for(port: Any) -> Pacer:
+    """Return a pacer with the port's clock, if its time is simulated."""
+    return Pacer(NANOSECONDS, Fraction(1), "slip", getattr(port, "clock", time.monotonic))

@@ -1,0 +1,114 @@
+"""Codes computed without wires, from frames and their order, one model run after another.
+
+    frames --> int16 counts --> models over arrays, in the firmware's arithmetic, with its noise --> codes
+
+Run n of the models has the noise of number n; run 0 is before the first frame, with zeros. Which frame a run
+uses depends on timing: it is given, or computed from a schedule without jitter.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from ...devices.host_pc import FRAME_BYTES, encode
+from ..host_frame import ACCELERATION, ANGLE
+from ..imu_noise import ImuNoise
+from ..models.arrays import codes_of
+from ..models.imu import Codes, Noise
+from ..models.sensed_motion import SensedMotion
+from ..numeric import arithmetic_names as named
+from ..numeric.arithmetic import Arithmetic
+from ..numeric.vectors import Triple
+from ..rotations import Floats
+from .readings import Ints, Readings
+from .subject import EmulatorUnderTest
+
+BITS_OF_REQUEST = 3 + 9 * 9  # START, repeated START, STOP; two addresses, a pointer, six bytes
+BITS_OF_BYTE = 10  # start, eight, stop
+
+
+def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings:
+    """Return the readings of each round, or of each run of the models if `frames` names the frame of each (-1: none).
+
+    Runs before the first frame have no effect on it, and its rate is zero, as in the firmware.
+    """
+    carried = frames_by_schedule(subject) if frames is None else frames
+    counts = _counts(subject, carried)
+    imu, runs = subject.sensors, len(carried)
+    one, many = named.scalar(subject.arithmetic), named.arrays(subject.arithmetic)
+    noise = None
+    if subject.seed is not None:
+        added = ImuNoise(imu, subject.seed).values(0, runs)
+        x, y, z = (_taken(one, chip) for chip in added)
+        noise = Noise(x, y, z)
+    scaled = [many.scaled(column, lsb) for column, lsb in zip(counts.T, 3 * [ANGLE] + 3 * [ACCELERATION], strict=True)]
+    began = int(np.argmax(carried >= 0)) if (carried >= 0).any() else runs
+    parts = []
+    for part in (slice(0, began), slice(began, runs)):
+        x, y, z, *pushed = (column[part] for column in scaled)
+        noise_here = (
+            None if noise is None else Noise(_part(noise[0], part), _part(noise[1], part), _part(noise[2], part))
+        )
+        codes = codes_of(imu, (x, y, z), (pushed[0], pushed[1], pushed[2]), noise_here, arithmetic=many)
+        parts.append(_stacked(codes))
+    whole = {name: np.concatenate([one[name] for one in parts]) for name in Codes._fields}
+    return Readings(_due(subject, runs), whole, _scales(subject))
+
+
+def _part(chip: Triple[Floats], part: slice) -> Triple[Floats]:
+    x, y, z = chip
+    return x[part], y[part], z[part]
+
+
+def sensors(subject: EmulatorUnderTest) -> Readings:
+    """Return the readings of real sensors that sample when a round is due, with other noise than the emulator's."""
+    seconds = _due(subject, subject.rounds)
+    imu = subject.sensors
+    noise = None if subject.seed is None else ImuNoise(imu, subject.seed + 1).values(0, subject.rounds)
+    felt = SensedMotion(imu, subject.frames.motion).lsb(seconds, noise)
+    return Readings(seconds, {name: np.rint(lsb).astype(np.int64) for name, lsb in felt.items()}, _scales(subject))
+
+
+def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
+    """Return the frame used by the run before each round if nothing is late, -1 for none: int64[rounds]."""
+    host, controller = subject.host, subject.controller
+    request = BITS_OF_REQUEST / controller.rate + controller.gap
+    over = controller.first + 3 * request - controller.gap  # end of round 0; the models begin then
+    sent = host.first + (FRAME_BYTES * BITS_OF_BYTE + (FRAME_BYTES - 1) * host.gap) / host.baud  # frame 0
+    found = [-1]
+    for number in range(1, subject.rounds):
+        begun = over + (number - 1) * controller.period
+        last = ceil((begun - sent) / host.period) - 1
+        found.append(max(-1, last if host.frames is None else min(last, host.frames - 1)))
+    return np.array(found[: subject.rounds], np.int64)
+
+
+def _counts(subject: EmulatorUnderTest, carried: Ints) -> Ints:
+    """Return the counts that the firmware reads from each frame, low byte first; zeros for -1: int64[n, 6]."""
+    rows = {-1: np.zeros(6, np.int64)}
+    for number in sorted(set(carried.tolist()) - {-1}):
+        data = encode(subject.frames(number), subject.frames.byte_order)
+        rows[number] = np.frombuffer(data, "<i2").astype(np.int64)
+    return np.array([rows[number] for number in carried.tolist()], np.int64).reshape(-1, 6)
+
+
+def _taken(a: Arithmetic[Any], chip: Triple[Floats]) -> Triple[Floats]:
+    """Convert noise to the numbers of an arithmetic, as the firmware does."""
+    x, y, z = (np.array([a.constant(value) for value in axis.tolist()]) for axis in chip)
+    return x, y, z
+
+
+def _stacked(codes: Codes[np.ndarray[tuple[int], np.dtype[np.int16]]]) -> dict[str, Ints]:
+    return {name: np.stack(getattr(codes, name), axis=1).astype(np.int64) for name in codes._fields}
+
+
+def _due(subject: EmulatorUnderTest, rounds: int) -> Floats:
+    controller = subject.controller
+    return np.array([float(controller.first + n * controller.period) for n in range(rounds)])
+
+
+def _scales(subject: EmulatorUnderTest) -> dict[str, float]:
+    return {name: getattr(subject.sensors, name).scale for name in Codes._fields}

@@ -1,0 +1,155 @@
+"""The experiment over wires, simulated edge by edge: codes read in each round.
+
+emulator   host --SCI--> firmware --I2C--> head     chips   motion --> ITG-3200, ADXL345, HMC5883L --I2C--> head
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from msgspec import structs
+
+from ...core.records import Kind, Record, Recorder
+from ...core.time import Timebase
+from ...devices.chips.register_chip import Source
+from ...devices.sensor_rounds import CHIPS, Round
+from ...scene.case.model import ChipTable
+from ...scene.scene import Scene
+from ...timing.derived.age_records import MODEL
+from ..imu_noise import ImuNoise
+from ..models.imu import Noise
+from ..models.sensed_motion import SensedMotion
+from ..rotations import Floats
+from ..samples import SampleLog
+from .readings import Ints, Readings
+from .subject import EmulatorUnderTest
+
+Progress = Callable[[float], None]
+
+# Set up beforehand, like the drivers of `sensor_head.CHIPS` do.
+REAL: dict[str, dict[str, Any]] = {
+    "gyroscope": {"model": "itg3200", "registers": {"PWR_MGM": 0x01, "SMPLRT_DIV": 0x00, "DLPF_FS": 0x1B}},
+    "accelerometer": {"model": "adxl345", "registers": {"BW_RATE": 0x0A, "DATA_FORMAT": 0x08, "POWER_CTL": 0x08}},
+    "magnetometer": {"model": "hmc5883l", "registers": {"CRA": 0x18, "CRB": 0x60, "Mode": 0x00}},
+}
+
+
+@dataclass(frozen=True)
+class Emulated:
+    """frames: int64, the last host frame that the firmware had read when each model run began, -1 for none.
+
+    runs: int64[n], the model run whose values each round read.
+    """
+
+    readings: Readings
+    frames: Ints
+    runs: Ints
+
+
+class ModelRuns:
+    """Follows the model runs of a scene: frames read when each began, and the run that each round read.
+
+    A frame counts as read when the receive FIFO is read empty, maybe some bits before its last stop bit ends.
+    """
+
+    def __init__(self) -> None:
+        self.runs: list[int] = []
+        self._sent = [-1]  # numbers of frames; -1 before the first
+        self._taken = 0
+        self._waiting = 0  # words in the FIFO
+        self._begun_with: list[int] = []  # for each model run, the number of frames read when it began
+        self._ended = 0
+
+    @property
+    def frames(self) -> list[int]:
+        """The frame number used by each run, -1 for none."""
+        sent = [*self._sent, self._sent[-1] + 1]  # the run of the scene may end within those bits
+        return [sent[taken] for taken in self._begun_with]
+
+    def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
+        recorder.subscribe([Kind.SPAN], self._record)
+        recorder.subscribe([Kind.RECEIVER], self._words_wait, things={(Kind.RECEIVER, "words")})
+
+    def listen(self, scene: Scene) -> None:
+        scene.on_frame(self._frame)
+        scene.on_round(self._round)
+
+    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        self._sent.append(number)
+
+    def _words_wait(self, record: Record) -> None:
+        """Record a change of the receive FIFO level."""
+        self._taken += not record.value and self._waiting > 0
+        self._waiting = record.value
+
+    def _record(self, record: Record) -> None:
+        if record.what == MODEL and record.value:
+            self._begun_with.append(self._taken)
+        elif record.what == MODEL:
+            self._ended += 1
+
+    def _round(self, over: Round) -> None:
+        if not over.nacked:
+            self.runs.append(self._ended - 1)
+
+
+def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Emulated:
+    """Run the host's frames through SCI, firmware and I2C."""
+    heard = ModelRuns()
+    scene = Scene(subject.case, heard.subscribe)
+    heard.listen(scene)
+    scales = {name: Fraction(getattr(subject.sensors, name).scale) for name in CHIPS}
+    readings = _read(scene, subject, scales, progress)
+    return Emulated(readings, np.array(heard.frames, np.int64), np.array(heard.runs, np.int64))
+
+
+def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readings:
+    """Run the true motion through the three real chips, each sampling with its own clock."""
+    values = {"values": {"fixed": [0, 0, 0]}}
+    tables = {name: ChipTable.model_validate({**table, **values}) for name, table in REAL.items()}
+    case = subject.case.model_copy(update={"unit": {}, "host": None, "chip": tables})
+    clock = Timebase()
+    scene = Scene(case, sources=sources(subject, clock.per_second, clock.ticks(case.start, "nearest")))
+    assert scene.timebase.per_second == clock.per_second
+    readings = _read(scene, subject, {name: chip.lsb_per_unit for name, chip in CHIPS.items()}, progress)
+    return replace(readings, overflow=CHIPS["magnetometer"].overflow)
+
+
+def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Source]:
+    """Return each chip's input in its unit, with cross-axis sensitivity, bias and noise. ticks: per second.
+
+    Noise of number n lasts from n to n + 1 periods of the models, since its density refers to that sample rate.
+    """
+    imu = subject.sensors
+    felt = SensedMotion(imu, subject.frames.motion)
+    noise = None if subject.seed is None else ImuNoise(imu, subject.seed + 1)
+
+    def source(name: str) -> Source:
+        scale = getattr(imu, name).scale
+
+        def at(tick: int) -> list[float]:
+            seconds = (tick - start) / ticks
+            added = None if noise is None else _arrays(noise.at(max(0, int(seconds / imu.period))))
+            values: list[float] = (felt.lsb(np.array([seconds]), added)[name][0] / scale).tolist()
+            return values
+
+        return at
+
+    return {name: source(name) for name in CHIPS}
+
+
+def _arrays(noise: Noise[float]) -> Noise[Floats]:
+    """Return one sample's noise as arrays of length 1."""
+    return Noise(*((np.array([x]), np.array([y]), np.array([z])) for x, y, z in noise))
+
+
+def _read(scene: Scene, subject: EmulatorUnderTest, scales: dict[str, Fraction], progress: Progress | None) -> Readings:
+    assert scene.head is not None
+    known = {name: structs.replace(CHIPS[name], lsb_per_unit=scale) for name, scale in scales.items()}
+    log = SampleLog(scene.head, scene.start, scene.timebase.per_second, known)
+    scene.run(subject.duration, progress)
+    return Readings(log.samples().seconds, log.counts(), {name: float(scale) for name, scale in scales.items()})

@@ -1,0 +1,88 @@
+"""The subject of an experiment: motion, sensors and frames of a case.
+
+The case's host needs a motion, its firmware sensor models, and its controller must read the three known chips.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from msgspec import structs
+
+from ...devices.sensor_rounds import CHIPS
+from ...scene.case.model import Case, Controller, HostTable
+from ...scene.scene import Scene
+from ..host_frame import MotionFrames
+from ..models.parameters import ImuParameters, Rates
+from ..motion import Motion
+
+
+@dataclass(frozen=True)
+class EmulatorUnderTest:
+    """unit: the one whose firmware is the emulator. seed: of the emulator's noise; None without noise."""
+
+    case: Case
+    unit: str
+    sensors: ImuParameters
+    arithmetic: str
+    seed: int | None
+    host: HostTable
+    controller: Controller
+    frames: MotionFrames
+    duration: Fraction
+
+    @property
+    def motion(self) -> Motion:
+        """The true motion of the body."""
+        return self.frames.motion.truth
+
+    def with_rates(self, rates: Rates) -> EmulatorUnderTest:
+        """Return the same with a gyroscope as built, or corrected."""
+        sensors = structs.replace(self.sensors, gyroscope=structs.replace(self.sensors.gyroscope, rates=rates))
+        unit = self.case.unit[self.unit]
+        unit = unit.model_copy(update={"settings": {**unit.settings, "parameters": sensors}})
+        case = self.case.model_copy(update={"unit": {**self.case.unit, self.unit: unit}})
+        return replace(self, case=case, sensors=sensors)
+
+    @property
+    def rounds(self) -> int:
+        """Rounds that are due before the end."""
+        left = self.duration - self.controller.first
+        most = max(0, -(-left // self.controller.period))
+        return most if self.controller.rounds is None else min(most, self.controller.rounds)
+
+
+def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTest:
+    """Check a case; raise BadCase with file and line if unsuitable. duration: seconds, else the case's."""
+    case = case.model_copy(update={"budget": (), "breaks": ()})  # a copy keeps its source
+    scene = Scene(case)
+    if case.host is None or scene.frames is None:
+        raise case.mistake("a moving experiment needs a motion; give host.motion", "host")
+    if case.host.lose:
+        raise case.mistake("a lost byte shifts all others; a moving experiment needs whole frames", "host", "lose")
+    names = {request.name for request in scene.requests}
+    if case.controller is None or names != set(CHIPS) or len(scene.requests) != len(CHIPS):
+        raise case.mistake(f"a moving experiment reads {', '.join(CHIPS)} in each round", "controller", "order")
+    arithmetics = [unit.settings.get("arithmetic") for unit in case.unit.values()]
+    if scene.sensors is None or len(arithmetics) != 1 or not isinstance(arithmetics[0], str):
+        raise case.mistake('a moving experiment needs one unit with sensor models; give it arithmetic = "q16"', "unit")
+    sensors = scene.sensors
+    if sensors.magnetometer.board_azimuth or sensors.magnetometer.board_elevation:
+        raise case.mistake("the sensor head does not support an inclined magnetometer board; make it 0", "unit")
+    if (case.duration if duration is None else duration) <= case.controller.first:
+        raise case.mistake("no round is due before the end; run longer, or start the first one earlier", "controller")
+    (unit,) = case.unit
+    settings = case.unit[unit].settings
+    seed = settings.get("noise_seed")
+    return EmulatorUnderTest(
+        case,
+        unit,
+        sensors,
+        arithmetics[0],
+        seed if isinstance(seed, int) else None,
+        case.host,
+        case.controller,
+        scene.frames,
+        case.duration if duration is None else duration,
+    )

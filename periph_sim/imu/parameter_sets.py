@@ -1,0 +1,129 @@
+"""Sets of sensor parameters, loaded from TOML and checked.
+
+    period = "20 ms"                      [gyroscope]
+    wrap = "unwrapped"                    bias = "-3.1, 3.6, 0.04 deg/s"
+
+Keys that a file leaves out are as in Table 4.1. A number is followed by its unit; three numbers share one. A number
+without a unit is accepted only for keys that have none. Sets that come with periph_sim (`models/sets`) are known
+by name.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ..core.suggest import did_you_mean
+from ..scene.case.load import read
+from ..scene.case.model import BadCase
+from ..scene.case.origin import Place, Source
+from .models.parameters import STANDARD_GRAVITY, ImuParameters
+from .models.quantity import BadParameter, Checked, Parameter, Quantity, Vector, parameters_of
+
+C = TypeVar("C", bound=Checked)
+
+# Other units than a parameter's own: how much of its own one of them is.
+OTHERS: dict[str, dict[str, float]] = {
+    "s": {"ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    "m": {"cm": 1e-2, "mm": 1e-3},
+    "g": {"mg": 1e-3, "m/s^2": 1 / STANDARD_GRAVITY},
+    "gauss": {"mgauss": 1e-3, "uT": 1e-2, "nT": 1e-5},
+    "": {"%": 1e-2},
+}
+
+
+SHIPPED = Path(__file__).parent / "models" / "sets"
+
+
+def named(name: str) -> ImuParameters:
+    """Return the parameters of a shipped set ("table_5_1") or of a file. Raise BadCase if there is neither."""
+    shipped = {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+    if name in shipped:
+        return load(shipped[name])
+    if not Path(name).suffix and not Path(name).exists():
+        known = ", ".join(shipped)
+        raise BadCase(f"there is no parameter set {name!r}; give the path of a TOML file, or a shipped set: {known}")
+    return load(Path(name))
+
+
+def load(path: Path) -> ImuParameters:
+    """Return the parameters in a file. Raise BadCase, with file, line, name, value and range, if one is wrong."""
+    text, tree = read(path, "parameter")
+    source = Source(path, text)
+    given = {}
+    for one in parameters_of(ImuParameters):
+        if isinstance(one.kind, type) and issubclass(one.kind, Checked) and one.name in tree:
+            given[one.name] = _set(source, (one.name,), one.kind, tree.pop(one.name))
+    return _made(source, (), ImuParameters, given | _values(source, (), ImuParameters, tree))
+
+
+def _set(source: Source, place: Place, kind: type[C], table: Any) -> C:
+    if not isinstance(table, dict):
+        raise _wrong(source, place, f"expected a table, but it is {table!r}")
+    return _made(source, place, kind, _values(source, place, kind, table))
+
+
+def _made(source: Source, place: Place, kind: type[C], given: dict[str, Any]) -> C:
+    try:
+        return kind(**given)
+    except BadParameter as error:
+        key = error.name.split(".")[1]
+        raise _wrong(source, (*place, key), f"{error.what}", error.name.split(".")[2:]) from None
+
+
+def _values(source: Source, place: Place, kind: type[Checked], table: dict[str, Any]) -> dict[str, Any]:
+    known = {one.name: one for one in parameters_of(kind)}
+    for name in table:
+        if name not in known:
+            key = ".".join(str(part) for part in (*place, name))
+            raise BadCase(f"{source.where((*place, name))}: there is no parameter {key!r}; {did_you_mean(name, known)}")
+    return {name: _value(source, (*place, name), known[name], value) for name, value in table.items()}
+
+
+def _value(source: Source, place: Place, parameter: Parameter, value: Any) -> Any:
+    says = parameter.says
+    if not isinstance(says, Quantity):
+        return value
+    try:
+        numbers, factor = _numbers(value, says.unit, bare=parameter.kind is int or not says.unit)
+    except ValueError as error:
+        raise _wrong(source, place, f"{error}; expected {_expected(parameter, says)}") from None
+    if parameter.kind == Vector:
+        return tuple(number * factor for number in numbers)
+    if len(numbers) != 1:
+        raise _wrong(source, place, f"{value!r} is {len(numbers)} numbers; expected {_expected(parameter, says)}")
+    return int(numbers[0]) if parameter.kind is int and numbers[0].is_integer() else numbers[0] * factor
+
+
+def _numbers(value: Any, unit: str, bare: bool) -> tuple[list[float], float]:
+    """Return the numbers of a value and their factor to `unit`. Raise ValueError, with a phrase, if one is wrong."""
+    if isinstance(value, str):
+        *numbers, last = [part.strip() for part in value.split(",")]
+        number, _, said = last.partition(" ")
+        factor = 1.0 if said.strip() == unit else OTHERS.get(unit, {}).get(said.strip())
+        if factor is None:
+            raise ValueError(f"{value!r} has the unit {said.strip()!r}" if said else f"{value!r} has no unit")
+        try:
+            return [float(one) for one in (*numbers, number)], factor
+        except ValueError:
+            raise ValueError(f"{value!r} is not a number") from None
+    entries = value if isinstance(value, list) else [value]
+    if not all(isinstance(one, int | float) and not isinstance(one, bool) for one in entries):
+        raise ValueError(f"{value!r} is not a number")
+    if not bare:
+        raise ValueError(f"{value!r} has no unit")
+    try:
+        return [float(one) for one in entries], 1.0
+    except OverflowError:
+        raise ValueError("it is too large a number") from None
+
+
+def _expected(parameter: Parameter, says: Quantity) -> str:
+    units = " or ".join(unit for unit in (says.unit, *OTHERS.get(says.unit, {})) if unit)
+    numbers = "three numbers" if parameter.kind == Vector else "a number"
+    return f"{numbers}{f' in {units}' if units else ''}, {says.span}"
+
+
+def _wrong(source: Source, place: Place, what: str, inside: list[str] | None = None) -> BadCase:
+    key = ".".join(str(part) for part in (*place, *(inside or [])))
+    return BadCase(f"{source.where(place)}: {key}: {what}")

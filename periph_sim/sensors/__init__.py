@@ -1,1 +1,0 @@
-"""Sensor models: motion, arithmetic, noise, identification, extremes."""

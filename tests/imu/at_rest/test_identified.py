@@ -1,0 +1,105 @@
+"""Parameters through the whole chain: into the models, out as codes, identified, and into a set again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy
+
+from periph_sim.imu.at_rest.identified import parameters_of_axes
+from periph_sim.imu.at_rest.rest import SENSORS, UNITS, at_rest, expected_at_rest
+from periph_sim.imu.identification.identify import identify
+from periph_sim.imu.identification.text_report import Axis
+from periph_sim.imu.models.parameters import ImuParameters
+from periph_sim.imu.models.quantity import BadParameter
+from periph_sim.imu.noise import AXES
+
+
+def identified(imu: ImuParameters, seed: int, samples: int = 10_000) -> dict[str, Axis]:
+    got = at_rest(imu, samples, seed)
+    return {
+        f"{sensor}_{axis}": Axis(UNITS[sensor], identify(f"{sensor}_{axis}", got[sensor][:, column], imu.period))
+        for sensor in SENSORS
+        for column, axis in enumerate(AXES)
+    }
+
+
+@pytest.mark.long
+def test_what_was_put_into_the_models_comes_back_within_its_error_bars_over_200_seeds():
+    imu, hits, seeds = ImuParameters(), np.zeros((4, 9), dtype=int), 200
+    for seed in range(seeds):
+        axes = identified(imu, seed, 5000)
+        told = parameters_of_axes(axes, hard_iron=False)
+        for place, (name, axis) in enumerate(axes.items()):
+            sensor, column = name.split("_")[0], place % 3
+            given, came = getattr(imu, sensor), getattr(told, sensor)
+            key = "earth_field" if sensor == "magnetometer" else "bias"
+            off = abs(getattr(came, key)[column] - getattr(given, key)[column])
+            density, rounding = given.noise_density[column], axis.found.quantisation_density
+            for row, (part, z) in enumerate(((0.6827, 1.0), (0.95, 1.96))):
+                low, high = axis.found.density.bounds(part)
+                hits[row, place] += low - rounding <= density <= high - rounding
+                hits[2 + row, place] += off <= z * axis.found.bias.error
+    for row, part in zip(hits, (0.6827, 0.95, 0.6827, 0.95), strict=True):
+        least, most = scipy.stats.binom.interval(1 - 1e-3 / 9, seeds, part)
+        assert least <= row.min() and row.max() <= most, part
+        least, most = scipy.stats.binom.interval(0.999, 9 * seeds, part)
+        assert least <= row.sum() <= most, part
+
+
+def test_the_set_gives_the_same_means_again():
+    axes = identified(ImuParameters(), 1)
+    expected = expected_at_rest(parameters_of_axes(axes, hard_iron=False))
+    for name, axis in axes.items():
+        sensor, letter = name.split("_")
+        found = axis.found.series.samples
+        again = expected[sensor][AXES.index(letter)]
+        assert again.mean == pytest.approx(found.mean(), abs=5e-5)
+        assert again.variance == pytest.approx(found.var(), rel=0.02)
+
+
+def test_hard_iron_against_a_recording_without_it():
+    imu, samples = ImuParameters(), 5000
+    with_iron, without = (at_rest(one, samples, seed)["magnetometer"] for one, seed in ((imu, 1), (plain(imu), 2)))
+    axes = {
+        f"magnetometer_{axis}": Axis(
+            "gauss", identify(f"magnetometer_{axis}", with_iron[:, k], imu.period, undisturbed=without[:, k])
+        )
+        for k, axis in enumerate(AXES)
+    }
+    told = parameters_of_axes(axes, hard_iron=True).magnetometer
+    assert told.hard_iron == pytest.approx(imu.magnetometer.hard_iron, abs=5e-4)
+    assert told.earth_field == pytest.approx(imu.magnetometer.earth_field, abs=5e-4)
+    assert parameters_of_axes(axes, hard_iron=True).gyroscope == imu.gyroscope
+
+
+def plain(imu: ImuParameters) -> ImuParameters:
+    from msgspec.structs import replace
+
+    return replace(imu, magnetometer=replace(imu.magnetometer, hard_iron=(0.0, 0.0, 0.0)))
+
+
+def test_slow_terms_go_into_the_set_where_they_were_found():
+    noise = np.random.default_rng(1).normal(size=(4000, 3))
+    walk = 0.05 * np.cumsum(np.random.default_rng(2).normal(size=4000))
+    values = {"x": noise[:, 0], "y": noise[:, 1] + walk, "z": noise[:, 2]}
+    axes = {f"gyroscope_{a}": Axis("deg/s", identify(a, v, 0.02, slow=True)) for a, v in values.items()}
+    told = parameters_of_axes(axes, hard_iron=False).gyroscope
+    assert told.random_walk[0] == told.random_walk[2] == 0
+    assert told.random_walk[1] == pytest.approx(0.05 / 0.02**0.5, rel=0.5)
+
+
+def test_columns_that_are_no_sensor_lack_an_axis_or_have_another_unit_are_refused():
+    axes = identified(ImuParameters(), 1, 1000)
+    with pytest.raises(
+        BadParameter, match=r"^height: it is not a column of a sensor model; expected accelerometer_x, acc"
+    ):
+        parameters_of_axes(axes | {"height": axes["gyroscope_x"]}, False)
+    without = {name: axis for name, axis in axes.items() if name != "gyroscope_y"}
+    with pytest.raises(
+        BadParameter, match=r"^gyroscope_y: it is missing; a set needs all three axes of the gyroscope$"
+    ):
+        parameters_of_axes(without, False)
+    other = Axis("rad/s", axes["gyroscope_z"].found)
+    with pytest.raises(BadParameter, match=r"^gyroscope_z: its unit is 'rad/s'; expected 'deg/s'$"):
+        parameters_of_axes(axes | {"gyroscope_z": other}, False)

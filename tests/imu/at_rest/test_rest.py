@@ -1,0 +1,94 @@
+"""The sensors at rest: samples against what the models expect, exactly, over several seeds and all axes together."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from periph_sim.imu.at_rest.rest import SENSORS, at_rest, expected_at_rest, sensed_at_rest
+from periph_sim.imu.at_rest.static_table import static_table
+from periph_sim.imu.models.parameters import GyroscopeParameters, ImuParameters
+
+SAMPLES = 10_000
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
+def test_ten_thousand_samples_agree_with_the_model_on_every_axis(seed: int):
+    rows = static_table(ImuParameters(), at_rest(ImuParameters(), SAMPLES, seed))
+    limit = scipy.stats.norm.isf(0.5e-3 / 18)  # one in a thousand over the eighteen figures
+    for row in rows:
+        assert abs(row.mean.ours_off) < limit, (row.sensor, row.axis)
+        assert abs(row.variance.ours_off) < limit, (row.sensor, row.axis)
+        assert row.three_sigma.ours_off == pytest.approx(row.variance.ours_off, abs=0.1)
+
+
+def test_all_seeds_axes_means_and_variances_together_are_as_far_off_as_chance_has_it():
+    rows = [row for seed in range(20) for row in static_table(ImuParameters(), at_rest(ImuParameters(), SAMPLES, seed))]
+    assert len(rows) == 180
+    for figure in ("mean", "variance"):
+        squares = sum(getattr(row, figure).ours_off ** 2 for row in rows)
+        assert scipy.stats.chi2.ppf(0.5e-3, len(rows)) < squares < scipy.stats.chi2.isf(0.5e-3, len(rows))
+        offs = [getattr(row, figure).ours_off for row in rows]
+        assert scipy.stats.kstest(offs, "norm").pvalue > 1e-3
+
+
+def test_the_table_has_the_axes_of_the_published_one_in_their_order():
+    rows = static_table(ImuParameters(), at_rest(ImuParameters(), 100, 1))
+    assert [(row.sensor, row.axis) for row in rows] == [(sensor, axis) for sensor in SENSORS for axis in "xyz"]
+    assert rows[4].mean.real == 3.5997 and rows[4].mean.emulator == 3.5380 and rows[5].three_sigma.emulator == 0.1356
+
+
+@settings(deadline=None, max_examples=25)
+@given(
+    rounding=st.sampled_from(["nearest", "floor", "toward zero"]),
+    bias=st.floats(-2100, 2100),
+    sigma=st.sampled_from([0.0, 0.02, 0.2, 3.0]),
+)
+def test_expected_moments_are_those_of_many_samples_whatever_the_rounding_and_however_saturated(rounding, bias, sigma):
+    gyroscope = GyroscopeParameters(
+        bias=(bias if abs(bias) <= 2000 else 1999.9, 0.0, 0.0),
+        cross_axis=0.0,
+        rounding=rounding,
+        bits=14,
+        noise_density=(sigma**2 * 0.02, 0.0, 0.0),
+    )
+    imu = replace(ImuParameters(), gyroscope=gyroscope)
+    expected = expected_at_rest(imu)["gyroscope"][0]
+    values = at_rest(imu, SAMPLES, 1)["gyroscope"][:, 0]
+    assert abs(values.mean() - expected.mean) <= 5 * expected.mean_error(SAMPLES) + 1e-9
+    assert (
+        abs(values.var() - expected.variance) <= 5 * expected.variance_error(SAMPLES) + 1e-4 * expected.variance + 1e-9
+    )
+
+
+def test_rounding_down_lowers_every_mean_by_half_an_lsb():
+    down = replace(ImuParameters(), gyroscope=replace(ImuParameters().gyroscope, rounding="floor"))
+    nearest, lower = (expected_at_rest(imu)["gyroscope"] for imu in (ImuParameters(), down))
+    shifts = [a.mean - b.mean for a, b in zip(nearest, lower, strict=True)]
+    assert shifts == pytest.approx([0.5 / 14.375] * 3, rel=1e-3)
+
+
+def test_rounding_adds_a_twelfth_of_an_lsb_squared():
+    gyroscope = expected_at_rest(ImuParameters())["gyroscope"]
+    matrix = np.array(ImuParameters().gyroscope.matrix) / 14.375
+    unrounded = matrix**2 @ np.array(ImuParameters().gyroscope.noise_density) / 0.02
+    assert [axis.variance for axis in gyroscope] == pytest.approx(unrounded + 1 / 14.375**2 / 12, rel=1e-3)
+
+
+def test_at_rest_the_magnetometer_feels_field_and_hard_iron_and_gravity_points_up():
+    felt = sensed_at_rest(ImuParameters())
+    assert felt["magnetometer"] == pytest.approx((0.1639, 0.1253, -0.0140))
+    assert felt["accelerometer"] == pytest.approx((-0.02, 0.02, -1.0))
+    inclined = replace(ImuParameters(), magnetometer=replace(ImuParameters().magnetometer, board_azimuth=90.0))
+    assert sensed_at_rest(inclined)["magnetometer"] == pytest.approx((-0.1253, 0.1639, -0.0140))
+
+
+def test_a_split_or_other_seed_of_the_experiment():
+    assert np.array_equal(
+        at_rest(ImuParameters(), 500, 3)["gyroscope"], at_rest(ImuParameters(), 900, 3)["gyroscope"][:500]
+    )
+    assert (at_rest(ImuParameters(), 500, 3)["gyroscope"] != at_rest(ImuParameters(), 500, 4)["gyroscope"]).any()

@@ -1,0 +1,160 @@
+"""`periph-sim imu-table` and `periph-sim identify` as a user meets them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from periph_sim.imu.models.parameters import ImuParameters
+from periph_sim.imu.parameter_sets import load
+from tests.commands.conftest import Run
+
+
+@pytest.fixture
+def rest(desk: Path, periph_sim: Run) -> Path:
+    """2000 samples of the models at rest."""
+    came = periph_sim("imu-table", "--samples", "2000", "--write", "rest.csv")
+    assert (came.status, came.err) == (0, "")
+    return Path("rest.csv")
+
+
+def test_the_table_shows_ours_beside_the_published_ones(periph_sim: Run):
+    came = periph_sim("imu-table")
+    assert came.status == 0
+    assert " gyroscope y, deg/s      3.5997    3.5380   3.5375    3.5385      -1.2      -0.6\n" in came.out
+    assert periph_sim("imu-table", "--seed", "2").out != came.out
+
+
+def test_the_turn_of_figure_5_1_with_its_field(periph_sim: Run):
+    came = periph_sim("imu-table", "--turn")
+    assert came.status == 0
+    assert "result: d = 0, H = (0.3239, -0.0447, 0.0060) gauss" in came.out
+    assert "\n 180  -0.4835   0.2137  -0.0145           0.0437\n" in came.out
+
+
+def test_a_set_that_is_neither_shipped_nor_a_file(periph_sim: Run):
+    came = periph_sim("imu-table", "--parameters", "table_6")
+    assert came.status == 2
+    assert "no parameter set 'table_6'; give the path of a TOML file, or a shipped set: table_5_1" in came.err
+
+
+def test_the_table_as_json(periph_sim: Run):
+    told = json.loads(periph_sim("imu-table", "--samples", "500", "--json").out)
+    assert (told["samples"], told["seed"], len(told["rows"])) == (500, 1, 9)
+    assert told["rows"][0]["mean"]["emulator"] == -0.0301
+    assert [len(reading["emulator_mean_off_se"]["gyroscope"]) for reading in told["readings"]] == [3] * 5
+
+
+def test_samples_written_are_read_back_by_identify_and_its_set_by_the_models(rest: Path, periph_sim: Run):
+    came = periph_sim("identify", "rest.csv", "--expect", "accelerometer_z=-1", "--parameters", "set.toml")
+    assert (came.status, came.err) == (0, "")
+    assert came.out.startswith("rest.csv: 2000 samples, one every 0.02 s\n")
+    told = load(Path("set.toml"))
+    assert told.gyroscope.bias == pytest.approx(ImuParameters().gyroscope.bias, abs=0.01)
+    assert told.accelerometer.noise_density == pytest.approx(ImuParameters().accelerometer.noise_density, rel=0.15)
+    again = periph_sim("imu-table", "--samples", "500", "--parameters", "set.toml")
+    assert again.status == 0
+
+
+def test_identified_parameters_as_json(rest: Path, periph_sim: Run):
+    told = json.loads(periph_sim("identify", "rest.csv", "--json", "--slow-terms").out)
+    y = told["columns"][4]
+    assert (y["column"], y["unit"], y["samples"], y["period_s"]) == ("gyroscope_y", "deg/s", 2000, pytest.approx(0.02))
+    assert y["lsb"] == pytest.approx(1 / 14.375)
+    low, high = y["noise_density"]["interval_95 %"]
+    assert low < y["noise_density"]["value"] < high
+    assert y["bias_instability"]["told_from_0"] is False
+    assert len(y["allan"]["tau_s"]) == len(y["allan"]["deviation"]) == 10
+
+
+def test_slow_terms_are_shown_with_their_intervals(rest: Path, periph_sim: Run):
+    out = periph_sim("identify", "rest.csv", "--slow-terms").out
+    assert "gyroscope_z      bias instability  -" in out and "not significant" in out
+
+
+@pytest.mark.parametrize(("name", "begins"), [("allan.svg", b"<?xml"), ("allan.png", b"\x89PNG")])
+def test_the_plot_is_written_whole_and_the_same_each_time(rest: Path, periph_sim: Run, name: str, begins: bytes):
+    lines = rest.read_text(encoding="utf-8").splitlines()
+    Path("one.csv").write_text("\n".join(",".join(line.split(",")[:2]) for line in lines), encoding="utf-8")
+    assert periph_sim("identify", "one.csv", "--plot", name).status == 0
+    first = Path(name).read_bytes()
+    assert first.startswith(begins)
+    periph_sim("identify", "one.csv", "--plot", name)
+    assert Path(name).read_bytes() == first
+    assert sorted(path.name for path in Path().iterdir() if path.suffix == Path(name).suffix) == [name]
+
+
+def test_hard_iron_between_two_recordings(desk: Path, periph_sim: Run):
+    chance = np.random.default_rng(1)
+    for name, mean in (("with.csv", 0.5), ("without.csv", 0.2)):
+        rows = "".join(f"{value!r}\n" for value in (mean + 0.01 * chance.normal(size=1000)).tolist())
+        Path(name).write_text(f"field [gauss]\n{rows}", encoding="utf-8")
+    came = periph_sim("identify", "with.csv", "--rate", "50 Hz", "--undisturbed", "without.csv", "--json")
+    bias = json.loads(came.out)["columns"][0]["bias"]
+    assert abs(bias["value"] - 0.3) < 4 * bias["standard_error"] < 0.003
+
+
+def rows(times: list[float]) -> str:
+    return "time [s],x [g]\n" + "".join(f"{time!r},{number % 7}\n" for number, time in enumerate(times))
+
+
+EVEN = [n * 0.02 for n in range(100)]
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "sentence"),
+    [
+        ("x [g]\n1\n2\n", (), "f.csv: there is no column 'time [s]'; state the rate with --rate: '50 Hz'"),
+        ("x [g]\n1\n2\n", ("--rate", "50 Hz"), "x: 2 samples; expected 32 or more"),
+        ("time [s]\n1\n2\n", (), "f.csv: the only column is time; expected a sensor's, with its unit"),
+        ("time [s],x [g]\n1,1\n", (), "f.csv: there is only one row, so no rate; state it with --rate"),
+        (
+            "x [g]\n1\nnan\n",
+            ("--rate", "50 Hz"),
+            "f.csv, line 3: found 'nan', expected a finite number; correct the file",
+        ),
+        (
+            rows(EVEN[:50] + EVEN[51:]),
+            (),
+            "f.csv, line 52: 0.04 s after the sample before, but usually 0.02 s; give a recording without",
+        ),
+        (rows(EVEN[::-1]), (), "f.csv, line 3: -0.02 s after the sample before, but usually -0.02 s; give a "),
+        (rows(EVEN), ("--expect", "y=1"), "--expect 'y=1': there is no column 'y'; it has x"),
+        (rows(EVEN), ("--expect", "x"), "--expect 'x': expected NAME=VALUE"),
+        (rows(EVEN), ("--expect", "x=nan"), "--expect 'x=nan': expected a finite number"),
+        (rows(EVEN), ("--expect", "x=one"), "--expect 'x=one': 'one' is not a number"),
+        (rows(EVEN), ("--plot", "p.gif"), "--plot p.gif: its suffix is '.gif'; expected .svg or .png"),
+        (
+            rows(EVEN),
+            ("--plot", "none/p.svg"),
+            "none/p.svg, its place: found no such file or directory, expected a place",
+        ),
+        (rows(EVEN), ("--parameters", "p.toml"), "x: it is not a column of a sensor model; expected accelerometer_x, "),
+        (rows(EVEN), ("--undisturbed", "g.csv"), "g.csv: a sample every 0.04 s; expected every 0.02 s, as in f.csv"),
+    ],
+)
+def test_what_cannot_be_identified_is_refused_and_writes_nothing(
+    desk: Path, periph_sim: Run, text: str, arguments: tuple[str, ...], sentence: str
+):
+    Path("f.csv").write_text(text, encoding="utf-8")
+    Path("g.csv").write_text(rows([n * 0.04 for n in range(100)]), encoding="utf-8")
+    before = sorted(desk.iterdir())
+    came = periph_sim("identify", "f.csv", *arguments)
+    assert came.status == 2 and came.out == ""
+    assert came.err.startswith(f"Error: {sentence}")
+    assert sorted(desk.iterdir()) == before
+
+
+def test_without_scipy_the_way_out_is_said(rest: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
+    import sys
+
+    for name in [name for name in sys.modules if name.startswith(("scipy", "periph_sim.imu.identification"))]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "scipy.special", None)
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    came = periph_sim("identify", "rest.csv")
+    assert came.status == 2
+    assert came.err.startswith("Error: identify needs scipy") and "pip install 'periph-sim[sensors]'" in came.err

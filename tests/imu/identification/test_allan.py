@@ -1,0 +1,104 @@
+"""Overlapping Allan variance against allantools, against its definition, and at its extremes."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import allantools
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.imu.identification import allan as module
+from periph_sim.imu.identification.allan import allan, everyone, octaves
+from periph_sim.imu.identification.series import BadSeries
+
+PERIOD = 0.02
+
+
+def noise(count: int, seed: int = 1) -> np.ndarray:
+    """White noise with a little random walk, so that no slope is special."""
+    chance = np.random.default_rng(seed)
+    return chance.normal(size=count) + 0.05 * np.cumsum(chance.normal(size=count))
+
+
+def by_definition(samples: np.ndarray, m: int) -> float:
+    """Equation 4.15 with overlapping clusters, word for word."""
+    averages = [samples[k : k + m].mean() for k in range(len(samples) - m + 1)]
+    changes = [averages[k + m] - averages[k] for k in range(len(averages) - m)]
+    return float(np.mean(np.square(changes)) / 2)
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.integers(4, 400), st.integers(0, 1000), st.floats(0.001, 100))
+def test_all_taus_agree_with_allantools(count: int, seed: int, period: float):
+    samples = noise(count, seed)
+    found = allan(samples, period, everyone(count))
+    # allantools asks for one phase more than it needs, so it leaves out the longest tau
+    taus, deviation, _, _ = allantools.oadev(samples, rate=1 / period, data_type="freq", taus="all")
+    assert len(taus) >= len(found.taus) - 1
+    assert found.taus[: len(taus)] == pytest.approx(taus)
+    assert found.deviation[: len(taus)] == pytest.approx(deviation, rel=1e-9)
+
+
+def test_a_long_series_agrees_with_allantools_at_octaves():
+    samples = noise(200_000)
+    found = allan(samples, PERIOD)
+    taus, deviation, _, _ = allantools.oadev(samples, rate=50, data_type="freq", taus=found.taus)
+    assert len(taus) == len(found.taus) == 17
+    assert found.deviation == pytest.approx(deviation, rel=1e-9)
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.integers(4, 40), st.data())
+def test_it_is_what_the_definition_says(count: int, data: st.DataObject):
+    m = data.draw(st.integers(1, count // 2))
+    samples = noise(count)
+    assert allan(samples, 1.0, [m]).variance[0] == pytest.approx(by_definition(samples, m))
+
+
+def test_octaves_and_everyone_go_up_to_half_the_samples():
+    assert octaves(2) == [1] and octaves(3) == [1] and octaves(9) == [1, 2, 4] and octaves(1) == []
+    assert everyone(9) == [1, 2, 3, 4]
+
+
+def test_what_is_formed_at_once_does_not_show(monkeypatch: pytest.MonkeyPatch):
+    samples = noise(1000)
+    whole = allan(samples, PERIOD).variance
+    monkeypatch.setattr(module, "AT_ONCE", 7)
+    assert allan(samples, PERIOD).variance == pytest.approx(whole, rel=1e-12)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e3, -1e9])
+def test_a_constant_beside_the_noise_changes_nothing(offset: float):
+    samples = np.round(noise(4096) * 2**20) / 2**20  # so that adding the offset is exact, or nearly
+    digits = 1e-9 if abs(offset) < 1e6 else 1e-3
+    assert allan(samples + offset, PERIOD).variance == pytest.approx(allan(samples, PERIOD).variance, rel=digits)
+
+
+def test_a_constant_has_no_allan_variance():
+    assert not allan(np.full(1000, 3.7), PERIOD).variance.any()
+
+
+def test_a_series_of_two_million_needs_memory_for_its_running_sum_and_little_else():
+    samples = np.random.default_rng(1).normal(size=2_000_000)
+    tracemalloc.start()
+    allan(samples, PERIOD, [1, 4096, 1_000_000])
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 2.2 * samples.nbytes
+
+
+def test_all_taus_of_a_long_series_are_refused_with_the_way_out():
+    with pytest.raises(BadSeries) as caught:
+        everyone(10_000_000)
+    assert str(caught.value) == (
+        "all averaging times of 10000000 samples take 2.5e+13 differences; expected 89442 samples or fewer, or octaves"
+    )
+
+
+@pytest.mark.parametrize("m", [0, 6, -1])
+def test_an_average_over_too_many_samples_is_refused(m: int):
+    with pytest.raises(BadSeries, match=rf"^an average over {m} of 10 samples; expected 1 to 5$"):
+        allan(noise(10), PERIOD, [m])

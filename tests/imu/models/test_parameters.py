@@ -1,0 +1,87 @@
+"""Parameters say what they are, and refuse what no sensor has."""
+
+from __future__ import annotations
+
+from math import inf, nan
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.imu.models.parameters import (
+    AccelerometerParameters,
+    GyroscopeParameters,
+    ImuParameters,
+    MagnetometerParameters,
+)
+from periph_sim.imu.models.quantity import BadParameter, Quantity, described, parameters_of
+
+SETS = [AccelerometerParameters, GyroscopeParameters, MagnetometerParameters, ImuParameters]
+
+
+def test_defaults_are_table_4_1() -> None:
+    """Typed in a second time, from the dissertation's page."""
+    imu = ImuParameters()
+    assert imu.accelerometer.bias == (-0.02, 0.02, -0.00)
+    assert imu.gyroscope.bias == (-3.10, 3.60, 0.04)
+    assert imu.magnetometer.hard_iron == (-0.16, 0.17, -0.02)
+    assert imu.accelerometer.noise_density == (0.16e-4, 0.16e-4, 0.15e-4)
+    assert imu.gyroscope.noise_density == (0.05e-3, 0.12e-3, 0.04e-3)
+    assert imu.magnetometer.noise_density == (0.58e-6, 0.77e-6, 0.20e-6)
+    chips = (imu.accelerometer, imu.gyroscope, imu.magnetometer)
+    assert [chip.scale for chip in chips] == [256, 14.375, 660]
+    assert [chip.cross_axis for chip in chips] == [0.01, 0.02, 0.002]
+    assert [chip.limits for chip in chips] == [(-512, 511), (-32768, 32767), (-2048, 2047)]
+    assert [chip.full_scale for chip in chips] == [2, 2000, 2.5]
+    assert imu.period == 0.02
+
+
+def test_every_parameter_has_a_source_and_every_number_a_range() -> None:
+    rows = list(described(ImuParameters()))
+    assert len({name for name, *_ in rows}) == len(rows) > 30
+    assert all(source for *_, source in rows)
+    assert ("gyroscope.bias", (-3.10, 3.60, 0.04), "deg/s", "dissertation, Table 4.1") in rows
+
+
+@pytest.mark.parametrize("kind", SETS, ids=lambda kind: kind.__name__)
+@given(data=st.data())
+def test_no_number_gets_by_that_is_none_or_out_of_range(kind, data) -> None:
+    numbers = [one for one in parameters_of(kind) if isinstance(one.says, Quantity)]
+    one = data.draw(st.sampled_from(numbers))
+    bad = data.draw(st.sampled_from([nan, inf, -inf, one.says.high * 2 + 1, one.says.low - 1, "1", None, True]))
+    vector = one.kind not in (float, int)
+    with pytest.raises(BadParameter) as refused:
+        kind(**{one.name: (bad, bad, bad) if vector else bad})
+    assert refused.value.name.startswith(f"{kind.__name__.removesuffix('Parameters').lower()}.{one.name}")
+    if isinstance(bad, float):
+        assert one.says.span in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: GyroscopeParameters(bias=(1.0, 2.0)), "gyroscope.bias: expected three numbers x, y, z, but it is 2"),
+        (
+            lambda: GyroscopeParameters(bias=[1.0, 2.0, 3.0]),
+            "gyroscope.bias: expected three numbers x, y, z, but it is 3",
+        ),
+        (
+            lambda: GyroscopeParameters(bits=15.5),
+            "gyroscope.bits: expected a whole number, 2 to 16 bit, but it is 15.5",
+        ),
+        (
+            lambda: GyroscopeParameters(rates="right"),
+            "gyroscope.rates: expected one of as built, corrected, but it is 'right'",
+        ),
+        (
+            lambda: GyroscopeParameters(mounting=(1, 1, 3)),
+            "gyroscope.mounting: expected 1, 2 and 3 once each, with a sign",
+        ),
+        (lambda: ImuParameters(period=0), "imu.period: 0 s is out of range; expected 1e-06 to 3600 s"),
+        (lambda: ImuParameters(gyroscope=AccelerometerParameters()), "imu.gyroscope: expected a set of parameters"),
+    ],
+)
+def test_what_is_wrong_is_said_with_name_value_and_range(make, message: str) -> None:
+    with pytest.raises(BadParameter) as refused:
+        make()
+    assert str(refused.value).startswith(message)

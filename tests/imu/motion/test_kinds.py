@@ -1,0 +1,148 @@
+"""Every kind of motion: defaults, range, rates that are the derivative, units in settings, and one test each."""
+
+from __future__ import annotations
+
+from math import inf, pi, radians
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.imu.motion import BadMotion, kinds, sampled, sines, static, steps
+from periph_sim.imu.motion.pose import Pose
+from periph_sim.scene.firmware_loader import BadSetting, filled
+
+EXAMPLES = {
+    "flight": {},  # needs a file: see test_flight
+    "servo": {"swings": 1, "hold": "0.5 s"},
+    "sines": {"angles": ({"of": "theta", "amplitude": "20 deg", "frequency": "0.5 Hz"},)},
+    "static": {"theta": "10 deg"},
+    "steps": {"steps": ({"at": "1 s", "theta": "10 deg"},)},
+}
+
+
+def make(name: str, **given: object):
+    kind = kinds()[name]
+    return kind.motion(filled(kind.Settings, given, name))
+
+
+def test_kinds_are_found_by_being_there_and_each_has_an_example_here():
+    assert sorted(kinds()) == sorted(EXAMPLES)
+
+
+@pytest.mark.parametrize("name", [name for name, given in EXAMPLES.items() if given])
+@settings(deadline=None, max_examples=30)
+@given(times=st.lists(st.floats(0, 1e6), min_size=1, max_size=5))
+def test_one_time_or_many_give_the_same_finite_values(name: str, times: list[float]):
+    motion = make(name, **EXAMPLES[name])
+    together = sampled(motion, np.array(times))
+    assert together.shape == (len(times), 6)
+    for row, time in zip(together, times, strict=True):
+        assert sampled(motion, np.array([time]))[0] == pytest.approx(row, abs=1e-12)
+
+
+def test_static_stays():
+    motion = static.motion(static.Settings(phi=0.1, az=-0.5))
+    assert sampled(motion, np.array([0.0, 1e9])).tolist() == [[0.1, 0, 0, 0, 0, -0.5]] * 2
+    assert motion.ends == 0 and not motion.rates(np.array([0.0])).any()
+
+
+def test_steps_change_what_they_name_and_hold():
+    motion = make(
+        "steps",
+        start={"psi": "90 deg"},
+        steps=({"at": "1 s", "theta": "10 deg"}, {"at": "2 s", "ax": "0.5 g"}, {"at": "2500 ms", "theta": "-10 deg"}),
+    )
+    values = sampled(motion, np.array([0, 0.999, 1, 1.999, 2, 3]))
+    assert np.degrees(values[:, 1]) == pytest.approx([0, 0, 10, 10, 10, -10])
+    assert np.degrees(values[:, 2]) == pytest.approx([90] * 6)
+    assert values[:, 3].tolist() == [0, 0, 0, 0, 0.5, 0.5]
+    assert motion.ends == 2.5
+
+
+def test_steps_whose_times_do_not_rise_are_refused():
+    step = steps.Step
+    with pytest.raises(BadMotion, match=r"^steps.1: it is at 1 s; expected later than 1 s, the one before$"):
+        steps.motion(steps.Settings((step(at=1.0), step(at=1.0))))
+
+
+def test_sines_add_up_and_their_rates_are_the_derivative():
+    motion = make(
+        "sines",
+        mean={"theta": "5 deg"},
+        angles=(
+            {"of": "theta", "amplitude": "20 deg", "frequency": "0.5 Hz", "phase": "90 deg"},
+            {"of": "theta", "amplitude": "3 deg", "frequency": "2 Hz"},
+            {"of": "psi", "amplitude": "90 deg", "frequency": "0.1 Hz"},
+        ),
+        accelerations=({"of": "ay", "amplitude": "981 mg", "frequency": "1 Hz"},),
+    )
+    times = np.linspace(0, 10, 1001)
+    attitude = motion.attitude(times)
+    assert np.degrees(attitude[0]) == pytest.approx([0, 25, 0])
+    assert motion.acceleration(np.array([0.25]))[0] == pytest.approx([0, 0.981, 0])
+    step = 1e-6
+    slope = (motion.attitude(times + step) - motion.attitude(times - step)) / (2 * step)
+    assert motion.rates(times) == pytest.approx(slope, abs=1e-6)
+    assert motion.ends == inf
+
+
+def test_sines_without_waves_are_refused():
+    with pytest.raises(BadMotion, match=r"^it has no waves"):
+        sines.motion(sines.Settings())
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -2.1 * pi])
+def test_motion_out_of_range_is_refused_with_name_value_time_and_range(value: float):
+    motion = static.motion(Pose(psi=value))
+    with pytest.raises(BadMotion) as caught:
+        sampled(motion, np.array([1.5]))
+    assert str(caught.value) == f"motion: psi is {value:.6g} rad at 1.5 s; expected -6.28319 to 6.28319 rad"
+
+
+def test_sines_that_add_up_to_more_than_the_range_are_refused_where_they_do():
+    wave = sines.AccelerationWave("ax", 60.0, 1.0)
+    motion = sines.motion(sines.Settings(accelerations=(wave, wave)))
+    with pytest.raises(BadMotion, match=r"^motion: ax is 120 g at 0.25 s; expected -100 to 100 g$"):
+        sampled(motion, np.array([0.0, 0.25]))
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "sentence"),
+    [
+        ("static", {"theta": 10}, "10 has no unit; write a number, a blank and rad or deg or mrad"),
+        ("static", {"theta": "10"}, "'10': expected a number, a blank and rad or deg or mrad"),
+        ("static", {"theta": "10 g"}, "'10 g': expected a number, a blank and rad or deg or mrad"),
+        ("static", {"theta": "nan deg"}, "'nan deg': 'nan' is not a number"),
+        ("static", {"theta": "361 deg"}, "'361 deg': expected -6.28319 to 6.28319 rad"),
+        ("static", {"ax": "1e999 g"}, "'1e999 g': '1e999' is not a number"),
+        ("static", {"ax": "101 g"}, "'101 g': expected -100 to 100 g"),
+        ("static", {"tetha": "1 deg"}, "static has no setting 'tetha'; did you mean theta?"),
+        ("servo", {"fast": "0 rpm"}, "'0 rpm': expected 1e-06 to 1000 rad/s"),
+        ("servo", {"hold": "-1 s"}, "'-1 s': expected 0 s or more"),
+        ("servo", {"swings": 0}, "expected 1 to 100, but it is 0"),
+        ("servo", {"interpolate": "cubic"}, "expected 'straight' or 'hold', but it is 'cubic'"),
+        ("steps", {}, "it is missing"),
+        (
+            "steps",
+            {"steps": [{"at": "1 s", "roll": "1 deg"}]},
+            "0.roll: there is no such key; it has at, phi, theta, psi, ax, ay, az",
+        ),
+        (
+            "sines",
+            {"angles": [{"of": "ax", "amplitude": "1 deg", "frequency": "1 Hz"}]},
+            "0.of: expected 'phi', 'theta' or 'psi', but it is 'ax'",
+        ),
+    ],
+)
+def test_settings_that_cannot_be_are_refused_in_a_sentence(name: str, given: dict[str, object], sentence: str):
+    with pytest.raises(BadSetting) as caught:
+        make(name, **given)
+    assert str(caught.value) == sentence
+
+
+def test_units():
+    settings = filled(static.Settings, {"phi": "1/2 rad", "theta": "180 deg", "ax": "9.81 m/s^2", "az": "5 mg"}, "")
+    assert (settings.phi, settings.theta, settings.ax) == pytest.approx((0.5, pi, 1.0))
+    assert settings.az == 0.005 and radians(180) == pi

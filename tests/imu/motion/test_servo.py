@@ -1,0 +1,92 @@
+"""The servo sequence of the moving experiment: where it is when, how coarsely it is read."""
+
+from __future__ import annotations
+
+from math import radians
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.imu.motion import BadMotion
+from periph_sim.imu.motion.servo import RPM, Servo, Settings, motion, path
+
+
+def corners(servo: Settings) -> list[tuple[float, str, float]]:
+    """(seconds, angle, degrees) at each end of a movement, as they should be."""
+    at, found = 0.0, []
+    for angle, swing in (("theta", servo.pitch), ("psi", servo.yaw), ("phi", servo.roll)):
+        place = 0.0
+        for to, rate in [(swing, servo.fast), (-swing, servo.slow)] * servo.swings + [(0.0, servo.fast)]:
+            at += abs(to - place) / rate
+            found.append((at, angle, float(np.degrees(to))))
+            at += servo.hold
+            place = to
+    return found
+
+
+def test_the_path_turns_where_section_5_3_says():
+    """52.2 rpm is 313.2 degrees a second, 2.9 rpm is 17.4."""
+    way = path(Settings())
+    found = corners(Settings())
+    assert [round(at, 3) for at, _, _ in found[:3]] == [0.16, 7.907, 10.226]
+    assert [angle for _, angle, _ in found] == ["theta"] * 7 + ["psi"] * 7 + ["phi"] * 7
+    column = {"phi": 0, "theta": 1, "psi": 2}
+    for at, angle, degrees in found:
+        attitude = np.degrees(way.attitude(np.array([at, at + 1.9])))
+        expected = np.zeros(3)
+        expected[column[angle]] = degrees
+        assert attitude == pytest.approx(np.tile(expected, (2, 1)), abs=1e-9)
+    assert way.ends == pytest.approx(found[-1][0] + 2)
+
+
+def test_rates_are_those_of_the_servo_in_truth():
+    rates = motion(Settings()).rates(np.array([0.0, 0.1, 1.0, 3.0, 1e6]))
+    assert np.degrees(rates[:, 1]) == pytest.approx([313.2, 313.2, 0, -17.4, 0])
+    assert not rates[:, [0, 2]].any()
+
+
+def test_read_without_pause_and_finely_it_is_the_path():
+    exact = Settings(resolution=0.0, read_every=0.0)
+    times = np.linspace(0, path(exact).ends, 5000)
+    assert np.array_equal(motion(exact).attitude(times), path(exact).attitude(times))
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.floats(0.02, 0.5), st.floats(0.05, 2), st.sampled_from(["straight", "hold"]))
+def test_at_the_instants_of_reading_it_is_the_nearest_position_the_servo_can_tell(every, resolution, interpolate):
+    servo = Settings(swings=1, read_every=every, resolution=radians(resolution), interpolate=interpolate)
+    read = np.arange(20) * every
+    true, told = path(servo).attitude(read), motion(servo).attitude(read)
+    assert np.abs(true - told).max() <= radians(resolution) / 2 + 1e-12
+    steps = told / radians(resolution)
+    assert steps == pytest.approx(np.rint(steps), abs=1e-6)
+
+
+def test_between_two_readings_it_goes_straight_or_holds():
+    every = Settings().read_every
+    read, between = np.array([30, 31]) * every, np.array([30.25]) * every
+    for shape, weight in (("straight", 0.25), ("hold", 0.0)):
+        servo = motion(Settings(interpolate=shape))
+        before, after = servo.attitude(read)
+        assert servo.attitude(between)[0] == pytest.approx(before + weight * (after - before))
+
+
+def test_it_ends_at_zero_and_stays_there():
+    servo = motion(Settings())
+    assert isinstance(servo, Servo)
+    assert not servo.attitude(np.array([servo.ends, servo.ends + 1e6])).any()
+    assert not servo.acceleration(np.array([1.0])).any()
+
+
+def test_the_speeds_are_the_published_ones():
+    assert Settings().fast == pytest.approx(52.2 / 60 * 2 * np.pi)
+    assert pytest.approx(2 * np.pi) == RPM * 60
+
+
+def test_too_many_readings_and_a_negative_resolution_are_refused():
+    with pytest.raises(BadMotion, match=r"^read_every: \d+ positions in 107.517 s; expected at most 1000000, or 0 s"):
+        motion(Settings(read_every=1e-6))
+    with pytest.raises(BadMotion, match=r"^resolution: it is -0.1 rad; expected 0 rad or more$"):
+        motion(Settings(resolution=-0.1))

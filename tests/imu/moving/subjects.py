@@ -1,0 +1,33 @@
+"""Moving experiments for tests: the case timing/imu_moving.toml with changes, cut short."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+from periph_sim.imu.moving.subject import EmulatorUnderTest, subject_of
+from periph_sim.scene.case.load import load
+from tests.scene.runs import TIMING
+
+TWO_ANGLES = (
+    'host.motion={kind = "sines", angles = ['
+    '{of = "theta", amplitude = "40 deg", frequency = "0.2 Hz"}, '
+    '{of = "phi", amplitude = "50 deg", frequency = "0.25 Hz"}]}'
+)
+STILL = 'host.motion={kind = "static", theta = "20 deg", phi = "-35 deg", psi = "60 deg"}'
+
+
+def subject(seconds: str, *changes: str) -> EmulatorUnderTest:
+    return subject_of(load(TIMING / "imu_moving.toml", list(changes)), Fraction(seconds))
+
+
+def flight(path: str) -> str:
+    return f'host.motion={{kind = "flight", file = "{path}"}}'
+
+
+def without_noise(one: EmulatorUnderTest) -> EmulatorUnderTest:
+    """The same, whose firmware has no noise either."""
+    unit = one.case.unit[one.unit]
+    settings = {name: value for name, value in unit.settings.items() if name != "noise_seed"}
+    case = one.case.model_copy(update={"unit": {one.unit: unit.model_copy(update={"settings": settings})}})
+    return replace(one, case=case, seed=None)

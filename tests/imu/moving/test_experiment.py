@@ -1,0 +1,79 @@
+"""The whole experiment: emulator, real sensors and truth; what it refuses."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from periph_sim.imu.moving.experiment import run
+from periph_sim.imu.moving.text_report import as_json, lines, rms
+from periph_sim.scene.case.model import BadCase
+from tests.imu.moving.subjects import STILL, TWO_ANGLES, subject
+
+
+def test_over_wires_every_byte_is_the_computed_one_and_attitudes_are_those_without_wires():
+    one = subject("0.8", TWO_ANGLES)
+    over, without = run(one, wires=True), run(one, wires=False)
+    assert over.bytes is not None and (over.bytes.compared, over.bytes.different) == (40 * 18 * 2, 0)
+    assert without.bytes is None
+    for rates in ("as built", "corrected"):
+        assert np.array_equal(over.emulated[rates].attitudes, without.emulated[rates].attitudes)
+    chips, ideal = (rms(outcome.apart()["real sensors less truth"].total) for outcome in (over, without))
+    assert 0 < chips < 1.5 and 0 < ideal < 1.5
+
+
+def test_at_rest_the_emulator_tells_what_real_sensors_tell():
+    """The published point, where no age and no motion disturb: all are within noise of each other."""
+    outcome = run(subject("4", STILL), wires=False)
+    apart = {name: rms(one.total[50:]) for name, one in outcome.apart().items()}
+    assert apart["real sensors less truth"] < 0.6
+    assert apart["emulator corrected less truth"] < 0.6
+    assert apart["emulator corrected less real sensors"] < 0.9
+
+
+def test_with_two_angles_only_the_corrected_emulator_follows_and_its_lateness_is_most_of_its_error():
+    outcome = run(subject("8", TWO_ANGLES), wires=False)
+    apart = {name: rms(one.total) for name, one in outcome.apart().items()}
+    assert apart["emulator as built less real sensors"] > 8 > 3 > apart["emulator corrected less real sensors"]
+    late = outcome.behind("corrected")
+    assert 0.021 < late.seconds < 0.041, "data age, and half a period of the derivative"
+    assert rms(late.apart.total) < 0.5 * apart["emulator corrected less real sensors"]
+
+
+def test_what_is_told():
+    outcome = run(subject("0.3", TWO_ANGLES), wires=True)
+    shown = list(lines(outcome))
+    assert shown[:2] == ["imu_moving: 15 rounds; emulator in q16, noise of seed 1, over SCI, firmware and", "  I2C"]
+    assert shown[-1] == "540 of 540 bytes read from the emulator equal those computed without wires"
+    assert max(map(len, shown)) <= 80
+    told = json.loads(json.dumps(as_json(outcome)))
+    assert told["bytes"] == {"compared": 540, "different": 0}
+    total = told["apart"]["emulator corrected less truth"]["total"]
+    rows = [line.split()[-1] for line in shown if line.startswith(" emulator corrected less truth")]
+    assert rows == [f"{total['rms']:.3f}", f"{total['worst']:.2f}"]
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ("host.motion={}", "host: a moving experiment needs a motion; give host.motion"),
+        (
+            "host.lose=[[3, 4]]",
+            "host.lose: a lost byte shifts all others; a moving experiment needs whole frames",
+        ),
+        ("controller.order=['gyroscope']", "a moving experiment reads gyroscope, accelerometer, magnetometer in each"),
+        ("unit.dsp.settings={}", 'needs one unit with sensor models; give it arithmetic = "q16"'),
+    ],
+)
+def test_a_case_that_is_no_moving_experiment_is_refused_with_its_line(change: str, sentence: str):
+    with pytest.raises(BadCase) as refused:
+        subject("1", change)
+    assert sentence in str(refused.value) and "imu_moving.toml" in str(refused.value)
+
+
+def test_an_inclined_board_is_refused(tmp_path):
+    (tmp_path / "set.toml").write_text('[magnetometer]\nboard_azimuth = "5 deg"\n')
+    with pytest.raises(BadCase, match="does not support an inclined magnetometer board"):
+        subject("1", f"unit.dsp.settings.parameters={tmp_path / 'set.toml'}")

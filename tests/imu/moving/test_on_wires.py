@@ -1,0 +1,119 @@
+"""What the head reads over SCI, firmware and I2C is what the same frames and noise give without any of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.imu.moving import direct_computation as direct
+from periph_sim.imu.moving import on_wires
+from tests.imu.moving.subjects import TWO_ANGLES, flight, subject, without_noise
+
+
+def agree(came: on_wires.Emulated, computed: dict[str, np.ndarray]) -> bool:
+    return all(np.array_equal(codes, computed[name][came.runs]) for name, codes in came.readings.codes.items())
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        (),
+        ("unit.dsp.settings.arithmetic=float64",),
+        ("unit.dsp.settings.arithmetic=float32",),
+        ("unit.dsp.settings.arithmetic=q12 saturating",),
+        ("host.jitter=10 ms",),  # frames are late: some runs get the frame before
+        ("host.frames=9",),  # then none: the last one again and again, with new noise
+        ("host.period=33 ms",),  # runs without a new frame: each gets the one before twice, now and then
+        ("host.period=7 ms",),  # frames that no run ever sees
+        ("unit.dsp.settings.model_cost=15 ms",),
+    ],
+    ids=["q16", "float64", "float32", "q12", "late", "lost", "slow host", "quick host", "slow models"],
+)
+def test_bytes_are_those_computed_without_wires(changes: tuple[str, ...]):
+    one = subject("0.6", TWO_ANGLES, *changes)
+    came = on_wires.emulator(one)
+    assert len(came.readings.seconds) == len(came.runs) >= 20
+    computed = direct.emulator(one, came.frames)
+    assert agree(came, computed.codes)
+    assert len(np.unique(came.readings.codes["accelerometer"][:, 0])) > 8, "something moves, and noise is alive"
+
+
+@settings(max_examples=12)
+@given(st.integers(6_573_000, 6_581_000))
+def test_of_a_frame_that_ends_as_the_models_begin_it_is_known_whether_they_got_it(first_ns: int):
+    """The models begin at 7.62 ms; a frame takes 1.04 ms, and its last bits may come after it was taken."""
+    one = subject("0.07", TWO_ANGLES, f"host.first={first_ns} ns")
+    came = on_wires.emulator(one)
+    assert agree(came, direct.emulator(one, came.frames).codes)
+
+
+def test_other_noise_other_frames_or_another_arithmetic_would_be_other_bytes():
+    one = subject("0.6", TWO_ANGLES)
+    came = on_wires.emulator(one)
+    for change in ("unit.dsp.settings.noise_seed=2", "unit.dsp.settings.arithmetic=q8"):
+        assert not agree(came, direct.emulator(subject("0.6", TWO_ANGLES, change), came.frames).codes)
+    assert not agree(came, direct.emulator(one, np.maximum(came.frames - 1, -1)).codes)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        (),
+        ("host.period=33 ms",),
+        ("host.period=7 ms",),
+        ("host.frames=9",),
+        ("controller.period=25 ms", "unit.dsp.settings.parameters=25ms.toml"),
+        ("host.first=5 ms",),
+    ],
+)
+def test_the_schedule_says_which_frame_each_run_works_on(changes: tuple[str, ...], tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "25ms.toml").write_text('period = "25 ms"', encoding="utf-8")
+    one = subject("0.6", *changes)
+    came = on_wires.emulator(one)
+    assert came.frames[: one.rounds].tolist() == direct.frames_by_schedule(one).tolist()
+    assert came.readings.seconds == pytest.approx(direct.emulator(one).seconds)
+
+
+def test_frames_that_do_not_come_leave_the_values_but_not_the_noise():
+    """Section 3.4: the models run although no host data came, so that noise stays alive."""
+    came = on_wires.emulator(subject("0.6", TWO_ANGLES, "host.frames=9")).readings.codes["gyroscope"][14:]
+    assert np.abs(came.mean(axis=0) - 14.375 * np.array([-3.0272, 3.5388, 0.0500])).max() < 1.5, "its bias is left"
+    assert all(len(np.unique(axis)) > 2 for axis in came.T)
+    without = direct.emulator(without_noise(subject("0.6", TWO_ANGLES, "host.frames=9"))).codes["gyroscope"][14:]
+    assert (without == without[0]).all()
+
+
+def turning(tmp_path: Path, *changes: str) -> np.ndarray:
+    """deg/s about x that the head reads, round by round but the first ones, while roll goes on at 10 deg/s."""
+    path = tmp_path / "turning.csv"
+    path.write_text("time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [g]\n0,0,0,0,0,0,0\n9,90,0,0,0,0,0\n")
+    one = without_noise(subject("0.5", flight(str(path)), *changes))
+    return on_wires.emulator(one).readings.samples(one.sensors).gyro[4:, 0]
+
+
+def test_a_frame_that_is_lost_shows_as_no_rate_and_then_twice_the_rate(tmp_path: Path):
+    """Backward differences of what came: the frame before once more, which gives 0, and then two steps at once."""
+    every, second = turning(tmp_path), turning(tmp_path, "host.period=40 ms")
+    assert every == pytest.approx(np.full(len(every), 10.0), abs=0.5)  # 1e-4 rad a frame are 0.3 deg/s
+    slow = np.sort(second)
+    assert slow[: len(slow) // 2] == pytest.approx(np.zeros(len(slow) // 2), abs=0.1)
+    assert slow[-(len(slow) // 2) :] == pytest.approx(np.full(len(slow) // 2, 20.0), abs=0.5)
+
+
+def test_frames_that_come_twice_as_often_change_nothing(tmp_path: Path):
+    assert turning(tmp_path, "host.period=10 ms") == pytest.approx(turning(tmp_path), abs=0.5)
+
+
+def test_real_chips_sample_the_motion_within_their_own_periods():
+    """Where all is still both read the same but for noise and LSB; the chips' data are of the last 13.4 ms."""
+    one = subject("0.4", 'host.motion={kind = "static", theta = "20 deg"}')
+    quiet = without_noise(one)
+    chips, computed = on_wires.chips(quiet), direct.sensors(quiet)
+    for name, codes in chips.codes.items():
+        assert (codes == computed.codes[name]).all()
+    assert chips.overflow == -4096

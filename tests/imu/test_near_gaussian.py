@@ -1,0 +1,48 @@
+"""Normal values without numpy against numpy's own: near where they are told, and told but for some in a hundred."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.imu.imu_noise import ImuNoise
+from periph_sim.imu.models.parameters import ImuParameters
+from periph_sim.imu.near_gaussian import FEW, NEAR, first_of, philox
+from periph_sim.imu.noise import BLOCK, AxisNoise, Gaussian, NoiseTerms
+from periph_sim.imu.numeric import arithmetic_names as named
+from periph_sim.imu.shared_models import ModelNoise
+
+
+@given(st.integers(0, (1 << 128) - 1), st.integers(0, 1 << 40))
+def test_the_words_are_those_of_numpys_philox(key: int, block: int):
+    drawn = np.random.Philox(key=key, counter=[0, block, 0, 0]).random_raw(8).tolist()
+    assert [*philox(key, (1, block, 0, 0)), *philox(key, (2, block, 0, 0))] == drawn
+
+
+def test_values_are_numpys_but_for_their_last_bits():
+    told = most = 0
+    for seed in range(800):
+        stream = Gaussian(seed, "near")
+        exact = stream.values(BLOCK, FEW)
+        for near, true in zip(first_of(stream.key, 1), exact.tolist(), strict=True):
+            if near is not None:
+                told += 1
+                most = max(most, abs(near - true))
+    assert most < NEAR / 100
+    assert 0.91 < told / (800 * FEW) < 0.95  # 15 of 1000 end their row
+
+
+def test_behind_the_first_few_and_with_other_terms_numpy_is_asked():
+    stream = Gaussian(1, "near")
+    assert stream.near(FEW) is None and stream.near(BLOCK) == first_of(stream.key, 1)[0]
+    plain, walking = (AxisNoise(NoiseTerms(1.0, random_walk=walk), 0.02, 1, "x") for walk in (0.0, 0.1))
+    assert plain.near(0) is not None and walking.near(0) is None
+
+
+@given(st.integers(0, 10_000), st.integers(0, 2 * FEW))
+def test_a_models_noise_is_the_exact_one_rounded(seed: int, number: int):
+    constant = named.scalar("q16").constant
+    exact = ImuNoise(ImuParameters(), seed).at(number)
+    expected = tuple(tuple(map(constant, axes)) for axes in exact)
+    assert tuple(ModelNoise("q16", ImuParameters(), seed).at(number)) == expected

@@ -1,0 +1,158 @@
+"""Noise by number: splits, streams, distribution, and the densities that come back from the Allan deviation."""
+
+from __future__ import annotations
+
+from math import inf, log, nan, pi
+
+import allantools
+import numpy as np
+import pytest
+import scipy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.imu.noise import BLOCK, AxisNoise, BadNoise, Gaussian, NoiseTerms, SensorNoise
+
+ALL = NoiseTerms(density=1.6e-5, bias_instability=2e-3, random_walk=5e-3)
+PERIOD = 0.02
+
+
+def axis(terms: NoiseTerms = ALL, seed: int = 1, stream: str = "gyroscope/x") -> AxisNoise:
+    return AxisNoise(terms, PERIOD, seed, stream)
+
+
+@given(st.integers(0, 2**40), st.lists(st.integers(0, 3 * BLOCK), min_size=1, max_size=6))
+@settings(deadline=None, max_examples=40)
+def test_a_gaussian_stream_may_be_split_anywhere(first: int, counts: list[int]):
+    whole = Gaussian(7, "s").values(first, sum(counts))
+    other = Gaussian(7, "s")
+    parts, at = [], first
+    for count in counts:
+        parts.append(other.values(at, count))
+        at += count
+    assert np.array_equal(np.concatenate(parts), whole)
+
+
+@given(st.lists(st.integers(0, 900), min_size=1, max_size=8), st.integers(0, 3))
+@settings(deadline=None, max_examples=40)
+def test_all_terms_together_may_be_split_resumed_and_read_one_by_one(counts: list[int], skipped: int):
+    whole = axis().values(0, sum(counts))
+    split, at = axis(), 0
+    for number, count in enumerate(counts):
+        if number != skipped:  # whoever resumes a run has not seen what came before
+            if number % 2:
+                assert np.array_equal(split.values(at, count), whole[at : at + count])
+            else:
+                assert [split.at(n) for n in range(at, at + count)] == whole[at : at + count].tolist()
+        at += count
+
+
+@given(st.lists(st.integers(0, 5000), min_size=1, max_size=20))
+@settings(deadline=None, max_examples=30)
+def test_samples_may_be_asked_in_any_order(numbers: list[int]):
+    whole = axis().values(0, 5001)
+    asked = axis()
+    assert [asked.at(n) for n in numbers] == [whole[n] for n in numbers]
+
+
+def test_a_stream_far_out_is_found_without_what_comes_before():
+    month = 30 * 86400 * 50
+    terms = NoiseTerms(1.6e-5, bias_instability=2e-3)
+    assert axis(terms).at(month) == axis(terms).values(month - 3, 7)[3]
+
+
+def test_the_first_values_are_those_they_always_were():
+    """A numpy that draws otherwise would change every recorded run: it must be noticed."""
+    assert Gaussian(1, "gyroscope/x/white").values(0, 3).tolist() == FIRST
+    assert Gaussian(1, "gyroscope/x/white").at(10**12) == FAR
+
+
+FIRST = [2.1781161687618162, -0.19104262291253837, -1.6081671258350314]
+FAR = 0.9090676090883633
+
+
+def test_seeds_axes_sensors_and_terms_are_uncorrelated():
+    count = 20_000
+    names = ["a/x/white", "a/y/white", "a/z/white", "b/x/white", "a/x/random walk", "a/x/bias instability/0"]
+    series = np.array([Gaussian(seed, name).values(0, count) for seed in (0, 1, 2) for name in names])
+    pairs = np.corrcoef(series)[np.triu_indices(len(series), 1)] * np.sqrt(count)
+    assert np.abs(pairs).max() < scipy.stats.norm.isf(0.5e-3 / len(pairs))  # 1 in 1000 over all pairs
+    assert scipy.stats.kstest(pairs, "norm").pvalue > 1e-3
+
+
+def test_blocks_follow_each_other_uncorrelated():
+    values = Gaussian(3, "s").values(0, 200 * BLOCK)
+    for lag in (1, 2, BLOCK - 1, BLOCK, BLOCK + 1):
+        assert abs(np.mean(values[lag:] * values[:-lag])) * np.sqrt(len(values)) < 4
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_values_are_gaussian(seed: int):
+    values = Gaussian(seed, "accelerometer/z/white").values(0, 100_000)
+    edges = scipy.stats.norm.ppf(np.linspace(0, 1, 101))
+    found, _ = np.histogram(values, edges)
+    assert scipy.stats.chisquare(found).pvalue > 1e-3
+    assert scipy.stats.kstest(values, "norm").pvalue > 1e-3
+    assert scipy.stats.jarque_bera(values).pvalue > 1e-3
+
+
+def test_white_noise_has_the_variance_density_over_period():
+    count = 200_000
+    variance = axis(NoiseTerms(1.6e-5)).values(0, count).var()
+    assert abs(variance / 8e-4 - 1) < 4 * np.sqrt(2 / count)  # Table 5.1: 0.0008 g**2
+
+
+def test_bias_instability_is_flat_at_the_height_of_ieee_952():
+    """Overlapping Allan deviation of twelve seeds; the floor is B sqrt(2 ln 2 / pi) = 0.664 B."""
+    found = []
+    for seed in range(12):
+        series = axis(NoiseTerms(0.0, bias_instability=1.0), seed).values(0, 1 << 17)
+        taus, deviation, _, _ = allantools.oadev(
+            series, rate=50, data_type="freq", taus=PERIOD * 2.0 ** np.arange(3, 12)
+        )
+        found.append(deviation**2)
+    floor = np.sqrt(np.mean(found, axis=0)) / np.sqrt(2 * log(2) / pi)
+    assert len(taus) == 9
+    assert floor == pytest.approx(np.ones(9), abs=0.06)
+
+
+def test_random_walk_rises_as_k_squared_tau_over_three():
+    found = []
+    for seed in range(12):
+        series = axis(NoiseTerms(0.0, random_walk=0.5), seed).values(0, 1 << 15)
+        taus, deviation, _, _ = allantools.oadev(
+            series, rate=50, data_type="freq", taus=PERIOD * 2.0 ** np.arange(4, 9)
+        )
+        found.append(deviation**2)
+    assert np.mean(found, axis=0) / (0.25 * taus / 3) == pytest.approx(np.ones(5), abs=0.1)
+
+
+def test_a_sensor_has_three_streams():
+    noise = SensorNoise([ALL, ALL, NoiseTerms(0.0)], PERIOD, 5, "magnetometer")
+    values = noise.values(10, 4)
+    assert values.shape == (4, 3)
+    assert [tuple(row) for row in values] == [noise.at(n) for n in range(10, 14)]
+    assert not values[:, 2].any() and (values[:, 0] != values[:, 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: NoiseTerms(nan), "noise: density is nan; expected a finite number of 0 or more"),
+        (lambda: NoiseTerms(1.0, random_walk=-1), "noise: random_walk is -1; expected a finite number of 0 or more"),
+        (
+            lambda: AxisNoise(ALL, 0.0, 1, "gyroscope/x"),
+            "noise of gyroscope/x: the sampling period is 0.0 s; expected a finite number above 0",
+        ),
+        (
+            lambda: AxisNoise(ALL, inf, 1, "gyroscope/x"),
+            "noise of gyroscope/x: the sampling period is inf s; expected a finite number above 0",
+        ),
+        (lambda: Gaussian(1, "s").values(-1, 3), "noise: 3 samples from number -1; both must be 0 or more"),
+        (lambda: Gaussian(1, "s").at(-1), "noise: 1 samples from number -1; both must be 0 or more"),
+    ],
+)
+def test_what_cannot_be_made_is_refused(make, sentence: str):
+    with pytest.raises(BadNoise) as caught:
+        make()
+    assert str(caught.value) == sentence

@@ -1,0 +1,103 @@
+"""Samples in units, from the wires: real chips in a known attitude, a head that sets them up, and its estimate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from periph_sim.devices.chips.sensed_values import held
+from periph_sim.devices.sensor_rounds import CHIPS
+from periph_sim.imu.attitude import errors, estimate
+from periph_sim.imu.rotations import quaternions
+from periph_sim.imu.samples import SampleLog, Samples, in_units
+from periph_sim.scene.scene import Scene
+from tests.devices.aerospace import FIELD, at_rest, body_rates
+from tests.scene.small import case
+
+ORDER = ["gyroscope", "accelerometer", "magnetometer"]
+MODELS = {"gyroscope": "itg3200", "accelerometer": "adxl345", "magnetometer": "hmc5883l"}
+
+
+def sampled(length: str, **sources: Callable[[int], object]) -> Samples:
+    """What a head reads that sets the chips up as their drivers do."""
+    chips = {name: {"model": model, "values": {"fixed": [0, 0, 0]}} for name, model in MODELS.items()}
+    head = {"order": ORDER, "first": "105 ms", "initialise": "100 ms"}
+    scene = Scene(case(length, chip=chips, controller=head), sources=sources)
+    assert scene.head is not None
+    log = SampleLog(scene.head, scene.start, scene.timebase.per_second)
+    scene.run()
+    return log.samples()
+
+
+def resting(attitude: tuple[float, float, float]) -> Samples:
+    accel, mag = at_rest(*attitude)
+    fixed = {"gyroscope": (1.0, -2.0, 3.0), "accelerometer": tuple(accel), "magnetometer": tuple(mag)}
+    return sampled("200 ms", **{name: lambda tick, v=values: v for name, values in fixed.items()})
+
+
+def test_rounds_come_out_in_units_with_their_times():
+    samples = resting((0.1, 0.2, 0.3))
+    accel, mag = at_rest(0.1, 0.2, 0.3)
+    assert samples.seconds == pytest.approx([0.105, 0.125, 0.145, 0.165, 0.185], abs=1e-12)
+    assert samples.gyro == pytest.approx(np.tile([1, -2, 3], (5, 1)), abs=0.5 / 14.375)
+    assert samples.accel == pytest.approx(np.tile(accel, (5, 1)), abs=0.5 / 256)
+    assert samples.mag == pytest.approx(np.tile(mag, (5, 1)), abs=0.5 / 660)
+
+
+@pytest.mark.parametrize("attitude", [(0, 0, 0), (0.5, -0.8, 2.5), (-2.0, 1.2, -3.1), (3.1, 0.1, 1.0)])
+def test_an_attitude_comes_back_through_chips_wires_and_filter(attitude: tuple[float, float, float]):
+    """LSB of 4 mg and 1.5 mG leave some tenths of a degree."""
+    s = resting(attitude)
+    found = errors(estimate(s.seconds, s.gyro * 0, s.accel, s.mag, FIELD), np.tile(quaternions([attitude]), (5, 1)))
+    assert found.total.max() < 0.5
+
+
+def test_an_overflow_of_the_magnetometer_is_no_number():
+    samples = sampled(
+        "200 ms", magnetometer=lambda tick: (4.0, Fraction(1, 2), 0), accelerometer=lambda tick: (0, 0, 0)
+    )
+    assert np.isnan(samples.mag[:, 0]).all() and samples.mag[:, 1] == pytest.approx(0.5)
+
+
+def test_a_round_in_which_a_chip_is_silent_is_left_out():
+    chips = {"gyroscope": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}
+    scene = Scene(case("100 ms", chip=chips, controller={"order": ORDER}))
+    assert scene.head is not None
+    log = SampleLog(scene.head, scene.start, scene.timebase.per_second)
+    scene.run()
+    samples = log.samples()
+    assert samples.seconds.shape == (0,) and samples.mag.shape == (0, 3)
+
+
+@pytest.mark.parametrize(
+    ("chip", "counts", "values"),
+    [
+        ("gyroscope", (115, -230, 0), (8, -16, 0)),
+        ("accelerometer", (256, -128, 1), (1, -0.5, 1 / 256)),
+        ("magnetometer", (660, -330, 66), (1, -0.5, 0.1)),
+    ],
+)
+def test_scales(chip: str, counts: tuple[int, ...], values: tuple[float, ...]):
+    assert in_units(CHIPS[chip], [counts]).tolist() == [pytest.approx(values)]
+
+
+def test_a_motion_comes_back_through_chips_wires_and_filter():
+    """Three sines of up to 40 degrees for 4 s; the chips sample by themselves, up to 20 ms before they are asked."""
+    ticks = np.arange(0, 4_200_000_000, 1_000_000, np.int64)
+    high, speed = np.radians([40, -30, 35]), np.array([1.1, 0.8, 0.5])
+
+    def angles(seconds: np.ndarray) -> np.ndarray:
+        return high * np.sin(np.outer(seconds, speed))
+
+    seconds = ticks / 1e9
+    attitude = angles(seconds)
+    felt = [at_rest(*a) for a in attitude]
+    rates = np.degrees(body_rates(attitude, high * speed * np.cos(np.outer(seconds, speed))))
+    data = {"gyroscope": rates, "accelerometer": [a for a, _ in felt], "magnetometer": [m for _, m in felt]}
+    s = sampled("4.1 s", **{name: held(ticks, np.array(rows)) for name, rows in data.items()})
+    found = errors(estimate(s.seconds, s.gyro, s.accel, s.mag, FIELD), quaternions(angles(s.seconds)))
+    assert len(s.seconds) == 200 and np.isfinite(s.mag).all()
+    assert found.total.max() < 1.5

@@ -1,0 +1,66 @@
+"""The models' period is the scene's, or the case is refused with the place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from periph_sim.imu.models.parameters import ImuParameters
+from periph_sim.imu.sensor_period import check_sensor_period
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from tests.scene.runs import run_file
+
+
+def models_with(period: str, folder: Path, *changes: str) -> None:
+    path = folder / "sensors.toml"
+    path.write_text(f'period = "{period}"', encoding="utf-8")
+    run_file("imu_models", "0.001", f"unit.dsp.settings.parameters={path}", *changes)
+
+
+@pytest.mark.parametrize("period", ["10 s", "10 ms", "20.1 ms", "19.9 ms", "1 us"])
+def test_another_period_than_the_rounds_is_refused_with_its_place(period: str, tmp_path: Path) -> None:
+    with pytest.raises(BadCase) as refused:
+        models_with(period, tmp_path)
+    told = str(refused.value)
+    assert "imu_models.toml" in told and "unit.dsp.settings.parameters: the models' period is " in told
+    assert "but they run once a round (controller.period), every 20.000 ms; make them the same" in told
+
+
+@pytest.mark.parametrize("period", ["20 ms", "20.01 ms", "19.99 ms"])
+def test_clocks_may_differ_by_a_thousandth(period: str, tmp_path: Path) -> None:
+    models_with(period, tmp_path)
+
+
+def test_it_follows_the_controller_and_not_the_host(tmp_path: Path) -> None:
+    models_with("25 ms", tmp_path, "controller.period=25 ms")
+    models_with("20 ms", tmp_path, "host.period=40 ms")
+    with pytest.raises(BadCase, match=r"\(controller\.period\), every 25\.000 ms"):
+        models_with("20 ms", tmp_path, "controller.period=25 ms")
+
+
+def test_a_period_that_is_no_parameter_is_told_by_its_value(tmp_path: Path) -> None:
+    with pytest.raises(BadCase) as refused:
+        models_with("1 ns", tmp_path)
+    assert str(refused.value).endswith(
+        "sensors.toml, line 1: period: 1e-09 s is out of range; expected 1e-06 to 3600 s"
+    )
+
+
+def test_models_that_run_with_each_frame_have_the_hosts_period() -> None:
+    case = load(Path("timing/imu_models.toml"), ["host.period=10 ms"])
+    per_frame, per_round = SimpleNamespace(models_run="frame"), SimpleNamespace(models_run="round")
+    check_sensor_period(case, "dsp", per_frame, ImuParameters(period=0.01))
+    check_sensor_period(case, "dsp", per_round, ImuParameters())
+    with pytest.raises(BadCase, match=r"once a host frame \(host\.period\), every 10\.000 ms"):
+        check_sensor_period(case, "dsp", per_frame, ImuParameters())
+
+
+def test_where_nobody_asks_in_rounds_it_is_the_hosts_and_alone_it_is_any() -> None:
+    case = load(Path("timing/imu_models.toml"), ["host.period=10 ms"])
+    asked_by_nobody = case.model_copy(update={"controller": None})
+    with pytest.raises(BadCase, match=r"\(host\.period\)"):
+        check_sensor_period(asked_by_nobody, "dsp", None, ImuParameters())
+    check_sensor_period(asked_by_nobody.model_copy(update={"host": None}), "dsp", None, ImuParameters())

@@ -150,7 +150,7 @@ def chain_of(case: Case, window: Window) -> Chain:
     if said.form == "each":
         first, last = (event_chain.one_of(evidence, events, at) for at in (evidence.window.begin, evidence.window.end))
         return event_chain.between(evidence, first, last)
-    if said.form in ("level", "time", "count", "stack", "calls"):
+    if said.form in ("level", "time", "count", "sum", "stack", "calls") or (said.form == "value" and said.events):
         return event_chain.once(evidence, events[0])
     if isinstance(made, RegisterMeasure):
         return event_chain.around(evidence, made.watched)

@@ -32,6 +32,8 @@ MEASURED = {
     "jitter of age": "time",
     "from last frame RX end of burst to edge MODEL rise": "time",
     "count of bus byte from bus START to bus STOP": "count",
+    "sum of record receiver received": "count",
+    "value of record receiver words": "count",
     "level of SCI-A.SCIFFRX.RXFFST at interrupt SCIRXINTA enter": "count",
     "interrupt latency SCIRXINTA to first access": "time",
     "reaction": "time",

@@ -37,8 +37,9 @@ from periph_sim.scene.case.transceiver import TransceiverTable
 from periph_sim.scene.case.watch import WatchTable
 from periph_sim.scene.case.wiring import Cable
 from periph_sim.timing.budget_schema import REPLY, SPAN, WATCH, Budget, Condition, Limited
-from periph_sim.timing.measures.registry import MEASURES, make
+from periph_sim.timing.measures.registry import MEASURES
 from tests.docs.pages import ROOT
+from tests.timing.events_by_hand import make
 
 PAGE = (ROOT / "docs" / "cases.md").read_text(encoding="utf-8")
 TABLES: dict[str, type[Table]] = {

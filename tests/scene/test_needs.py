@@ -9,6 +9,7 @@ import pytest
 from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.measures.registry import MEASURES
+from tests.timing.events_by_hand import make
 
 
 def alone(measure: str, limit: object, module: str = "I2C-A") -> Case:
@@ -20,7 +21,7 @@ def alone(measure: str, limit: object, module: str = "I2C-A") -> Case:
 
 @pytest.mark.parametrize("measure", MEASURES)
 def test_every_measure_says_what_it_needs(measure):
-    kind = MEASURES[measure]
+    kind = make(measure)
     limit = "1 ms" if kind.unit == "time" else 0
     case = alone(measure, limit, "GPIO" if kind.needs == "I2C-A" else "I2C-A")
     needs = "[controller], or [rounds] for a unit that is the master," if kind.needs == "rounds" else kind.needs

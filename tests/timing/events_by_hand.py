@@ -6,6 +6,7 @@ from fractions import Fraction
 
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.timing.language.scope import Scope
+from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.measure import Measure
 from periph_sim.traces.formats.record_table import Columns, RecordTable
 
@@ -26,6 +27,11 @@ def records(drawn: str) -> list[Record]:
         tick, kind, where, what, value = line.split()
         made.append(Record(number, int(tick), KINDS[kind], where, what.replace("_", " "), int(value, 0), "", 0))
     return made
+
+
+def make(name: str) -> Measure:
+    """The measure of a fixed name, which needs nothing of a scene."""
+    return measure_named(name, Scope())
 
 
 def table(of: list[Record]) -> RecordTable:

@@ -13,7 +13,15 @@ from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.registry import MEASURES
 from tests.docs.pages import ROOT
 from tests.scene import test_event_budgets, test_image_budgets
-from tests.timing import test_age, test_loads, test_margins, test_model_age, test_pairs, test_rounds
+from tests.timing import (
+    test_age,
+    test_derived_values,
+    test_loads,
+    test_margins,
+    test_model_age,
+    test_pairs,
+    test_rounds,
+)
 from tests.timing.events_by_hand import BARE, ONE
 from tests.timing.measures import (
     test_groups,
@@ -31,6 +39,7 @@ ANOTHER_WAY: dict[str, Callable[..., None]] = {
     "period": test_event_budgets.test_each_is_what_the_recorded_run_shows,
     "jitter": test_groups.test_jitter_of_a_measure_is_from_value_to_value,
     "count": test_pairs.test_a_count_between_is_what_a_walk_over_the_records_gives,
+    "sum": test_derived_values.test_bytes_are_compared_as_far_as_both_go,
     "level": test_groups.test_the_fifo_at_service_routine_entry,
     "calls": test_image_budgets.test_functions_are_spans,
     "stack": test_image_budgets.test_the_deepest_stack_in_words,
@@ -56,6 +65,7 @@ MISUSE = {
     "period": ("period bus START", "'bus' where of is expected"),
     "jitter": ("jitter of cpu load", "that is one number a run, so it has no jitter"),
     "count": ("count of bus NACK byt", "'byt' is more than a measure or event says"),
+    "sum": ("sum of record data wrong byte", "'wrong' where bytes asked, "),
     "level": ("level of SCI-A.SCIFFRX at frame", "'SCI-A.SCIFFRX' is no field"),
     "calls": ("calls _isr", "'_isr' where of is expected"),
     "stack": ("stack highwater", "'highwater' where high-water is expected"),

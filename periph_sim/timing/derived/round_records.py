@@ -3,8 +3,9 @@
 thing     tick                     value
 due       when it was due          0; of each round, once it is known whether it began
 missed    when it was due          0; or the START that shows that a request is missing
-over      its begin                ticks from its begin to its last STOP
-slack     its last STOP            ticks to the moment at which the next round is due; negative if that is past
+begin     its begin                0; of each complete round, when it is over
+end       its last STOP            0
+next      when the next is due     0; of each complete round, which may have ended later
 refused   when it was due          number of its requests whose address was not acknowledged, if any
 """
 
@@ -20,8 +21,8 @@ class RoundRecords:
     """period: ticks from one round's due time to the next one's."""
 
     def __init__(self, recorder: Recorder, rounds: BusRounds, period: int) -> None:
-        self._due, self._missed, self._over, self._slack, self._refused = (
-            recorder.topic(Kind.ROUND, I2C, what) for what in ("due", "missed", "over", "slack", "refused")
+        self._due, self._missed, self._begin, self._end, self._next, self._refused = (
+            recorder.topic(Kind.ROUND, I2C, what) for what in ("due", "missed", "begin", "end", "next", "refused")
         )
         self._period = period
         rounds.on_due.append(self.due)
@@ -38,7 +39,8 @@ class RoundRecords:
 
     def round(self, over: Round) -> None:
         """Record a round that is over."""
-        self._over.emit(over.start, over.end - over.start)
-        self._slack.emit(over.end, over.due + self._period - over.end)
+        self._begin.emit(over.start)
+        self._end.emit(over.end)
+        self._next.emit(over.due + self._period)
         if over.nacked:
             self._refused.emit(over.due, over.nacked)

@@ -3,7 +3,8 @@
 thing     tick                                                          value
 phase     START of each addressed phase                                 its address
 read      START of each phase that reads                                its address
-answer    SCL fall that ends the ACK slot of a read's address           ticks to the SCL rise of the first data bit
+acknowledge  SCL fall that ends the ACK slot of a read's address        0; of each read whose answer came
+answer    SCL rise of the first data bit of a read                      0
 stretch   START of each acknowledged phase                              longest time others held SCL low, in ticks
 refused   START of a transfer whose address was not acknowledged        number of its phases
 held      release of SCL by the master, if others hold it at the end    ticks up to the end of the run
@@ -38,6 +39,7 @@ class TransferRecords:
 
     _phase: Topic
     _read: Topic
+    _acknowledge: Topic
     _answer: Topic
     _stretch: Topic
     _refused: Topic
@@ -46,6 +48,7 @@ class TransferRecords:
     def __init__(self, recorder: Recorder) -> None:
         self._phase = recorder.topic(Kind.TRANSFER, I2C, "phase")
         self._read = recorder.topic(Kind.TRANSFER, I2C, "read")
+        self._acknowledge = recorder.topic(Kind.TRANSFER, I2C, "acknowledge")
         self._answer = recorder.topic(Kind.TRANSFER, I2C, "answer")
         self._stretch = recorder.topic(Kind.TRANSFER, I2C, "stretch")
         self._refused = recorder.topic(Kind.TRANSFER, I2C, "refused")
@@ -63,7 +66,8 @@ class TransferRecords:
             if phase.read:
                 self._read.emit(begin, phase.address)
                 if phase.answer_at != NO_TIME:
-                    self._answer.emit(phase.answer_from, phase.answer_at - phase.answer_from)
+                    self._acknowledge.emit(phase.answer_from)
+                    self._answer.emit(phase.answer_at)
 
     def finish(self, now: int, unfinished: Transfer | None, held_since: int) -> None:
         """Record what the end of the run cuts off.

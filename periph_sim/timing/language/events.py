@@ -12,6 +12,7 @@
             | "frame" [ line ] [ number ] [ "begin" | "end" | "error" | "cut" | "collision" ]
             | "variable" variable ( "change" | "=" number )
             | "note" ( "duty" | "lost" | "unknown" | "overflow" )
+            | "record" ( "transfer" | "round" | "receiver" | "data" | "bus" ) thing [ "of" chip ]      see `derived`
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
                         |-- may_be(kind, where, what), value & mask == want   as the run goes on
@@ -34,6 +35,8 @@ from msgspec.structs import replace
 
 from ...core.records import Kind, Record
 from ...core.suggest import did_you_mean
+from ...devices.sensor_rounds import CHIPS
+from .derived import RECORDS, Thing
 from .scope import LINES, BadEvent, Scope, scope_of_table
 from .tokens import Words
 
@@ -87,7 +90,7 @@ class Group(Struct, frozen=True):
 class Matcher(Struct, frozen=True, dict=True):
     """where: the places it may happen at; None for any. others: matchers that are as good, "or" between them.
 
-    nth, group: which one counts, 1 for the first, -1 for the last, where not every one does.
+    nth, group: which one counts, 1 for the first, -1 for the last, where not every one does. thing: of a derived one.
     """
 
     text: str
@@ -100,6 +103,7 @@ class Matcher(Struct, frozen=True, dict=True):
     others: tuple[Matcher, ...] = ()
     nth: int = 0
     group: Group | None = None
+    thing: Thing | None = None
 
     @cached_property
     def each(self) -> tuple[Matcher, ...]:
@@ -323,6 +327,13 @@ def _read_note(words: Words) -> Parts:
     return unit, name, "", None
 
 
+def _read_record(words: Words) -> Parts:
+    kind = words.one_of(list(RECORDS))
+    thing = words.phrase(list(RECORDS[kind]))
+    of_chip = kind == "data" and words.took("of")
+    return words.one_of(list(CHIPS)) if of_chip else "", kind, thing, None
+
+
 def _match_edge(event: Event, scope: Scope) -> Matcher:
     mask, want = {"rise": (1, 1), "fall": (1, 0), "change": (0, 0)}[event.how]
     return Matcher(event.text, Kind.EDGE, frozenset((scope.wire(event.name),)), "level", mask, want)
@@ -409,6 +420,11 @@ def _match_note(event: Event, scope: Scope) -> Matcher:
     return Matcher(event.text, Kind.NOTE, scope.places(event.unit), event.name)
 
 
+def _match_record(event: Event, scope: Scope) -> Matcher:
+    place = frozenset((event.unit,)) if event.unit else None
+    return Matcher(event.text, Kind(event.name), place, event.how, thing=RECORDS[event.name][event.how])
+
+
 class EventKind(NamedTuple):
     """A kind of event. read: parses the words after the kind's own. match: makes the matcher of what they say."""
 
@@ -426,4 +442,5 @@ EVENTS = {
     "frame": EventKind(_read_frame, _match_frame),
     "variable": EventKind(_read_variable, _match_variable),
     "note": EventKind(_read_note, _match_note),
+    "record": EventKind(_read_record, _match_record),
 }

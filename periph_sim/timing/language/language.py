@@ -2,8 +2,9 @@
 
     text --> words --> Said(form, events or names, rule) ; BadEvent says what was found where what was expected
 
-    measure = pair
-            | "count" "of" event [ pair ]
+    measure = pair { clause }
+            | ( "count" | "value" | "sum" ) "of" event { clause }
+            | "count" "of" event pair { clause }
             | "period" "of" event
             | "jitter" "of" ( event | measure )
             | "level" "of" ( field | "variable" variable ) [ "at" event ]
@@ -26,6 +27,7 @@
     state   = span | ( "flag" field | "variable" variable ) "=" number | "wire" wire ( "high" | "low" )
             | "bus" ( "busy" | "free" ) | "interrupt" vector
     pair    = "from" event "to" event { "," ( "in" "order" | "next" | "last" | "same" ( "transfer" | "round" ) ) }
+    clause  = "," ( "for" "each" | "measured" "at" | "given" | "unless" | "unfinished" ) event
     event   = see `events`
     field, register, vector, span, variable: [ unit ":" ] name; a name with blanks is quoted
 
@@ -54,6 +56,7 @@ FORMS = {
     "period": "period of EVENT",
     "jitter": "jitter of EVENT",
     "count": "count of EVENT",
+    "sum": "sum of EVENT",
     "level": "level of MODULE.REGISTER.FIELD",
     "calls": "calls of FUNCTION",
     "stack": "stack high-water",
@@ -74,6 +77,13 @@ FORMS = {
     "model": "model age of CHIP",
     "value": "value error of CHIP",
 }
+CLAUSES = {
+    "for": "for each",  # an occasion: something that there was to measure
+    "measured": "measured at",  # an occasion that was measured, where the values do not show that
+    "given": "given",  # without one, nothing is proven
+    "unless": "unless",  # something that cannot be judged
+    "unfinished": "unfinished",  # a value that the end of the run cuts off
+}
 LEVELS = ("high", "low")
 BUS_STATES = ("busy", "free")
 
@@ -90,7 +100,7 @@ class During(Struct, frozen=True):
 class Said:
     """form: a key of FORMS. events: those named. text: all of it. unit, name: of a field, vector, unit or chip.
 
-    state: of times in one.
+    state: of times in one. clauses: what follows, each with its event.
     pairing: one of PAIRINGS, or empty. group: "transfer" or "round" that a pair lies in. instant: of values.
     window: of a load, in seconds. of: what the jitter is of, if that is a measure. access: to the first one.
     """
@@ -107,6 +117,7 @@ class Said:
     window: Fraction | None = None
     of: Said | None = None
     access: bool = False
+    clauses: tuple[tuple[str, Event], ...] = ()
 
 
 def is_form(text: str) -> bool:
@@ -138,20 +149,42 @@ def _from(words: Words) -> Said:
     words.one_of(["to"])
     end = read_event(words)
     pairing = group = ""
-    while not (pairing and group) and (words.took(",") or words.next in ("in", "next", "last", "same")):
+    while not (pairing and group) and (_took_comma(words) or words.next in ("in", "next", "last", "same")):
         said = words.one_of([word for word in ("in", "next", "last") if not pairing] + ["same"] * (not group))
         if said == "same":
             group = words.one_of(["transfer", "round"])
         else:
             pairing = f"in {words.one_of(['order'])}" if said == "in" else said
-    return Said("from", (begin, end), pairing=pairing, group=group)
+    return Said("from", (begin, end), pairing=pairing, group=group, clauses=_clauses(words))
+
+
+def _took_comma(words: Words) -> bool:
+    return words.following not in CLAUSES and words.took(",")
+
+
+def _clauses(words: Words) -> tuple[tuple[str, Event], ...]:
+    found = []
+    while words.following in CLAUSES and words.took(","):
+        clause = CLAUSES[words.take("a clause")]
+        for word in clause.split()[1:]:
+            words.one_of([word])
+        found.append((clause, read_event(words)))
+    return tuple(found)
+
+
+def _of_event(form: str) -> Callable[[Words], Said]:
+    def parse(words: Words) -> Said:
+        words.one_of(["of"])
+        return Said(form, (read_event(words),), clauses=_clauses(words))
+
+    return parse
 
 
 def _count(words: Words) -> Said:
     words.one_of(["of"])
     counted = read_event(words)
     if not words.took("from"):
-        return Said("count", (counted,))
+        return Said("count", (counted,), clauses=_clauses(words))
     pair = _from(words)
     return replace(pair, form="count", events=(counted, *pair.events))
 
@@ -366,6 +399,8 @@ def _chip(words: Words) -> str:
 
 
 def _value(words: Words) -> Said:
+    if words.next == "of":
+        return _of_event("value")(words)
     words.one_of(["error"])
     chip = _chip(words)
     instant = "first bit"
@@ -381,6 +416,7 @@ _MEASURES: dict[str, Callable[[Words], Said]] = {
     "period": _period,
     "jitter": _jitter,
     "count": _count,
+    "sum": _of_event("sum"),
     "level": _level,
     "calls": _calls,
     "stack": _stack,

@@ -53,6 +53,15 @@ class Words:
         self._at += 1
         return word
 
+    def phrase(self, choices: list[str]) -> str:
+        """Read the longest of these names, which may have several words."""
+        for name in sorted(choices, key=len, reverse=True):
+            count = len(name.split())
+            if self._words[self._at : self._at + count] == name.split():
+                self._at += count
+                return name
+        return self.one_of(choices)
+
     def took(self, word: str) -> bool:
         if self.next != word:
             return False

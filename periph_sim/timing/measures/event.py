@@ -8,7 +8,7 @@ from __future__ import annotations
 from ...core.records import UNWANTED, Kind, Recorder
 from ...core.time import NO_TIME
 from ..language.events import Matcher
-from .event_pairing import EventMeasure, span_hint
+from .event_pairing import NO_CLAUSES, Clauses, EventMeasure, span_hint
 from .measure import Counter, Measure, MeasuredScene
 
 OF_UNIT = 1 << 30  # the tag of an access of the unit; those of its events are below
@@ -36,8 +36,8 @@ class Period(EventMeasure):
 class EventCount(EventMeasure, Counter):
     """Number of occurrences of an event. Zero is a value, except for free-text names, which may be misspelled."""
 
-    def __init__(self, event: Matcher) -> None:
-        super().__init__(event)
+    def __init__(self, event: Matcher, clauses: Clauses = NO_CLAUSES) -> None:
+        super().__init__(event, clauses=clauses)
         self.event = event
 
     def happened(self, place: int, tick: int, value: int) -> None:
@@ -45,19 +45,12 @@ class EventCount(EventMeasure, Counter):
 
     @property
     def silent(self) -> bool:
-        return self.event.free and not self.count
+        return self.ungiven or (self.event.free and not self.count)
 
     def missing(self) -> str:
+        if self.ungiven:
+            return super().missing()
         return f"no event matched {self.event.text!r}; {span_hint(self.event.what, self.spans or set())}"
-
-
-class Level(EventMeasure):
-    """Value of a register field whenever it changed: the words in a FIFO, the bits left to count."""
-
-    unit = "value"
-
-    def happened(self, place: int, tick: int, value: int) -> None:
-        self.take(value, tick)
 
 
 class LevelAt(EventMeasure):

@@ -3,6 +3,7 @@
     topic  --tag_of--> events that its records may be, and with which values: determined once
     record --on_record--> event that counts immediately --------------.
                    '---> "last ... of transfer": known when that is over -+--in order--> happened(place, tick, value)
+                                                                          '--> occasions, things that cannot be judged
 
 Of two events at one time the one recorded first is the earlier one.
 """
@@ -13,6 +14,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+
+from msgspec import Struct
 
 from ...core.counted import counted
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
@@ -35,6 +38,27 @@ class _Seen:
 
 
 WAITS = -1
+FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # roles of a clause's event
+
+
+class Clauses(Struct, frozen=True):
+    """Events that say what the values of a measure prove, each with its role.
+
+    asked: the events of FOR_EACH, as a plural. nothing: why nothing was measured. unproven: the same where no GIVEN
+    came. cut_off: what is UNFINISHED, as a phrase. unknown: of each UNLESS, a thing and a reason, as in "3 reads" and
+    "may carry other frames".
+    """
+
+    matchers: tuple[Matcher, ...] = ()
+    roles: tuple[int, ...] = ()
+    asked: str = ""
+    nothing: str | None = None
+    unproven: str = ""
+    cut_off: str = ""
+    unknown: tuple[tuple[str, str], ...] = ()
+
+
+NO_CLAUSES = Clauses()
 
 
 class ValueTest:
@@ -89,19 +113,40 @@ class EventMeasure(Measure):
     """A measure that knows how often each of its events happened.
 
     order: which of its events comes first where one record is several of them; places in `matchers`.
+    weighs: the values of its clauses' records are numbers of things, which it counts.
     """
 
     matchers: tuple[Matcher, ...]
     seen: list[int]
+    needs: str
+    asked: str
+    weighs = False
+    _clauses: Clauses
     _order: Sequence[int]
+    _heard: tuple[Matcher, ...]
     _needed: dict[Kind, frozenset[str]]
+    _unknown_counts: list[int]
+    _unfinished: list[tuple[int, int]]
 
-    def __init__(self, *matchers: Matcher, order: Sequence[int] = ()) -> None:
+    def __init__(self, *matchers: Matcher, order: Sequence[int] = (), clauses: Clauses = NO_CLAUSES) -> None:
+        self.asked = clauses.asked
         super().__init__()
+        thing = matchers[0].thing if matchers else None
+        self.needs = "" if thing is None else thing.needs
+        self._clauses = clauses
+        self._own = len(matchers)
+        self._measured = self._given = 0
+        self._has_measured: bool = MEASURED_AT in clauses.roles
+        self._has_given: bool = GIVEN in clauses.roles
+        self._unknown_counts = [0] * len(clauses.unknown)
+        self._unfinished = []
         self.matchers = matchers
-        self.seen = [0] * len(matchers)
+        order = order or range(self._own)
+        matchers = (*matchers, *clauses.matchers)
+        self.seen = [0] * self._own
         self.spans: set[str] | None = set() if any(m.free for m in matchers) else None  # names that there were
-        self._order = order or range(len(matchers))
+        self._order = [*order, *range(self._own, len(matchers))]
+        self._heard = matchers
         self._groups = [None if m.group is None else Groups(m.group, m.nth) for m in matchers]
         self._queue: deque[_Seen] = deque()
         self._queued = False  # something waits in it
@@ -142,7 +187,7 @@ class EventMeasure(Measure):
 
     def _hearing(self, place: int, kind: Kind, where: str, what: str) -> Hearing | None:
         groups = self._groups[place]
-        test = _test(self.matchers[place], kind, where, what)
+        test = _test(self._heard[place], kind, where, what)
         begins = ends = None
         if groups is not None:
             begins, ends = (_test(one, kind, where, what) for one in groups.matchers)
@@ -163,11 +208,36 @@ class EventMeasure(Measure):
 
     def _counts(self, place: int, tick: int, value: int) -> None:
         """Count an event and report it, or queue it if earlier events still wait."""
-        self.seen[place] += 1
         if self._queued:
             self._queue.append(_Seen(place, tick, value, 1))
         else:
+            self._report(place, tick, value)
+
+    def _report(self, place: int, tick: int, value: int) -> None:
+        if place >= self._own:
+            self._heed(self._clauses.roles[place - self._own], place, tick, value)
+        else:
+            self.seen[place] += 1
             self.happened(place, tick, value)
+
+    def _heed(self, role: int, place: int, tick: int, value: int) -> None:
+        """Handle an event of a clause."""
+        number = value if self.weighs else 1
+        if role == FOR_EACH:
+            self.occasion(tick, number)
+        elif role == MEASURED_AT:
+            self.measured_at(tick, number)
+        elif role == GIVEN:
+            self._given += 1
+        elif role == UNLESS:
+            self._unknown_counts[self._clauses.roles[: place - self._own].count(UNLESS)] += number
+        else:
+            self._unfinished.append((value, tick))
+
+    def measured_at(self, tick: int, number: int) -> None:
+        """Count occasions that were measured."""
+        if tick >= self.not_before:
+            self._measured += number
 
     def _hear_of_group(self, one: Hearing, tick: int, value: int) -> None:
         """Handle a record that may begin or end an event's group, or be the event that counts in it."""
@@ -192,14 +262,13 @@ class EventMeasure(Measure):
         newest: _Seen | None = self._newest.pop(place, None)
         if newest is not None:
             newest.counts = counts
-            self.seen[place] += counts
 
     def _drain(self) -> None:
         queue = self._queue
         while queue and queue[0].counts != WAITS:
             seen: _Seen = queue.popleft()
             if seen.counts:
-                self.happened(seen.place, seen.tick, seen.value)
+                self._report(seen.place, seen.tick, seen.value)
         self._queued = bool(queue)
 
     def happened(self, place: int, tick: int, value: int) -> None:
@@ -209,8 +278,34 @@ class EventMeasure(Measure):
         for place in list(self._newest):
             self._settle(place, 1)
         self._drain()
+        for (thing, why), count in zip(self._clauses.unknown, self._unknown_counts, strict=True):
+            if count and not self.not_judged:
+                self.not_judged = f"{counted(count, thing)} {why}"
+
+    @property
+    def measured(self) -> int:
+        return self._measured if self._has_measured else self.count
+
+    @property
+    def ungiven(self) -> bool:
+        """True if nothing is proven, since an event that was required did not come."""
+        return self._has_given and not self._given
+
+    @property
+    def silent(self) -> bool:
+        return not self.count or self.ungiven
+
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        return self._unfinished
+
+    def unfinished_text(self) -> str:
+        return self._clauses.cut_off
 
     def missing(self) -> str:
+        if self.ungiven:
+            return self._clauses.unproven
+        if self._clauses.nothing is not None:
+            return self._clauses.nothing
         return self.unmatched([m for m, seen in zip(self.matchers, self.seen, strict=True) if not seen])
 
     def unmatched(self, never: list[Matcher]) -> str:

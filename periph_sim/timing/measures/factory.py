@@ -1,33 +1,77 @@
 """Makers of measures: functions that make the measure named in a budget.
 
-text --registry--> the measure of that name ---------------------------.
-  '---language--> Said --events, names--> Matchers --> measure of events -+--> Maker --> Measure, one for each run
+text --registry--> the sentence of that name --.
+  '--------------------------------------------+--language--> Said --events, names--> Matchers --> Maker --> Measure
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TypeAlias
+
+from msgspec.structs import replace
 
 from ...core.records import Kind
 from ...core.suggest import did_you_mean
 from ...devices.sensor_rounds import CHIPS
 from ...f28335.pie.register_map import LINES
 from ..budget_schema import REPLY, SPAN, WATCH
-from ..language.events import OF_AGENT, Event, Group, Matcher, matcher, stretch_of
+from ..language.events import OF_AGENT, Group, Matcher, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, name_text, near_form
 from ..language.scope import BadEvent, Scope
-from .event import EventCount, Jitter, Level, LevelAt, Period, ToFirstAccess
+from .event import EventCount, Jitter, LevelAt, Period, ToFirstAccess
+from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses
 from .load import BusLoad, CpuLoad
 from .margin import HeldPerTransfer, Margin
 from .measure import Measure
 from .pair import Between, CountBetween
-from .registry import MEASURES, SLACK, make, value_error
+from .recorded import SumOf, ValueOf
+from .registry import MEASURES, PHRASES, Sentence
+from .reply import Reply
+from .span import SpanTime
 from .states import EachTimeIn, State, TimeIn
+from .watched_wire import WatchedWire
 
 OVERFLOWS = "overflows"  # of fixed-point arithmetic
+ROLES = {
+    "for each": FOR_EACH,
+    "measured at": MEASURED_AT,
+    "given": GIVEN,
+    "unless": UNLESS,
+    "unfinished": UNFINISHED,
+}
+JITTER = "jitter of "
+UNNAMED = Sentence("", nothing=None)
 Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so it serves all scenes of a case
+
+
+def expanded(text: str, sentences: Mapping[str, str]) -> str:
+    """Return the sentence that a measure's text stands for. BadEvent if it is defined by itself."""
+    before, names = "", [text]
+    while text in sentences or text.startswith(JITTER):
+        if text in sentences:
+            text = sentences[text]
+        else:
+            before, text = before + JITTER, text.removeprefix(JITTER)
+        if text in names:
+            raise BadEvent(f"measure {text!r} is defined by itself; write it in events")
+        names.append(text)
+    return before + text
+
+
+def check_measure(name: str, sentences: Mapping[str, str]) -> None:
+    """Raise BadEvent if the sentence of this name says no measure, in whatever scene, or if the name has a meaning."""
+    if name in MEASURES or name in PHRASES or is_form(name) or name.startswith((SPAN, REPLY, WATCH)):
+        raise BadEvent(f"there is a measure {name!r} already; give this one another name")
+    text = expanded(name, sentences)
+    if is_form(text):
+        said = measure_of(text)
+        while said.of is not None:
+            said = said.of
+        text = said.name if said.form == "jitter" else ""
+    if text not in ("", *MEASURES, OVERFLOWS) and not text.startswith((SPAN, REPLY, WATCH)):
+        raise _unknown(text, sentences)
 
 
 def measure_named(text: str, scope: Scope) -> Measure:
@@ -44,21 +88,28 @@ def _called(name: str, scope: Scope) -> Maker:
     """Return the maker of a measure with a fixed name, or of a span, a reply or a watched wire."""
     if name.startswith(SPAN) and len(scope.units) == 1:
         scope.span("", name.removeprefix(SPAN))
-    if name.startswith((SPAN, REPLY, WATCH)) or name in MEASURES:
-        return partial(make, name)
+    for prefix, kind in ((SPAN, SpanTime), (REPLY, Reply), (WATCH, WatchedWire)):
+        if name.startswith(prefix):
+            return partial(kind, name.removeprefix(prefix))
+    if name in MEASURES:
+        return _of_sentence(MEASURES[name], scope, of="")
     if name == OVERFLOWS:
         if scope.uncounted:
             what = "overflows are counted by Python firmware that reports them"
             raise BadEvent(f"{name!r}: {what}, and {scope.uncounted} does not run such firmware; leave the budget out")
-        return maker_of("count of note overflow", scope)
+        return _of_sentence(PHRASES[OVERFLOWS], scope)
+    raise _unknown(name, scope.measures)
+
+
+def _unknown(name: str, sentences: Mapping[str, str]) -> BadEvent:
     form = near_form(name)
     if form:
-        raise BadEvent(f"there is no measure {name!r}; did you mean {form}?")
-    names = [*MEASURES, OVERFLOWS, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]
+        return BadEvent(f"there is no measure {name!r}; did you mean {form}?")
+    names = [*sentences, *MEASURES, OVERFLOWS, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]
     hint = did_you_mean(name, names)
     if not hint.startswith("did you mean"):
         hint = f"it has {', '.join(names)}, and {', '.join(FORMS.values())}"
-    raise BadEvent(f"there is no measure {name!r}; {hint}")
+    return BadEvent(f"there is no measure {name!r}; {hint}")
 
 
 def make_of_events(text: str, scope: Scope) -> Measure:
@@ -70,9 +121,41 @@ def _maker_of_events(said: Said, scope: Scope) -> Maker:
     return _MAKERS[said.form](said, scope)
 
 
-def _between(said: Said, scope: Scope) -> Maker:
-    begin, end = (matcher(event, scope) for event in said.events)
-    return partial(Between, begin, end, said.pairing, _group(said, scope))
+def _of_sentence(sentence: Sentence, scope: Scope, **parameters: str) -> Maker:
+    """Return the maker of a named measure."""
+    text, nothing = sentence.text.format_map(parameters), sentence.nothing
+    filled = replace(sentence, nothing=nothing and nothing.format_map(parameters))
+    return _of_events(measure_of(text), scope, filled)
+
+
+def _of_events(said: Said, scope: Scope, sentence: Sentence = UNNAMED) -> Maker:
+    """Return the maker of a count, a value, a sum or a time from one event to another."""
+    first, *others = (matcher(event, scope) for event in said.events)
+    clauses = _clauses(said, scope, sentence)
+    if said.form == "from":
+        return partial(Between, first, others[0], said.pairing, _group(said, scope), clauses)
+    if others:
+        return partial(CountBetween, first, others[0], others[1], said.pairing, _group(said, scope), clauses)
+    kinds: dict[str, Callable[[Matcher, Clauses], Measure]] = {"count": EventCount, "value": ValueOf, "sum": SumOf}
+    return partial(kinds[said.form], first, clauses)
+
+
+def _clauses(said: Said, scope: Scope, sentence: Sentence) -> Clauses:
+    asked = [event.text for clause, event in said.clauses if clause == "for each"]
+    if said.group and asked:
+        what = f"pairs of one {said.group} are counted {said.group} by {said.group}"
+        raise BadEvent(f"{said.text!r}: {what}; leave 'for each {asked[0]}' out")
+    unknown = [(f"event {event.text!r}", "cannot be judged") for clause, event in said.clauses if clause == "unless"]
+    unfinished = [event.text for clause, event in said.clauses if clause == "unfinished"]
+    return Clauses(
+        tuple(matcher(event, scope) for _, event in said.clauses),
+        tuple(ROLES[clause] for clause, _ in said.clauses),
+        sentence.asked or ", ".join(map(repr, asked)),
+        sentence.nothing,
+        sentence.unproven,
+        sentence.cut_off or ", ".join(map(repr, unfinished)),
+        sentence.unknown or tuple(unknown),
+    )
 
 
 def _group(said: Said, scope: Scope) -> Group | None:
@@ -82,13 +165,6 @@ def _group(said: Said, scope: Scope) -> Group | None:
         needs = "[controller] or [rounds]" if said.group == "round" else "SCL and SDA"
         raise BadEvent(f"'same {said.group}' needs {needs} in the scene, which has none; leave it out")
     return stretch_of(said.group, scope)
-
-
-def _count(said: Said, scope: Scope) -> Maker:
-    counted, *pair = (matcher(event, scope) for event in said.events)
-    if not pair:
-        return partial(EventCount, counted)
-    return partial(CountBetween, counted, pair[0], pair[1], said.pairing, _group(said, scope))
 
 
 def _jitter(said: Said, scope: Scope) -> Maker:
@@ -104,25 +180,24 @@ def _jitter(said: Said, scope: Scope) -> Maker:
 
 def _level(said: Said, scope: Scope) -> Maker:
     change, *at = (matcher(event, scope) for event in said.events)
-    return partial(LevelAt, at[0], change) if at else partial(Level, change)
+    return partial(LevelAt, at[0], change) if at else partial(ValueOf, change)
 
 
 def _stack(said: Said, scope: Scope) -> Maker:
     """Return the maker of the stack's high-water mark, which is recorded whenever it grows."""
     text = "stack high-water"
-    return partial(Level, Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack"))
+    return partial(ValueOf, Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack"))
 
 
 def _reaction(said: Said, scope: Scope) -> Maker:
     i2c = f"{scope.owner(said.unit, 'I2C-A')}:I2C-A"
-    ready = f"flag {i2c}.I2CSTR.SDIR rise or flag {i2c}.I2CSTR.XRDY rise"
-    return maker_of(f"from {ready} to access W {i2c}.I2CDXR, last, same transfer", scope)
+    return _of_sentence(PHRASES["reaction"], scope, i2c=i2c)
 
 
 def _gap(said: Said, scope: Scope) -> Maker:
     if not scope.rounds:
         raise BadEvent(f"{said.text!r} needs [controller] or [rounds] in the scene, which has none")
-    return maker_of("from last bus STOP of round to first bus START of round", scope)
+    return _of_sentence(PHRASES["gap"], scope)
 
 
 def _latency(said: Said, scope: Scope) -> Maker:
@@ -131,11 +206,11 @@ def _latency(said: Said, scope: Scope) -> Maker:
     if said.name not in LINES:
         raise BadEvent(f"{said.name} does not come through the PIE, so nothing records when it was asked for")
     group, line = LINES[said.name]
-    asked = f"PIE.PIEIFR{group}.INTx{line}"
-    begin = Event("flag", f"flag {name_text(said.unit, asked)} rise", unit, asked, "rise")
-    end = Event("interrupt", f"interrupt {name_text(said.unit, said.name)} enter", unit, said.name, "enter")
-    asked_for, entered = matcher(begin, scope), matcher(end, scope)
-    return partial(ToFirstAccess, asked_for, entered) if said.access else partial(Between, asked_for, entered, "last")
+    whose = said.unit or (unit if len(scope.units) > 1 else "")
+    asked, vector = name_text(whose, f"PIE.PIEIFR{group}.INTx{line}"), name_text(whose, said.name)
+    if not said.access:
+        return _of_sentence(PHRASES["interrupt"], scope, asked=asked, vector=vector)
+    return partial(ToFirstAccess, matcher(f"flag {asked} rise", scope), matcher(f"interrupt {vector} enter", scope))
 
 
 def _state(said: Said, scope: Scope) -> State:
@@ -164,15 +239,23 @@ def _of_a_race(said: Said, scope: Scope) -> Maker:
 
 
 def _value(said: Said, scope: Scope) -> Maker:
-    row = value_error(said.name or " or ".join(CHIPS), said.instant == "frame")
-    return partial(row.make, said.name)
+    if said.events:
+        return _of_events(said, scope)
+    chips = said.name or " or ".join(CHIPS)
+    at = " at frame" if said.instant == "frame" else ""
+    return _of_sentence(PHRASES["value"], scope, at=at, of=_of(said.name), chips=chips)
+
+
+def _of(chip: str) -> str:
+    return chip and f" of {chip}"
 
 
 _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
-    "from": _between,
+    "from": _of_events,
     "period": lambda said, scope: partial(Period, matcher(said.events[0], scope)),
     "jitter": _jitter,
-    "count": _count,
+    "count": _of_events,
+    "sum": _of_events,
     "level": _level,
     "calls": lambda said, scope: partial(EventCount, matcher(said.events[0], scope)),
     "stack": _stack,
@@ -185,11 +268,11 @@ _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
     "each": lambda said, scope: partial(EachTimeIn, _state(said, scope)),
     "cpu": lambda said, scope: partial(CpuLoad, scope.unit(said.unit), said.window),
     "bus": lambda said, scope: partial(BusLoad, said.window),
-    "slack": lambda said, scope: SLACK.make,
+    "slack": lambda said, scope: _of_sentence(PHRASES["slack"], scope),
     "race": _of_a_race,
     "cleared": _of_a_race,
-    "age": lambda said, scope: partial(MEASURES["age"].make, said.name),
-    "model": lambda said, scope: partial(MEASURES["model age"].make, said.name),
+    "age": lambda said, scope: _of_sentence(MEASURES["age"], scope, of=_of(said.name)),
+    "model": lambda said, scope: _of_sentence(MEASURES["model age"], scope, of=_of(said.name)),
     "value": _value,
     "lost": _of_a_race,
 }

@@ -19,7 +19,7 @@ from typing import final
 
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
-from .event_pairing import EventMeasure
+from .event_pairing import NO_CLAUSES, Clauses, EventMeasure
 from .groups import Groups
 from .measure import MeasuredScene
 
@@ -45,7 +45,6 @@ class Between(EventMeasure):
     lasts from its START to the next one's, so that what firmware does about a STOP belongs to it.
     """
 
-    asked: str
     _rule: Groups | None
     _rule_text: str
     _unsaid: bool
@@ -53,10 +52,16 @@ class Between(EventMeasure):
     _in_order: bool
 
     def __init__(
-        self, begin: Matcher, end: Matcher, pairing: str, group: Group | None = None, extra: tuple[Matcher, ...] = ()
+        self,
+        begin: Matcher,
+        end: Matcher,
+        pairing: str,
+        group: Group | None = None,
+        clauses: Clauses = NO_CLAUSES,
+        extra: tuple[Matcher, ...] = (),
     ) -> None:
         inside = () if group is None else (group.begin, group.end)
-        super().__init__(begin, end, *inside, *extra, order=_order(len(inside), len(extra)))
+        super().__init__(begin, end, *inside, *extra, order=_order(len(inside), len(extra)), clauses=clauses)
         self.pairing = pairing
         self._extra = FIRST + 2 + len(inside)
         self._rule = None if group is None else Groups(group, 0)
@@ -68,16 +73,12 @@ class Between(EventMeasure):
         self._spare: Open | None = None  # the first of those that wait no more
         self._again: tuple[int, int] | None = None
         self._begun = self._paired = False  # in the group under way
-        self.asked = "" if group is None else f"{group.name}s with {begin.text!r}"
         if group is not None:
+            self.asked = f"{group.name}s with {begin.text!r}"
             self.occasions = 0
-        self._groups_paired = 0
+            self._has_measured = True
         self._begun_at = self._now = NO_TIME
         self._began_at, self._per_second = 0, 1
-
-    @property
-    def measured(self) -> int:
-        return self.count if self._rule is None else self._groups_paired
 
     def listen(self, scene: MeasuredScene) -> None:
         super().listen(scene)
@@ -115,7 +116,7 @@ class Between(EventMeasure):
     def _group_over(self) -> None:
         if self._begun:
             self.occasion(self._begun_at)
-            self._groups_paired += self._paired and self._begun_at >= self.not_before
+            self.measured_at(self._begun_at, int(self._paired))
         self._begun = self._paired = False
 
     def _first(self, tick: int) -> None:
@@ -186,7 +187,7 @@ class Between(EventMeasure):
 
     @property
     def silent(self) -> bool:
-        return not self.count or self._again is not None
+        return not self.count or self.ungiven or self._again is not None
 
     def missing(self) -> str:
         first, second = (self.matchers[place].text for place in (FIRST, SECOND))
@@ -194,6 +195,8 @@ class Between(EventMeasure):
             one, other = (f"{(at - self._began_at) / self._per_second:.6f} s" for at in self._again)
             what = f"{first!r} came at {one} and again at {other} before {second!r}"
             return f"{what}; add after a comma which belong together: in order, next or last"
+        if self.ungiven or self._clauses.nothing is not None:
+            return EventMeasure.missing(self)
         if all(self.seen[:2]):
             return f"no {first!r} was followed by {second!r}{self._rule_text}"
         return self.unmatched([self.matchers[place] for place in (FIRST, SECOND) if not self.seen[place]])
@@ -205,9 +208,15 @@ class CountBetween(Between):
     unit = "count"
 
     def __init__(
-        self, counted: Matcher, begin: Matcher, end: Matcher, pairing: str, group: Group | None = None
+        self,
+        counted: Matcher,
+        begin: Matcher,
+        end: Matcher,
+        pairing: str,
+        group: Group | None = None,
+        clauses: Clauses = NO_CLAUSES,
     ) -> None:
-        super().__init__(begin, end, pairing, group, (counted,))
+        super().__init__(begin, end, pairing, group, clauses, (counted,))
         self._counted = 0
 
     def between(self) -> None:

@@ -1,187 +1,143 @@
-"""The measures that a budget calls by a fixed name. Measures of events that users name are in `event`.
+"""The shipped measures: sentences of the language of budgets that have a name.
 
-A measure is a row of MEASURES: which records it looks at, and what it takes of them. Who makes the records is in
-`timing/derived`.
+    name --> Sentence: its text, what it costs, how far back it looks, what is said where it measured nothing
+
+A sentence with parameters has them in braces; `factory` fills them in from the words of a budget.
 """
 
 from __future__ import annotations
 
-from ...core.records import Kind
-from ..budget_schema import REPLY, SPAN, WATCH
-from .measure import READ, Measure
-from .recorded import Row, Unknown
-from .reply import Reply
-from .span import SpanTime
-from .watched_wire import WatchedWire
+from typing import Literal
 
+from msgspec import Struct
+
+Past = Literal["this occurrence", "this transfer", "this round", "the round before", "the whole run"]
+
+
+class Sentence(Struct, frozen=True):
+    """A named measure.
+
+    about: what it measures, for documentation; of a row without one, the sentence says it.
+    looks_back: how far back the records are that its next value depends on.
+    asked, nothing, unproven, cut_off, unknown: as of `Clauses`.
+    """
+
+    text: str
+    about: str = ""
+    looks_back: Past = "this occurrence"
+    asked: str = ""
+    nothing: str | None = ""
+    unproven: str = ""
+    cut_off: str = ""
+    unknown: tuple[tuple[str, str], ...] = ()
+
+
+READS = "reads asked"
+ROUNDS = "rounds due"
 OTHER_FRAMES = "may carry frames that were not compared with them"
 
 MEASURES = {
-    "response": Row(
+    "response": Sentence(
+        "from record transfer acknowledge to record transfer answer, for each record transfer read",
         "From the SCL fall that ends the ACK slot of a read address to the SCL rise of the first data bit.",
-        Kind.TRANSFER,
-        "answer",
-        needs="I2C-A",
-        occasion="read",
-        asked="reads asked",
+        asked=READS,
     ),
-    "stretch": Row(
+    "stretch": Sentence(
+        "value of record transfer stretch, for each record transfer phase, unfinished record transfer held",
         "Longest time SCL was held low after the master had released it, per acknowledged phase, by any party.",
-        Kind.TRANSFER,
-        "stretch",
-        needs="I2C-A",
-        occurrence=READ,
-        occasion="phase",
         asked="addressed phases asked",
-        under_way="held",
         cut_off="SCL was still held low when the run ended",
     ),
-    "round": Row(
+    "round": Sentence(
+        "from record round begin to record round end, for each record round due",
         "From a round's begin to its last STOP. How late the controller itself begins is left out.",
-        Kind.ROUND,
-        "over",
-        needs="rounds",
-        occasion="due",
-        asked="rounds due",
+        "this round",
+        asked=ROUNDS,
         nothing="no round was completed",
     ),
-    "missed rounds": Row(
+    "missed rounds": Sentence(
+        "count of record round missed, for each record round due, measured at record round due, given record round due",
         "Rounds that did not begin while they were due, or that lack a request.",
-        Kind.ROUND,
-        "missed",
-        takes="number",
-        unit="count",
-        needs="rounds",
-        occasion="due",
-        asked="rounds due",
-        measured="due",
-        required="due",
+        "the round before",
+        asked=ROUNDS,
         unproven="no round was due",
     ),
-    "nacked rounds": Row(
+    "nacked rounds": Sentence(
+        "count of record round refused, for each record round due, measured at record round begin, "
+        "given record round begin",
         "Rounds with at least one request whose address was not acknowledged.",
-        Kind.ROUND,
-        "refused",
-        takes="number",
-        unit="count",
-        needs="rounds",
-        occasion="due",
-        asked="rounds due",
-        measured="over",
-        required="over",
+        "this round",
+        asked=ROUNDS,
         unproven="no round was completed",
     ),
-    "nacked": Row(
+    "nacked": Sentence(
+        "count of record transfer refused",
         "Requests whose address was not acknowledged.",
-        Kind.TRANSFER,
-        "refused",
-        takes="number",
-        unit="count",
-        needs="I2C-A",
+        "this transfer",
     ),
-    "wrong bytes": Row(
+    "wrong bytes": Sentence(
+        "sum of record data wrong bytes, for each record data bytes asked, measured at record data bytes compared, "
+        "unless record data zeros, unless record data unknown bytes",
         "Bytes read that are not what they should be: `expect` of the request, or what a host frame makes them.",
-        Kind.DATA,
-        "wrong bytes",
-        takes="sum",
-        unit="bytes",
-        needs="rounds",
-        occasion="bytes asked",
+        "the whole run",
         asked="bytes asked",
-        measured="bytes compared",
         unknown=(
-            Unknown("zeros", "byte", "read as 0 from chips that never showed a host frame's values"),
-            Unknown("unknown bytes", "byte", "may be of frames that were not compared with them"),
+            ("byte", "read as 0 from chips that never showed a host frame's values"),
+            ("byte", "may be of frames that were not compared with them"),
         ),
     ),
-    "age": Row(
+    "age": Sentence(
+        "value of record data age{of}, for each record data chip read{of}, unless record data unknown age{of}",
         "From the end of the host frame whose values a read carries to the read's START.",
-        Kind.DATA,
-        "age",
-        needs="host",
-        occurrence=READ,
-        occasion="chip read",
-        asked="reads asked",
-        unknown=(Unknown("unknown age", "read", OTHER_FRAMES),),
+        "the whole run",
+        asked=READS,
+        unknown=(("read", OTHER_FRAMES),),
     ),
-    "model age": Row(
+    "model age": Sentence(
+        "value of record data model age{of}, for each record data chip read{of}, given record data model run",
         "From the end of the last host frame that was whole when the models began to every read of what they made.",
-        Kind.DATA,
-        "model age",
-        needs="host",
-        occurrence=READ,
-        occasion="chip read",
-        asked="reads asked",
-        required="model run",
+        "the whole run",
+        asked=READS,
         nothing="no chip was read after a host frame had come",
         unproven="no span 'model' was over that began after a host frame had come",
     ),
-    "fifo high-water": Row(
+    "fifo high-water": Sentence(
+        "value of record receiver words, for each record receiver character, measured at record receiver received",
         "Most words that ever waited in the SCI receive FIFO.",
-        Kind.RECEIVER,
-        "words",
-        unit="words",
-        needs="SCI",
-        occasion="character",
         asked="characters on RX",
-        measured="received",
     ),
-    "overruns": Row(
+    "overruns": Sentence(
+        "count of record receiver lost, for each record receiver character, measured at record receiver received",
         "Characters lost in the SCI: FIFO overflow (RXFFOVF) or SCIRXBUF overrun (OE), counted as they happen.",
-        Kind.RECEIVER,
-        "lost",
-        takes="number",
-        unit="count",
-        needs="SCI",
-        occasion="character",
         asked="characters on RX",
-        measured="received",
     ),
-    "stuck": Row(
-        "Times a line of the bus was held low longer than `stuck_after`.",
-        Kind.BUS,
-        "stuck",
-        takes="number",
-        unit="count",
-        needs="I2C-A",
+    "stuck": Sentence("count of record bus stuck", "Times a line of the bus was held low longer than `stuck_after`."),
+}
+
+# Measures with parameters, or that depend on the scene, by the form of the language that their words begin with.
+PHRASES = {
+    "overflows": Sentence("count of note overflow", nothing=None),
+    "slack": Sentence(
+        "from record round end to record round next, for each record round due",
+        looks_back="this round",
+        asked=ROUNDS,
+        nothing="no round was completed",
+    ),
+    "gap": Sentence(
+        "from last bus STOP of round to first bus START of round", looks_back="the round before", nothing=None
+    ),
+    "reaction": Sentence(
+        "from flag {i2c}.I2CSTR.SDIR rise or flag {i2c}.I2CSTR.XRDY rise to access W {i2c}.I2CDXR, last, same transfer",
+        looks_back="this transfer",
+        nothing=None,
+    ),
+    "interrupt": Sentence("from flag {asked} rise to interrupt {vector} enter, last", nothing=None),
+    "value": Sentence(
+        "value of record data value error{at}{of}, for each record data sample{of}, "
+        "unless record data unknown error{of}",
+        asked=READS,
+        nothing="no sample of {chips} was read after a host frame had come",
+        unknown=(("read", "may fit frames that were not compared with them"),),
+        looks_back="the whole run",
     ),
 }
-SLACK = Row(
-    "From a round's last STOP to the moment at which the next round is due; negative where it came too late.",
-    Kind.ROUND,
-    "slack",
-    needs="rounds",
-    occasion="due",
-    asked="rounds due",
-    nothing="no round was completed",
-)
-
-
-def value_error(chips: str, at_frame: bool) -> Row:
-    """Return the row of |value read - truth|, of the worst axis of each read of a chip after a host frame has come.
-
-    chips: their names, as a phrase. at_frame: against the truth at the frame that fits best, which leaves out the age.
-    """
-    return Row(
-        "Largest difference of an axis between a value read and the truth.",
-        Kind.DATA,
-        "value error at frame" if at_frame else "value error",
-        unit="LSB",
-        needs="host",
-        occurrence=READ,
-        occasion="sample",
-        asked="reads asked",
-        unknown=(Unknown("unknown error", "read", "may fit frames that were not compared with them"),),
-        nothing=f"no sample of {chips} was read after a host frame had come",
-    )
-
-
-def make(name: str) -> Measure:
-    """Return the measure of a name: one of MEASURES, "span:NAME", "reply:NAME", "watch:NAME". KeyError for others."""
-    if name.startswith(REPLY):
-        return Reply(name.removeprefix(REPLY))
-    if name.startswith(SPAN):
-        return SpanTime(name.removeprefix(SPAN))
-    if name.startswith(WATCH):
-        return WatchedWire(name.removeprefix(WATCH))
-    return MEASURES[name].make()

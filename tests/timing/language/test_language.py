@@ -203,8 +203,8 @@ def test_every_form_that_messages_name_can_be_said(form: str):
         ("edge", "'edge' ends where a wire is expected"),
         (
             "flg I2C-A.I2CSTR.XRDY rise",
-            "'flg I2C-A.I2CSTR.XRDY rise': 'flg' where edge, flag, access, interrupt, span, bus, frame, variable or "
-            "note is expected; did you mean flag?",
+            "'flg I2C-A.I2CSTR.XRDY rise': 'flg' where edge, flag, access, interrupt, span, bus, frame, variable, "
+            "note or record is expected; did you mean flag?",
         ),
         ("flag I2C-A.I2CCNT.ICDC =", "'flag I2C-A.I2CCNT.ICDC =': a number is expected after ="),
         ("count of bus address 0x80", "'count of bus address 0x80': 0x80 is more than it can be, 0x7f"),
@@ -295,7 +295,7 @@ def test_every_form_that_messages_name_can_be_said(form: str):
             "'span \"a begin': a quote is not closed, or nothing is in it; write for instance 'time update'",
         ),
         ("span imu:", "'span imu:' ends where a span's name is expected"),
-        ("", "'' ends where edge, flag, access, interrupt, span, bus, frame, variable or note is expected"),
+        ("", "'' ends where edge, flag, access, interrupt, span, bus, frame, variable, note or record is expected"),
     ],
 )
 def test_what_is_no_event_or_measure_is_told_with_what_was_expected(text: str, sentence: str):

@@ -13,8 +13,8 @@ from periph_sim.timing.derived.origins import FrameOrigins
 from periph_sim.timing.derived.round_records import RoundRecords
 from periph_sim.timing.derived.transfer_records import TransferRecords
 from periph_sim.timing.measures.measure import Measure
-from periph_sim.timing.measures.registry import make
 from periph_sim.timing.rounds import BusRounds
+from tests.timing.events_by_hand import make
 
 GYRO, ACCEL, MAGNET, OTHER = 0x68, 0x53, 0x1E, 0x10
 

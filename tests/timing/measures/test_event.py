@@ -297,7 +297,7 @@ def test_what_the_scene_cannot_show_is_refused(text: str, scope, sentence: str):
 
 
 IMAGE = replace(ONE, images={"dsp": AnyName()})
-EXAMPLES = ["from frame to frame", "period of frame", "jitter of frame", "count of frame"]
+EXAMPLES = ["from frame to frame", "period of frame", "jitter of frame", "count of frame", "sum of frame TX end"]
 EXAMPLES += [
     "level of I2C-A.I2CSTR.XRDY",
     "calls of _isr",

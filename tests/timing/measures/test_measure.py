@@ -8,9 +8,10 @@ from periph_sim.bus.i2c.transfer import Phase
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.timing.derived.origins import RECENT
+from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.measures.measure import Counter
-from periph_sim.timing.measures.registry import MEASURES, make
-from tests.timing.events_by_hand import tell
+from periph_sim.timing.measures.registry import MEASURES
+from tests.timing.events_by_hand import make, tell
 from tests.timing.measures.hand_made_run import (
     ACCEL,
     GYRO,
@@ -207,6 +208,6 @@ def test_every_measure_says_what_it_measures_and_begins_empty(name: str):
     assert isinstance(run.measure, Counter) == (run.measure.unit == "count")
 
 
-def test_an_unknown_measure_is_a_key_error():
-    with pytest.raises(KeyError):
+def test_an_unknown_measure_is_told():
+    with pytest.raises(BadEvent, match="there is no measure 'latency'"):
         make("latency")

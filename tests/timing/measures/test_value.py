@@ -15,10 +15,10 @@ from periph_sim.devices.sensor_rounds import CHIPS
 from periph_sim.scene.case.model import BadCase
 from periph_sim.timing.measures.combined import combine
 from periph_sim.timing.measures.measure import Measure
-from periph_sim.timing.measures.registry import make
 from periph_sim.timing.values import values_of
 from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import Ran, run_file
+from tests.timing.events_by_hand import make
 
 PER_SECOND = 3_000_000_000
 

@@ -14,7 +14,7 @@ from fractions import Fraction
 import pytest
 
 from periph_sim.traces import formats
-from periph_sim.traces.decode import i2c, i2c_objects, uart, uart_objects
+from periph_sim.traces.decode import i2c, uart, uart_objects
 from periph_sim.traces.decode.i2c_table import i2c_table
 from periph_sim.traces.decode.uart_guess import guess
 from periph_sim.traces.decode.uart_table import uart_table
@@ -108,14 +108,14 @@ def test_i2c_events_are_the_oracles(name: str):
     events = i2c.events(load(name), channel(name, given["scl"]), channel(name, given["sda"]))
     assert i2c_lines(events) == [(said.at, said.text) for said in oracle(name, "i2c")]
     table = i2c_table(load(name), channel(name, given["scl"]), channel(name, given["sda"]))
-    assert i2c_objects.events_of_table(table) == events
+    assert i2c.events_of_table(table) == events
     assert sum(isinstance(event, i2c.Cut) for event in events) == CUT_BYTES.get(name, 0)
 
 
 @needs_captures
 def test_i2c_events_of_a_million_edges_are_the_oracles():
     events = i2c.events(load(TOO_LARGE))
-    assert i2c_objects.events_of_table(i2c_table(load(TOO_LARGE))) == events
+    assert i2c.events_of_table(i2c_table(load(TOO_LARGE))) == events
     lines = i2c_lines(events)
     first = [(said.at, said.text) for said in oracle(TOO_LARGE, "i2c")]
     assert lines[: len(first)] == first and len(first) == 200

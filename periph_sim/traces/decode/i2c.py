@@ -21,15 +21,17 @@ Rules, from the I2C-bus specification (UM10204, section 3.1):
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..capture.capture import Capture, Channel
+from ..capture.capture import Capture
+from .i2c_states import BITS
+from .i2c_table import I2cEdges, I2cRowKind, I2cTable, bit_counts, bits_of, i2c_edges, i2c_table
 
 
 class Party(Enum):
@@ -90,6 +92,14 @@ class Cut:
 
 
 Event = Start | RepeatedStart | Address | Data | Ack | Nack | Stop | Cut
+
+PLAIN: dict[I2cRowKind, Callable[[int], Event]] = {
+    I2cRowKind.START: Start,
+    I2cRowKind.REPEATED_START: RepeatedStart,
+    I2cRowKind.ACK: Ack,
+    I2cRowKind.NACK: Nack,
+    I2cRowKind.STOP: Stop,
+}
 
 
 class Bit(NamedTuple):
@@ -164,33 +174,33 @@ class Transfer:
         return bool(self.phases) and self.stop is not None
 
 
-@dataclass(frozen=True, slots=True)
-class _Pulses:
-    """The lines within a span, as plain lists: rising SCL one by one, conditions one by one."""
-
-    rises: list[int]
-    values: list[int]  # SDA at the rise
-    falls_before: list[int]  # the SCL fall before each rise; -1 if not in the capture
-    falls_after: list[int]  # and after it
-    settled: list[int]  # SDA's last edge up to the rise; -1 if none since the fall
-    conditions: list[int]  # SDA edges under steadily high SCL
-    starts: list[bool]  # falling ones
-    seen: list[int]  # rises before each condition
-    falls_behind: list[int]  # the SCL fall after each condition; -1 if not in the capture
+_Pulse = tuple[int, int, int | None, int | None, int | None]  # a bit without its driver
 
 
 def transfers(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> list[Transfer]:
     """Decode all transfers of a capture, in order. LookupError for a missing channel."""
-    lines = capture.channel(scl), capture.channel(sda)
-    found: list[Transfer] = []
-    for span in capture.known(*lines):
-        found.extend(_transfers(_pulses(*(line.cut(span) for line in lines))))
-    return found
+    return [transfer for edges in i2c_edges(capture, scl, sda) for transfer in _transfers(edges)]
 
 
 def events(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> list[Event]:
     """Decode all events of a capture, in order, from the first START on. LookupError for a missing channel."""
-    return [event for transfer in transfers(capture, scl, sda) for event in events_of(transfer)]
+    return events_of_table(i2c_table(capture, scl, sda))
+
+
+def events_of_table(table: I2cTable) -> list[Event]:
+    """Return the rows of a table as events."""
+    columns = (table.kind, table.at, table.last, table.value, table.bits, table.read)
+    return [_event(I2cRowKind(kind), *rest) for kind, *rest in zip(*(c.tolist() for c in columns), strict=True)]
+
+
+def _event(kind: I2cRowKind, at: int, last: int, value: int, bits: int, read: bool) -> Event:
+    if kind is I2cRowKind.ADDRESS:
+        return Address(at, value, read, last)
+    if kind is I2cRowKind.DATA or kind is I2cRowKind.ADDRESS_LOW:
+        return Data(at, value & 0xFF, read)
+    if kind is I2cRowKind.CUT:
+        return Cut(at, tuple(value >> place & 1 for place in range(bits - 1, -1, -1)))
+    return PLAIN[kind](at)
 
 
 def events_of(transfer: Transfer) -> Iterator[Event]:
@@ -217,100 +227,82 @@ def shared_edges(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA
     return len(np.intersect1d(clock.edges, data.edges, assume_unique=True))
 
 
-def _pulses(scl: Channel, sda: Channel) -> _Pulses:
-    rises = scl.edges[scl.levels == 1]
-    falls = scl.edges[scl.levels == 0]
-    padded = np.concatenate(([-1], falls, [-1]))
-    fallen = np.searchsorted(falls, rises)  # falls before each rise
-    last = np.searchsorted(sda.edges, rises, side="right")
-    settled = np.concatenate(([-1], sda.edges))[last]
-    settled[settled < padded[fallen]] = -1
-    steady = (scl.before(sda.edges) == 1) & (scl.at(sda.edges) == 1)
-    conditions = sda.edges[steady]
-    return _Pulses(
-        rises.tolist(),
-        sda.at(rises).tolist(),
-        padded[fallen].tolist(),
-        padded[fallen + 1].tolist(),
-        settled.tolist(),
-        conditions.tolist(),
-        (sda.levels[steady] == 0).tolist(),
-        np.searchsorted(rises, conditions).tolist(),
-        padded[np.searchsorted(falls, conditions) + 1].tolist(),
-    )
-
-
-def _transfers(p: _Pulses) -> Iterator[Transfer]:
+def _transfers(edges: I2cEdges) -> Iterator[Transfer]:
     """Go from condition to condition; the bytes between two of them belong to the first."""
+    pulses = _pulses(edges)
+    conditions = _conditions(edges, pulses)
+    starts, seen, counts = (column.tolist() for column in (edges.starts, edges.seen, bit_counts(edges)))
     phases: list[Phase] = []
-    stopped: int | None = None  # where the last STOP was
     gap: int | None = None
-    first = next((n for n, start in enumerate(p.starts) if start), len(p.starts))
-    lead = p.seen[first] if first < len(p.seen) else len(p.rises)
+    first = starts.index(True) if True in starts else len(starts)
+    lead = seen[first] if first < len(seen) else len(pulses)
+    stop = conditions[first - 1] if first else None
+    stopped = None if stop is None else stop.at  # where the last STOP was
     if lead or first:
-        stop = _condition(p, first - 1) if first else None
-        yield Transfer((), stop, None, tuple(_bit(p, n, Party.CONTROLLER) for n in range(lead)))
-        stopped = p.conditions[first - 1] if first else None
-    for number in range(first, len(p.conditions)):
-        if not p.starts[number]:
-            if phases:
-                yield Transfer(tuple(phases), _condition(p, number), gap)
-            phases = []
-            stopped = p.conditions[number]
+        yield Transfer((), stop, None, tuple(Bit(*pulse, Party.CONTROLLER) for pulse in pulses[:lead]))
+    for number in range(first, len(conditions)):
+        condition = conditions[number]
+        if starts[number]:
+            if not phases:
+                gap = None if stopped is None else condition.at - stopped
+            phases.append(_phase(condition, pulses[seen[number] : seen[number] + counts[number]]))
             continue
-        if not phases:
-            gap = None if stopped is None else p.conditions[number] - stopped
-        phases.append(_phase(p, number))
+        if phases:
+            yield Transfer(tuple(phases), condition, gap)
+        phases = []
+        stopped = condition.at
     if phases:
         yield Transfer(tuple(phases), None, gap)
 
 
-def _phase(p: _Pulses, number: int) -> Phase:
-    """Return START number `number` with the bytes up to the next condition."""
-    begin = p.seen[number]
-    if number + 1 == len(p.conditions):
-        end = len(p.rises)
-    else:
-        end = max(begin, p.seen[number + 1] - 1)
-        if (end - begin) % 9 == 8:  # the condition's own pulse is the ninth
-            end += 1
-    bounds = [*range(begin, end, 9), end]
+def _phase(start: Condition, pulses: list[_Pulse]) -> Phase:
+    """Return a START with the bytes of these pulses."""
     read: bool | None = None
     address: int | None = None
     found: list[Byte] = []
-    for place, (a, b) in enumerate(pairwise(bounds)):
-        byte = _byte(p, a, b, Party.TARGET if read else Party.CONTROLLER)
-        if place == 0 and byte.value is not None:
+    for begin in range(0, len(pulses), BITS):
+        byte = _byte(pulses[begin : begin + BITS], Party.TARGET if read else Party.CONTROLLER)
+        if not begin and byte.value is not None:
             address, read = byte.value >> 1, bool(byte.value & 1)
         found.append(byte)
-    return Phase(_condition(p, number), address, read, tuple(found))
+    return Phase(start, address, read, tuple(found))
 
 
-def _byte(p: _Pulses, begin: int, end: int, sender: Party) -> Byte:
+def _byte(pulses: list[_Pulse], sender: Party) -> Byte:
     other = Party.TARGET if sender is Party.CONTROLLER else Party.CONTROLLER
-    bits = tuple(_bit(p, n, sender if n < begin + 8 else other) for n in range(begin, end))
+    bits = [Bit(*pulse, sender) for pulse in pulses[:8]] + [Bit(*pulse, other) for pulse in pulses[8:]]
     value: int | None = None
     if len(bits) >= 8:
         value = 0
         for bit in bits[:8]:
             value = value << 1 | bit.value
-    return Byte(bits[0].at, value, not bits[8].value if len(bits) == 9 else None, bits)
+    return Byte(bits[0].at, value, not bits[8].value if len(bits) == BITS else None, tuple(bits))
 
 
-def _bit(p: _Pulses, n: int, driver: Party) -> Bit:
-    at, fell, falls = p.rises[n], p.falls_before[n], p.falls_after[n]
-    low = at - fell if fell >= 0 else None
-    high = falls - at if falls >= 0 else None
-    return Bit(p.values[n], at, low, high, p.settled[n] if p.settled[n] >= 0 else None, driver)
+def _pulses(edges: I2cEdges) -> list[_Pulse]:
+    at, value, low, high = bits_of(edges)
+    last = np.searchsorted(edges.data.edges, at, side="right")
+    settled = np.concatenate(([-1], edges.data.edges))[last]
+    settled[(low >= 0) & (settled < at - low)] = -1
+    return list(zip(value.tolist(), at.tolist(), _known(low), _known(high), _known(settled), strict=True))
 
 
-def _condition(p: _Pulses, number: int) -> Condition:
-    at, rises, fall = p.conditions[number], p.seen[number], p.falls_behind[number]
-    moved = rises > (p.seen[number - 1] if number else 0)
-    hold = fall - at if fall >= 0 else None
-    if number + 1 < len(p.conditions) and p.conditions[number + 1] < fall:
-        hold = None
-    if not moved:
-        return Condition(at, None, None, hold)
-    rise, fell = p.rises[rises - 1], p.falls_before[rises - 1]
-    return Condition(at, rise - fell if fell >= 0 else None, at - rise, hold)
+def _known(column: NDArray[np.int64]) -> list[int | None]:
+    return [None if value < 0 else value for value in column.tolist()]
+
+
+def _conditions(edges: I2cEdges, pulses: list[_Pulse]) -> list[Condition]:
+    at, falls = edges.conditions, edges.clock.edges[edges.clock.levels == 0]
+    fall = np.append(falls, -1)[np.searchsorted(falls, at)]
+    hold = fall - at
+    hold[:-1][at[1:] < fall[:-1]] = -1
+    found: list[Condition] = []
+    before = 0  # rises before the last one
+    for place, seen, held in zip(at.tolist(), edges.seen.tolist(), _known(hold), strict=True):
+        low = high = None
+        if seen > before:
+            _, rise, low, _, _ = pulses[seen - 1]
+            high = place - rise
+        found.append(Condition(place, low, high, held))
+        before = seen
+    return found

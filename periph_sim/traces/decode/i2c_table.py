@@ -2,8 +2,8 @@
 
     edges --> clock rises with SDA's level | START and STOP --> phases --> bytes --> rows in order of time
 
-The rules are those of `decode.i2c`, which gives the same events as objects, with the timing of each bit. Here
-nothing is done edge by edge: a capture of a million edges takes some tens of milliseconds.
+The rules are those of `decode.i2c`, which gives the same as objects, with the timing of each bit; `i2c_states` has them
+as a table. Here nothing is done edge by edge: a capture of a million edges takes some tens of milliseconds.
 
 10-bit addresses (UM10204, section 3.1.11): after an acknowledged 11110xx with R/W = 0 the next byte is their lower
 half, `ADDRESS_LOW`, whose value is the whole address.
@@ -20,9 +20,13 @@ from numpy.typing import NDArray
 
 from ..capture.capture import Capture, Channel, Positions
 from .glitch_filter import without_glitches
+from .i2c_states import BITS, COUNTED, EVENTS, KINDS, START
 
 Flags = NDArray[np.bool_]
 Counts = NDArray[np.int64]
+
+OF_EVENTS = np.array([EVENTS >> 3 * pair & KINDS for pair in range(16)], np.uint8)
+OF_COUNTED = np.array(COUNTED, np.int64)
 
 
 class I2cRowKind(IntEnum):
@@ -80,39 +84,59 @@ class I2cBits(NamedTuple):
     high: Counts
 
 
+class I2cEdges(NamedTuple):
+    """What the edges of a span are, in which both lines are known; the arrays are in order of time.
+
+    rises       int64   rising SCL
+    values      uint8   SDA there
+    conditions  int64   START and STOP: the SDA edges
+    starts      bool    START
+    seen        int64   rises before each condition
+    """
+
+    clock: Channel
+    data: Channel
+    rises: Positions
+    values: NDArray[np.uint8]
+    conditions: Positions
+    starts: Flags
+    seen: Counts
+
+
 def i2c_table(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cTable:
     """Decode all events of a capture from the first START of each known span on; none spans unknown levels.
 
     glitch: pulses of fewer positions on either line are removed first. LookupError for a missing channel.
     """
-    return _joined([_table(rises, lines) for rises, lines in _spans(capture, scl, sda, glitch)])
+    return _joined([_table(edges) for edges in i2c_edges(capture, scl, sda, glitch)])
 
 
 def i2c_bits(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cBits:
     """Return every SCL pulse of a capture, also before the first START. LookupError for a missing channel."""
-    found = []
-    for rises, (clock, data) in _spans(capture, scl, sda, glitch):
-        falls = _edges(clock, 0)
-        before = falls if clock.initial else np.concatenate(([-1], falls))
-        behind = falls[1:] if clock.initial else falls
-        low = rises - before[: len(rises)]
-        if len(low) and not clock.initial:
-            low[0] = -1
-        high = np.full(len(rises), -1, np.int64)
-        high[: len(behind)] = behind - rises[: len(behind)]
-        found.append((rises, data.at(rises), low, high))
     none = (np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64))
+    found = [bits_of(edges) for edges in i2c_edges(capture, scl, sda, glitch)]
     return I2cBits._make(np.concatenate(columns) for columns in zip(none, *found, strict=True))
 
 
-def _spans(
-    capture: Capture, scl: str | int, sda: str | int, glitch: int
-) -> Iterator[tuple[Positions, tuple[Channel, Channel]]]:
-    """Yield rising SCL, and both lines, of each span in which both are known."""
+def bits_of(edges: I2cEdges) -> I2cBits:
+    """Return every SCL pulse of a span."""
+    clock, rises = edges.clock, edges.rises
+    falls = _edges(clock, 0)
+    before = falls if clock.initial else np.concatenate(([-1], falls))
+    behind = falls[1:] if clock.initial else falls
+    low = rises - before[: len(rises)]
+    if len(low) and not clock.initial:
+        low[0] = -1
+    high = np.full(len(rises), -1, np.int64)
+    high[: len(behind)] = behind - rises[: len(behind)]
+    return I2cBits(rises, edges.values, low, high)
+
+
+def i2c_edges(capture: Capture, scl: str | int, sda: str | int, glitch: int = 0) -> Iterator[I2cEdges]:
+    """Yield the edges of each span in which both lines are known."""
     clock, data = capture.channel(scl), capture.channel(sda)
     for span in capture.known(clock, data):
-        lines = without_glitches(clock.cut(span), glitch), without_glitches(data.cut(span), glitch)
-        yield _edges(lines[0], 1), lines
+        yield _classified(without_glitches(clock.cut(span), glitch), without_glitches(data.cut(span), glitch))
 
 
 def _edges(line: Channel, level: int) -> Positions:
@@ -120,37 +144,43 @@ def _edges(line: Channel, level: int) -> Positions:
     return line.edges[int(line.initial == level) :: 2]
 
 
-def _table(rises: Positions, lines: tuple[Channel, Channel]) -> I2cTable:
-    """Decode the events of one span in which both lines are known."""
-    clock, data = lines
-    falls = _edges(clock, 0)[clock.initial :]  # the first one is after the first rise
+def _classified(clock: Channel, data: Channel) -> I2cEdges:
+    rises = _edges(clock, 1)
 
-    # The place of each SDA edge among SCL's, and SCL's level there.
+    # The place of each SDA edge among SCL's, and the lines before and after it.
     edges = data.edges
     passed = np.searchsorted(clock.edges, edges)  # SCL edges before it
     seen = (passed + 1 - clock.initial) >> 1  # rises among them
-    high = (passed & 1) != clock.initial
+    high = ((passed & 1) != clock.initial).view(np.uint8)
     together = clock.edges[np.minimum(passed, len(clock.edges) - 1)] == edges if len(clock.edges) else np.False_
-    which = np.flatnonzero(high & ~together)
+    before, after = high | (data.levels ^ 1) << 1, high ^ together | data.levels << 1
+    events = OF_EVENTS[before << 2 | after]
+    which = np.flatnonzero(events >= START)
 
     # SDA at each rise: each edge up to there inverts the level.
     values = np.bincount(seen, minlength=len(rises) + 1)[: len(rises)].astype(np.uint8)
     np.cumsum(values, out=values)  # only whether it is odd counts, so it may wrap
     values &= 1
     values ^= np.uint8(data.initial)
+    return I2cEdges(clock, data, rises, values, edges[which], events[which] == START, seen[which])
 
-    starts = (which & 1) == (data.initial ^ 1)  # falling SDA; edge 0 falls where the line began high
-    first = int(np.argmax(starts)) if starts.any() else len(starts)
-    which, starts = which[first:], starts[first:]
-    if not len(which):
+
+def _table(edges: I2cEdges) -> I2cTable:
+    """Decode the events of a span from its first START on."""
+    starts = edges.starts
+    if not starts.any():
         return _joined([])
-    conditions, seen = edges[which], seen[which]
+    first = int(np.argmax(starts))
+    edges = edges._replace(conditions=edges.conditions[first:], starts=starts[first:], seen=edges.seen[first:])
+    return _rows(edges, _bytes(edges.seen, bit_counts(edges), edges.values))
 
-    # Phases: the rises after each START, without the pulse of the next condition unless that is a ninth.
-    ends = np.append(np.maximum(seen[:-1], seen[1:] - 1), len(rises))
-    ends[:-1] += (ends[:-1] - seen[:-1]) % 9 == 8
-    count = np.where(starts, ends - seen, 0)
-    return _rows(conditions, starts, _bytes(seen, count, values), rises, values, falls)
+
+def bit_counts(edges: I2cEdges) -> Counts:
+    """Return the number of bits that belong to each condition: those up to the next one, none of a STOP."""
+    counts = np.diff(edges.seen, append=len(edges.rises))
+    partial = counts[:-1] % BITS
+    counts[:-1] += OF_COUNTED[partial] - partial
+    return np.where(edges.starts, counts, 0)
 
 
 class _Bytes(NamedTuple):
@@ -193,10 +223,10 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
     return _Bytes(phase, begin, kind, value, bits, acked, reads[phase])
 
 
-def _rows(
-    conditions: Positions, starts: Flags, found: _Bytes, rises: Positions, values: NDArray[np.uint8], falls: Positions
-) -> I2cTable:
-    """Return conditions (START and STOP, the first one a START) and bytes in order, an acknowledge after its byte."""
+def _rows(edges: I2cEdges, found: _Bytes) -> I2cTable:
+    """Return conditions (the first one a START) and bytes in order, an acknowledge after its byte."""
+    clock, _, rises, values, conditions, starts, _ = edges
+    falls = _edges(clock, 0)[clock.initial :]  # the first one is after the first rise
     again = np.concatenate(([False], starts[:-1]))  # the condition before was a START
     shown = starts | again  # a second STOP ends nothing
 

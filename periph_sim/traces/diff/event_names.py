@@ -12,8 +12,6 @@ from typing import NamedTuple
 
 from ..capture.capture import Capture
 from ..decode import i2c, uart
-from ..decode.i2c_objects import events_of_table
-from ..decode.i2c_table import i2c_table
 
 
 class Event(NamedTuple):
@@ -30,7 +28,7 @@ Group = list[Event]
 def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
     """Return the transfers of a capture from its first START on. LookupError for a missing channel."""
     groups: list[Group] = []
-    for event in events_of_table(i2c_table(capture, scl, sda)):
+    for event in i2c.events(capture, scl, sda):
         if isinstance(event, i2c.Start):
             groups.append([])
         groups[-1].append(_i2c_event(event))

@@ -1,4 +1,4 @@
-"""The I2C table against the events one by one, and what it has beyond: 10-bit addresses, ends, a glitch filter."""
+"""The I2C table: bits with their timing, 10-bit addresses, ends, a glitch filter."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
-from periph_sim.traces.decode.i2c_objects import events_of_table
+from periph_sim.traces.decode.i2c import events_of_table
 from periph_sim.traces.decode.i2c_table import I2cRowKind, I2cTable, i2c_bits, i2c_table
 from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.decode.random_lines import captures
+from tests.traces.decode.test_i2c_stream import streamed
 from tests.traces.formats.make_traces import read_registers
 from tests.traces.formats.writers import I2cWave
 
@@ -35,27 +36,6 @@ def rows(table: I2cTable) -> list[tuple[str, int, int]]:
         (I2cRowKind(k).name, at, v)
         for k, at, v in zip(*(c.tolist() for c in (table.kind, table.at, table.value)), strict=True)
     ]
-
-
-@given(captures(("SCL", "SDA")))
-@settings(max_examples=examples(40), deadline=None)
-def test_any_lines_give_the_same_events_both_ways(capture: Capture):
-    assert events_of_table(i2c_table(capture)) == i2c.events(capture)
-
-
-@given(st.lists(st.binary(min_size=1, max_size=4), min_size=1, max_size=5), st.integers(2, 9), st.integers(0, 900))
-@settings(max_examples=examples(40), deadline=None)
-def test_transfers_cut_anywhere_give_the_same_events_both_ways(contents: list[bytes], half: int, kept: int):
-    bus = wave(half)
-    for number, content in enumerate(contents):
-        bus.again() if number % 3 == 1 else bus.start()
-        for value in content:
-            bus.byte(value, ack=value % 5 > 0)
-        if number % 3 != 0:
-            bus.stop()
-    del bus.samples[kept + 1 :]
-    capture = of_wave(bus)
-    assert events_of_table(i2c_table(capture)) == i2c.events(capture)
 
 
 @given(captures(("SCL", "SDA")))
@@ -134,7 +114,7 @@ def test_a_ten_bit_address_is_two_bytes_and_one_number():
     bus.stop()
     found = [(kind, value) for kind, _, value in rows(i2c_table(of_wave(bus))) if value >= 0]
     assert found == [("ADDRESS", 0x7A), ("ADDRESS_LOW", 0x242), ("DATA", 0x99), ("ADDRESS", 0x7A), ("DATA", 0x55)]
-    assert events_of_table(i2c_table(of_wave(bus))) == i2c.events(of_wave(bus))
+    assert streamed(of_wave(bus)) == i2c.events(of_wave(bus))
 
 
 def test_a_ten_bit_address_that_nobody_acknowledges_is_not_joined():
@@ -189,7 +169,7 @@ def test_nothing_on_an_idle_or_dead_bus():
         "SCL --------\nSDA -_-_----",
         "SCL ????\nSDA ----",
     ):
-        assert events_of_table(i2c_table(drawn(lines))) == i2c.events(drawn(lines))
+        assert streamed(drawn(lines)) == i2c.events(drawn(lines))
         assert len(i2c_bits(drawn(lines)).at) == 0
 
 

@@ -1,0 +1,109 @@
+"""The decoder of streams, sample by sample, against that of arrays; and both against sigrok's."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+from random import Random
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.traces import formats
+from periph_sim.traces.capture.capture import Capture
+from periph_sim.traces.decode import i2c
+from periph_sim.traces.decode.i2c_states import BITS, COUNTED, KINDS, RISE, START
+from periph_sim.traces.decode.i2c_stream import I2cStream
+from tests.captures.test_captures_decode import i2c_lines
+from tests.profiles import examples
+from tests.traces.decode.drawing import of_bytes
+from tests.traces.decode.random_lines import captures
+from tests.traces.formats.sigrok import sigrok_says
+from tests.traces.formats.writers import I2cWave
+
+MOVES = ("start", "again", "stop", "byte", "byte", "cut")
+TROUBLE = ("hold", "spike", "spike")
+
+
+def streamed(capture: Capture) -> list[i2c.Event]:
+    """The events that a stream decoder sees, each bit with the position at which it was told of."""
+    found: list[i2c.Event] = []
+    for span in capture.known(*capture.channels):
+        scl, sda = (channel.cut(span) for channel in capture.channels)
+        stream, bits = I2cStream(scl.initial | sda.initial << 1), []
+        edges = np.union1d(scl.edges, sda.edges)
+        for at, levels in zip(edges.tolist(), (scl.at(edges) | sda.at(edges) << 1).tolist(), strict=True):
+            busy, index = stream.busy, stream.index
+            event = stream.sample(levels)
+            if event >= START:  # or the end of a byte
+                found += byte_of(bits, COUNTED[len(bits)], index, stream)
+                bits = []
+            if event & KINDS >= START and (busy or event & KINDS == START):
+                found.append((i2c.RepeatedStart if busy else i2c.Start)(at) if stream.busy else i2c.Stop(at))
+            elif event == RISE and stream.busy:
+                bits.append((at, levels >> 1))
+        index = stream.index
+        if len(bits) == BITS:
+            stream.byte_over()  # the span ends before the fall of SCL that would show it
+        found += byte_of(bits, len(bits), index, stream)
+    return found
+
+
+def byte_of(bits: list[tuple[int, int]], count: int, index: int, stream: I2cStream) -> list[i2c.Event]:
+    """A byte and its ACK, or what there is of them. Of a whole byte the stream says the same."""
+    at, levels = [place for place, _ in bits[:count]], tuple(level for _, level in bits[:count])
+    if count < 8:
+        return [i2c.Cut(at[0], levels)] if count else []
+    value = int("".join(map(str, levels[:8])), 2)
+    byte = i2c.Data(at[0], value, stream.read) if index >= 0 else i2c.Address(at[0], value >> 1, bool(value & 1), at[7])
+    if count == 8:
+        return [byte]
+    assert (stream.byte, stream.acked) == (value, not levels[8])
+    assert index >= 0 or (stream.address, stream.read) == (value >> 1, value & 1)
+    return [byte, i2c.Nack(at[8]) if levels[8] else i2c.Ack(at[8])]
+
+
+def bus(random: Random, count: int, sound: bool = False) -> Capture:
+    """Transfers with cut bytes and both lines changing in one sample; if not sound, with held lines and spikes too.
+
+    A sound bus has what sigrok's decoder can read: no START or STOP in an address or just before a byte's eighth bit.
+    """
+    wave = I2cWave(random.randint(2, 4), random.randint(0, 1))
+    wave.idle(random.randint(1, 3))
+    for move in random.choices(MOVES if sound else MOVES + TROUBLE, k=count):
+        match move:
+            case "byte":
+                wave.byte(random.randrange(256), random.random() < 0.7)
+            case "cut":
+                for _ in range(random.randint(1, 6 if sound else 9)):
+                    wave.bit(random.randint(0, 1))
+                wave.stop()
+            case "hold":
+                wave.samples += bytes([random.randrange(4)]) * random.randint(1, 30)
+            case "spike":
+                wave.samples[-random.randint(1, min(40, len(wave.samples)))] ^= random.randint(1, 3)
+            case condition:
+                getattr(wave, condition)()
+                if sound and condition != "stop":
+                    wave.byte(random.randrange(256))
+    kept = len(wave.samples) if sound else random.randint(1, len(wave.samples))
+    return of_bytes(bytes(wave.samples[:kept]), ("SCL", "SDA"))
+
+
+@given(captures(("SCL", "SDA")) | st.builds(bus, st.randoms(use_true_random=False), st.integers(1, 30)))
+@settings(max_examples=examples(80), deadline=None)
+def test_streams_arrays_and_transfers_have_the_same_events(capture: Capture):
+    assert streamed(capture) == i2c.events(capture)
+    assert [event for transfer in i2c.transfers(capture) for event in i2c.events_of(transfer)] == i2c.events(capture)
+
+
+@pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="sigrok-cli is not installed")
+@pytest.mark.parametrize("seed", range(3))
+def test_sigrok_gives_the_same_events(tmp_path: Path, seed: int):
+    capture = bus(Random(seed), 400, sound=True)
+    formats.write(capture, tmp_path / "x.sr")
+    said = re.findall(r"^(\d+)-\d+ i2c-1: ([A-Z].*)$", sigrok_says(tmp_path / "x.sr", "i2c"), re.MULTILINE)
+    assert i2c_lines(streamed(capture)) == [(int(at), text) for at, text in said] != []

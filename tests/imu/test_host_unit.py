@@ -103,6 +103,12 @@ def test_a_udp_port_that_is_taken_is_refused() -> None:
         UdpFrames("127.0.0.1", udp.source.port, Encoding(), "little", print)
 
 
+def test_a_closed_source_leaves_its_udp_port_free() -> None:
+    source = UdpFrames("127.0.0.1", 0, Encoding(), "little", print)
+    source.close()
+    UdpFrames("127.0.0.1", source.port, Encoding(), "little", print).close()
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="open files are listed in /proc")
 def test_a_port_that_is_refused_leaves_no_file_open() -> None:
     with Datagrams() as udp:

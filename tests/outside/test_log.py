@@ -40,13 +40,14 @@ def test_a_log_never_replaces_what_the_case_names_or_its_firmware_may_import(tmp
 
 def test_a_session_that_is_refused_before_time_passes_leaves_the_log_of_the_last_one(tmp_path: Path) -> None:
     log, taken = tmp_path / "live.jsonl", tmp_path / "taken"
-    log.write_text("the last session\n")
+    before = "the last session\n" * 10
+    log.write_text(before)
     taken.touch()
     with Session(case_for_line(written(tmp_path), "scia"), log=log) as session:
         line = session.serial("scia")
         with pytest.raises(OutsideError, match="File exists"):
             PtyDoor(line, 115_200, "8n1", taken)
-    assert log.read_text() == "the last session\n"
+    assert log.read_text() == before
     new = tmp_path / "new.jsonl"
     with Session(case_for_line(written(tmp_path), "scia"), log=new):
         pass

@@ -80,6 +80,16 @@ def test_formats(form: str, sciccr: int) -> None:
     assert line.wrong == 0
 
 
+def test_characters_with_errors_are_counted() -> None:
+    """The SCI sends a parity bit where the line expects a stop bit: 1 for 0x04, 0 for 0x06."""
+    session, line, _ = echo("8n1", 0x67)
+    later(session, "1 ms")
+    for byte in (0x03, 0x05):
+        line.write(bytes([byte]))
+        later(session, "2 ms")
+    assert (line.received, line.wrong) == (2, 1)
+
+
 @pytest.mark.parametrize(("wrong", "bit"), [("parity", PE), ("stop", FE)])
 def test_wrong_bits_reach_the_status(wrong: Any, bit: int) -> None:
     session, line, firmware = echo("8e1", 0x67)

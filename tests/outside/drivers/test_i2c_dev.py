@@ -148,11 +148,22 @@ def test_plain_files_and_their_refusals() -> None:
             with pytest.raises(OSError) as refused:
                 fcntl.ioctl(file, request, argument)
             assert refused.value.errno == code
+        assert (RETRIES, TIMEOUT, TENBIT) == (0x701, 0x702, 0x704)  # linux/i2c-dev.h
         for request in (TENBIT, RETRIES, TIMEOUT):
             assert fcntl.ioctl(file, request, 0) == 0
         os.close(file)
         with pytest.raises(FileNotFoundError):
             os.open("/dev/i2c-4", os.O_RDWR)
+
+
+def test_the_program_computes_for_a_pause_before_each_transfer() -> None:
+    ends = []
+    for pause in ("0 us", "1 ms"):
+        session = slave(address=0x20)
+        with i2c_dev({1: session}, pause=pause), smbus2.SMBus(1) as bus:
+            bus.write_quick(0x20)
+            ends.append(session.now)
+    assert ends[1] - ends[0] == session.ticks("1 ms")
 
 
 def test_other_files_are_as_they_were(tmp_path: Any) -> None:

@@ -46,6 +46,13 @@ def test_what_is_answered(sent: bytes, said: bytes) -> None:
     assert b"".join(slowly.receive(bytes([byte])) for byte in sent) == said
 
 
+def test_the_last_byte_of_a_read_is_not_acknowledged() -> None:
+    session, acked = slave(registers="0a 0b 0c 0d"), []
+    session.scene.on_transfer(lambda transfer: acked.extend(phase.acks for phase in transfer.phases))
+    adapter(session).receive(READ + b"\x82p")
+    assert acked == [[True, True, False]]
+
+
 def test_register_reads_of_0_are_of_256() -> None:
     assert adapter().receive(b"r\x50\x00\x00") == b"\x0a\x0b\x0c\x0d" + bytes(252)
 

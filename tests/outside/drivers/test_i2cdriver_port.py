@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import select
+import threading
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -61,6 +62,7 @@ def test_an_unmodified_program_reads_writes_and_scans(tmp_path: Path) -> None:
 def test_a_program_sees_what_others_do_on_the_bus() -> None:
     heads = load(TIMING / "two_dsps.toml").model_copy(update={"budget": ()})
     with I2cDriverPort(heads, BUS) as port:
+        assert all(one.daemon for one in threading.enumerate() if one.name == "i2cdriver")  # a program may forget it
         driver = i2cdriver.I2CDriver(port.path, reset="never")
         driver.ser.timeout = 0.05  # a capture goes on with what came until then, or nothing
         events = driver.capture_start()()

@@ -49,6 +49,14 @@ class Served:
         self.door.close()
 
 
+def test_commands_that_are_never_read_are_counted(tmp_path: Path) -> None:
+    served = Served(tmp_path)
+    os.write(served.file, REGISTER)
+    served.door.close()
+    os.close(served.file)
+    assert served.door.unread == len(REGISTER)
+
+
 def test_commands_are_done_in_their_own_time_and_the_controller_gives_way(tmp_path: Path) -> None:
     log = tmp_path / "live.jsonl"
     served = Served(tmp_path, log)

@@ -244,6 +244,17 @@ def test_who_writes_more_than_the_line_takes_waits_and_loses_nothing(tmp_path: P
             assert line.read(100) == bytes(range(1, 101))
 
 
+def test_a_write_that_finds_no_room_ends_at_its_time_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A character takes 200 ms at 50 baud."""
+    monkeypatch.setattr(protocol_f28335, "MOST", 1)
+    with port(tmp_path, baudrate=50, write_timeout=0.02) as line:
+        line.write(b"a")
+        begun = line.clock()
+        with pytest.raises(serial.SerialTimeoutException):
+            line.write(b"bcd")
+        assert 0.02 <= line.clock() - begun < 0.04
+
+
 def test_what_nobody_reads_is_counted_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(protocol_f28335, "Backlog", lambda: Backlog(10))
     line = port(tmp_path, timeout=1)

@@ -23,7 +23,6 @@ from fractions import Fraction
 from ...core.chip import ANY_CHANGED, NEVER, NO_CHANGE, PINS_CHANGED, WAKE_CHANGED, Chip
 from ...core.state import State
 from . import register_map as at
-from .fifos import DEPTH
 from .limits import I2cLimits
 from .master import I2cMaster
 from .noise_filter import I2cNoiseFilter
@@ -317,9 +316,9 @@ class I2c(Chip):
         if offset == at.ISRC:
             return state.code | state.isrc_high
         if offset == at.FFTX:
-            return state.fftx | len(state.tx_fifo) << 8
+            return state.tx_fifo.show()
         if offset == at.FFRX:
-            return state.ffrx | min(len(state.rx_fifo), DEPTH) << 8
+            return state.rx_fifo.show()
         return state.emdr() if offset == at.EMDR else state.stored(offset)
 
     def write(self, now: int, offset: int, value: int) -> None:

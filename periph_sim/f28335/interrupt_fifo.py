@@ -49,7 +49,12 @@ class InterruptFifo:
         self.mode = mode
         self.touched = touched
         self.words: list[int] = []
-        self.control: int = register.reset
+        self.reset()
+
+    def reset(self) -> None:
+        """Reset by XRS."""
+        self.words.clear()
+        self.control: int = self.register.reset
         self._was_reached = False
 
     def __len__(self) -> int:
@@ -108,9 +113,3 @@ class InterruptFifo:
         """Empty the FIFO and clear its flags."""
         self.words.clear()
         self.control &= ~(FLAG | OVERFLOW if self.receives else FLAG)
-
-    def reset(self) -> None:
-        """Reset by XRS."""
-        self.words.clear()
-        self.control = self.register.reset
-        self._was_reached = False

@@ -35,7 +35,6 @@ class I2cFifos(I2cInterrupts):
         super().__init__(options)
         self.tx_fifo = InterruptFifo(I2C_MAP["I2CFFTX"], False, options.fifo_int_mode, self.touched)
         self.rx_fifo = InterruptFifo(I2C_MAP["I2CFFRX"], True, options.fifo_int_mode, self.touched)
-        self.reset_fifos()
 
     def reset_fifos(self) -> None:
         """Reset by XRS."""

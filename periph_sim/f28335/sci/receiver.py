@@ -54,6 +54,14 @@ class SciRx:
     def __init__(self, options: SciOptions, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
+        self.loaded = False  # SCIRXBUF shows a new word, possibly an equal one, since the owner last set this to False
+        self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)
+        self.reset()
+
+    # Resets -----------------------------------------------------------------
+
+    def reset(self) -> None:
+        """Reset by XRS."""
         self.request = False
         # Enables and modes, copied here from the registers of the whole module.
         self.enabled = False
@@ -65,8 +73,16 @@ class SciRx:
         # The receiver's own state.
         self.status = 0  # BRKDT, FE, OE, PE, RXWAKE, RXRDY in their SCIRXST places
         self.rxbuf = 0
-        self.loaded = False  # SCIRXBUF shows a new word, possibly an equal one, since the owner last set this to False
-        self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)
+        self.fifo.reset()
+
+    def clear_flags(self) -> None:
+        """Clear the flags, as SW RESET = 0 does."""
+        self.status = 0
+
+    def clear_fifo(self) -> None:
+        """Empty the FIFO and clear its flags, without a request."""
+        self.fifo.clear()
+        self.fifo.watch(self.fifo_mode)
 
     # From the line ----------------------------------------------------------
 
@@ -219,26 +235,3 @@ class SciRx:
             self.request = True
         self.fifo_mode = on
         self._watch_level()
-
-    # Resets -----------------------------------------------------------------
-
-    def clear_flags(self) -> None:
-        """Clear the flags, as SW RESET = 0 does."""
-        self.status = 0
-
-    def clear_fifo(self) -> None:
-        """Empty the FIFO and clear its flags, without a request."""
-        self.fifo.clear()
-        self.fifo.watch(self.fifo_mode)
-
-    def reset(self) -> None:
-        self.enabled = False
-        self.sleep = False
-        self.bk_enabled = False
-        self.error_enabled = False
-        self.fifo_mode = False
-        self.parity = False
-        self.request = False
-        self.status = 0
-        self.rxbuf = 0
-        self.fifo.reset()

@@ -75,46 +75,68 @@ class SciTx:
     def __init__(self, options: SciOptions, clock: SciClock, layout: SciFormat, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
-        self.request = False
         self.bits = SciTxBits()
         self.word_line = False  # words are passed on in `sent`, without levels
         self.sent: list[SentWord] = []
         self.frames = 0  # number of frames whose start bits have begun, since construction
         self.lost: list[str] = []  # messages about lost words
         self.mark = 0
-        self.out_mark = 0
+        self.fifo = InterruptFifo(SCIFFTX, False, options.fifo_int_mode, touched)
+        self._clock = clock
+        self._layout = layout
+        self._txshf = 0
+        self._txbuf_mark = 0
+        self._txshf_mark = 0
+        self._began = 0  # first tick of the frame or idle time
+        self.reset()
+
+    # Resets -----------------------------------------------------------------
+
+    def reset(self) -> None:
+        """Reset by XRS."""
+        self.halt()
+        self.request = False
         # Enables and modes, copied here from the registers of the whole module.
         self.enabled = False  # TXENA
-        self.running = False  # neither SWRESET nor SCIRST holds it
         self.in_swreset = True
         self.stopping = False  # the transmitter stops after the frame being sent
         self.int_enabled = False
         self.delay = 0  # FFTXDLY
+        self.fifo_mode = False  # SCIFFENA
         # The transmitter's own state.
         self.txbuf = 0
         self.txwake = False
-        self.wut = False
-        self.fifo = InterruptFifo(SCIFFTX, False, options.fifo_int_mode, touched)
-        self.fifo_mode = False  # SCIFFENA
+        self.fifo.reset()
+
+    def halt(self) -> None:
+        """Reset the state machines: the words in SCITXBUF and TXSHF are lost, TXD goes to 1."""
+        self.running = False  # neither SWRESET nor SCIRST holds it
         self.active = False  # a frame or an idle time is being sent
-        self.next_tick = FAR
-        self.next_cycle = NEVER  # of events between ticks
-        self._clock = clock
-        self._layout = layout
+        self.wut = False
         self._waiting = False  # SCITXBUF holds a character
         self._drain = 0  # words that TXENA = 0 does not hold back
         self._loaded = False  # TXSHF holds a word whose start bit has not begun
-        self._txshf = 0
-        self._txbuf_mark = 0
-        self._txshf_mark = 0
         self._data_frame = False  # a frame is being sent, not an idle time
-        self._began = 0  # first tick of the frame or idle time
         self._end = FAR  # end of the frame or idle time
-        self._last_end = -FAR
         self._start_at = FAR  # tick of the next start bit
         self._load_at = FAR  # tick of the next load
         self._load_cycle = NEVER  # cycle of the next load, if it is not at a tick
+        self._last_end = -FAR
         self._empty_until = 0  # TXEMPTY still reads 1 before this cycle
+        self.bits.stop()
+        self.out_mark = 0
+        self.next_tick = FAR
+        self.next_cycle = NEVER  # of events between ticks
+
+    def release(self, now: int) -> None:
+        """Release the transmitter from reset."""
+        self.running = True
+        self.replan(now)
+
+    def clear_fifo(self) -> None:
+        """Empty the FIFO and clear its flag, without a request."""
+        self.fifo.clear()
+        self.fifo.watch(self.fifo_mode and not self._is_held())
 
     # Time -------------------------------------------------------------------
 
@@ -372,46 +394,3 @@ class SciTx:
     def _is_empty(self) -> bool:
         waiting = len(self.fifo) > 0 if self.fifo_mode else self._waiting
         return not (waiting or self.active or self._loaded)
-
-    # Resets -----------------------------------------------------------------
-
-    def halt(self) -> None:
-        """Reset the state machines: the words in SCITXBUF and TXSHF are lost, TXD goes to 1."""
-        self.running = False
-        self.active = False
-        self.wut = False
-        self._waiting = False
-        self._drain = 0
-        self._loaded = False
-        self._data_frame = False
-        self._end = self._start_at = self._load_at = FAR
-        self._load_cycle = NEVER
-        self._last_end = -FAR
-        self._empty_until = 0
-        self.bits.stop()
-        self.out_mark = 0
-        self.next_tick = FAR
-        self.next_cycle = NEVER
-
-    def release(self, now: int) -> None:
-        """Release the transmitter from reset."""
-        self.running = True
-        self.replan(now)
-
-    def clear_fifo(self) -> None:
-        """Empty the FIFO and clear its flag, without a request."""
-        self.fifo.clear()
-        self.fifo.watch(self.fifo_mode and not self._is_held())
-
-    def reset(self) -> None:
-        self.halt()
-        self.in_swreset = True
-        self.stopping = False
-        self.enabled = False
-        self.int_enabled = False
-        self.delay = 0
-        self.txbuf = 0
-        self.txwake = False
-        self.fifo.reset()
-        self.fifo_mode = False
-        self.request = False

@@ -29,6 +29,10 @@ class SpiFifo(InterruptFifo):
     def __init__(self, register: Register, receives: bool, options: SpiOptions, touched: set[str]) -> None:
         super().__init__(register, receives, options.fifo_int_mode, touched)
         self.options = options
+
+    def reset(self) -> None:
+        """Reset by XRS."""
+        super().reset()
         self.on = False
         self.request = False
         self._held = False  # by SPIRST
@@ -84,8 +88,3 @@ class SpiFifo(InterruptFifo):
         if held:
             self.clear()
         self.update_flag()
-
-    def reset(self) -> None:
-        """Reset by XRS."""
-        super().reset()
-        self.on = self.request = self._held = False

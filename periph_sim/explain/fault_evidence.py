@@ -11,18 +11,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..core.records import Kind, Record
+from ..f28335.gpio.register_map import control_register
+from ..f28335.i2c.descriptor import I2C_A
 from ..records.record_text import bus_byte
 from .chain import Step
 from .evidence import Evidence, RecordedPhase
 
-I2C = "I2C-A"
+I2C = I2C_A.name
 ONES = 0xFF  # read when no party drives SDA
 LETS_GO = "the module releases SDA"
 NEEDED = (  # fields that must be 1 for the module to answer, and the effect of 0
-    ("SYS", "PCLKCR0.I2CAENCLK", "the module has no clock"),
+    ("SYS", f"PCLKCR0.{I2C_A.gate}", "the module has no clock"),
     (I2C, "I2CMDR.IRS", LETS_GO),
-    ("GPIO", "GPBMUX1.GPIO32", "the module is not connected to SDA"),
-    ("GPIO", "GPBMUX1.GPIO33", "the module is not connected to SCL"),
+    *(
+        ("GPIO", f"{control_register('MUX', pin)}.GPIO{pin}", f"the module is not connected to {wire}")
+        for wire, pin in ((wire, I2C_A.pins[signal]) for wire, signal in I2C_A.wires.items())
+    ),
 )
 WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that remain set until cleared
 

@@ -72,6 +72,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     pins: the GPIO numbers to which TI's start-up code assigns its signals.
     wires: the names of its signals in a case.
     bus: True if all modules of this kind are on the same wires.
+    plain: True if its wires have these names without the module's name before them.
     """
 
     name: str
@@ -93,6 +94,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     pins: Mapping[str, int] = field(default_factory=dict)
     wires: Mapping[str, str] = field(default_factory=dict)
     bus: bool = False
+    plain: bool = False
 
     def __post_init__(self) -> None:
         for register in self.registers:

@@ -5,11 +5,10 @@ Source: SPRUFB0D sections 5.1 (PCLKCR) and 6 (GPIO); SPRUFZ5A chapter 2.
 
 from __future__ import annotations
 
-from ..f28335.parts.f28335 import PART
+from ..f28335.gpio.pin_mux_table import FUNCTIONS
+from ..f28335.gpio.register_map import control_register
 from ..processor.dsp import Dsp
 from ..processor.python.register_view import ModulePort
-
-MUX = {"SCI-A": 1, "SCI-B": 2, "SCI-C": 1}  # for GPIO28 and 29, 19 and 18, 62 and 63
 
 
 def start_sci(dsp: Dsp, module: str = "SCI-A", brr: int = 40, sciccr: int = 0x07, fifo: bool = True) -> ModulePort:
@@ -17,17 +16,16 @@ def start_sci(dsp: Dsp, module: str = "SCI-A", brr: int = 40, sciccr: int = 0x07
 
     brr: LSPCLK / (8 * rate) - 1; 40 is 114 329 baud at an LSPCLK of 37.5 MHz. sciccr: 0x07 is 8 data bits, no parity.
     """
-    letter = module[-1]
+    descriptor = dsp.plan.part.by_name[module]
     clocks = dsp.module("SYS")
     dsp.eallow()
-    setattr(clocks.PCLKCR0, f"SCI{letter}ENCLK", 1)
+    setattr(clocks.PCLKCR0, descriptor.gate, 1)
     if dsp.has("GPIO"):
         gpio = dsp.module("GPIO")
-        for pin, receives in ((PART.pins[f"SCIRXD{letter}"], True), (PART.pins[f"SCITXD{letter}"], False)):
-            port, half = "AB"[pin // 32], pin % 32 // 16 + 1
-            if receives:
-                setattr(gpio[f"GP{port}QSEL{half}"], f"GPIO{pin}", 3)
-            setattr(gpio[f"GP{port}MUX{half}"], f"GPIO{pin}", MUX[module])
+        for signal, pin in descriptor.pins.items():
+            if signal not in descriptor.outputs:
+                setattr(gpio[control_register("QSEL", pin)], f"GPIO{pin}", 3)
+            setattr(gpio[control_register("MUX", pin)], f"GPIO{pin}", FUNCTIONS[pin].index(signal) + 1)
     dsp.edis()
     sci = dsp.module(module)
     sci.SCICCR.all = sciccr

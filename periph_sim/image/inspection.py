@@ -14,14 +14,12 @@ from typing import NamedTuple
 from ..c28x.decoder import Instruction, sweep
 from ..f28335.memory.address_space import Content, area_at
 from ..f28335.memory.register_names import register_name
-from ..f28335.pie.register_map import CPU_VECTORS, LINES, VECTOR_TABLE, cpu_vector, line_vector
+from ..f28335.pie.register_map import VECTOR_TABLE, VECTORS
 from .constants import Access, accesses
 from .debug_info import DebugInfo, SourceLine
 from .model import Image, Section
 
-VECTOR_NAMES = {cpu_vector(number): name for name, number in CPU_VECTORS.items()} | {
-    line_vector(group, line): name for name, (group, line) in LINES.items()
-}
+VECTOR_NAMES = {address: name for name, address in VECTORS.items()}
 
 
 class Function(NamedTuple):

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, cast
 from ..core.chip import NEVER
 from ..core.wire import Wire
 from ..f28335.i2c.register_map import STR_NACK
-from ..f28335.parts.f28335 import PART
 from ..f28335.pie.register_map import CPU_VECTORS, GROUPS, LINES, PIEIER
 
 if TYPE_CHECKING:
@@ -32,15 +31,6 @@ if TYPE_CHECKING:
 OFF = ("IER = 0", "INTM = 1")  # by whether INTM is
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
 RESTARTED = 2  # rounds of the watchdog without a reset: the last restart that a wait's code asked for is over
-OUTPUTS = {
-    module.pins[signal] for module in PART.modules for signal in module.outputs if signal not in (module.inputs or ())
-}
-FOREIGN = {  # by module: pins that it does not see
-    module.name: OUTPUTS.union(
-        other.pins[signal] for other in PART.modules if other is not module for signal in other.inputs or ()
-    )
-    for module in PART.modules
-}
 
 
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
@@ -160,7 +150,7 @@ def waking(dsp: Dsp) -> list[str]:
     ier = dsp.core.ier
     enabled = [name for name, place in LINES.items() if ier >> place[0] - 1 & 1 and _is_enabled(dsp, *place)]
     direct = (name for name, number in CPU_VECTORS.items() if number > GROUPS and ier >> number - 1 & 1)
-    found = dict.fromkeys(module for vector in (*enabled, *direct) for module in PART.requesters(vector))
+    found = dict.fromkeys(module for vector in (*enabled, *direct) for module in dsp.plan.part.requesters(vector))
     return [module for module in found if module in dsp.sockets]
 
 
@@ -169,17 +159,17 @@ def _is_enabled(dsp: Dsp, group: int, line: int) -> bool:
 
 
 def has_clock(dsp: Dsp, module: str) -> bool:
-    gate = PART.by_name[module].gate
+    gate = dsp.plan.part.by_name[module].gate
     return not gate or dsp.control.enabled(gate)
 
 
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:
     """Wires that a module may see: those of its usual pins, and all whose pins are of no module in particular."""
-    wires = dsp.plan.wires
-    inputs = PART.by_name[module].inputs
+    wires, part = dsp.plan.wires, dsp.plan.part
+    inputs = part.by_name[module].inputs
     if inputs is None:
         return list(wires.values())
     if not inputs:
         return []
-    foreign = FOREIGN[module]
+    foreign = {pin for signal, pin in part.pins.items() if signal not in inputs}
     return [wire for pin, wire in wires.items() if pin not in foreign]

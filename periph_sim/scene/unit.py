@@ -16,9 +16,8 @@ from ..core.options import Answers, Value, options_from
 from ..core.suggest import did_you_mean
 from ..core.table import separate
 from ..f28335.cpu.compiled_code_costs import CodeCosts
-from ..f28335.descriptor import named_class
+from ..f28335.descriptor import Part, named_class
 from ..f28335.parts import part_named, part_names
-from ..f28335.parts.f28335 import PART
 from ..f28335.system_options import SystemOptions
 from ..processor.dsp import Dsp, DspPlan
 from ..processor.error_origin import Misuse
@@ -94,7 +93,7 @@ def unit_plan(ticks: CaseTicks, wiring: Wiring, name: str) -> UnitPlan:
         part=part,
         code=CodeCosts(**unit.code.model_dump()),
         system=options_of(case, SystemOptions, unit.options.get("system", {}), name, "system"),
-        options=_module_options(case, name, unit),
+        options=_module_options(case, name, unit, part),
     )
     return UnitPlan(dict(wiring.pins[name]), dsp)
 
@@ -176,14 +175,14 @@ def _no_python(dsp: Dsp, settings: object) -> None:
     raise Misuse(f"{dsp.name} runs an image, which has no main that Python could call")
 
 
-def _module_options(case: Case, name: str, unit: Unit) -> dict[str, Answers]:
+def _module_options(case: Case, name: str, unit: Unit, part: Part) -> dict[str, Answers]:
     """Answers for the modules of a unit, by group. A group that no module needs is checked if it is given."""
-    known = PART.options_groups
+    known = part.options_groups
     for group in unit.options:
         if group not in known:
             hint = did_you_mean(group, known)
             raise case.mistake(f"there are no options of {group!r}; {hint}", "unit", name, "options", group)
-    needed = {PART.by_name[module].options for module in unit.modules}.union(unit.options) - {"system"}
+    needed = {part.by_name[module].options for module in unit.modules}.union(unit.options) - {"system"}
     return {
         group: options_of(case, named_class(known[group]), unit.options.get(group, {}), name, group)
         for group in known

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-from ..f28335.parts.f28335 import PART
-
 if TYPE_CHECKING:
     from ..f28335.descriptor import ModuleDescriptor
     from ..f28335.gpio.module import Gpio
@@ -17,10 +15,10 @@ if TYPE_CHECKING:
 
 def unwired_pins(dsp: Dsp) -> list[str]:
     """Return notes on pins by GPxMUX at the end of the run; empty if every module in use has its wires."""
-    gpio = cast("Gpio", dsp.socket("GPIO").chip)
+    gpio, part = cast("Gpio", dsp.socket("GPIO").chip), dsp.plan.part
     told = []
     for module in dsp.sockets:
-        descriptor = PART.by_name[module]
+        descriptor = part.by_name[module]
         if descriptor.bus:
             continue
         pins = {end: _pins(gpio, descriptor, signal) for end, signal in descriptor.wires.items()}
@@ -28,7 +26,7 @@ def unwired_pins(dsp: Dsp) -> list[str]:
         if bare:
             places = " and ".join(f"{end} on GPIO{pin}" for end, pin in bare.items())
             keys = ", ".join(
-                f"{_key(dsp.plan.wires[PART.pins[descriptor.wires[end]]].name)} = {pin}" for end, pin in bare.items()
+                f"{_key(dsp.plan.wires[part.pins[descriptor.wires[end]]].name)} = {pin}" for end, pin in bare.items()
             )
             told.append(
                 f"{dsp.name}: {module} has {places}, where the case has no wire; add pins = {{ {keys} }} to the unit"

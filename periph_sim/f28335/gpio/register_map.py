@@ -98,3 +98,8 @@ GPIO = RegisterMap(
         Register("GPIOLPMSEL", 0x68, "SPRUFB0D Figure 72", _bits(PORT_OF["A"]), protected=True, width=32),
     ),
 )
+
+
+def control_register(what: str, pin: int) -> str:
+    """Return the name of the register with a pin's field of this kind: "GPBMUX1" for "MUX" and GPIO32."""
+    return next(one.name for one in GPIO if one.name[3:].rstrip("12") == what and f"GPIO{pin}" in one)

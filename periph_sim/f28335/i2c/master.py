@@ -2,11 +2,10 @@
 
     STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
 
-`I2cClock` generates SCL; `I2cMasterReceiver` and `I2cMasterTransmitter` handle data. Bits are sampled after the noise
-filter (`rise`). Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
+`I2cClock` generates SCL and `I2cConditions` START and STOP; `I2cMasterReceiver` and `I2cMasterTransmitter` handle data.
+Bits are sampled after the noise filter (`rise`). Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 
 Chosen:
-- START hold, repeated START setup and STOP setup last one high time of SCL.
 - SDA changes one module clock after SCL fell.
 - A hold ends with the write that sets STT or STP, even if the bit was 1 already.
 - With hold_scl_after_nack = no, a STOP follows a NACK automatically if STP = 1.
@@ -41,7 +40,6 @@ from .limits import I2cLimits
 from .master_receiver import ADDRESS, NO_BYTE, RECEIVE, SEND, START_BYTE
 from .register_map import (
     MDR_DLB,
-    MDR_FDF,
     MDR_MST,
     MDR_NACKMOD,
     MDR_RM,
@@ -51,7 +49,6 @@ from .register_map import (
     MDR_TRX,
     MDR_XA,
     SCL,
-    SDA,
     STR_AL,
     STR_ARDY,
     STR_BB,
@@ -70,28 +67,20 @@ class I2cMaster(I2cMasterBitSkip):
     sees_idle: both lines are high after the filter.
     """
 
-    STATE = State(
-        "sees_idle _waits_for_bus _addresses _starting _stopping _own_restart _restart_next",
-        cycles="_free_from",
-    )
+    STATE = State("sees_idle _waits_for_bus", cycles="_free_from")
 
     def __init__(self, state: I2cRegisters, limits: I2cLimits) -> None:
-        super().__init__(state)
-        self.limits = limits
+        super().__init__(state, limits)
         self.sees_idle = True
         self.reset()
 
     def reset(self) -> None:
         """Release the lines and drop the transfer, as with IRS = 0."""
         self.release_lines()
+        self.reset_conditions()
         self.reset_bytes()
         self.reset_bit_skip()
         self._waits_for_bus = False
-        self._addresses: list[int] = []
-        self._starting = False  # our START, or repeated START, has not been detected yet
-        self._stopping = False  # our STOP has not been detected yet
-        self._own_restart = False
-        self._restart_next: list[int] = []  # addresses after an automatic repeated START
         self._free_from = 0  # from this cycle on, the bus has been free long enough for a START
 
     # Steps --------------------------------------------------------------------------
@@ -204,25 +193,6 @@ class I2cMaster(I2cMasterBitSkip):
         self.active = True
         self._begin_start(now)
 
-    def _begin_start(self, now: int) -> None:
-        state = self.state
-        self.pulls |= SDA
-        self._starting = True
-        self._high_phase = False
-        state.wanted = state.trx()
-        state.clear(now, STR_ARDY)
-        self._at(now + self.high(), STARTED)
-
-    def _latch_command(self) -> None:
-        """Latch the registers that apply to the whole transfer, at its START."""
-        state = self.state
-        if state.options.cnt_copy_point.assume(state.touched) == "start":
-            self.load_counter()
-        self._own_restart = False
-        self._restart_next = []
-        self._addresses = [] if state.mdr & MDR_FDF else self._address_bytes()
-        self.limits.scl(self.low(), self.high())
-
     def _started(self, now: int) -> None:
         """End the START: SCL goes low and the first byte is chosen."""
         state = self.state
@@ -246,26 +216,6 @@ class I2cMaster(I2cMasterBitSkip):
         else:
             self._kind = NO_BYTE
             self._next_data(now)
-
-    def load_counter(self) -> None:
-        self.counter = self.state.cnt or 65536
-
-    def _address_bytes(self) -> list[int]:
-        state = self.state
-        mdr = state.mdr
-        if not mdr & MDR_DLB:
-            self.limits.sent_address()
-        address = state.oar if mdr & MDR_DLB else state.sar
-        read = 0 if mdr & MDR_TRX else 1
-        if not mdr & MDR_XA:
-            return [(address & 0x7F) << 1 | read]
-        header = 0xF0 | address >> 7 & 6
-        if not read:
-            return [header, address & 0xFF]
-        if state.options.ten_bit_read.assume(state.touched) == "full_address_first" and not self.active:
-            self._restart_next = [header | 1]
-            return [header, address & 0xFF]
-        return [header | 1]
 
     # Bytes --------------------------------------------------------------------------
 
@@ -385,7 +335,7 @@ class I2cMaster(I2cMasterBitSkip):
         state = self.state
         return not (state.mdr & (MDR_STP | MDR_DLB) or state.options.hold_scl_after_nack.assume(state.touched))
 
-    # STOP, repeated START, loss ----------------------------------------------------------
+    # STOP, loss -------------------------------------------------------------------------
 
     def _stop_if_allowed(self, now: int) -> None:
         state = self.state
@@ -393,27 +343,6 @@ class I2cMaster(I2cMasterBitSkip):
         if bare and state.options.stop_without_data.assume(state.touched) == "waits_for_data":
             return
         self._stop(now)
-
-    def _stop(self, now: int) -> None:
-        self.state.clear(now, STR_ARDY)
-        self._begin_condition(now, 0, STOP)
-
-    def _stop_high(self) -> None:
-        self._stopping = True
-        self._after_high = FALL
-        self._high_phase = False
-        self.pulls &= ~SDA
-
-    def _restart(self, now: int, own: bool) -> None:
-        """Begin a repeated START. own: it belongs to the command in progress."""
-        self._own_restart = own
-        if not own:
-            self._latch_command()
-        self._begin_condition(now, 1, RESTART)
-
-    def _restart_high(self, now: int) -> None:
-        self._after_high = FALL
-        self._begin_start(now)
 
     def lose(self, now: int) -> None:
         """Set AL and become a slave-receiver, because arbitration is lost or another master owns the bus."""

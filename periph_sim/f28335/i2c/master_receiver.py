@@ -12,29 +12,27 @@ from __future__ import annotations
 
 from ...core.chip import NEVER
 from ...core.state import State
-from .clock import HELD_FOR_COMMAND, HELD_FOR_NOTHING, HELD_FOR_ROOM, I2cClock
+from .clock import HELD_FOR_COMMAND, HELD_FOR_NOTHING, HELD_FOR_ROOM
+from .conditions import I2cConditions
 from .register_map import MDR_NACKMOD, MDR_RM, MDR_STP, MDR_STT, STR_NACKSNT, STR_RSFULL
 
 # The byte in progress.
 NO_BYTE, START_BYTE, ADDRESS, SEND, RECEIVE = range(5)
 
 
-class I2cMasterReceiver(I2cClock):
+class I2cMasterReceiver(I2cConditions):
     """Receiving half of the master.
 
-    counter: bytes left.
     deliver_at: the cycle at which a byte returns in loopback, or NEVER.
     """
 
     STATE = State(
-        "counter _kind _n _bit _byte _in _sampled _answer_nack _nack_armed _stp_at_start _rsr_waits "
-        "_data_bytes _deliver",
+        "_kind _n _bit _byte _in _sampled _answer_nack _nack_armed _stp_at_start _rsr_waits _data_bytes _deliver",
         cycles="deliver_at",
     )
 
     def reset_bytes(self) -> None:
         """Reset the state of the byte in progress."""
-        self.counter = 0
         self._kind = NO_BYTE
         self._n = 8
         self._bit = 0
@@ -55,12 +53,6 @@ class I2cMasterReceiver(I2cClock):
 
     def _done(self, now: int) -> None:
         """Choose the next action when the counter has reached 0."""
-        raise NotImplementedError
-
-    def _stop(self, now: int) -> None:
-        raise NotImplementedError
-
-    def _restart(self, now: int, own: bool) -> None:
         raise NotImplementedError
 
     def _refused(self, now: int) -> None:

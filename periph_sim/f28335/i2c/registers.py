@@ -16,8 +16,9 @@ from typing import final
 from ...core.chip import Note
 from ...core.state import State
 from ...form.c_types import Text
+from ..interrupt_fifo import DEPTH, FLAG
 from . import register_map as i2c_map
-from .fifos import DEPTH, FFINT, FFRST, I2cFifos
+from .fifos import I2cFifos
 from .options import I2cOptions
 from .register_map import (
     I2C_MAP,
@@ -118,8 +119,8 @@ class I2cRegisters(I2cFifos):
         if self.mdr & COMMANDS and self.options.irs_clears_commands.assume(self.touched):
             self.mdr &= ~COMMANDS
         if (self.tx_fifo or self.rx_fifo) and self.options.irs_clears_fifo.assume(self.touched):
-            self.tx_fifo.clear()
-            self.rx_fifo.clear()
+            self.tx_fifo.words.clear()
+            self.rx_fifo.words.clear()
 
     # Data path, sending --------------------------------------------------------
 
@@ -130,7 +131,7 @@ class I2cRegisters(I2cFifos):
     def write_dxr(self, now: int, value: int) -> None:
         value &= 0xFF
         if self.fifo:
-            if not self.fftx & FFRST:
+            if not self.tx_fifo.is_released():
                 self.notes.append(
                     Note(
                         "lost",
@@ -197,7 +198,7 @@ class I2cRegisters(I2cFifos):
         """Return True if there is no room for another byte."""
         if self.fifo:
             room = DEPTH + (1 if self._extra_stage() else 0)
-            return len(self.rx_fifo) >= room if self.ffrx & FFRST else False
+            return self.rx_fifo.is_released() and len(self.rx_fifo) >= room
         return self.drr_unread
 
     def rrdy_rises_at(self, edge: str) -> bool:
@@ -207,7 +208,7 @@ class I2cRegisters(I2cFifos):
     def received(self, now: int, value: int) -> None:
         """Copy I2CRSR to I2CDRR, or to the RX FIFO."""
         if self.fifo:
-            if self.ffrx & FFRST:
+            if self.rx_fifo.is_released():
                 if not self.rx_fifo:
                     self.loaded |= RECEIVED
                 self.rx_fifo.words.append(value)
@@ -295,7 +296,7 @@ class I2cRegisters(I2cFifos):
         if not self.fifo:
             return registers
         levels: int = len(self.rx_fifo) << 5 | len(self.tx_fifo)
-        return (self.ffrx & FFINT) << 55 | levels << 52 | (self.fftx & FFINT) << 36 | registers
+        return (self.rx_fifo.control & FLAG) << 55 | levels << 52 | (self.tx_fifo.control & FLAG) << 36 | registers
 
     def bits(self) -> int:
         """Return the number of bits of the next data byte."""

@@ -38,6 +38,7 @@ def sci(letter: str) -> ModuleDescriptor:
         outputs=(tx,),
         pins=dict(zip((rx, tx), PINS[letter], strict=True)),
         wires={"RX": rx, "TX": tx},
+        plain=letter == "A",
     )
 
 

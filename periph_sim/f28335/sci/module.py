@@ -137,7 +137,7 @@ class Sci(SciLines):
         if offset == RXST:
             return rx.show_status()
         if offset == FFRX:
-            return rx.show_fifo()
+            return rx.fifo.show()
         if offset == RXBUF:
             return rx.show_buffer()
         if offset == RXEMU:
@@ -146,7 +146,7 @@ class Sci(SciLines):
             enables = (RXBKINTENA if rx.bk_enabled else 0) | (TXINTENA if tx.int_enabled else 0)
             return tx.show_flags(now) | enables
         if offset == FFTX:
-            return tx.show_fifo()
+            return tx.fifo.show()
         if offset == TXBUF:
             return tx.txbuf
         if offset == CTL1:
@@ -215,9 +215,9 @@ class Sci(SciLines):
 
     def _write_fftx(self, now: int, value: int) -> None:
         tx = self._tx
-        before = tx.scifftx
+        before = tx.fifo.control
         tx.write_fifo(now, value)
-        self._rx.set_fifo_mode(bool(tx.scifftx & SCIFFENA))
+        self._rx.set_fifo_mode(bool(tx.fifo.control & SCIFFENA))
         if (before ^ value) & SCIRST:
             if not value & SCIRST:
                 tx.halt()
@@ -228,7 +228,7 @@ class Sci(SciLines):
 
     def _set_running(self, now: int) -> None:
         """Start or stop the halves after a change of SW RESET or SCIRST."""
-        if self._ctl1 & SWRESET and self._tx.scifftx & SCIRST:
+        if self._ctl1 & SWRESET and self._tx.fifo.control & SCIRST:
             self._tx.release(now)
         self._arm_receiver(now)
 

@@ -15,6 +15,8 @@ Chosen, where the manual is silent:
 - A word read from the FIFO stays in SCIRXBUF as "the last word".
 - Words blocked by RXFIFORESET = 0 still set their error flags.
 - RXFIFORESET does not change RXFFOVF; clearing SCIFFENA does not change RXFFINT.
+- RXFIFORESET = 0 does not stop RXFFINT: with RXFFIL = 0 an empty FIFO sets it.
+- RXFFOVF requests only when it rises.
 - BRKDT needs RXENA = 1, like all flags.
 
 Source: TI SPRUFZ5A sections 1.2.4 to 1.2.10, tables 2-7, 2-8, 2-10.
@@ -26,8 +28,8 @@ from __future__ import annotations
 
 from typing import final
 
-from ...core.fifo import Fifo
 from ...core.state import State
+from ..interrupt_fifo import ENABLE, OVERFLOW, InterruptFifo
 from .options import SciOptions
 from .receiver_bits import FE, PE
 from .register_map import SCI_MAP
@@ -42,32 +44,24 @@ ST_PE = _RXST["PE"].mask
 ST_RXWAKE = _RXST["RXWAKE"].mask
 CHARACTER_ERRORS = ST_FE | ST_OE | ST_PE
 
-SCIFFRX = SCI_MAP["SCIFFRX"]
-RXFFOVF = SCIFFRX["RXFFOVF"].mask
-RXFFOVRCLR = SCIFFRX["RXFFOVRCLR"].mask
-RXFIFORESET = SCIFFRX["RXFIFORESET"].mask
-RXFFST = SCIFFRX["RXFFST"].lsb
-RXFFINT = SCIFFRX["RXFFINT"].mask
-RXFFINTCLR = SCIFFRX["RXFFINTCLR"].mask
-RXFFIENA = SCIFFRX["RXFFIENA"].mask
-RXFFIL = SCIFFRX["RXFFIL"].mask  # from bit 0 on
-
-DEPTH = 16
-
 
 @final
 class SciRx:
     """CPU side of the receiver. request: RXINT was requested since the owner last set this to False."""
 
-    STATE = State(
-        "bk_enabled enabled error_enabled fifo fifo_mode loaded parity request rxbuf sciffrx sleep status _reached",
-    )
-
-    sciffrx: int
+    STATE = State("bk_enabled enabled error_enabled fifo fifo_mode loaded parity request rxbuf sleep status")
 
     def __init__(self, options: SciOptions, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
+        self.loaded = False  # SCIRXBUF shows a new word, possibly an equal one, since the owner last set this to False
+        self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)
+        self.reset()
+
+    # Resets -----------------------------------------------------------------
+
+    def reset(self) -> None:
+        """Reset by XRS."""
         self.request = False
         # Enables and modes, copied here from the registers of the whole module.
         self.enabled = False
@@ -79,10 +73,16 @@ class SciRx:
         # The receiver's own state.
         self.status = 0  # BRKDT, FE, OE, PE, RXWAKE, RXRDY in their SCIRXST places
         self.rxbuf = 0
-        self.loaded = False  # SCIRXBUF shows a new word, possibly an equal one, since the owner last set this to False
-        self.fifo = Fifo(DEPTH)
-        self.sciffrx = SCIFFRX.reset  # configuration, RXFFOVF and RXFFINT; RXFFST is counted
-        self._reached = False  # RXFFST >= RXFFIL held after the last change
+        self.fifo.reset()
+
+    def clear_flags(self) -> None:
+        """Clear the flags, as SW RESET = 0 does."""
+        self.status = 0
+
+    def clear_fifo(self) -> None:
+        """Empty the FIFO and clear its flags, without a request."""
+        self.fifo.clear()
+        self.fifo.watch(self.fifo_mode)
 
     # From the line ----------------------------------------------------------
 
@@ -148,7 +148,7 @@ class SciRx:
         overrun = 0
         if waiting and self.options.oe_in_fifo_mode.assume(self.touched) == "per_unread_word":
             overrun = ST_OE
-        if not self.sciffrx & RXFIFORESET:
+        if not self.fifo.is_released():
             return overrun
         if self.fifo.push(word):
             self.loaded = self.loaded or not waiting
@@ -157,9 +157,9 @@ class SciRx:
             self.fifo.pop()
             self.fifo.push(word)
             self.loaded = True
-        if not self.sciffrx & RXFFOVF:
-            self.sciffrx |= RXFFOVF
-            if self.sciffrx & RXFFIENA and self.options.rxffovf_interrupt.assume(self.touched) == "rxffiena":
+        if not self.fifo.control & OVERFLOW:
+            self.fifo.control |= OVERFLOW
+            if self.fifo.control & ENABLE and self.options.rxffovf_interrupt.assume(self.touched) == "rxffiena":
                 self.request = True
         return ST_OE
 
@@ -178,16 +178,8 @@ class SciRx:
 
     def _watch_level(self) -> None:
         """Set RXFFINT if RXFFST has reached RXFFIL."""
-        reached = self.fifo_mode and len(self.fifo) >= self.sciffrx & RXFFIL
-        if (
-            reached
-            and not self.sciffrx & RXFFINT
-            and (not self._reached or self.options.fifo_int_mode.assume(self.touched) == "level")
-        ):
-            self.sciffrx |= RXFFINT
-            if self.sciffrx & RXFFIENA:
-                self.request = True
-        self._reached = reached
+        if self.fifo.watch(self.fifo_mode):
+            self.request = True
 
     # From the CPU -----------------------------------------------------------
 
@@ -213,9 +205,6 @@ class SciRx:
             return self.fifo.words[0]
         return self.rxbuf if self.options.rxfifo_read_when_empty.assume(self.touched) == "last_word" else 0
 
-    def show_fifo(self) -> int:
-        return self.sciffrx | len(self.fifo) << RXFFST
-
     def read_buffer(self) -> int:
         """Read SCIRXBUF as the CPU does, which removes the character."""
         word = self.show_buffer()
@@ -228,15 +217,7 @@ class SciRx:
 
     def write_fifo(self, value: int) -> None:
         """Write SCIFFRX."""
-        before = self.sciffrx
-        self.sciffrx, strobes = SCIFFRX.write(before, value)
-        if strobes & RXFFOVRCLR:
-            self.sciffrx &= ~RXFFOVF
-        if strobes & RXFFINTCLR:
-            self.sciffrx &= ~RXFFINT
-        if not self.sciffrx & RXFIFORESET:
-            self.fifo.clear()
-        if self.sciffrx & RXFFINT and self.sciffrx & RXFFIENA & ~before and self.fifo_mode:
+        if self.fifo.write(value) and self.fifo_mode:
             self.request = True
         self._watch_level()
 
@@ -250,35 +231,7 @@ class SciRx:
         self.error_enabled = error_enabled
 
     def set_fifo_mode(self, on: bool) -> None:
-        if on and not self.fifo_mode and self.sciffrx & RXFFINT and self.sciffrx & RXFFIENA:
+        if on and not self.fifo_mode and self.fifo.is_requesting():
             self.request = True
         self.fifo_mode = on
         self._watch_level()
-
-    # Resets -----------------------------------------------------------------
-
-    def clear_flags(self) -> None:
-        """Clear the flags, as SW RESET = 0 does."""
-        self.status = 0
-
-    def clear_fifo(self) -> None:
-        """Empty the FIFO and clear its flags, without a request."""
-        requested = self.request
-        self.fifo.clear()
-        self.sciffrx &= ~(RXFFINT | RXFFOVF)
-        self._watch_level()
-        self.request = requested
-
-    def reset(self) -> None:
-        self.enabled = False
-        self.sleep = False
-        self.bk_enabled = False
-        self.error_enabled = False
-        self.fifo_mode = False
-        self.parity = False
-        self.request = False
-        self.status = 0
-        self.rxbuf = 0
-        self.fifo.clear()
-        self.sciffrx = SCIFFRX.reset
-        self._reached = False

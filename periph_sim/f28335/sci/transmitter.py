@@ -13,6 +13,7 @@ Chosen, where the manual is silent:
 - SCITXBUF and FIFO keep their words when SCIFFENA changes; only the selected one is sent.
 - Words written to the FIFO while SW RESET = 0 or SCIRST = 0 with scope "shifters" wait.
 - If SW RESET sets TXRDY to 1, there is no request.
+- TXFIFOXRESET = 0 does not stop TXFFINT, since an empty FIFO has reached any level.
 
 Source: TI SPRUFZ5A sections 1.2.3 to 1.2.10, tables 2-4, 2-6, 2-9, 2-11.
 """
@@ -24,8 +25,8 @@ from __future__ import annotations
 from typing import NamedTuple, final
 
 from ...core.chip import NEVER
-from ...core.fifo import Fifo
 from ...core.state import State
+from ..interrupt_fifo import InterruptFifo
 from .character_format import SciFormat
 from .clock import SciClock
 from .options import SciOptions
@@ -36,17 +37,9 @@ from .transmitter_bits import SciTxBits
 SCIFFTX = SCI_MAP["SCIFFTX"]
 SCIRST = SCIFFTX["SCIRST"].mask
 SCIFFENA = SCIFFTX["SCIFFENA"].mask
-TXFIFOXRESET = SCIFFTX["TXFIFOXRESET"].mask
-TXFFST = SCIFFTX["TXFFST"].lsb
-TXFFINT = SCIFFTX["TXFFINT"].mask
-TXFFINTCLR = SCIFFTX["TXFFINTCLR"].mask
-TXFFIENA = SCIFFTX["TXFFIENA"].mask
-TXFFIL = SCIFFTX["TXFFIL"].mask  # from bit 0 on
 
 TXRDY = SCI_MAP["SCICTL2"]["TXRDY"].mask
 TXEMPTY = SCI_MAP["SCICTL2"]["TXEMPTY"].mask
-
-DEPTH = 16
 
 
 class SentWord(NamedTuple):
@@ -73,59 +66,77 @@ class SciTx:
 
     STATE = State(
         "request bits word_line sent frames lost enabled running in_swreset stopping int_enabled delay "
-        "txbuf txwake wut fifo scifftx fifo_mode active next_tick _layout _waiting _drain _loaded _txshf "
-        "_data_frame _began _end _last_end _start_at _load_at _reached",
+        "txbuf txwake wut fifo fifo_mode active next_tick _layout _waiting _drain _loaded _txshf "
+        "_data_frame _began _end _last_end _start_at _load_at",
         cycles="next_cycle _load_cycle _empty_until",
         records="mark out_mark _txbuf_mark _txshf_mark",
     )
 
-    scifftx: int
-
     def __init__(self, options: SciOptions, clock: SciClock, layout: SciFormat, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
-        self.request = False
         self.bits = SciTxBits()
         self.word_line = False  # words are passed on in `sent`, without levels
         self.sent: list[SentWord] = []
         self.frames = 0  # number of frames whose start bits have begun, since construction
         self.lost: list[str] = []  # messages about lost words
         self.mark = 0
-        self.out_mark = 0
+        self.fifo = InterruptFifo(SCIFFTX, False, options.fifo_int_mode, touched)
+        self._clock = clock
+        self._layout = layout
+        self._txshf = 0
+        self._txbuf_mark = 0
+        self._txshf_mark = 0
+        self._began = 0  # first tick of the frame or idle time
+        self.reset()
+
+    # Resets -----------------------------------------------------------------
+
+    def reset(self) -> None:
+        """Reset by XRS."""
+        self.halt()
+        self.request = False
         # Enables and modes, copied here from the registers of the whole module.
         self.enabled = False  # TXENA
-        self.running = False  # neither SWRESET nor SCIRST holds it
         self.in_swreset = True
         self.stopping = False  # the transmitter stops after the frame being sent
         self.int_enabled = False
         self.delay = 0  # FFTXDLY
+        self.fifo_mode = False  # SCIFFENA
         # The transmitter's own state.
         self.txbuf = 0
         self.txwake = False
-        self.wut = False
-        self.fifo = Fifo(DEPTH)
-        self.scifftx = SCIFFTX.reset  # configuration and TXFFINT; TXFFST is counted
-        self.fifo_mode = False  # SCIFFENA
+        self.fifo.reset()
+
+    def halt(self) -> None:
+        """Reset the state machines: the words in SCITXBUF and TXSHF are lost, TXD goes to 1."""
+        self.running = False  # neither SWRESET nor SCIRST holds it
         self.active = False  # a frame or an idle time is being sent
-        self.next_tick = FAR
-        self.next_cycle = NEVER  # of events between ticks
-        self._clock = clock
-        self._layout = layout
+        self.wut = False
         self._waiting = False  # SCITXBUF holds a character
         self._drain = 0  # words that TXENA = 0 does not hold back
         self._loaded = False  # TXSHF holds a word whose start bit has not begun
-        self._txshf = 0
-        self._txbuf_mark = 0
-        self._txshf_mark = 0
         self._data_frame = False  # a frame is being sent, not an idle time
-        self._began = 0  # first tick of the frame or idle time
         self._end = FAR  # end of the frame or idle time
-        self._last_end = -FAR
         self._start_at = FAR  # tick of the next start bit
         self._load_at = FAR  # tick of the next load
         self._load_cycle = NEVER  # cycle of the next load, if it is not at a tick
+        self._last_end = -FAR
         self._empty_until = 0  # TXEMPTY still reads 1 before this cycle
-        self._reached = False  # TXFFST <= TXFFIL held after the last change
+        self.bits.stop()
+        self.out_mark = 0
+        self.next_tick = FAR
+        self.next_cycle = NEVER  # of events between ticks
+
+    def release(self, now: int) -> None:
+        """Release the transmitter from reset."""
+        self.running = True
+        self.replan(now)
+
+    def clear_fifo(self) -> None:
+        """Empty the FIFO and clear its flag, without a request."""
+        self.fifo.clear()
+        self.fifo.watch(self.fifo_mode and not self._is_held())
 
     # Time -------------------------------------------------------------------
 
@@ -310,7 +321,7 @@ class SciTx:
 
     def _to_fifo(self) -> None:
         word = self.mark << 8 | self.txbuf
-        if not self.scifftx & TXFIFOXRESET:
+        if not self.fifo.is_released():
             self.lost.append("SCITXBUF was written while TXFIFOXRESET = 0 holds the transmit FIFO: the word is lost")
         elif self._is_held():
             self.lost.append("SCITXBUF was written while SCIRST = 0 holds the transmit channel: the word is lost")
@@ -323,36 +334,24 @@ class SciTx:
 
     def write_fifo(self, now: int, value: int) -> None:
         """Write SCIFFTX. The owner applies SCIRST and SCIFFENA to the rest of the module."""
-        before = self.scifftx
-        self.scifftx, strobes = SCIFFTX.write(before, value)
-        self.fifo_mode = bool(self.scifftx & SCIFFENA)
-        if strobes & TXFFINTCLR:
-            self.scifftx &= ~TXFFINT
-        if not self.scifftx & TXFIFOXRESET:
-            self.fifo.clear()
-        if (self.scifftx ^ before) & SCIFFENA:
+        was_on = self.fifo_mode
+        enabled_later = self.fifo.write(value)
+        self.fifo_mode = self.fifo.control & SCIFFENA > 0
+        if self.fifo_mode != was_on:
             self._drain = 0
-        if self.scifftx & TXFFINT and self.fifo_mode and self.scifftx & (TXFFIENA | SCIFFENA) & ~before:
-            self.request = self.request or bool(self.scifftx & TXFFIENA)
+        if self.fifo_mode and (enabled_later or (not was_on and self.fifo.is_requesting())):
+            self.request = True
         self.watch_level()
         self.replan(now)
 
     def watch_level(self) -> None:
         """Set TXFFINT if TXFFST has fallen to TXFFIL."""
-        reached = self.fifo_mode and len(self.fifo) <= self.scifftx & TXFFIL and not self._is_held()
-        if (
-            reached
-            and not self.scifftx & TXFFINT
-            and (not self._reached or self.options.fifo_int_mode.assume(self.touched) == "level")
-        ):
-            self.scifftx |= TXFFINT
-            if self.scifftx & TXFFIENA:
-                self.request = True
-        self._reached = reached
+        if self.fifo.watch(self.fifo_mode and not self._is_held()):
+            self.request = True
 
     def _is_held(self) -> bool:
         """Return True if SCIRST = 0 holds the FIFO empty and its flag at 0."""
-        return not self.scifftx & SCIRST and self.options.scirst_scope.assume(self.touched) == "shifters_and_fifos"
+        return not self.fifo.control & SCIRST and self.options.scirst_scope.assume(self.touched) == "shifters_and_fifos"
 
     def set_enabled(self, now: int, on: bool) -> None:
         """Set TXENA."""
@@ -392,57 +391,6 @@ class SciTx:
         empty = self._is_empty() or now < self._empty_until
         return (TXRDY if ready else 0) | (TXEMPTY if empty else 0)
 
-    def show_fifo(self) -> int:
-        return self.scifftx | len(self.fifo) << TXFFST
-
     def _is_empty(self) -> bool:
         waiting = len(self.fifo) > 0 if self.fifo_mode else self._waiting
         return not (waiting or self.active or self._loaded)
-
-    # Resets -----------------------------------------------------------------
-
-    def halt(self) -> None:
-        """Reset the state machines: the words in SCITXBUF and TXSHF are lost, TXD goes to 1."""
-        self.running = False
-        self.active = False
-        self.wut = False
-        self._waiting = False
-        self._drain = 0
-        self._loaded = False
-        self._data_frame = False
-        self._end = self._start_at = self._load_at = FAR
-        self._load_cycle = NEVER
-        self._last_end = -FAR
-        self._empty_until = 0
-        self.bits.stop()
-        self.out_mark = 0
-        self.next_tick = FAR
-        self.next_cycle = NEVER
-
-    def release(self, now: int) -> None:
-        """Release the transmitter from reset."""
-        self.running = True
-        self.replan(now)
-
-    def clear_fifo(self) -> None:
-        """Empty the FIFO and clear its flag, without a request."""
-        requested = self.request
-        self.fifo.clear()
-        self.scifftx &= ~TXFFINT
-        self.watch_level()
-        self.request = requested
-
-    def reset(self) -> None:
-        self.halt()
-        self.in_swreset = True
-        self.stopping = False
-        self.enabled = False
-        self.int_enabled = False
-        self.delay = 0
-        self.txbuf = 0
-        self.txwake = False
-        self.fifo.clear()
-        self.scifftx = SCIFFTX.reset
-        self.fifo_mode = False
-        self.request = False
-        self._reached = False

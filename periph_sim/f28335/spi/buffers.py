@@ -16,10 +16,8 @@ Source: TI SPRUEU3 sections 1.3.2, 1.4, 1.5, 2.1.3, 2.1.6 and 2.1.7.
 
 from __future__ import annotations
 
-from operator import ge, le
-
 from ...core.state import State
-from .interrupt_fifo import InterruptFifo
+from .fifo import SpiFifo
 from .options import SpiOptions
 from .register_map import SPI_MAP
 
@@ -41,7 +39,7 @@ class TransmitBuffer:
     def __init__(self, options: SpiOptions, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
-        self.fifo = InterruptFifo(SPI_MAP["SPIFFTX"], le, options, touched)
+        self.fifo = SpiFifo(SPI_MAP["SPIFFTX"], False, options, touched)
         self.txbuf = 0
         self.full = False
         self.lost: list[str] = []
@@ -66,7 +64,7 @@ class TransmitBuffer:
             self.full = True
 
     def _write_fifo(self, value: int) -> None:
-        if self.fifo.push(value):
+        if self.fifo.add(value):
             return
         if not self.fifo.accepts:
             self.lost.append(f"SPITXBUF was written {value:#06x} while a reset holds the transmit FIFO: it is lost")
@@ -78,7 +76,7 @@ class TransmitBuffer:
     def pop(self) -> int:
         """Remove and return the next word for SPIDAT."""
         if self.fifo.on:
-            return self.fifo.pop()
+            return self.fifo.take()
         self.full = False
         return self.txbuf
 
@@ -107,7 +105,7 @@ class ReceiveBuffer:
     def __init__(self, options: SpiOptions, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
-        self.fifo = InterruptFifo(SPI_MAP["SPIFFRX"], ge, options, touched)
+        self.fifo = SpiFifo(SPI_MAP["SPIFFRX"], True, options, touched)
         self.rxbuf = 0
         self.status = 0
         self.enables = 0
@@ -117,7 +115,7 @@ class ReceiveBuffer:
     def deliver(self, word: int) -> None:
         """Receive a complete character."""
         if self.fifo.on:
-            self.loaded = self.fifo.push_over(word) or self.loaded
+            self.loaded = self.fifo.add_received(word) or self.loaded
             if self.options.status_in_fifo_mode.assume(self.touched) == "stays_0":
                 return
         else:
@@ -147,7 +145,7 @@ class ReceiveBuffer:
         """Read SPIRXBUF as the CPU does, which removes the character."""
         word = self.show()
         if self.fifo.on and self.fifo.words:
-            self.rxbuf = self.fifo.pop()
+            self.rxbuf = self.fifo.take()
             self.loaded = bool(self.fifo.words)
         self.status &= ~INT_FLAG
         return word

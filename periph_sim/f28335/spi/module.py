@@ -81,7 +81,7 @@ class Spi(SpiLines):
         elif offset == FFTX:
             self._write_fftx(value)
         elif offset == FFRX:
-            self._rx.fifo.write(value)
+            self._rx.fifo.write_register(value)
         elif offset == FFCT:
             self._ffct = value & 0xFF
         elif offset == PRI:
@@ -160,7 +160,7 @@ class Spi(SpiLines):
     def _write_fftx(self, value: int) -> None:
         fifo = self._tx.fifo
         before = fifo.control
-        fifo.write(value)
+        fifo.write_register(value)
         if (before ^ value) & SPIRST:
             self._set_spirst(value & SPIRST > 0)
         fifo.turn(value & SPIFFENA > 0)

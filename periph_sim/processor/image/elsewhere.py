@@ -55,7 +55,7 @@ class UnmappedMemory:
     STATE = State("_frames _states _stored _noted _stubs _to_come _flash")
 
     _flash_begin: int
-    _part_name: str
+    _part: Part
     _frames: Annotated[list[UInt16], FRAMES_END]
     _states: Annotated[list[UInt16], FRAMES_END]
 
@@ -76,7 +76,7 @@ class UnmappedMemory:
 
     def set_part(self, part: Part) -> None:
         """Use the memory map of another part of the family."""
-        self._part_name = part.name
+        self._part = part
         self._flash_begin = part.flash.start
         self._stored[PARTID] = part.part_id
 
@@ -211,7 +211,7 @@ class UnmappedMemory:
     def _area(self, address: int, how: str) -> Area:
         area = area_at(address)
         if area is None or FLASH_BEGIN <= address < self._flash_begin:
-            raise IllegalOperation(f"{address:#08x} is {how}, where the {self._part_name} has nothing")
+            raise IllegalOperation(f"{address:#08x} is {how}, where the {self._part.name} has nothing")
         return area
 
     def _note(self, cycle: int, address: int, area: Area) -> None:
@@ -231,6 +231,6 @@ class UnmappedMemory:
         module = register_name(address)[0]
         if module not in self._noted:
             self._noted.add(module)
-            state = "is not in this unit (name it in modules)" if module in PART.selectable else "is not modelled"
+            state = "is not in this unit (name it in modules)" if module in self._part.selectable else "is not modelled"
             text = f"{module or 'a frame'} at {address:#06x} {state}; it keeps what is written"
             self._notes.note(cycle, Note("unknown", text, "SPRS439M Tables 3-8 to 3-11"))

@@ -255,7 +255,7 @@ class _Names:
             return self._pin(unit, pin)
         module, signal = self._usual[unit][pin]
         alone = len(self._owners[module]) == 1
-        if module == "SCI-A" and (alone or (signal == "RX" and self._case.rx_sender)):
+        if PART.by_name[module].plain and (alone or (signal == "RX" and self._case.rx_sender)):
             return signal
         return f"{module}.{signal}" if alone else f"{unit}.{module}.{signal}"
 

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from ...traces.formats.record_table import RecordTable
 
 MAPS: dict[str, RegisterMap] = {module.name: module.registers for module in PART.modules}
-LINES = ("RX", "TX")  # of the only SCI-A
-WIRES = {module.name: tuple(module.wires) for module in PART.modules if module.bus or module.name == "SCI-A"}
+LINES = tuple(wire for module in PART.modules if module.plain for wire in module.wires)
+WIRES = {module.name: tuple(module.wires) for module in PART.modules if module.bus or module.plain}
 VECTORS: dict[str, tuple[str, ...]] = {
     module.name: tuple(interrupt.vector for interrupt in module.interrupts)
     for module in PART.modules

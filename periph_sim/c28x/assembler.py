@@ -15,7 +15,8 @@ from typing import NamedTuple
 from ..core.suggest import did_you_mean
 from .encodings import Encoding, encodings
 from .expressions import BadExpression, Undefined, evaluate
-from .operands import BadOperand, Part, parts_of
+from .operands import parts_of
+from .syntax_part import BadOperand, Part
 
 
 class BadInstruction(ValueError):

@@ -6,7 +6,7 @@ Source: SPRU430F chapter 6; distances count from the address of the branch itsel
 from __future__ import annotations
 
 from .decoder import Instruction
-from .operands import PMA_PAGE
+from .number_operands import PMA_PAGE
 
 ADDRESS_BITS = 0x3F_FFFF
 UNC = 15

@@ -4,7 +4,7 @@
     show  {l: 0x41, c: 7}  ->  "MOV *-SP[1],#7"
     read  "*-SP[1]" | "7"  ->  {l: 0x41} | {c: 7}
 
-A branch shows and reads its target address; its field holds the distance.
+This file has registers, modes and conditions; `number_operands` has numbers and addresses.
 
 Source: SPRU430F chapter 6, SPRUEO2A chapter 4 (syntax); the operand kinds are those of `encodings.toml`.
 """
@@ -12,16 +12,13 @@ Source: SPRU430F chapter 6, SPRUEO2A chapter 4 (syntax); the operand kinds are t
 from __future__ import annotations
 
 import re
-import struct
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import NamedTuple
 
+from . import number_operands as numbers
 from . import operand_field
 from .encodings import Encoding
-
-Values = Mapping[str, int]
-Evaluate = Callable[[str], int]  # evaluates an expression of the source
+from .syntax_part import BadOperand, Evaluate, Part, Values, literal, ranged
 
 CONDITIONS = ["NEQ", "EQ", "GT", "GEQ", "LT", "LEQ", "HI", "HIS", "LO", "LOS", "NOV", "OV", "NTC", "TC", "NBIO", "UNC"]
 CONDITION_NAMES = {name: code for code, name in enumerate(CONDITIONS)} | {"C": 7, "NC": 8}
@@ -32,7 +29,6 @@ STATUS_BITS = ["SXM", "OVM", "TC", "C", "INTM", "DBGM", "PAGE0", "VMAP"]  # of S
 STF_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "ZF": 3, "NI": 4, "ZI": 5, "TF": 6, "RNDF32": 9}
 MOVST0_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "NI": 3, "ZF": 4, "ZI": 5, "TF": 7}
 PRODUCT_SHIFTS = ("+1", "0", "-1", "-2", "-3", "-4", "-5", "-6")
-CALLS = ("LB", "LC", "LCR", "FFC")
 INTERRUPTS = [f"INT{n}" for n in range(1, 15)] + ["DLOGINT", "RTOSINT"]
 OPERANDS = {
     "loc32": "memory or a register of 32 bits",
@@ -42,28 +38,13 @@ OPERANDS = {
 }
 FPU_FIRST, FPU_APART = 0x0F12, 4  # addresses of R0H to R7H, for moves with an address
 UNCF = 15
-PMA_PAGE = 0x3F_0000  # the program page of C2xLP addresses
-IMMEDIATE = r"#(?:[^,|<]|<<(?!\s*#)|(?<!\|)\|(?!\|))+?"  # `<<` and `|` in an expression, not `#16<<#0..15`, `||`
 REGISTER_FIELDS = dict(zip("abcdef", "pqrtuv", strict=True))  # RaH to RfH
-
-
-class BadOperand(ValueError):
-    """Text is not an operand of this kind; the message is one sentence."""
-
-
-class Part(NamedTuple):
-    """show: formats the fields, for an instruction's address. pattern: text that `read` parses, "" for literals."""
-
-    show: Callable[[Values, int], str]
-    pattern: str
-    read: Callable[[str, int, Evaluate], dict[str, int]] | None = None
-    literal: str = ""
 
 
 @cache
 def parts_of(encoding: Encoding) -> tuple[Part, ...]:
     """Return the parts of a form's syntax."""
-    parts = [_literal(encoding.mnemonic)]
+    parts = [literal(encoding.mnemonic)]
     rest = encoding.syntax.removeprefix(encoding.mnemonic)
     while rest:
         for token, make in _TOKENS:
@@ -74,7 +55,7 @@ def parts_of(encoding: Encoding) -> tuple[Part, ...]:
                 rest = rest[found.end() :]
                 break
         else:
-            parts.append(_literal(rest[0]))
+            parts.append(literal(rest[0]))
             rest = rest[1:]
     return tuple(_joined(parts))
 
@@ -83,14 +64,10 @@ def _joined(parts: list[Part]) -> list[Part]:
     joined: list[Part] = []
     for part in parts:
         if part.literal and joined and joined[-1].literal:
-            joined[-1] = _literal(joined[-1].literal + part.literal)
+            joined[-1] = literal(joined[-1].literal + part.literal)
         else:
             joined.append(part)
     return joined
-
-
-def _literal(text: str) -> Part:
-    return Part(lambda values, at: text, "", None, text)
 
 
 # Registers, modes and conditions ------------------------------------------------------------------------------------
@@ -115,10 +92,10 @@ def _operand(token: str, encoding: Encoding) -> Part:
             return evaluate(spaceless[1:]) & 0x3F
         stack = re.fullmatch(r"\*-SP\[(.+)\]", spaceless, re.I)
         if stack:
-            return 0x40 | _ranged(evaluate(stack[1]), 0, 63, text)
+            return 0x40 | ranged(evaluate(stack[1]), 0, 63, text)
         indexed = re.fullmatch(r"\*\+XAR([0-7])\[(.+)\]", spaceless, re.I)
         if indexed:
-            return 0xC0 | _ranged(evaluate(indexed[2]), 0, 7, text) << 3 | int(indexed[1])
+            return 0xC0 | ranged(evaluate(indexed[2]), 0, 7, text) << 3 | int(indexed[1])
         raise BadOperand(f"{text!r} is not an operand in memory or a register")
 
     return Part(lambda values, at: operand_field.show(values["l"], wide), r"\*\s*,\s*ARP[0-7]|[^,|<#]+?", read)
@@ -240,172 +217,12 @@ def _flags_and_values(token: str, encoding: Encoding) -> Part:
             if not equals or one not in ("0", "1"):
                 raise BadOperand(f"{pair!r} is not a flag of STF with its value, such as RNDF32=1")
             bit = STF_BITS.get(name.strip().upper())
-            bit = _ranged(evaluate(name), 0, 10, pair) if bit is None else bit
+            bit = ranged(evaluate(name), 0, 10, pair) if bit is None else bit
             mask |= (not number.strip().endswith("?")) << bit
             value |= int(one) << bit
         return {"g": mask, "h": value}
 
     return Part(show, r"[^|#]*?", read)
-
-
-# Numbers ------------------------------------------------------------------------------------------------------------
-
-
-def _number(token: str, encoding: Encoding) -> Part | None:
-    """An immediate "#16s", "#RC" or "#0..31" in field c; None if the form has no field c."""
-    if "c" not in encoding.fields:
-        return None
-    mask = encoding.fields["c"].mask
-    signed = token.endswith("s")
-    least = -(mask + 1 >> 1) if signed or token == "#16" else 0
-    most = mask >> 1 if token == "#8s" else mask
-
-    def show(values: Values, at: int) -> str:
-        number = values["c"]
-        if signed:
-            return f"#{number - mask - 1 if number > mask >> 1 else number}"
-        return f"#{number}" if number < 10 else f"#{number:#x}"
-
-    label = r"|[A-Za-z_$][\w$.]*" if encoding.mnemonic in CALLS else ""  # the target needs no #
-    return Part(
-        show, IMMEDIATE + label, lambda text, at, evaluate: {"c": _immediate(text, evaluate, least, most) & mask}
-    )
-
-
-def _shift(token: str, encoding: Encoding) -> Part | None:
-    """A shift "#1..16" or "<<2..8" in field s."""
-    if "s" not in encoding.fields:
-        return None
-    prefix = token.rstrip("0123456789.")
-    bias, mask = encoding.shift_bias, encoding.fields["s"].mask
-    return Part(
-        lambda values, at: f"{prefix}{values['s'] + bias}",
-        rf"{re.escape(prefix)}[^,|<]+?" + (r"|\d+" if prefix == "#" else ""),
-        lambda text, at, evaluate: {
-            "s": _ranged(evaluate(text.removeprefix(prefix)), bias + _least(encoding), mask + bias, text) - bias
-        },
-    )
-
-
-def _optional_shift(token: str, encoding: Encoding) -> Part | None:
-    """`<<#0..15`; if omitted, 0."""
-    inner = _shift(token.removeprefix("<<"), encoding)
-    if inner is None:
-        return None
-
-    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
-        assert inner is not None and inner.read is not None
-        return inner.read(text.strip().removeprefix("<<").strip(), at, evaluate) if text.strip() else {"s": 0}
-
-    return Part(lambda values, at: f"<<{inner.show(values, at)}", rf"|<<\s*(?:{inner.pattern})", read)
-
-
-def _least(encoding: Encoding) -> int:
-    return dict(encoding.at_least).get("s", 0)
-
-
-def _bit(token: str, encoding: Encoding) -> Part:
-    return Part(
-        lambda values, at: f"#{values['b']}",
-        IMMEDIATE,
-        lambda text, at, evaluate: {"b": _immediate(text, evaluate, 0, 15)},
-    )
-
-
-def _half_float(token: str, encoding: Encoding) -> Part:
-    """The upper half of a float32 as a number; infinities and NaN as bits, "#0x7FC0h"."""
-
-    def show(values: Values, at: int) -> str:
-        number = float_of(values["i"])
-        return f"#{number!r}" if number - number == 0 else f"#{values['i']:#06x}"
-
-    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
-        return {"i": half_of(text, evaluate)}
-
-    return Part(show, IMMEDIATE, read)
-
-
-def float_of(upper: int) -> float:
-    """Return the float32 with this upper half and lower half 0."""
-    number: float = struct.unpack("<f", struct.pack("<I", upper << 16))[0]
-    return number
-
-
-def half_of(text: str, evaluate: Evaluate) -> int:
-    """Return the upper half of a float32 given as "#2.5", or the bits given as "#0x4020"."""
-    inner = text.strip().lstrip("#").strip()
-    if re.fullmatch(r"[-+]?(\d+\.\d*|\.\d+|\d+)(e[-+]?\d+)?", inner, re.I) and not re.fullmatch(r"0x.*", inner, re.I):
-        try:
-            bits = int(struct.unpack("<I", struct.pack("<f", float(inner)))[0])
-        except OverflowError:
-            raise BadOperand(f"{inner} is too large for a float32") from None
-        if bits & 0xFFFF:
-            raise BadOperand(f"{inner} needs more than the upper half of a float32")
-        return bits >> 16
-    return _ranged(evaluate(inner), 0, 0xFFFF, text)
-
-
-def _half(token: str, encoding: Encoding) -> Part:
-    return Part(
-        lambda values, at: f"#{values['i']:#06x}",
-        IMMEDIATE,
-        lambda text, at, evaluate: {"i": _immediate(text, evaluate, 0, 0xFFFF)},
-    )
-
-
-def _immediate(text: str, evaluate: Evaluate, least: int, most: int) -> int:
-    return _ranged(evaluate(text.strip().lstrip("#")), least, most, text)
-
-
-def _ranged(number: int, least: int, most: int, text: str) -> int:
-    if not least <= number <= most:
-        raise BadOperand(f"{text.strip()!r} is {number}, outside {least} to {most}")
-    return number
-
-
-# Addresses ----------------------------------------------------------------------------------------------------------
-
-
-def _branch(token: str, encoding: Encoding) -> Part:
-    """off8, off16: the target address of a relative branch."""
-    mask = encoding.fields["c"].mask
-    half = mask + 1 >> 1
-
-    def show(values: Values, at: int) -> str:
-        return f"{at + ((values['c'] ^ half) - half) & 0x3F_FFFF:#08x}"
-
-    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
-        distance = evaluate(text) - at
-        if not -half <= distance < half:
-            raise BadOperand(f"{text.strip()!r} is {distance} words away; this branch reaches {-half} to {half - 1}")
-        return {"c": distance & mask}
-
-    return Part(show, r"[^,|]+?", read)
-
-
-def _block_end(token: str, encoding: Encoding) -> Part:
-    """label of RPTB: the end address of the block, which begins after the two words of RPTB."""
-    return Part(
-        lambda values, at: f"{at + 2 + values['z']:#08x}",
-        r"[^,|]+?",
-        lambda text, at, evaluate: {"z": _ranged(evaluate(text) - at - 2, 0, 127, text)},
-    )
-
-
-def _address(page: int) -> Callable[[str, Encoding], Part]:
-    """The low 16 bits of an address in this page."""
-
-    def make(token: str, encoding: Encoding) -> Part:
-        prefix = token.rstrip("16pmaPA")
-        return Part(
-            lambda values, at: f"{prefix}{page | values['c']:#x}",
-            rf"{re.escape(prefix)}[^,|()]+?",
-            lambda text, at, evaluate: {
-                "c": _ranged(evaluate(text[len(prefix) :]), page, page | 0xFFFF, text) & 0xFFFF
-            },
-        )
-
-    return make
 
 
 _TOKENS: tuple[tuple[re.Pattern[str], Callable[[str, Encoding], Part | None]], ...] = tuple(
@@ -426,21 +243,21 @@ _TOKENS: tuple[tuple[re.Pattern[str], Callable[[str, Encoding], Part | None]], .
         (r"FLAG,VALUE", _flags_and_values),
         (r"FLAG", _movst0_flags),
         (r"INTx", _interrupt),
-        (r"<<#0\.\.15", _optional_shift),
-        (r"<<#16", lambda token, encoding: _literal(token)),
-        (r"#0\.0", lambda token, encoding: _literal(token)),
-        (r"#16F(Hi|Lo)Hex", _half),
-        (r"#16FHi", _half_float),
-        (r"#bit", _bit),
-        (r"#0\.\.31", _number),
-        (r"#\d+\.\.\d+", _shift),
-        (r"<<\d\.\.8", _shift),
-        (r"#(RC|8s|16s|8|16|7|10|22)", _number),
-        (r"off(8|16)", _branch),
-        (r"label", _block_end),
-        (r"0:(16|pma)", _address(0)),
-        (r"PA", _address(0)),
-        (r"pma", _address(PMA_PAGE)),
+        (r"<<#0\.\.15", numbers.optional_shift_part),
+        (r"<<#16", lambda token, encoding: literal(token)),
+        (r"#0\.0", lambda token, encoding: literal(token)),
+        (r"#16F(Hi|Lo)Hex", numbers.half_part),
+        (r"#16FHi", numbers.half_float_part),
+        (r"#bit", numbers.bit_part),
+        (r"#0\.\.31", numbers.number_part),
+        (r"#\d+\.\.\d+", numbers.shift_part),
+        (r"<<\d\.\.8", numbers.shift_part),
+        (r"#(RC|8s|16s|8|16|7|10|22)", numbers.number_part),
+        (r"off(8|16)", numbers.branch_part),
+        (r"label", numbers.block_end_part),
+        (r"0:(16|pma)", numbers.address_part(0)),
+        (r"PA", numbers.address_part(0)),
+        (r"pma", numbers.address_part(numbers.PMA_PAGE)),
         (r"pm", _product_shift),
     )
 )

@@ -18,7 +18,7 @@ from __future__ import annotations
 from typing import Annotated, final
 
 from ..core.state import State
-from .execution.registers import Operation
+from .execution.cpu import Operation
 from .hazards import BY_ARP
 
 LANE = 10  # bits

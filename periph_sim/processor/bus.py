@@ -35,31 +35,13 @@ from ..form.c_types import Text
 from .cpu_time import CpuTime
 from .firmware_notes import FirmwareNotes
 from .operand import Operand
+from .posted_write import Posted
 from .source_location import SourceLocation
 
 if TYPE_CHECKING:
     from ..core.options import IntOption
 
 REGISTERS_END = 0x8000  # no register lies above
-
-
-@final
-class Posted:  # core: freelist 4
-    """A posted write. where, cause: place and record of the instruction that issued it; where is None if unused.
-
-    following: the write that lands next.
-    """
-
-    STATE = State("operand value where", cycles="lands", records="cause", made=True)
-
-    __slots__ = ("cause", "following", "lands", "operand", "value", "where")
-
-    lands: int
-    operand: Operand
-    value: int
-    where: SourceLocation | None
-    cause: int
-    following: Posted | None
 
 
 @final

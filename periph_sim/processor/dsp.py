@@ -29,15 +29,15 @@ from ..core.suggest import did_you_mean
 from ..core.time import Clock, Timebase
 from ..core.wire import Wire
 from ..f28335.cpu.compiled_code_costs import CodeCosts
-from ..f28335.cpu.interrupts import CpuInterrupts, int13_source
+from ..f28335.cpu.interrupts import CpuInterrupts
 from ..f28335.descriptor import ModuleDescriptor, Part
 from ..f28335.memory.memory_map import AddressMap, ModuleRange
 from ..f28335.parts.f28335 import PART
-from ..f28335.pie import register_map as pie_map
 from ..f28335.pie.module import Pie
 from ..f28335.system_control import register_map as clocks_map
 from ..f28335.system_control.module import WDRST_CYCLES, SystemControl
 from ..f28335.system_options import SystemOptions
+from .interrupt_lines import InterruptLines
 from .processor import Processor
 from .program import Program
 from .python.cpu import Cpu
@@ -107,6 +107,8 @@ class Dsp(FirmwareView):
         self.memory = AddressMap()
         self.pie = Pie(plan.system)
         self.core = CpuInterrupts(plan.system)
+        self._modules: list[tuple[ModuleDescriptor, Socket]] = []
+        self._lines = InterruptLines(self.pie, self._sockets)
         self._firmware: Callable[[], None] = _nothing
         self._restart: Callable[[int], None] = self._python_from_reset
         self._gates = self.control.gates
@@ -124,6 +126,7 @@ class Dsp(FirmwareView):
         self.processor = Processor(
             kernel, self.clock, recorder, plan.name, self.memory, self.core, self.pie, plan.system, strict=plan.strict
         )
+        self._lines.interrupts = self.processor.interrupts
         options, skip = plan.system, plan.skip_polls
         self.cpu = Cpu(self.processor, self.clock, recorder, options, code=plan.code, skip_polls=skip)
         self.cpu.program.stall_limit = plan.stall_limit
@@ -197,10 +200,8 @@ class Dsp(FirmwareView):
     def touched(self) -> set[str]:
         """Open questions whose answers have affected the run so far, as "module.option"."""
         found = {f"system.{name}" for name in self.core.touched}
-        for name, socket in self._sockets.items():
-            if not socket.chip.touched:
-                continue
-            found |= {f"{self.plan.part.by_name[name].options}.{option}" for option in socket.chip.touched}
+        for descriptor, socket in self._modules:
+            found |= {f"{descriptor.options}.{option}" for option in socket.chip.touched}
         return found
 
     # Building ------------------------------------------------------------------
@@ -210,7 +211,7 @@ class Dsp(FirmwareView):
         self._add(self.plan.part.by_name["SYS"], self.control)
         self._add(self.plan.part.by_name["PIE"], self.pie)
         self._sockets["SYS"].after = self._follow_control
-        self._sockets["PIE"].after = self._follow_pie
+        self._sockets["PIE"].after = self._lines.follow_pie
         options = {"system": plan.system, **plan.options}
         for descriptor in (self.plan.part.by_name[name] for name in plan.modules):
             chip = descriptor.build(options)
@@ -222,11 +223,12 @@ class Dsp(FirmwareView):
     def _add(self, descriptor: ModuleDescriptor, chip: Chip) -> None:
         name = descriptor.name
         phase = PADS if name == "GPIO" else CHIP
-        on_request = self._request_handler(descriptor)
+        on_request = self._lines.request_handler(descriptor)
         socket = Socket(self._kernel, self.clock, self.recorder, f"{self.name}.{name}", chip, on_request, phase)
-        socket.on_held = partial(self._held, pie_lines(descriptor))
+        socket.on_held = self._lines.hold_handler(descriptor)
         socket.on_note = partial(self._noted, socket)
         self._sockets[name] = socket
+        self._modules.append((descriptor, socket))
         self.memory.add(ModuleRange(name, descriptor.base, descriptor.size, descriptor.frame, socket))
 
     def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
@@ -237,47 +239,6 @@ class Dsp(FirmwareView):
         where = self.processor.causing_statement()
         if where is not None and self.processor.notes.placed:
             self.note_places.setdefault((socket.name, self.clock.tick(cycle)), where)
-
-    def _request_handler(self, descriptor: ModuleDescriptor) -> Callable[[int, int], None]:
-        """Return the function that takes a module's interrupt requests to the PIE, or straight to the CPU."""
-        if not descriptor.interrupts:
-            return _no_request
-        vector = descriptor.interrupts[0].vector
-        if vector in pie_map.LINES:
-            return partial(self._requested, pie_lines(descriptor))
-        return partial(
-            self._timer1_requested if vector == "INT13" else self._cpu_requested, pie_map.CPU_VECTORS[vector]
-        )
-
-    def _cpu_requested(self, interrupt: int, cycle: int, asked: int) -> None:
-        self.processor.interrupts.request(cycle, interrupt)
-
-    def _timer1_requested(self, interrupt: int, cycle: int, asked: int) -> None:
-        """Request INT13 for timer 1, unless XNMICR assigns it to the XNMI pin (SPRUFB0D Table 123)."""
-        xint = self._sockets.get("XINT")
-        xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
-        if int13_source(xnmicr) == "TINT1":
-            self.processor.interrupts.request(cycle, interrupt)
-
-    def _requested(self, places: tuple[tuple[int, int], ...], cycle: int, asked: int) -> None:
-        for i, (group, line) in enumerate(places):
-            if asked >> i & 1:
-                self.pie.request(cycle, group, line)
-        self._sockets["PIE"].publish(cycle)
-
-    def _held(self, places: tuple[tuple[int, int], ...], cycle: int, held: int) -> None:
-        for i, (group, line) in enumerate(places):
-            self.pie.hold(cycle, group, line, bool(held >> i & 1))
-        self._sockets["PIE"].publish(cycle)
-
-    def _follow_pie(self, cycle: int) -> None:
-        pulses, self.pie.pulses = self.pie.pulses, 0
-        number = 1
-        while pulses:
-            if pulses & 1:
-                self.processor.interrupts.request(cycle, number)
-            pulses >>= 1
-            number += 1
 
     def restored(self) -> None:
         """Read back system control, whose settings are in effect already, from the restored state."""
@@ -304,8 +265,8 @@ class Dsp(FirmwareView):
                     socket.publish(cycle)
         if lspclk != self._lspclk:
             self._lspclk = lspclk
-            for name, socket in self._sockets.items():
-                if self.plan.part.by_name[name].clock == "LSPCLK":
+            for descriptor, socket in self._modules:
+                if descriptor.clock == "LSPCLK":
                     socket.chip.set_lspclk(cycle, *lspclk)
                     socket.publish(cycle)
         if control.gates != self._gates:
@@ -316,8 +277,7 @@ class Dsp(FirmwareView):
 
     def gate(self, cycle: int) -> None:
         """Set every module's clock on or off, as in PCLKCR."""
-        for name, socket in self._sockets.items():
-            descriptor = self.plan.part.by_name[name]
+        for descriptor, socket in self._modules:
             if gate := descriptor.gate or descriptor.input_gate:
                 socket.chip.gate(cycle, self.control.enabled(gate))
                 socket.publish(cycle)
@@ -325,8 +285,7 @@ class Dsp(FirmwareView):
     def _route(self, plan: DspPlan) -> Router | None:
         inputs: dict[str, Port] = {}
         outputs: dict[str, Port] = {}
-        for name, socket in self._sockets.items():
-            descriptor = self.plan.part.by_name[name]
+        for descriptor, socket in self._modules:
             inputs |= {signal: (socket, pin) for pin, signal in enumerate(descriptor.inputs or ())}
             outputs |= {signal: (socket, pin) for pin, signal in enumerate(descriptor.outputs)}
         gpio = self._sockets.get("GPIO")
@@ -403,11 +362,6 @@ class Dsp(FirmwareView):
         self._firmware()
 
 
-def pie_lines(descriptor: ModuleDescriptor) -> tuple[tuple[int, int], ...]:
-    """Return group and line of a module's interrupts in the PIE, in the order of its chip's LINES."""
-    return tuple(pie_map.LINES[one.vector] for one in descriptor.interrupts if one.vector in pie_map.LINES)
-
-
 def start_up(control: SystemControl, pll: int) -> int:
     """Apply TI's start-up code before main: watchdog off, PLL at `pll`/2. Return the cycle at which main begins."""
 
@@ -427,7 +381,3 @@ def start_up(control: SystemControl, pll: int) -> int:
 
 def _nothing() -> None:
     """Run no firmware: the unit has its modules only."""
-
-
-def _no_request(cycle: int, asked: int) -> None:
-    raise AssertionError("this module has no interrupt lines")

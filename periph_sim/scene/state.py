@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from .. import __version__
-from ..c28x.execution.registers import Operation
+from ..c28x.execution.cpu import Operation
 from ..core.records import RECORDED, Recorder
 from ..core.restore import Finds, NotRestorable, restore
 from ..core.sampler import Sampler

@@ -1,4 +1,4 @@
-"""ACC and P: add, subtract, compare, logic. Each function is one form of `encodings.toml`, by its id.
+"""ACC and P: add, subtract, compare, sign, saturation. Each function is one form of `encodings.toml`, by its id.
 
 Source: SPRU430F chapter 6; sections 2.3 (flags) and 2.2 (OVC).
 """
@@ -7,7 +7,8 @@ Source: SPRU430F chapter 6; sections 2.3 (flags) and 2.2 (OVC).
 
 from __future__ import annotations
 
-from .registers import M32, SIGN32, Cpu, Operation, s32
+from .cpu import Cpu, Operation
+from .registers import M32, SIGN32, s32
 
 __all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 
@@ -326,96 +327,6 @@ def SAT64_ACC_P(cpu: Cpu, f: Operation) -> None:
 def ZAPA(cpu: Cpu, f: Operation) -> None:
     cpu.p = cpu.ovc = 0
     logic(cpu, 0)
-
-
-# Logic --------------------------------------------------------------------------------------------------------------
-
-
-def AND_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc & f.c << f.s)
-
-
-def AND_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc & f.c << 16)
-
-
-def AND_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc & cpu.read16())
-
-
-def OR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc | cpu.read16())
-
-
-def OR_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc | f.c << f.s)
-
-
-def OR_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc | f.c << 16)
-
-
-def XOR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc ^ cpu.read16())
-
-
-def XOR_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc ^ f.c << f.s)
-
-
-def XOR_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc ^ f.c << 16)
-
-
-def NOT_ACC(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, ~cpu.acc)
-
-
-def CSB_ACC(cpu: Cpu, f: Operation) -> None:
-    """Set T to the number of sign bits after the first one."""
-    cpu.tc = cpu.acc >> 31
-    rest = cpu.acc ^ (M32 if cpu.tc else 0)
-    count = 0
-    while count < 31 and not rest >> 30 - count:
-        count += 1
-    cpu.put_t(count)
-    cpu.nz32(cpu.acc)
-
-
-def MOV_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.x16(f.c) << f.s)
-
-
-def MOV_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.x16(cpu.read16()) << (cpu.t() & 15))
-
-
-def MOV_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.x16(cpu.read16()))
-
-
-def MOV_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.x16(cpu.read16()) << f.s)
-
-
-def MOV_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.read16() << 16)
-
-
-def MOVB_ACC_8(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, f.c)
-
-
-def MOVU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.read16())
-
-
-def MOVL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.read32())
-
-
-def ZALR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.read16() << 16 | 0x8000)
 
 
 def bind(f: Operation, name: str) -> None:

@@ -7,7 +7,8 @@ A branch not taken sets `cycles` from the table. Source: SPRU430F chapter 6.
 
 from __future__ import annotations
 
-from .registers import CODE, M16, M32, Cpu, Operation
+from .cpu import Cpu, Operation
+from .registers import CODE, M16, M32
 
 __all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 

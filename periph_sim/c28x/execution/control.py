@@ -8,7 +8,8 @@ Source: SPRU430F chapters 3 and 6, SPRUEO2A chapter 4 (RPTB).
 
 from __future__ import annotations
 
-from .registers import M16, Cpu, IllegalOperation, Operation
+from .cpu import Cpu, Operation
+from .registers import M16, IllegalOperation
 
 __all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 

@@ -17,8 +17,9 @@ from ...core.state import State
 from ...form.c_types import UInt8
 from ..decoder import decode_at, other_unit
 from .control import RA, RC, RE, RSIZE
+from .cpu import Cpu, Operation
 from .operations import operation
-from .registers import CODE, Cpu, IllegalOperation, Operation
+from .registers import CODE, IllegalOperation
 
 PAGE = 8  # bits of an address within a page of decoded instructions
 GONE = -1  # no address

@@ -8,6 +8,7 @@ Source: SPRUEO2A chapter 4.
 
 from __future__ import annotations
 
+from .cpu import Cpu, Operation
 from .float32 import (
     BITS,
     INFINITY,
@@ -26,7 +27,7 @@ from .float32 import (
     sum_of,
     to_integer,
 )
-from .registers import LUF, LVF, M16, M32, NF, NI, RND32, TF, ZF, ZI, Cpu, Operation, s16, s32
+from .registers import LUF, LVF, M16, M32, NF, NI, RND32, TF, ZF, ZI, s16, s32
 
 __all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 

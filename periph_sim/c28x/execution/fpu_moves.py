@@ -8,8 +8,9 @@ Source: SPRUEO2A chapter 4.
 from __future__ import annotations
 
 from ..operands import FPU_APART, FPU_FIRST
+from .cpu import Cpu, Operation
 from .fpu import UNCF, condition, moved
-from .registers import HIGH16, LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF, ZI, Cpu, IllegalOperation, Operation
+from .registers import HIGH16, LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF, ZI, IllegalOperation
 
 __all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 

@@ -11,7 +11,8 @@ LUF and LVF are set with the result. Operations not passed to `delay` write at o
 
 from __future__ import annotations
 
-from .registers import LUF, LVF, Cpu, Operation
+from .cpu import Cpu, Operation
+from .registers import LUF, LVF
 
 __all__ = ("arrive", "delay")
 

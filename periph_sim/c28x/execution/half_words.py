@@ -7,7 +7,8 @@ Source: SPRU430F chapter 6. V is only set here, never cleared [Table 2-7].
 
 from __future__ import annotations
 
-from .registers import M16, SIGN16, Cpu, Operation, mirrored, s16
+from .cpu import Cpu, Operation, mirrored
+from .registers import M16, SIGN16, s16
 
 __all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 

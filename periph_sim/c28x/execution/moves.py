@@ -7,7 +7,8 @@ Source: SPRU430F chapter 6; section 5.8 (which addresses step under RPT).
 
 from __future__ import annotations
 
-from .registers import HIGH16, M16, M32, Cpu, Operation, s16
+from .cpu import Cpu, Operation
+from .registers import HIGH16, M16, M32, s16
 
 __all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 

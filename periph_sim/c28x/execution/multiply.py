@@ -8,7 +8,8 @@ Source: SPRU430F chapter 6; section 5.8 (which program addresses step under RPT)
 from __future__ import annotations
 
 from .accumulator import add, difference_ovcu, logic, subtract, sum_ovcu
-from .registers import M32, Cpu, Operation, s16, s32
+from .cpu import Cpu, Operation
+from .registers import M32, s16, s32
 
 __all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 

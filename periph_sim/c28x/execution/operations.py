@@ -13,14 +13,38 @@ from ..decoder import Instruction
 from ..encodings import Encoding
 from ..hazards import writes_at_once
 from ..operand_field import WIDE
-from . import accumulator, branches, control, fpu, fpu_moves, half_words, moves, multiply, shifts, stack
-from .registers import READS, WRITES, Operation
+from . import (
+    accumulator,
+    accumulator_logic,
+    branches,
+    control,
+    fpu,
+    fpu_moves,
+    half_words,
+    moves,
+    multiply,
+    shifts,
+    stack,
+)
+from .cpu import READS, WRITES, Operation
 
 FIELDS = "bcghiklmnpqrstuvwxyz"
 OF_ONE_XAR = re.compile(
     r"(MOVL_(?:loc32_)?XAR)(\d)(.*)"
 )  # families of eight forms, for XAR0 to XAR7, with one function each
-MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
+MODULES = (
+    accumulator,
+    accumulator_logic,
+    half_words,
+    multiply,
+    shifts,
+    moves,
+    stack,
+    branches,
+    control,
+    fpu,
+    fpu_moves,
+)
 
 _forms: dict[str, Operation] = {}
 

@@ -8,8 +8,9 @@ C is the last bit shifted out, 0 for a shift of 0. Source: SPRU430F chapter 6.
 from __future__ import annotations
 
 from .accumulator import logic
+from .cpu import Cpu, Operation
 from .half_words import put
-from .registers import M16, M32, Cpu, Operation, s16, s32
+from .registers import M16, M32, s16, s32
 
 __all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 

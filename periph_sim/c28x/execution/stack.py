@@ -7,7 +7,8 @@ A pair's second name is the lower half. POP ACC, PUSH XAR4 and similar ones are 
 
 from __future__ import annotations
 
-from .registers import CODE, HIGH16, M16, SPA, Cpu, Operation
+from .cpu import Cpu, Operation
+from .registers import CODE, HIGH16, M16, SPA
 
 __all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
 

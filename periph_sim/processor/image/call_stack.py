@@ -10,7 +10,7 @@ with an RTOS, which returns through frames that it made, and with `exit`, which 
 
 from __future__ import annotations
 
-from ...c28x.execution.registers import Operation
+from ...c28x.execution.cpu import Operation
 from ...c28x.flow import CALLS, INTERRUPTS, RETURNS
 from ...core.state import State
 from ...core.time import Clock

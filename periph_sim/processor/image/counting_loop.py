@@ -12,13 +12,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
-from ...c28x.execution.registers import M16, M32, REGISTER, Cpu, Operation
+from ...c28x.execution.cpu import REGISTER, Cpu, Operation
+from ...c28x.execution.registers import M16, M32
 from ...c28x.hazards import BY_ARP, addressing
 from ...core.state import State
 from ...f28335.memory.ram import Ram
 from ..cpu_time import CpuTime
-from .cpu import L0_AGAIN, L4_AGAIN, MIRROR, ImageCpu, in_plain_ram
+from .cpu import ImageCpu
 from .instruction_watch import InstructionWatch
+from .memory import L0_AGAIN, L4_AGAIN, MIRROR, in_plain_ram
 from .repeated_pass import ACC, XAR, NotCounting, Number, Place, RepeatedPass, Store, Traced
 
 MOST_TRACED = 256  # instructions of a pass

@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, final
 
 from ...c28x import flow
-from ...c28x.execution.registers import Cpu, Operation
+from ...c28x.execution.cpu import Cpu, Operation
 from ...c28x.fetch_queue import DEPTH, FetchQueue
 from ...c28x.hazards import hazards
 from ...c28x.pipeline import Pipeline

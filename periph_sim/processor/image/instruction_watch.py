@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...c28x.execution.registers import Cpu, Operation
+from ...c28x.execution.cpu import Cpu, Operation
 from ...core.state import State
 
 

@@ -14,11 +14,11 @@ Source: SPRU430F chapters 3 and 4.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
 
-from ...c28x.execution.registers import WRITES, IllegalOperation, Operation
+from ...c28x.execution.cpu import WRITES, Operation
+from ...c28x.execution.registers import IllegalOperation
 from ...c28x.operand_field import SP_FIELD
-from ...core.chip import NEVER, Note
+from ...core.chip import NEVER
 from ...core.state import State
 from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
@@ -26,35 +26,26 @@ from ...f28335.system_options import SystemOptions
 from ...form.c_types import Text
 from ...image.model import Image
 from ..error_origin import FirmwareLost, InterruptFault
-from ..instruction_location import instruction_location
 from ..polling import Spin
 from ..processor import Processor
 from ..program import Program, Stop, UnansweredWait
-from ..source_location import SourceLocation
 from .awaited import Awaited, LoopRange, awaited
-from .call_stack import CallListener, CallStack
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
-from .function_map import FunctionMap
-from .instruction_watch import InstructionWatch
+from .loaded_image import LAST_JUMPS, LoadedImage
 from .polls import FEWEST
 from .unmodelled_wait import UnmodelledWait
-from .variable_records import VariableRecords
-from .wait_records import IDLE, WaitRecords
-
-LAST_JUMPS = 8  # named in an error; a power of two
+from .wait_records import IDLE
 
 
-class ImageProgram(Program):
-    """cpu: its registers. instructions: number of executed instructions."""
+class ImageProgram(LoadedImage):
+    """instructions: number of executed instructions."""
 
     STATE = State(
-        "cpu instructions _ready _executed _idle_began _jumps _jumped _calls _waits _watch _loop_due "
-        "_counted _pass _unmodelled _counting _unwritten _at _back _sp",
+        "instructions _ready _executed _idle_began _loop_due _counted _pass _unmodelled _counting _back _sp",
         ticks="_asleep_at",
     )
 
-    _jumps: Annotated[list[int], LAST_JUMPS]
     _stack_begin: int
     _stack_end: int
 
@@ -72,44 +63,19 @@ class ImageProgram(Program):
 
         skip_polls: passes of a wait that repeat the previous pass are skipped. keeps_decoded: see `Engine`.
         """
-        super().__init__()
-        self.cpu = ImageCpu(processor, options, skip_polls, keeps_decoded)
-        self.image = image
+        super().__init__(processor, clock, image, entry, ImageCpu(processor, options, skip_polls, keeps_decoded))
         self.instructions = 0
-        self._processor = processor
-        self._clock = clock
         self._ready: Operation | None = None  # the pending instruction, whose operand address is known
         self._executed = False  # an instruction, since the last check for interrupts
         self._idle_began = False
         self._asleep_at = 0  # the tick since which no instruction was executed
-        self._jumps = [0] * LAST_JUMPS  # a ring
-        self._jumped = 0
-        self._places: dict[int, SourceLocation] = {}
-        self._functions: FunctionMap | None = None
-        self._calls: CallStack | None = None  # if calls are observed
-        self._waits: WaitRecords | None = None  # if waits are recorded
-        self._watch: InstructionWatch | None = None  # if instructions are observed
         self._loop_due = False  # a loop is at its begin again, and due to be examined
         self._back = -1  # the branch that closed the last executed pass of a wait
         self._counted = self._pass = 0  # instructions up to that begin, and of a pass
         self._unmodelled: UnmodelledWait | None = None  # the last wait that read unmodelled words only
         self._counting: CountingLoop | None = None  # set while a pass is traced, or counting passes are skipped
-        self._entry = entry
-        self._at = entry  # the present instruction, or the last one
         self._stack_begin, self._stack_end = image.stack
         self._sp = 0  # SP after the last instruction
-        self._unwritten: set[str] = set()  # functions that have read unwritten memory
-        self.cpu.reads_unwritten = self
-
-    def load(self) -> None:
-        """Put the image into memory."""
-        cpu = self.cpu
-        for section in self.image.loaded:
-            for offset, word in enumerate(section.words):
-                cpu.fill(section.address + offset, word)
-        for address, words in self.image.initial:
-            for offset, word in enumerate(words):
-                cpu.fill(address + offset, word)
 
     def begin(self) -> None:
         """Set the registers as the boot ROM leaves them, with PC at the entry; memory keeps its contents."""
@@ -138,40 +104,6 @@ class ImageProgram(Program):
             self._waits.ends(now)
         polls.forget()
 
-    # Observers -------------------------------------------------------------------------
-
-    @property
-    def functions(self) -> FunctionMap:
-        """Functions and source lines by address."""
-        if self._functions is None:
-            self._functions = FunctionMap(self.image)
-        return self._functions
-
-    def add_call_listener(self, listener: CallListener) -> None:
-        """Add a listener to calls. Call it before the first instruction."""
-        if self._calls is None:
-            self._calls = CallStack(self.functions, self._clock)
-            self._calls.began(self.cpu.pc, self._processor.time.cycle)
-        self._calls.add_listener(listener)
-
-    def watch_memory(self, watch: VariableRecords) -> None:
-        """Record the variables of `watch` when their words are written."""
-        watch.begin()
-        self.cpu.watched = watch
-
-    def record_waits(self, waits: WaitRecords) -> None:
-        """Record the begin and the end of each wait."""
-        self._waits = waits
-
-    def watch_instructions(self, watch: InstructionWatch) -> None:
-        """Add an observer of each executed instruction."""
-        watch.beside, self._watch = self._watch, watch
-
-    def unwatch_instructions(self, watch: InstructionWatch) -> None:
-        """Remove the observer if it is the one added last."""
-        if self._watch is watch:
-            self._watch = watch.beside
-
     # Turns --------------------------------------------------------------------------
 
     def run(self, until: int) -> Stop | None:
@@ -180,7 +112,7 @@ class ImageProgram(Program):
             return self._run()
         except (IllegalOperation, InterruptFault) as error:
             self._processor.time.meet()  # the run ends now
-            raise FirmwareLost(self._error_text(str(error).removeprefix(f"{self._processor.name}: "))) from None
+            raise FirmwareLost(self.error_text(str(error).removeprefix(f"{self._processor.name}: "))) from None
 
     def _run(self) -> Stop:
         cpu, time, processor = self.cpu, self._processor.time, self._processor
@@ -428,7 +360,7 @@ class ImageProgram(Program):
     def enter(self, vector: int) -> Text:
         if not vector:
             taken = self._processor.interrupts.taken
-            raise FirmwareLost(self._error_text(f"interrupt {taken} was taken, but its vector is 0"))
+            raise FirmwareLost(self.error_text(f"interrupt {taken} was taken, but its vector is 0"))
         interrupted = self.cpu.pc
         if self._unmodelled is not None and not self._unmodelled.goes_on(self.cpu):
             self._unmodelled = None
@@ -444,31 +376,7 @@ class ImageProgram(Program):
         if self._calls is not None:
             self._calls.on_return(self.cpu.pc, self._processor.time.cycle + cpu_costs.IRET)
 
-    # Places -------------------------------------------------------------------------
-
-    def place(self) -> SourceLocation | None:
-        """Return the present instruction, or the last one, as function, file and line."""
-        known = self._places.get(self._at)
-        if known is None:
-            known = self._places[self._at] = self.place_at(self._at)
-        return known
-
-    def place_of(self, function: str) -> SourceLocation | str:
-        """Return the place of a function's first instruction, or the name of an unknown function."""
-        found = self.functions.named(function)
-        return self.place_at(found.address) if found else function
-
-    def place_at(self, address: int) -> SourceLocation:
-        """Return the place of an instruction."""
-        functions = self.functions
-        source, inside = functions.line_at(address), functions.at(address)
-        name, begins = (inside.name, inside.address) if inside else ("", address)
-        path, line = source or ("", 0)
-        return instruction_location(name, begins, path, line, address)
-
-    def _last_jumps(self) -> list[int]:
-        """Return the addresses of the last jumps, the oldest first."""
-        return [self._jumps[n & LAST_JUMPS - 1] for n in range(max(0, self._jumped - LAST_JUMPS), self._jumped)]
+    # Stack --------------------------------------------------------------------------
 
     def _left_stack(self, f: Operation) -> None:
         """Check SP outside of its section: it may be set to another stack, but not leave the section step by step."""
@@ -476,26 +384,3 @@ class ImageProgram(Program):
         if begin <= self._sp <= end and not (f.l == SP_FIELD and f.accesses & WRITES):
             how = "grew beyond" if self.cpu.sp > end else "was popped below"
             raise IllegalOperation(f"the stack {how} its section .stack, {begin:#06x} to {end - 1:#06x}")
-
-    def read_unwritten(self, address: int) -> None:
-        """Note a read of unwritten memory, once for each function."""
-        name = self.functions.name_at(self._at)
-        if name not in self._unwritten:
-            self._unwritten.add(name)
-            text = f"{name} reads {address:#06x}, which has not been written; its value after power-up is undefined"
-            self._processor.notes.note(
-                self._processor.time.cycle, Note("unknown", text, "SPRU513, uninitialized sections")
-            )
-
-    def _error_text(self, why: str) -> str:
-        """Return an error message with pc, function, last jumps and registers."""
-        cpu = self.cpu
-        jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in self._last_jumps())
-        registers = {"ACC": cpu.acc, "P": cpu.p, "XT": cpu.xt, **{f"XAR{n}": cpu.xar[n] for n in range(8)}}
-        short = {"SP": cpu.sp, "DP": cpu.dp, "ST0": cpu.st0(), "ST1": cpu.whole_st1(), "IER": cpu.whole_ier()}
-        shown = [f"{name}={value:#010x}" for name, value in registers.items() if value or name == "ACC"]
-        shown += [f"RPC={cpu.rpc:#08x}", *(f"{name}={value:#06x}" for name, value in short.items())]
-        return (
-            f"{self._processor.name}: {why}; at {self.place_at(self._at)}, {' '.join(shown)} and 0 in other registers; "
-            f"last jumps: {jumps or 'none'}"
-        )

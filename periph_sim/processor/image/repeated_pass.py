@@ -14,7 +14,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from ...c28x.encodings import LOCATIONS, Encoding
-from ...c28x.execution.registers import M16, Operation
+from ...c28x.execution.cpu import Operation
+from ...c28x.execution.registers import M16
 from ...c28x.sums import Sum, sum_of
 from ...core.chip import NEVER
 

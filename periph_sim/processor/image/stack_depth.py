@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ...c28x.execution.registers import Cpu, Operation
+from ...c28x.execution.cpu import Cpu, Operation
 from ...core.records import Kind, Recorder
 from ...core.state import State
 from ...core.time import Clock

@@ -1,0 +1,234 @@
+"""Memory of an image's CPU: loads, stores and fetches of code, each made in the present cycle.
+
+load16, store16 --> Ram | Bus | UnmappedMemory: flash, and frames that are not modelled
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from typing import Annotated, Protocol
+
+from ...c28x.execution.engine import PAGE, Engine
+from ...c28x.execution.registers import IllegalOperation
+from ...core.state import State
+from ...f28335.memory.address_space import Content, area_at
+from ...f28335.memory.ram import Ram, block_at
+from ...f28335.system_control import register_map as clocks_map
+from ...f28335.system_options import SystemOptions
+from ...form.c_types import UInt16
+from ..processor import Processor
+from .elsewhere import BOOT_ROM, UnmappedMemory
+from .instruction_timing import InstructionTiming
+from .polls import PollSkipper
+from .variable_records import VariableRecords
+
+WATCHDOG_KEY = clocks_map.BASE + clocks_map.WDKEY.offset
+RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, as M0 and M1 below
+LOW_RAM = 0x800
+STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # operand fields *-SP[n]
+PUSHES, POPS = 0xBD, 0xBE  # *SP++, *--SP
+WAITED_FROM = 0xC000  # L4 to L7, as program memory
+L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # second addresses of L0 to L3
+MIRROR = L0_AGAIN - 0x8000
+
+
+class UnwrittenReads(Protocol):
+    """A subscriber to the first read of each unwritten word."""
+
+    def read_unwritten(self, address: int) -> None: ...
+
+
+def in_plain_ram(address: int) -> bool:  # core: noexcept
+    return address < LOW_RAM or RAM_FROM <= address < RAM_TO
+
+
+class ImageMemory(Engine):
+    """watched: receives writes to some words of memory. reads_unwritten: receives reads of unwritten words."""
+
+    STATE = State("elsewhere timing polls watched _tested _written _slots_seen")
+
+    elsewhere: UnmappedMemory
+    _written: Annotated[list[UInt16], RAM_TO]
+
+    def __init__(self, processor: Processor, options: SystemOptions, skip_polls: bool) -> None:
+        self._core = processor.interrupts.core
+        super().__init__()
+        self._slots_seen: set[int] = set()  # addresses of FPU instructions whose delay slots were checked
+        self._time = processor.time
+        self._bus = processor.bus
+        self._ram: Ram = processor.bus.ram
+        self.elsewhere = UnmappedMemory(self._core, processor.notes)
+        self.timing = InstructionTiming(self._core, options, self.elsewhere)
+        self._pipeline = self.timing.pipeline
+        self._decoding = False
+        self._tested = 0  # bits that the present instruction tests in its operand
+        self._written = [0] * RAM_TO  # 1 for a word that was written
+        self.watched: VariableRecords | None = None
+        self.polls = PollSkipper(self._time, self._core, skip_polls)
+        self.reads_unwritten: UnwrittenReads | None = None
+
+    def fill(self, address: int, value: int) -> None:
+        """Set a word before the program begins."""
+        if L0_AGAIN <= address < L4_AGAIN:
+            address -= MIRROR
+        if block_at(address) is not None:
+            self._ram.put(address, value)
+            self._written[address] = 1
+        else:
+            self.elsewhere.fill(address, value)
+
+    def load16(self, address: int) -> int:
+        if in_plain_ram(address):
+            if self._pipeline.clock < self._pipeline.until:
+                self.timing.wait_for_word(address, 1)
+            value = self._ram.word(address)
+            if not value and not self._written[address]:
+                self._unwritten(address)
+            return value
+        return self._load(address, 16)
+
+    def load32(self, address: int) -> int:
+        if address & 1:
+            address = self._even(address, "read from")
+        if in_plain_ram(address):
+            if self._pipeline.clock < self._pipeline.until:
+                self.timing.wait_for_word(address, 2)
+            value = self._ram.word32(address)
+            if not value and not (self._written[address] and self._written[address + 1]):
+                self._unwritten(address)
+                self._unwritten(address + 1)
+            return value
+        return self._load(address, 32)
+
+    def _load(self, address: int, width: int) -> int:
+        bus, cycle, polls = self._bus, self._time.cycle, self.polls
+        operand = bus.find(address, width)
+        if operand is None:
+            if block_at(address) is not None:
+                return bus.read(cycle, address, width)
+            if L0_AGAIN <= address < L4_AGAIN:
+                return self.load16(address - MIRROR) if width == 16 else self.load32(address - MIRROR)
+        if polls.replaying and polls.answer(cycle):
+            return polls.answered()
+        if operand is None:
+            return self._load_elsewhere(address, width)
+        if operand.meets:
+            self._time.meet()
+        if operand.recorded and self._tested and width == 16:
+            value = bus.fetch(cycle, bus.naming(operand, self._tested)) >> operand.shift
+        else:
+            value = bus.load(cycle, operand, width)
+        if polls.tracking:
+            polls.note(operand, value)
+        return value
+
+    def _load_elsewhere(self, address: int, width: int) -> int:
+        """Return words outside of the bus: flash, ROM, frames that are not modelled."""
+        cycle = self._time.cycle
+        value: int = self.elsewhere.read(cycle, address)
+        if width == 32:
+            value |= self.elsewhere.read(cycle, address + 1) << 16
+        if self.polls.tracking:
+            self.polls.note_elsewhere(address, value)
+        return value
+
+    def store16(self, address: int, value: int) -> None:
+        if in_plain_ram(address):
+            if self.polls.tracking and self._ram.word(address) != value:
+                self.polls.changes(address, self._ram.word(address))
+            self._pipeline.wrote(address, 1, self.written_in)
+            self._ram.put(address, value)
+            self._written[address] = 1
+            if self._code[address >> PAGE] or self.watched is not None:
+                self.written(address)
+        else:
+            self._store(address, value, 16)
+
+    def store32(self, address: int, value: int) -> None:
+        if address & 1:
+            address = self._even(address, "written to")
+        if in_plain_ram(address):
+            if self.polls.tracking and self._ram.word32(address) != value:
+                self.polls.changes(address, self._ram.word(address))
+                self.polls.changes(address + 1, self._ram.word(address + 1))
+            self._pipeline.wrote(address, 2, self.written_in)
+            self._ram.put_word32(address, value)
+            self._written[address] = self._written[address + 1] = 1
+            if self._code[address >> PAGE] or self.watched is not None:
+                self.written(address)
+                self.written(address + 1)
+        else:
+            self._store(address, value, 32)
+
+    def _even(self, address: int, how: str) -> int:
+        """Return the even address of a 32-bit access [SPRU430F 5.11]. Raise IllegalOperation except on the stack."""
+        on_stack = STACK_FIELDS <= self.field < BEHIND_STACK_FIELDS or self.field in (PUSHES, POPS)
+        if self.ea == address and not on_stack:
+            raise IllegalOperation(
+                f"32 bits are {how} the odd address {address:#08x}; on the chip, {address & ~1:#08x}"
+            )
+        return address & ~1
+
+    def _unwritten(self, address: int) -> None:
+        if not self._written[address]:
+            self._written[address] = 1
+            if self.reads_unwritten is not None:
+                self.reads_unwritten.read_unwritten(address)
+
+    def _store(self, address: int, value: int, width: int) -> None:
+        if address == WATCHDOG_KEY:
+            self.polls.restart()
+        else:
+            self.polls.soil()
+        operand = self._bus.find(address, width)
+        if operand is not None:
+            self._bus.save(self._time.cycle, operand, value, width)
+        elif L0_AGAIN <= address < L4_AGAIN:
+            if width == 16:
+                self.store16(address - MIRROR, value)
+            else:
+                self.store32(address - MIRROR, value)
+        elif block_at(address) is not None:
+            self._bus.write(self._time.cycle, address, value, width)
+        else:
+            self._keep(address, value & 0xFFFF)
+            if width == 32:
+                self._keep(address + 1, value >> 16)
+
+    def written(self, address: int) -> None:
+        Engine.written(self, address)
+        self._slots_seen.difference_update((address - 1, address))
+        if self.polls.counting:
+            self.polls.soil()  # it may be an instruction of the loop
+        if L0_AGAIN <= address + MIRROR < L4_AGAIN:
+            Engine.written(self, address + MIRROR)
+            self._slots_seen.difference_update((address + MIRROR - 1, address + MIRROR))
+        if self.watched is not None and address in self.watched.addresses:
+            self.polls.soil()
+            self.watched.written(address, self._time.cycle)
+
+    def program16(self, address: int) -> int:
+        if not self._decoding and (address >= WAITED_FROM or not in_plain_ram(address)):
+            waits = self.elsewhere.fetches(address)[1]
+            self.timing.late += waits + self.timing.read(self.pc, address, self._time.cycle, waits)
+        if in_plain_ram(address):
+            return self._ram.word(address)
+        if L0_AGAIN <= address < L4_AGAIN:
+            return self._ram.word(address - MIRROR)
+        area = area_at(address)
+        if area is None or area.content is Content.REGISTERS:
+            raise IllegalOperation(f"code is fetched from {address:#08x}, where there is no memory")
+        if address in BOOT_ROM:
+            raise IllegalOperation(f"code is fetched from {address:#08x}: routines of the boot ROM are not modelled")
+        return self.elsewhere.read(self._time.cycle, address)
+
+    def word_at(self, address: int) -> int:
+        """Return a word of code, without cost."""
+        if L0_AGAIN <= address < L4_AGAIN:
+            address -= MIRROR
+        return self._ram.word(address) if in_plain_ram(address) else self.elsewhere.peek(address)
+
+    def _keep(self, address: int, value: int) -> None:
+        if self.elsewhere.write(self._time.cycle, address, value):
+            self.written(address)

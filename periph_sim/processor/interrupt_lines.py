@@ -1,0 +1,86 @@
+"""Interrupt lines of a unit: requests of its modules reach the PIE or the CPU, and those of the PIE the CPU.
+
+module --lines of its chip--> PIE --INT1 to INT12--> Interrupts
+CPU timers 1 and 2 --INT13, INT14--> Interrupts
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from ..core.socket import Socket
+from ..f28335.cpu.interrupts import int13_source
+from ..f28335.descriptor import ModuleDescriptor
+from ..f28335.pie import register_map as pie_map
+from ..f28335.pie.module import Pie
+from .interrupts import Interrupts
+
+Handler = Callable[[int, int], None]  # called with a cycle and a mask of lines
+Places = tuple[tuple[int, int], ...]  # group and line in the PIE
+
+
+class InterruptLines:
+    """interrupts: of the CPU; set before time passes."""
+
+    interrupts: Interrupts
+
+    def __init__(self, pie: Pie, sockets: Mapping[str, Socket]) -> None:
+        """sockets: the modules of the unit, by name."""
+        self._pie = pie
+        self._sockets = sockets
+
+    def request_handler(self, descriptor: ModuleDescriptor) -> Handler:
+        """Return the function that takes a module's interrupt requests to the PIE, or straight to the CPU."""
+        if not descriptor.interrupts:
+            return _no_request
+        vector = descriptor.interrupts[0].vector
+        if vector in pie_map.LINES:
+            return partial(self._requested, pie_lines(descriptor))
+        return partial(
+            self._timer1_requested if vector == "INT13" else self._cpu_requested, pie_map.CPU_VECTORS[vector]
+        )
+
+    def hold_handler(self, descriptor: ModuleDescriptor) -> Handler:
+        """Return the function that takes the lines that a module holds to the PIE."""
+        return partial(self._held, pie_lines(descriptor))
+
+    def follow_pie(self, cycle: int) -> None:
+        """Request the interrupts of the CPU that the PIE has pulsed."""
+        pulses, self._pie.pulses = self._pie.pulses, 0
+        number = 1
+        while pulses:
+            if pulses & 1:
+                self.interrupts.request(cycle, number)
+            pulses >>= 1
+            number += 1
+
+    def _cpu_requested(self, interrupt: int, cycle: int, asked: int) -> None:
+        self.interrupts.request(cycle, interrupt)
+
+    def _timer1_requested(self, interrupt: int, cycle: int, asked: int) -> None:
+        """Request INT13 for timer 1, unless XNMICR assigns it to the XNMI pin (SPRUFB0D Table 123)."""
+        xint = self._sockets.get("XINT")
+        xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
+        if int13_source(xnmicr) == "TINT1":
+            self.interrupts.request(cycle, interrupt)
+
+    def _requested(self, places: Places, cycle: int, asked: int) -> None:
+        for i, (group, line) in enumerate(places):
+            if asked >> i & 1:
+                self._pie.request(cycle, group, line)
+        self._sockets["PIE"].publish(cycle)
+
+    def _held(self, places: Places, cycle: int, held: int) -> None:
+        for i, (group, line) in enumerate(places):
+            self._pie.hold(cycle, group, line, bool(held >> i & 1))
+        self._sockets["PIE"].publish(cycle)
+
+
+def pie_lines(descriptor: ModuleDescriptor) -> Places:
+    """Return group and line of a module's interrupts in the PIE, in the order of its chip's LINES."""
+    return tuple(pie_map.LINES[one.vector] for one in descriptor.interrupts if one.vector in pie_map.LINES)
+
+
+def _no_request(cycle: int, asked: int) -> None:
+    raise AssertionError("this module has no interrupt lines")

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from ..core.time import NO_TIME
-from ..devices.sensor_rounds import CHIPS
+from ..devices.sensor_rounds import known_sensors
 from ..timing.rounds import Asked, BusRounds
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class BusSide:
             if "SCL" in self._wires:
                 from ..bus.i2c.monitor import I2cMonitor
 
-                names = {chip.address: name for name, chip in CHIPS.items()}
+                names = {chip.address: name for name, chip in known_sensors().items()}
                 self._watch = I2cMonitor(self._wires["SCL"], self._wires["SDA"], self._heard, names, self._spike)
         return self._rounds
 

@@ -19,7 +19,7 @@ from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import BusTiming, Transfer
 from ..core.suggest import did_you_mean
 from ..devices.sensor_head import SensorHead
-from ..devices.sensor_rounds import CHIPS, Request, Schedule
+from ..devices.sensor_rounds import Request, Schedule, known_sensors
 from ..timing.rounds import Asked
 from .case.model import Case, Controller, RequestTable, RoundsTable
 from .case.optimizations import BITS
@@ -150,7 +150,8 @@ def _startup(case: Case, table: Controller, requests: list[Request]) -> list[Req
     if table.initialise is None:
         return []
     asked = {request.address for request in requests}
-    startup = [request for chip in CHIPS.values() if chip.address in asked for request in chip.startup]
+    known = known_sensors().values()
+    startup = [request for sensor in known if sensor.address in asked for request in sensor.startup]
     if not startup:
         raise case.mistake("no known chip is asked, so there is none to set up", "controller", "initialise")
     return startup
@@ -161,10 +162,11 @@ def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
 
 
 def _chip(case: Case, name: str, *place: str | int) -> Request:
-    if name not in CHIPS:
-        raise case.mistake(f"there is no chip {name!r}; {did_you_mean(name, CHIPS)}", *place)
-    chip = CHIPS[name]
-    return Request(name, chip.address, chip.pointer, 6)
+    known = known_sensors()
+    if name not in known:
+        raise case.mistake(f"there is no chip {name!r}; {did_you_mean(name, known)}", *place)
+    sensor = known[name]
+    return Request(name, sensor.address, sensor.pointer, sensor.count)
 
 
 def _request(case: Case, table: RequestTable, *place: str | int) -> Request:

@@ -15,13 +15,11 @@ from ..core.suggest import did_you_mean
 from ..devices.chips import chip_models
 from ..devices.chips.register_chip import RegisterChip, Source
 from ..devices.chips.sensed_values import held, numbered, scaled
-from ..devices.host_pc import ramp
+from ..devices.host_frames import host_frames
 from ..devices.register_pointer import RegisterPointer
 from .case.model import Case, ChipTable, ValueTable
 from .context import SceneContext
 from .devices import NoteLog
-
-PARTS = {"angles": slice(0, 3), "accelerations": slice(3, 6)}  # of a host frame
 
 
 class ChipOnBus:
@@ -133,8 +131,9 @@ def _address(case: Case, name: str, table: ChipTable) -> int:
 def _source(table: ValueTable, lsb_per_unit: Fraction, start: int, ticks: Callable[[Fraction], int]) -> Source:
     """Times count from the start of the run."""
     if table.ramp is not None:
-        part = PARTS[table.ramp]
-        frames = numbered(start + ticks(table.first), ticks(table.period), lambda n: ramp(n)[part])
+        sent = host_frames()
+        part = sent.PARTS[table.ramp]
+        frames = numbered(start + ticks(table.first), ticks(table.period), lambda n: sent.ramp(n)[part])
         return scaled(frames, lsb_per_unit)
     if table.fixed is not None:
         source = held([start], [table.fixed])

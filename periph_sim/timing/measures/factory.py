@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from ...core.records import Kind
 from ...core.suggest import did_you_mean
-from ...devices.sensor_rounds import CHIPS
+from ...devices.sensor_rounds import known_sensors
 from ...f28335.cpu.pie_map import LINES
 from ..budget_schema import REPLY, SPAN, WATCH
 from ..language.events import OF_AGENT, Event, Group, Matcher, matcher, stretch_of
@@ -164,7 +164,7 @@ def _of_a_race(said: Said, scope: Scope) -> Maker:
 
 
 def _value(said: Said, scope: Scope) -> Maker:
-    row = value_error(said.name or " or ".join(CHIPS), said.instant == "frame")
+    row = value_error(said.name or " or ".join(known_sensors()), said.instant == "frame")
     return partial(row.make, said.name)
 
 

@@ -1,6 +1,6 @@
 """Firmware that computes the sensors: what a scene asks it about (`scene.firmware_model`).
 
-settings with parameters, arithmetic --ImuParameters.firmware_model--> ImuFirmware
+settings with sensors, arithmetic, noise_seed --firmware_model--> ImuFirmware
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Interface of firmware that computes the data of chips from host frames by a model of its own.
 
-settings.sensors --firmware_model_of--> FirmwareModel --> check of the case, true values, right bytes
+settings with `sensors` --firmware_model_of--> FirmwareModel --> check of the case, true values, right bytes
 """
 
 from __future__ import annotations

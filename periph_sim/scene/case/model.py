@@ -250,8 +250,8 @@ class HostTable(Table, frozen=True, kw_only=True):
 
     lose: [frame, byte] pairs not sent. silent: [begin, length] of spans without the begin of a frame.
     twice: frames sent two times.
-    motion: `kind`, the name of a motion in `imu.motion`, and that motion's settings. encoding: settings of
-        `imu.host_frame.Encoding`.
+    motion: `kind`, the name of a motion, and that motion's settings. encoding: settings of its values in a frame. Both
+        are defined by the module of the frames (`devices.host_frames`).
     """
 
     baud: Annotated[int, Meta(ge=1, le=10_000_000)] = 115_200

@@ -11,6 +11,7 @@ from types import ModuleType
 HOMES = {
     "firmware model": "periph_sim.imu.firmware_model",  # see `scene.firmware_model`
     "host frames": "periph_sim.imu.host_frames",  # see `devices.host_frames`
+    "plugins": "periph_sim.scene.plugins",  # known_formats: the capture formats of plugins
     "sensors": "periph_sim.imu.sensors",  # SENSORS: the sensors that `order` may name, by name
 }
 

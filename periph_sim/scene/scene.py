@@ -119,7 +119,7 @@ class Scene:
         self.model: FirmwareModel | None = None  # by which firmware computes the data of chips
         self.frames: FrameSource | None = None  # what the host sends, where it is no ramp
         self._counter: I2cByteCounter | None = None  # where there is none
-        self.bus = BusSide(self.wires, self._ticks(SPIKE))
+        self.bus = BusSide(case, self.wires, self._ticks(SPIKE))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # in a sentence, where [outside] has a log of an unfinished session
         self.stalled = ""  # by what the run ended before its time

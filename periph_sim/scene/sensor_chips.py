@@ -17,6 +17,7 @@ from ..devices.chips.register_chip import RegisterChip, Source
 from ..devices.chips.sensed_values import held, numbered, scaled
 from ..devices.host_frames import host_frames
 from ..devices.register_pointer import RegisterPointer
+from . import plugins
 from .case.model import Case, ChipTable, ValueTable
 from .context import SceneContext
 from .devices import NoteLog
@@ -118,10 +119,10 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
 
 def _kind(case: Case, name: str) -> type[Any]:
     model = case.chip[name].model
-    if model not in chip_models():
-        what = f"there is no chip {model!r}; {did_you_mean(model, chip_models())}"
-        raise case.mistake(what, "chip", name, "model")
-    return chip_models()[model]
+    models = plugins.known(case.folder, "CHIP", chip_models(), [model])
+    if model not in models:
+        raise case.mistake(f"there is no chip {model!r}; {did_you_mean(model, models)}", "chip", name, "model")
+    return models[model]
 
 
 def _address(case: Case, name: str, table: ChipTable) -> int:

@@ -144,7 +144,7 @@ class RequestTable(Table, frozen=True, kw_only=True):
         said = sorted({"pointer", "count", "write"} & given)
         if self.chip is not None and said:
             raise ValueError(f"chip says {' and '.join(said)} already; leave that out or give address instead of chip")
-        if self.expect is not None and len(self.expect) != self.count:
+        if self.chip is None and self.expect is not None and len(self.expect) != self.count:
             raise ValueError(f"expect has {counted(len(self.expect), 'byte')}, but count is {self.count}")
 
 

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import TypedDict
 
 from ....bus.i2c.transfer import Transfer
-from ....devices.sensor_rounds import known_sensors
+from ....scene.plugins import sensors_of
 from ....timing.budget_plan import PER_MILLE
 from ....timing.budgets import BudgetJudge
 from ....timing.format_value import figure, limit
@@ -101,6 +101,7 @@ class Status:
         self._said: deque[str] = deque(maxlen=SAID)
         self._readings: dict[str, Reading] = {}
         self._rounds = 0
+        self._known = sensors_of(session.case)
         self._before: deque[tuple[float, int, dict[str, int]]] = deque()
         self._percentiles: dict[str, tuple[float, BudgetSoFar]] = {}
         scene = session.scene
@@ -148,7 +149,7 @@ class Status:
 
     def _transferred(self, transfer: Transfer) -> None:
         for phase in transfer.phases:
-            for name, chip in known_sensors().items():
+            for name, chip in self._known.items():
                 if phase.read and phase.address == chip.address and len(phase.got) == 6:
                     per_unit = chip.lsb_per_unit
                     values = [float(value / per_unit) for value in chip.values(bytes(phase.got))]

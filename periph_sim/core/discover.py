@@ -4,8 +4,18 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from collections.abc import Iterable
+from pathlib import Path
 from types import ModuleType
+
+PLUGINS = re.compile(rb"^\s*plugins\s*=", re.MULTILINE)
+
+
+def has_plugins(folder: Path) -> bool:
+    """Return True if a pyproject.toml in this folder or above it may name plugins; few commands need to parse it."""
+    files = (above / "pyproject.toml" for above in (folder.resolve(), *folder.resolve().parents))
+    return any(file.is_file() and PLUGINS.search(file.read_bytes()) for file in files)
 
 
 def module_with(attribute: str, package: str, path: Iterable[str], name: str) -> ModuleType | None:

@@ -1,9 +1,6 @@
-"""The host: sends frames of six signed 16-bit values over a UART, one every period.
+"""The host: sends frames over a UART, one every period.
 
-    schedule --> values of frame n --> bytes --> UartSender
-
-Values are those of a ramp that distinguishes frames, or of a motion (`host_frame`). The dissertation leaves the
-encoding open: low byte first is a choice of ours. Nothing in a frame marks its start.
+schedule --> values of frame n --> bytes --> UartSender
 """
 
 # core: compiled
@@ -15,8 +12,7 @@ from bisect import bisect_right
 from collections.abc import Callable
 from fractions import Fraction
 from random import Random
-from struct import Struct, error
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import msgspec
 
@@ -25,31 +21,8 @@ from ..core.agent import Agent
 from ..core.kernel import Kernel
 from ..core.state import State
 
-if TYPE_CHECKING:
-    from ..imu.host_frame import ByteOrder
-
-VALUES = 6
-FRAME_BYTES = 2 * VALUES
-PACKED = {"little": Struct(f"<{VALUES}h"), "big": Struct(f">{VALUES}h")}
-
 # Purposes of events.
 FRAME, FRAME_AGAIN = range(2)
-
-
-def ramp(number: int) -> tuple[int, ...]:
-    """Return values unique for minutes, so that a byte on the bus identifies its frame."""
-    return tuple((number * step + start + 0x8000) % 0x10000 - 0x8000 for step, start in RAMP)
-
-
-RAMP = ((1, 1), (3, 1000), (5, -2000), (7, 12), (11, -34), (13, 1000))
-
-
-def encode(values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
-    """Return the bytes of a frame. OverflowError for a value that does not fit 16 bits."""
-    try:
-        return PACKED[byte_order].pack(*values)
-    except error:
-        raise OverflowError(f"{values} do not all fit 16 bits") from None
 
 
 PacedBy = Literal["schedule", "pause"]
@@ -96,10 +69,11 @@ class Host(Agent):
         kernel: Kernel,
         peer: UartSender,
         schedule: HostSchedule,
-        values: Callable[[int], tuple[int, ...]] = ramp,
+        values: Callable[[int], tuple[int, ...]],
+        encode: Callable[[tuple[int, ...]], bytes],
         seed: int = 0,
-        byte_order: ByteOrder = "little",
     ) -> None:
+        """values: of a frame, by its number. encode: returns the bytes of these values."""
         self.who = peer.who
         self.frames = 0
         self.bytes = 0
@@ -109,7 +83,7 @@ class Host(Agent):
         self._peer = peer
         self._schedule = schedule
         self._values = values
-        self._byte_order: ByteOrder = byte_order
+        self._encode = encode
         self._random = Random(seed)
         self._first = kernel.now + schedule.first
         self._period = Fraction(schedule.period)
@@ -163,7 +137,7 @@ class Host(Agent):
             self.late += 1
             return
         values = self._values(number)
-        self._send(number, values, encode(values, self._byte_order), number in schedule.twice)
+        self._send(number, values, self._encode(values), number in schedule.twice)
 
     def _send(self, number: int, values: tuple[int, ...], data: bytes, again: bool) -> None:
         self._sending, self._again = (number, values, data), again

@@ -1,17 +1,19 @@
-"""The requests of a sensor head, its three known chips, its schedule, and the result of a round.
-
-Source: the dissertation's Figure A.2 (order), Table 3.1 (scales); data sheets of ITG-3200 (registers 0x1D to 0x22),
-ADXL345 (0x32 to 0x37), HMC5883L (0x03 to 0x08).
-"""
+"""The requests of a sensor head, the registers of a sensor that it knows, its schedule, and the result of a round."""
 
 from __future__ import annotations
 
+import struct
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from typing import Any, cast
 
 from msgspec import Struct
 
 from ..bus.i2c.transfer import Phase, Transfer
+from ..core.registered import registered
 from ..core.state import State
+
+BIG, LITTLE = struct.Struct(">3h"), struct.Struct("<3h")
 
 
 class Request(Struct, frozen=True):
@@ -41,17 +43,19 @@ class Request(Struct, frozen=True):
 
 
 class ChipData(Struct, frozen=True):
-    """The registers of a sensor's three values, and its driver.
+    """The registers of a sensor's values, and its driver.
 
-    big: the high byte comes first. lsb_per_unit: the number of LSB in one deg/s, g or gauss after `startup`. order: the
-    axes in the order of their registers. overflow: the code for an invalid value. startup: requests that set the
-    chip up before the first round.
+    count: bytes of a read. big: the high byte comes first. lsb_per_unit: the number of LSB in one `unit` after
+    `startup`. order: the axes in the order of their registers. overflow: the code for an invalid value. startup:
+    requests that set the chip up before the first round.
     """
 
     address: int
     pointer: int
-    big: bool
-    lsb_per_unit: Fraction
+    big: bool = True
+    lsb_per_unit: Fraction = Fraction(1)
+    unit: str = "LSB"
+    count: int = 6
     order: tuple[int, int, int] = (0, 1, 2)
     overflow: int | None = None
     startup: tuple[Request, ...] = ()
@@ -69,37 +73,18 @@ def driver(name: str, address: int, who: tuple[int, str], writes: tuple[tuple[in
     return (identify, *(Request(f"{name} set-up", address, to, 0, bytes([value])) for to, value in writes))
 
 
-CHIPS: dict[str, ChipData] = {
-    "gyroscope": ChipData(
-        0x68,
-        0x1D,
-        big=True,
-        lsb_per_unit=Fraction(115, 8),
-        # PLL with the x gyroscope, 1 kHz, full scale 2000 deg/s and 42 Hz
-        startup=driver("gyroscope", 0x68, (0x00, "68"), ((0x3E, 0x01), (0x15, 0x00), (0x16, 0x1B))),
-    ),
-    "accelerometer": ChipData(
-        0x53,
-        0x32,
-        big=False,
-        lsb_per_unit=Fraction(256),
-        # 100 Hz, full resolution and 2 g, measure
-        startup=driver("accelerometer", 0x53, (0x00, "e5"), ((0x2C, 0x0A), (0x31, 0x08), (0x2D, 0x08))),
-    ),
-    "magnetometer": ChipData(
-        0x1E,
-        0x03,
-        big=True,
-        order=(0, 2, 1),
-        lsb_per_unit=Fraction(660),
-        overflow=-4096,
-        # 75 Hz, 2.5 gauss, continuous
-        startup=driver("magnetometer", 0x1E, (0x0A, "48 34 33"), ((0x00, 0x18), (0x01, 0x60), (0x02, 0x00))),
-    ),
-}
+def register_bytes(chip: ChipData, xyz: Sequence[Any]) -> bytes:
+    """Return the six bytes of three values in the chip's order. OverflowError for one that does not fit 16 bits."""
+    first, second, third = chip.order
+    try:
+        return (BIG if chip.big else LITTLE).pack(int(xyz[first]), int(xyz[second]), int(xyz[third]))
+    except struct.error as error:
+        raise OverflowError(f"{xyz}: {error}") from None
 
 
-ADDRESSES = frozenset(chip.address for chip in CHIPS.values())
+def known_sensors() -> Mapping[str, ChipData]:
+    """Return the registered sensors by the names that `order` of a case may give."""
+    return cast(Mapping[str, ChipData], registered("sensors").SENSORS)
 
 
 class Schedule(Struct, frozen=True):

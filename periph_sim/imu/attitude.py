@@ -18,12 +18,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..core.input_error import InputError
 from .rotations import Floats, angle_between, angles, quaternion_of, wrapped
 
 LEAST_ANGLE = 1e-6  # radians between gravity and field: with less, yaw is undefined
 
 
-class NoAttitude(ValueError):
+class NoAttitude(InputError):
     """An attitude that cannot be estimated: samples of the wrong shape, or a missing library."""
 
 

@@ -15,6 +15,7 @@ from fractions import Fraction
 from math import lcm
 from typing import TYPE_CHECKING, Literal
 
+from ..devices.host_frames import ByteOrder
 from .motion import VALUES, BadMotion, Motion, SingleTimes, sampled
 from .motion.quantities import ACCELERATION_RANGE, ANGLE_RANGE, Acceleration, Angle
 
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .motion import Floats
-
-ByteOrder = Literal["little", "big"]
 
 LEAST, MOST = -0x8000, 0x7FFF
 

@@ -21,10 +21,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..devices.host_pc import VALUES, encode
 from ..outside.errors import OutsideError
 from ..outside.live.pacing import Pacer
 from .host_frame import Encoding, MotionFrames
+from .host_frames import VALUES, encode
 from .motion import BadMotion
 from .motion.flight import Settings, motion
 

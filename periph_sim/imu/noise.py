@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from msgspec import Struct
 from msgspec.structs import asdict
 
+from ..core.input_error import InputError
 from ..form.c_types import BigInt
 from .near_gaussian import FEW, NEAR, first_of
 
@@ -40,7 +41,7 @@ WALKED_AT_ONCE = 1 << 20  # steps of a random walk held in memory while it is ru
 AXES = ("x", "y", "z")
 
 
-class BadNoise(ValueError):
+class BadNoise(InputError):
     """Invalid parameters of noise; the message names the value and its range."""
 
 

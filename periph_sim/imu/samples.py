@@ -2,7 +2,7 @@
 
     SensorHead --transfers--> SampleLog --> Samples: seconds, gyro, accel, mag
 
-Source: scales as set up by the drivers, `sensor_head.CHIPS`.
+Source: scales as set up by the drivers, `sensors.SENSORS`.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..bus.i2c.transfer import Transfer
 from ..devices.sensor_head import SensorHead
-from ..devices.sensor_rounds import CHIPS, ChipData, Round
+from ..devices.sensor_rounds import ChipData, Round
 from .rotations import Floats
+from .sensors import SENSORS
 
 
 @dataclass(frozen=True)
@@ -43,11 +44,11 @@ def in_units(chip: ChipData, counts: ArrayLike) -> Floats:
 class SampleLog:
     """Log of a head's readings from its creation on. start: the tick of time 0; ticks: ticks a second.
 
-    chips: by name as in CHIPS, if their scale differs from their driver's.
+    chips: by name as in SENSORS, if their scale differs from their driver's.
     """
 
     def __init__(self, head: SensorHead, start: int, ticks: int, chips: dict[str, ChipData] | None = None) -> None:
-        self._chips = CHIPS | (chips or {})
+        self._chips = SENSORS | (chips or {})
         self._start = start
         self._ticks = ticks
         self._due = array("q")

@@ -23,7 +23,7 @@ from ..bus.edge_player import EdgePlayer
 from ..bus.i2c.event_recorder import WHO
 from ..bus.i2c.transfer import Transfer
 from ..core.records import Kind
-from ..devices.host_pc import FRAME_BYTES, VALUES
+from ..devices.host_frames import host_frames
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
@@ -160,14 +160,13 @@ class SessionReplay(I2cReplay):
         per_position = scene.timebase.per_second / self._serial_rate
         bits = 1 + line.bits + (line.parity != "none") + line.stop
         character = bits * scene.timebase.per_second / Fraction(line.baud)
-        for number, burst in enumerate(_bursts(frames, (1 + PAUSE) * character / per_position)):
+        kind, pause = host_frames(), (1 + PAUSE) * character / per_position
+        for number, burst in enumerate(_bursts(frames, pause, kind.FRAME_BYTES)):
             data = bytes(word.value for word in burst)
-            if len(data) != FRAME_BYTES:
+            if len(data) != kind.FRAME_BYTES:
                 continue
-            words_of = [data[place : place + 2] for place in range(0, 2 * VALUES, 2)]
-            values = tuple(int.from_bytes(word, "little", signed=True) for word in words_of)
             tick = self._serial_origin + int(burst[-1].at * per_position + character)
-            scene.kernel.call_at(tick, partial(scene.tell_frame, number, values, tick))
+            scene.kernel.call_at(tick, partial(scene.tell_frame, number, kind.decode(data), tick))
 
     # Running ------------------------------------------------------------------------
 
@@ -253,12 +252,12 @@ class SessionReplay(I2cReplay):
         return replace(verdict, at_s=float(round(Fraction(verdict.at_s) - lead, 9)))
 
 
-def _bursts(words: list[uart.Frame], pause: Fraction) -> list[list[uart.Frame]]:
-    """Group words into frames: a new one begins after a full one, or if two start bits are over `pause` apart."""
+def _bursts(words: list[uart.Frame], pause: Fraction, most: int) -> list[list[uart.Frame]]:
+    """Group words into frames: a new one begins after `most` words, or if two start bits are over `pause` apart."""
     found: list[list[uart.Frame]] = []
     last: uart.Frame | None = None
     for word in words:
-        if last is None or word.at - last.at > pause or len(found[-1]) == FRAME_BYTES:
+        if last is None or word.at - last.at > pause or len(found[-1]) == most:
             found.append([])
         found[-1].append(word)
         last = word

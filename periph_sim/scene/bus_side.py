@@ -12,14 +12,15 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from ..core.time import NO_TIME
-from ..devices.sensor_rounds import CHIPS
 from ..timing.rounds import Asked, BusRounds
+from .plugins import sensors_of
 
 if TYPE_CHECKING:
     from ..bus.i2c.bit_skip import BitSkip
     from ..bus.i2c.monitor import I2cMonitor
     from ..bus.i2c.transfer import Transfer
     from ..core.wire import Wire
+    from .case.model import Case
 
 SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is not read
 
@@ -30,7 +31,8 @@ class BusSide:
     wire_bytes, nacked: of the transfers that were counted. bit_skip: None if no bits are skipped.
     """
 
-    def __init__(self, wires: Mapping[str, Wire], spike: int) -> None:
+    def __init__(self, case: Case, wires: Mapping[str, Wire], spike: int) -> None:
+        self._case = case
         self.asked: Asked | None = None
         self.before: list[Callable[[Transfer], None]] = []
         self.wire_bytes = self.nacked = 0
@@ -48,7 +50,7 @@ class BusSide:
             if "SCL" in self._wires:
                 from ..bus.i2c.monitor import I2cMonitor
 
-                names = {chip.address: name for name, chip in CHIPS.items()}
+                names = {sensor.address: name for name, sensor in sensors_of(self._case).items()}
                 self._watch = I2cMonitor(self._wires["SCL"], self._wires["SDA"], self._heard, names, self._spike)
         return self._rounds
 

@@ -8,7 +8,7 @@ the nearest tick is taken.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -17,13 +17,15 @@ from msgspec.structs import replace
 
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import BusTiming, Transfer
+from ..core.counted import counted
 from ..core.suggest import did_you_mean
 from ..devices.sensor_head import SensorHead
-from ..devices.sensor_rounds import CHIPS, Request, Schedule
+from ..devices.sensor_rounds import ChipData, Request, Schedule
 from ..timing.rounds import Asked
 from .case.model import Case, Controller, RequestTable, RoundsTable
 from .case.optimizations import BITS
 from .context import CaseTicks, SceneContext
+from .plugins import sensors_of
 
 if TYPE_CHECKING:
     from ..core.wire import Wire
@@ -139,8 +141,9 @@ def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
 
 
 def _requests(case: Case, table: Controller | RoundsTable, name: str) -> list[Request]:
-    requests = [_chip(case, chip, name, "order") for chip in table.order]
-    requests += [_request(case, request, name, "request", i) for i, request in enumerate(table.request)]
+    known = _sensors(case, table)
+    requests = [_chip(case, known, chip, name, "order") for chip in table.order]
+    requests += [_request(case, known, request, name, "request", i) for i, request in enumerate(table.request)]
     if not requests:
         raise case.mistake(f"it has no requests; give it order or [[{name}.request]]", name)
     return requests
@@ -150,7 +153,8 @@ def _startup(case: Case, table: Controller, requests: list[Request]) -> list[Req
     if table.initialise is None:
         return []
     asked = {request.address for request in requests}
-    startup = [request for chip in CHIPS.values() if chip.address in asked for request in chip.startup]
+    known = _sensors(case, table).values()
+    startup = [request for sensor in known if sensor.address in asked for request in sensor.startup]
     if not startup:
         raise case.mistake("no known chip is asked, so there is none to set up", "controller", "initialise")
     return startup
@@ -160,17 +164,26 @@ def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
     return tuple(transfer for request in requests for transfer in request.transfers(by_stop))
 
 
-def _chip(case: Case, name: str, *place: str | int) -> Request:
-    if name not in CHIPS:
-        raise case.mistake(f"there is no chip {name!r}; {did_you_mean(name, CHIPS)}", *place)
-    chip = CHIPS[name]
-    return Request(name, chip.address, chip.pointer, 6)
+def _sensors(case: Case, table: Controller | RoundsTable) -> Mapping[str, ChipData]:
+    """Return the known sensors, with those that the table names."""
+    names = [*table.order, *(request.chip for request in table.request if request.chip is not None)]
+    return sensors_of(case, names)
 
 
-def _request(case: Case, table: RequestTable, *place: str | int) -> Request:
+def _chip(case: Case, known: Mapping[str, ChipData], name: str, *place: str | int) -> Request:
+    if name not in known:
+        raise case.mistake(f"there is no chip {name!r}; {did_you_mean(name, known)}", *place)
+    sensor = known[name]
+    return Request(name, sensor.address, sensor.pointer, sensor.count)
+
+
+def _request(case: Case, known: Mapping[str, ChipData], table: RequestTable, *place: str | int) -> Request:
     if table.chip is not None:
-        known = _chip(case, table.chip, *place, "chip")
-        return replace(known, name=table.name or known.name, expect=table.expect)
+        request = _chip(case, known, table.chip, *place, "chip")
+        if table.expect is not None and len(table.expect) != request.count:
+            what = f"expect has {counted(len(table.expect), 'byte')}, but count is {request.count}"
+            raise case.mistake(what, *place)
+        return replace(request, name=table.name or request.name, expect=table.expect)
     assert table.address is not None
     name = table.name or f"{table.address:#04x}"
     return Request(name, table.address, table.pointer, table.count, table.write, table.expect)

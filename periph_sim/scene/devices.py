@@ -31,6 +31,7 @@ from ..core.suggest import did_you_mean
 from ..core.table import Table
 from ..core.wire import Wire
 from ..devices.targets import BadDevice, Target, TargetContext, families
+from . import plugins
 from .case.device_tables import BusParty, DeviceTable, Strikes
 from .case.error_text import complaint
 from .context import SceneContext
@@ -167,14 +168,15 @@ def _target(context: SceneContext, name: str, table: DeviceTable, place: TargetC
         from .device_file import device_of_file
 
         return device_of_file(context, name, table, place)
-    if model not in families():
+    models = plugins.known(case.folder, "MODELS", families(), [model])
+    if model not in models:
         from ..devices.chips import chip_models
 
-        if model in chip_models():
+        if model in plugins.known(case.folder, "CHIP", chip_models(), [model]):
             raise case.mistake(f"{model} is a sensor chip; give it a [chip.{name}] table", "device", name, "model")
-        known = [*families(), "a path that ends in .py"]
-        raise case.mistake(f"there is no device {model!r}; {did_you_mean(model, known)}", "device", name, "model")
-    family = families()[model]
+        names = [*models, "a path that ends in .py"]
+        raise case.mistake(f"there is no device {model!r}; {did_you_mean(model, names)}", "device", name, "model")
+    family = models[model]
     settings = _settings(context, name, family.Settings, table)
     try:
         return family.build(model, settings, place)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..bus.faults import FaultContext, FaultKind, Repeated, kinds
 from ..core.suggest import did_you_mean
+from . import plugins
 from .context import SceneContext
 from .firmware_loader import BadSetting, filled
 from .module_reset import ModuleReset
@@ -72,8 +73,10 @@ def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mappin
 
 
 def _kind(context: SceneContext, entry: int, name: str) -> FaultKind:
+    case = context.case
+    found = plugins.known(case.folder, "attach", kinds(), [name] if name else ())
     if not name:
-        raise context.case.mistake(f"it has no kind; the kinds are {', '.join(kinds())}", "fault", entry)
-    if name not in kinds():
-        raise context.case.mistake(f"there is no fault {name!r}; {did_you_mean(name, kinds())}", "fault", entry, "kind")
-    return kinds()[name]
+        raise case.mistake(f"it has no kind; the kinds are {', '.join(found)}", "fault", entry)
+    if name not in found:
+        raise case.mistake(f"there is no fault {name!r}; {did_you_mean(name, found)}", "fault", entry, "kind")
+    return found[name]

@@ -20,8 +20,6 @@ from .case.error_text import complaint
 from .firmware_files import is_shipped, module_of_file, shipped_module, shipped_names, why_not_loaded
 
 if TYPE_CHECKING:
-    from ..devices.model_codes import Computed
-    from ..imu.models.parameters import ImuParameters
     from ..processor.dsp import Dsp
 
 T = TypeVar("T")
@@ -124,26 +122,6 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
             raise BadSetting(f"firmware {firmware.name} takes no settings", name)
         return None
     return filled(kind, given, f"firmware {firmware.name}")
-
-
-def sensors_of(settings: object) -> ImuParameters | None:
-    """Return the sensors that firmware emulates, by its settings' `sensors`; None if it computes none."""
-    sensors = getattr(settings, "sensors", None)
-    if sensors is None:
-        return None
-    from ..imu.models.parameters import ImuParameters
-
-    return sensors if isinstance(sensors, ImuParameters) else None
-
-
-def computed_by(settings: object) -> Computed | None:
-    """Return how firmware computes its sensors, by its settings' `arithmetic` and `noise_seed`; None if it does not."""
-    sensors, arithmetic = sensors_of(settings), getattr(settings, "arithmetic", None)
-    if sensors is None or not isinstance(arithmetic, str):
-        return None
-    from ..devices.model_codes import Computed
-
-    return Computed(sensors, arithmetic, getattr(settings, "noise_seed", None))
 
 
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:

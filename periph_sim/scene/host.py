@@ -18,14 +18,13 @@ from msgspec import Struct
 
 from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.sender import UartSender
-from ..devices.host_pc import Host, HostSchedule, ramp
-from ..devices.truth import Axes, LineBetweenFrames, MotionTruth, Truth
-from ..imu.host_frame import MotionFrames
-from ..imu.models.parameters import ImuParameters
+from ..devices.host_frames import FrameSource, host_frames
+from ..devices.host_pc import Host, HostSchedule
+from ..devices.truth import Axes, LineBetweenFrames, Truth
 from .case.model import HostTable
 from .context import CaseTicks, SceneContext
 from .firmware_loader import BadSetting
-from .host_motion import encoding_of, frames_of
+from .firmware_model import FirmwareModel
 
 T = TypeVar("T")
 
@@ -61,40 +60,40 @@ def host_plan(scale: CaseTicks) -> HostPlan:
 
 
 class HostAgent:
-    """host: the agent. peer: its end of the line. frames: what it sends of a motion, None of a ramp. truth: what chips
-    should show, where known.
+    """host: the agent. peer: its end of the line. frames: what it sends of a motion, None of a ramp.
 
-    sensors: those that firmware computes, None where chips show the values of frames.
+    values: of a frame, by its number. truth: what chips should show, where known.
+
+    model: by which firmware computes the data of chips, None where chips show the values of frames.
     """
 
-    def __init__(self, context: SceneContext, table: HostTable, plan: HostPlan, sensors: ImuParameters | None) -> None:
+    def __init__(self, context: SceneContext, table: HostTable, plan: HostPlan, model: FirmwareModel | None) -> None:
         """Build the sender and its frames. Raise BadCase, with its line, for an impossible motion or encoding."""
         self._context = context
         self._period = table.period
-        encoding = self._settings("encoding", lambda: encoding_of(table.encoding))
-        self.frames: MotionFrames | None = None
+        kind = host_frames()
+        encoding = self._settings("encoding", lambda: kind.encoding_of(table.encoding))
+        self.frames: FrameSource | None = None
         if table.motion:
-            frames = partial(frames_of, table.motion, encoding, table.first, table.period)
+            frames = partial(kind.frames_of, table.motion, encoding, table.first, table.period)
             self.frames = self._settings("motion", frames)
-        self.truth = self._truth(table, sensors)
+        self.values: Callable[[int], tuple[int, ...]] = self.frames or kind.ramp
+        self.truth = self._truth(table, model)
         self._line = plan.bit, UartFormat()
         self.peer = UartSender(context.kernel, context.recorder, context.wire("RX"), plan.bit)
         seed = context.case.seed + 1
-        self.host = Host(context.kernel, self.peer, plan.schedule, self.values, seed, encoding.byte_order)
+        encode = partial(kind.encode, byte_order=encoding.byte_order)
+        self.host = Host(context.kernel, self.peer, plan.schedule, self.values, encode, seed)
 
-    def _truth(self, table: HostTable, sensors: ImuParameters | None) -> Truth | None:
-        """Return the true values of the chips; None if models compute them from frames without a known motion."""
-        if sensors is None:
-            return LineBetweenFrames(self.values, table.period)
-        return None if self.frames is None else MotionTruth(sensors, self.frames.motion, table.first)
+    def _truth(self, table: HostTable, model: FirmwareModel | None) -> Truth | None:
+        """Return the true values of the chips; None if a model computes them from frames without a known motion."""
+        if model is None:
+            return LineBetweenFrames(self.values, table.period, host_frames().shown)
+        return None if self.frames is None else model.truth(self.frames.motion, table.first)
 
     def line(self) -> tuple[Fraction, UartFormat]:
         """Ticks of a bit on its line, and how its characters are made."""
         return self._line
-
-    def values(self, number: int) -> tuple[int, ...]:
-        """Six numbers of a frame."""
-        return (self.frames or ramp)(number)
 
     def truth_at(self, tick: int) -> Mapping[str, Axes]:
         """By chip, its true values x, y, z in LSB."""

@@ -6,6 +6,7 @@
     guaranteed = true                       refused by `run`, `check` and `watch`: nothing is proven yet
     jobs = 2
     tolerance = 1
+    plugins = ["barometer.py"]              Python files that define chips, sensors and more: see `plugins`
 
 Paths count from the folder of the file. A pyproject.toml without this table is ignored, valid or not.
 """
@@ -14,6 +15,7 @@ from __future__ import annotations
 
 import os
 import tomllib
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated
 
@@ -40,6 +42,7 @@ class Settings(Table, frozen=True, kw_only=True):
     guaranteed: bool = False
     jobs: Annotated[int, Meta(ge=1)] | None = None
     tolerance: Annotated[int, Meta(ge=0)] = 0
+    plugins: list[str] = []
 
 
 NOTHING = Settings()
@@ -104,7 +107,7 @@ def _settings(file: Path) -> Settings | None:
         return None
     try:
         text = data.decode("utf-8")
-        tree = tomllib.loads(text)
+        tree = _parsed(text)
     except ValueError as error:
         if b"[tool.periph-sim]" not in data:
             return None
@@ -118,6 +121,11 @@ def _settings(file: Path) -> Settings | None:
         return Settings.model_validate(table)
     except BadTable as error:
         raise BadCase(_sentence(Source(_near(file), text), error)) from None
+
+
+@lru_cache(maxsize=16)
+def _parsed(text: str) -> dict[str, object]:
+    return tomllib.loads(text)
 
 
 def _sentence(source: Source, error: BadTable) -> str:

@@ -41,19 +41,18 @@ if TYPE_CHECKING:
     from ..core.snapshot import Snapshot
     from ..core.wire import Wire
     from ..devices.chips.register_chip import Source
+    from ..devices.host_frames import FrameSource
     from ..devices.host_pc import Host
-    from ..devices.model_codes import Computed
     from ..devices.sensor_head import SensorHead
     from ..devices.sensor_rounds import Request, Round
     from ..devices.truth import Truth
-    from ..imu.host_frame import MotionFrames
-    from ..imu.models.parameters import ImuParameters
     from ..processor.dsp import Dsp
     from ..timing.budgets import BudgetJudge
     from ..timing.rounds import Asked
     from ..timing.verdict import Verdict
     from .devices import DeviceOnBus, NoteLog
     from .firmware_loader import Firmware
+    from .firmware_model import FirmwareModel
     from .host import HostAgent
     from .sensor_chips import ChipOnBus
 
@@ -112,11 +111,10 @@ class Scene:
         self.host: Host | None = None
         self.host_agent: HostAgent | None = None
         self.truth: Truth | None = None
-        self.sensors: ImuParameters | None = None  # whose values firmware computes, where it has models
-        self.computed: Computed | None = None  # and how it computes them
-        self.frames: MotionFrames | None = None  # what the host sends, where it is no ramp
+        self.model: FirmwareModel | None = None  # by which firmware computes the data of chips
+        self.frames: FrameSource | None = None  # what the host sends, where it is no ramp
         self._counter: I2cByteCounter | None = None  # where there is none
-        self.bus = BusSide(self.wires, self._ticks(SPIKE))
+        self.bus = BusSide(case, self.wires, self._ticks(SPIKE))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # in a sentence, where [outside] has a log of an unfinished session
         self.stalled = ""  # by what the run ended before its time
@@ -127,8 +125,7 @@ class Scene:
         for name in case.unit:
             built = parts.build_unit(context, name, plan.unit(name), (programs or {}).get(name))
             self.units[name], self.firmware[name] = built.dsp, built.firmware
-            self.sensors = self.sensors or built.sensors
-            self.computed = self.computed or built.computed
+            self.model = self.model or built.model
         self._build_targets(context, sources or {})
         shared = case.outside is not None and parts.drives_bus(case.outside)  # the bus has other parties
         if case.controller is not None:
@@ -152,7 +149,7 @@ class Scene:
         if has_bus and (shared or case.rounds is not None):
             self.on_transfer(self.bus.count_nacked)
         if case.host is not None:
-            self.host_agent = parts.HostAgent(context, case.host, plan.host, self.sensors)
+            self.host_agent = parts.HostAgent(context, case.host, plan.host, self.model)
             self.host = self.host_agent.host
             self.frames, self.truth = self.host_agent.frames, self.host_agent.truth
         for transceiver in case.transceiver:

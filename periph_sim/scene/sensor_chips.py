@@ -15,13 +15,12 @@ from ..core.suggest import did_you_mean
 from ..devices.chips import chip_models
 from ..devices.chips.register_chip import RegisterChip, Source
 from ..devices.chips.sensed_values import held, numbered, scaled
-from ..devices.host_pc import ramp
+from ..devices.host_frames import host_frames
 from ..devices.register_pointer import RegisterPointer
+from . import plugins
 from .case.model import Case, ChipTable, ValueTable
 from .context import SceneContext
 from .devices import NoteLog
-
-PARTS = {"angles": slice(0, 3), "accelerations": slice(3, 6)}  # of a host frame
 
 
 class ChipOnBus:
@@ -120,10 +119,10 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
 
 def _kind(case: Case, name: str) -> type[Any]:
     model = case.chip[name].model
-    if model not in chip_models():
-        what = f"there is no chip {model!r}; {did_you_mean(model, chip_models())}"
-        raise case.mistake(what, "chip", name, "model")
-    return chip_models()[model]
+    models = plugins.known(case.folder, "CHIP", chip_models(), [model])
+    if model not in models:
+        raise case.mistake(f"there is no chip {model!r}; {did_you_mean(model, models)}", "chip", name, "model")
+    return models[model]
 
 
 def _address(case: Case, name: str, table: ChipTable) -> int:
@@ -133,8 +132,9 @@ def _address(case: Case, name: str, table: ChipTable) -> int:
 def _source(table: ValueTable, lsb_per_unit: Fraction, start: int, ticks: Callable[[Fraction], int]) -> Source:
     """Times count from the start of the run."""
     if table.ramp is not None:
-        part = PARTS[table.ramp]
-        frames = numbered(start + ticks(table.first), ticks(table.period), lambda n: ramp(n)[part])
+        sent = host_frames()
+        part = sent.PARTS[table.ramp]
+        frames = numbered(start + ticks(table.first), ticks(table.period), lambda n: sent.ramp(n)[part])
         return scaled(frames, lsb_per_unit)
     if table.fixed is not None:
         source = held([start], [table.fixed])

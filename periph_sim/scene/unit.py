@@ -32,28 +32,24 @@ from .firmware_loader import (
     BadFirmware,
     BadSetting,
     Firmware,
-    computed_by,
     load_firmware,
     run_main,
-    sensors_of,
     settings_for,
 )
+from .firmware_model import FirmwareModel, firmware_model_of
 
 if TYPE_CHECKING:
-    from ..devices.model_codes import Computed
-    from ..imu.models.parameters import ImuParameters
     from ..processor.image.boot import Stub
 
 T = TypeVar("T")
 
 
 class BuiltUnit(Struct, frozen=True):
-    """sensors, computed: whose values the firmware computes, and how, where it has models."""
+    """model: by which the firmware computes the data of chips; None if it has none."""
 
     dsp: Dsp
     firmware: Firmware
-    sensors: ImuParameters | None
-    computed: Computed | None
+    model: FirmwareModel | None
 
 
 class UnitPlan(Struct, frozen=True):
@@ -104,9 +100,9 @@ def build_unit(context: SceneContext, name: str, plan: UnitPlan, program: Firmwa
     wires = {pin: context.wire(wire) for pin, wire in plan.wires.items()}
     dsp = Dsp(context.kernel, context.timebase, context.recorder, replace(plan.dsp, wires=wires))
     if unit.image:
-        return BuiltUnit(dsp, _started_image(context, name, unit, dsp), None, None)
+        return BuiltUnit(dsp, _started_image(context, name, unit, dsp), None)
     if unit.sources:
-        return BuiltUnit(dsp, _started_sources(case, name, unit, dsp), None, None)
+        return BuiltUnit(dsp, _started_sources(case, name, unit, dsp), None)
     guard = UserCode(f"firmware {unit.firmware}", float(case.stall_limit))
     try:
         firmware = program or guard(load_firmware, unit.firmware)
@@ -117,13 +113,11 @@ def build_unit(context: SceneContext, name: str, plan: UnitPlan, program: Firmwa
     except BadSetting as error:
         inside = (error.name,) if error.name else ()  # none: about several together
         raise case.mistake(str(error), "unit", name, "settings", *inside) from None
-    sensors = guard(sensors_of, settings)
-    if sensors is not None:
-        from ..imu.sensor_period import check_sensor_period
-
-        check_sensor_period(case, name, settings, sensors)
+    model = guard(firmware_model_of, settings)
+    if model is not None:
+        model.check(case, name)
     dsp.start(partial(run_main, firmware, dsp, settings))
-    return BuiltUnit(dsp, firmware, sensors, guard(computed_by, settings))
+    return BuiltUnit(dsp, firmware, model)
 
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:

@@ -15,6 +15,7 @@ from ..core.time import Timebase
 from ..core.wire import Wire
 from ..devices.watchers import WatchContext, WireWatcher, watchers
 from ..timing.measures.watched_wire import WatchedWire
+from . import plugins
 from .case.error_text import complaint
 from .case.model import Case
 
@@ -29,21 +30,22 @@ def watcher_of(
         what = f"there is no [watch.{name}]; {did_you_mean(name, case.watch)}"
         raise case.mistake(what, "budget", entry, "measure")
     table = case.watch[name]
-    if table.kind not in watchers():
-        what = f"there is no kind of watcher {table.kind!r}; {did_you_mean(table.kind, watchers())}"
+    kinds = plugins.known(case.folder, "KIND", watchers(), [table.kind])
+    if table.kind not in kinds:
+        what = f"there is no kind of watcher {table.kind!r}; {did_you_mean(table.kind, kinds)}"
         raise case.mistake(what, "watch", name, "kind")
     if table.wire not in wires:
         what = f"there is no wire {table.wire!r}; {did_you_mean(table.wire, wires)}"
         raise case.mistake(what, "watch", name, "wire")
-    family = watchers()[table.kind]
+    family = kinds[table.kind]
     try:
         settings = family.Settings.model_validate(table.own)
     except BadTable as error:
         first = error.first
         what = complaint(first)
         if first.known is not None:
-            known = first.known + tuple(keys_of(type(table)))
-            what = f"a watcher of kind {table.kind!r} has no such key; {did_you_mean(str(first.place[-1]), known)}"
+            keys = first.known + tuple(keys_of(type(table)))
+            what = f"a watcher of kind {table.kind!r} has no such key; {did_you_mean(str(first.place[-1]), keys)}"
         raise case.mistake(what, "watch", name, *first.place) from None
 
     def ticks(length: Fraction) -> int:

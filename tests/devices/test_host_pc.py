@@ -12,7 +12,8 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
-from periph_sim.devices.host_pc import FRAME_BYTES, Host, HostSchedule, PacedBy, encode, ramp
+from periph_sim.devices.host_pc import Host, HostSchedule, PacedBy
+from periph_sim.imu.host_frames import FRAME_BYTES, encode, ramp
 
 BIT = 10
 FRAME = FRAME_BYTES * 10 * BIT  # ticks
@@ -26,7 +27,7 @@ class Desk:
         wire = Wire(self.kernel, "RX", recorder)
         watch([wire], lambda tick, level: self.falls.append(tick) if not level else None)
         self.sender = UartSender(self.kernel, recorder, wire, Fraction(BIT))
-        self.host = Host(self.kernel, self.sender, schedule, seed=seed)
+        self.host = Host(self.kernel, self.sender, schedule, ramp, encode, seed)
         self.sent: list[tuple[int, tuple[int, ...], int]] = []
         self.host.sent.append(lambda number, values, tick: self.sent.append((number, values, tick)))
 

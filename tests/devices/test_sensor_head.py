@@ -10,7 +10,8 @@ import pytest
 
 from periph_sim.bus.i2c.transfer import Transfer
 from periph_sim.devices.sensor_head import SensorHead
-from periph_sim.devices.sensor_rounds import CHIPS, Request, Round, Schedule
+from periph_sim.devices.sensor_rounds import Request, Round, Schedule
+from periph_sim.imu.sensors import SENSORS as CHIPS
 from tests.bus.i2c_rig import TIMING, UNIT, I2cRig
 
 NACKED = 40 * UNIT  # a transfer that nobody acknowledges

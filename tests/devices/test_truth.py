@@ -9,15 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.devices.host_pc import ramp
-from periph_sim.devices.truth import LineBetweenFrames, MotionTruth, distance, shown
+from periph_sim.devices.truth import LineBetweenFrames, distance
 from periph_sim.imu.at_rest.rest import expected_at_rest
+from periph_sim.imu.firmware_model import MotionTruth
+from periph_sim.imu.host_frames import ramp, shown
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.motion import kinds, sines
 from periph_sim.imu.motion.pose import Pose
 
 PERIOD = Fraction(1, 50)
-LINE = LineBetweenFrames(ramp, PERIOD)
+LINE = LineBetweenFrames(ramp, PERIOD, shown)
 
 
 @given(st.integers(0, 100_000))

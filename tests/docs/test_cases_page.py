@@ -12,11 +12,11 @@ from periph_sim.bus.faults import kinds
 from periph_sim.bus.faults.when import When
 from periph_sim.core.convert import Mistake, keys_of
 from periph_sim.core.table import Table
-from periph_sim.devices.sensor_rounds import CHIPS
 from periph_sim.devices.targets import eeprom, families, registers, rtc
 from periph_sim.devices.targets.register_settings import Interrupt, RegisterTable, Sets
 from periph_sim.devices.watchers import blink, edges, watchers
 from periph_sim.f28335.parts.f28335 import PART
+from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.scene.case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable, Strikes
 from periph_sim.scene.case.model import (
     Case,

@@ -14,11 +14,11 @@ from typing import Any
 import pytest
 
 from periph_sim.imu.host_frame import Encoding
+from periph_sim.imu.host_frames import frames_of
 from periph_sim.imu.host_unit import FlightFrames, UdpFrames, pacer_for, send_frames
 from periph_sim.imu.motion import BadMotion
 from periph_sim.outside import OutsideError
 from periph_sim.outside.live.pacing import Pacer
-from periph_sim.scene.host_motion import frames_of
 from periph_sim.traces.capture.capture import BadCapture
 from tests.outside.live.echo import written
 

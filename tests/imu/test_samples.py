@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from periph_sim.devices.chips.sensed_values import held
-from periph_sim.devices.sensor_rounds import CHIPS
 from periph_sim.imu.attitude import errors, estimate
 from periph_sim.imu.rotations import quaternions
 from periph_sim.imu.samples import SampleLog, Samples, in_units
+from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.scene.scene import Scene
 from tests.devices.aerospace import FIELD, at_rest, body_rates
 from tests.scene.small import case

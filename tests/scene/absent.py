@@ -94,11 +94,11 @@ ROWS: dict[str, Row] = {
     ),
     "host": Row(("devices.host_pc", "bus.uart.sender", "scene.host"), {"unit": {"dsp": LOGGER}, "host": HOST}),
     "motion of a host": Row(
-        ("imu.motion.", "scene.host_motion"),
+        ("imu.motion.", "imu.host_frame"),
         {"unit": {"dsp": LOGGER}, "host": {**HOST, "motion": {"kind": "static"}}},
     ),
     "sensor models": Row(
-        ("imu.models.imu", "imu.numeric.", "imu.shared_models", "devices.model_codes"),
+        ("imu.models.imu", "imu.numeric.", "imu.shared_models", "imu.firmware_model"),
         {"unit": {"dsp": IMU}, "host": HOST, "controller": {**HEAD, "period": "20 ms"}},
     ),
     "sensor chip": Row(

@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim.devices.host_pc import encode, ramp
 from periph_sim.firmware import sci_fifo_receiver
+from periph_sim.imu.host_frames import encode, ramp
 from periph_sim.processor.dsp import Dsp
 from tests.scene.runs import run_file
 from tests.scene.small import scene_with

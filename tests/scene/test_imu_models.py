@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from firmware.python.imu_models import NO_FRAME, Models
-from periph_sim.devices.host_pc import ramp
+from periph_sim.imu.host_frames import ramp
 from periph_sim.imu.models.arrays import codes_of
 from periph_sim.imu.models.parameters import ImuParameters, MagnetometerParameters
 from periph_sim.scene.case.model import BadCase

@@ -62,6 +62,7 @@ def test_the_nearest_table_holds_and_its_paths_count_from_its_folder(repository:
         "guaranteed": True,
         "jobs": 1,
         "tolerance": 2,
+        "plugins": [],
     }
     monkeypatch.chdir("timing/deep")
     assert project_of(Path()).cases() == [Path()]

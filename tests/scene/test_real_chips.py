@@ -9,7 +9,7 @@ import pytest
 
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.devices.sensor_rounds import CHIPS
+from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene

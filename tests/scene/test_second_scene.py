@@ -14,11 +14,11 @@ from periph_sim.core.convert import keys_of
 from periph_sim.core.options import _defaults
 from periph_sim.core.records import RECORDED, Record, Recorder
 from periph_sim.core.time import Timebase
+from periph_sim.imu.host_frames import encoding_of
 from periph_sim.imu.shared_models import model_of
 from periph_sim.processor.python.recognised import comparison_of
 from periph_sim.scene.case.load import _loaded, load
 from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings_for
-from periph_sim.scene.host_motion import encoding_of
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_plan import _nearest_tick
 from periph_sim.timing.language.events import event_of

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.core.time import NO_TIME
-from periph_sim.devices.sensor_rounds import CHIPS
+from periph_sim.devices.host_frames import host_frames
+from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.timing.derived.origin import Origin
 from periph_sim.timing.derived.origins import FrameOrigins
 from periph_sim.timing.measures.factory import make_of_events
@@ -181,9 +182,9 @@ class NotAllCompared(FrameOrigins):
 
 
 def test_a_read_that_was_not_compared_with_all_frames_has_no_age_and_its_bytes_are_not_wrong():
-    run = HandMadeRun("age", origins=NotAllCompared())
+    run = HandMadeRun("age", origins=NotAllCompared(host_frames()))
     run.measure.keep()
-    wrong = HandMadeRun("wrong bytes", origins=NotAllCompared())
+    wrong = HandMadeRun("wrong bytes", origins=NotAllCompared(host_frames()))
     for each in (run, wrong):
         each.frame(1, 1000)
         each.transfer(read(GYRO, gyro_bytes(1), at=1700))

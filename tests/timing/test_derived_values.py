@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME
-from periph_sim.devices.sensor_rounds import CHIPS
+from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.timing.derived.error_records import RECENT, ErrorRecords
 from periph_sim.timing.derived.transfer_records import begin_of
 from periph_sim.timing.measures.factory import make_of_events

@@ -93,7 +93,7 @@ def _opened(serial: Any, port: str, baud: int) -> Any:
 
 
 def _encoding(settings: tuple[str, ...]) -> Encoding:
-    from ...scene.host_motion import encoding_of
+    from ..host_frames import encoding_of
 
     pairs = [setting.partition("=") for setting in settings]
     for setting, (_, equals, _) in zip(settings, pairs, strict=True):

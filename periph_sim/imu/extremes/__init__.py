@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from ...core.input_error import InputError
 from ...core.suggest import did_you_mean
 from ..models.counts import counts_of
 from ..models.parameters import ImuParameters
@@ -71,7 +72,7 @@ class Report:
         return [one for one in self.findings if one.extreme == extreme]
 
 
-class NoSuchExtreme(ValueError):
+class NoSuchExtreme(InputError):
     """The name of an unknown extreme; the message is one sentence."""
 
 

@@ -8,6 +8,8 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.input_error import InputError
+
 Floats = NDArray[np.float64]
 
 LEAST_SAMPLES = 32  # with fewer, no Allan variance has enough degrees of freedom for an error bar
@@ -16,7 +18,7 @@ REPEATED = 4  # samples a value, on average, of a recording that counts as quant
 OFF_GRID = 0.05  # LSB by which a printed value may be off the grid
 
 
-class BadSeries(ValueError):
+class BadSeries(InputError):
     """A recording unsuitable for identification; the message says what was found and expected."""
 
 

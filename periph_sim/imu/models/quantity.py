@@ -13,10 +13,12 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from msgspec import Struct
 
+from ...core.input_error import InputError
+
 Vector = tuple[float, float, float]  # x, y, z
 
 
-class BadParameter(ValueError):
+class BadParameter(InputError):
     """An invalid parameter. name: such as "gyroscope.bias"; what: what was found and expected."""
 
     def __init__(self, name: str, what: str) -> None:

@@ -15,6 +15,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Protocol, TypeAlias, cast, runtime_checkable
 
 from ...core.discover import module_with, modules_with
+from ...core.input_error import InputError
 from .quantities import ACCELERATION_RANGE, ANGLE_RANGE, shown
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ ACCELERATIONS = ("ax", "ay", "az")
 VALUES = ANGLES + ACCELERATIONS
 
 
-class BadMotion(ValueError):
+class BadMotion(InputError):
     """Invalid motion: the message names the value and the range, or the file and the line."""
 
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ...devices.host_pc import FRAME_BYTES, encode
 from ..host_frame import ACCELERATION, ANGLE
+from ..host_frames import FRAME_BYTES, encode
 from ..imu_noise import ImuNoise
 from ..models.arrays import codes_of
 from ..models.imu import Codes, Noise

@@ -16,7 +16,7 @@ from msgspec import structs
 from ...core.records import Kind, Record, Recorder
 from ...core.time import Timebase
 from ...devices.chips.register_chip import Source
-from ...devices.sensor_rounds import CHIPS, Round
+from ...devices.sensor_rounds import Round
 from ...scene.case.model import ChipTable
 from ...scene.scene import Scene
 from ...timing.derived.age_records import MODEL
@@ -25,12 +25,13 @@ from ..models.imu import Noise
 from ..models.sensed_motion import SensedMotion
 from ..rotations import Floats
 from ..samples import SampleLog
+from ..sensors import SENSORS
 from .readings import Ints, Readings
 from .subject import EmulatorUnderTest
 
 Progress = Callable[[float], None]
 
-# Set up beforehand, like the drivers of `sensor_head.CHIPS` do.
+# Set up beforehand, like the drivers of `sensor_head.SENSORS` do.
 REAL: dict[str, dict[str, Any]] = {
     "gyroscope": {"model": "itg3200", "registers": {"PWR_MGM": 0x01, "SMPLRT_DIV": 0x00, "DLPF_FS": 0x1B}},
     "accelerometer": {"model": "adxl345", "registers": {"BW_RATE": 0x0A, "DATA_FORMAT": 0x08, "POWER_CTL": 0x08}},
@@ -102,7 +103,7 @@ def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Em
     heard = ModelRuns()
     scene = Scene(subject.case, heard.subscribe)
     heard.listen(scene)
-    scales = {name: Fraction(getattr(subject.sensors, name).scale) for name in CHIPS}
+    scales = {name: Fraction(getattr(subject.sensors, name).scale) for name in SENSORS}
     readings = _read(scene, subject, scales, progress)
     return Emulated(readings, np.array(heard.frames, np.int64), np.array(heard.runs, np.int64))
 
@@ -115,8 +116,8 @@ def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readi
     clock = Timebase()
     scene = Scene(case, sources=sources(subject, clock.per_second, clock.ticks(case.start, "nearest")))
     assert scene.timebase.per_second == clock.per_second
-    readings = _read(scene, subject, {name: chip.lsb_per_unit for name, chip in CHIPS.items()}, progress)
-    return replace(readings, overflow=CHIPS["magnetometer"].overflow)
+    readings = _read(scene, subject, {name: chip.lsb_per_unit for name, chip in SENSORS.items()}, progress)
+    return replace(readings, overflow=SENSORS["magnetometer"].overflow)
 
 
 def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Source]:
@@ -139,7 +140,7 @@ def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Sou
 
         return at
 
-    return {name: source(name) for name in CHIPS}
+    return {name: source(name) for name in SENSORS}
 
 
 def _arrays(noise: Noise[float]) -> Noise[Floats]:
@@ -149,7 +150,7 @@ def _arrays(noise: Noise[float]) -> Noise[Floats]:
 
 def _read(scene: Scene, subject: EmulatorUnderTest, scales: dict[str, Fraction], progress: Progress | None) -> Readings:
     assert scene.head is not None
-    known = {name: structs.replace(CHIPS[name], lsb_per_unit=scale) for name, scale in scales.items()}
+    known = {name: structs.replace(SENSORS[name], lsb_per_unit=scale) for name, scale in scales.items()}
     log = SampleLog(scene.head, scene.start, scene.timebase.per_second, known)
     scene.run(subject.duration, progress)
     return Readings(log.samples().seconds, log.counts(), {name: float(scale) for name, scale in scales.items()})

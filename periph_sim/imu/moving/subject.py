@@ -10,12 +10,13 @@ from fractions import Fraction
 
 from msgspec import structs
 
-from ...devices.sensor_rounds import CHIPS
 from ...scene.case.model import Case, Controller, HostTable
 from ...scene.scene import Scene
+from ..firmware_model import ImuFirmware
 from ..host_frame import MotionFrames
 from ..models.parameters import ImuParameters, Rates
 from ..motion import Motion
+from ..sensors import SENSORS
 
 
 @dataclass(frozen=True)
@@ -57,17 +58,17 @@ def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTes
     """Check a case; raise BadCase with file and line if unsuitable. duration: seconds, else the case's."""
     case = case.model_copy(update={"budget": (), "breaks": ()})  # a copy keeps its source
     scene = Scene(case)
-    if case.host is None or scene.frames is None:
+    if case.host is None or not isinstance(scene.frames, MotionFrames):
         raise case.mistake("a moving experiment needs a motion; give host.motion", "host")
     if case.host.lose:
         raise case.mistake("a lost byte shifts all others; a moving experiment needs whole frames", "host", "lose")
     names = {request.name for request in scene.requests}
-    if case.controller is None or names != set(CHIPS) or len(scene.requests) != len(CHIPS):
-        raise case.mistake(f"a moving experiment reads {', '.join(CHIPS)} in each round", "controller", "order")
+    if case.controller is None or names != set(SENSORS) or len(scene.requests) != len(SENSORS):
+        raise case.mistake(f"a moving experiment reads {', '.join(SENSORS)} in each round", "controller", "order")
     arithmetics = [unit.settings.get("arithmetic") for unit in case.unit.values()]
-    if scene.sensors is None or len(arithmetics) != 1 or not isinstance(arithmetics[0], str):
+    if not isinstance(scene.model, ImuFirmware) or len(arithmetics) != 1 or not isinstance(arithmetics[0], str):
         raise case.mistake('a moving experiment needs one unit with sensor models; give it arithmetic = "q16"', "unit")
-    sensors = scene.sensors
+    sensors = scene.model.parameters
     if sensors.magnetometer.board_azimuth or sensors.magnetometer.board_elevation:
         raise case.mistake("the sensor head does not support an inclined magnetometer board; make it 0", "unit")
     if (case.duration if duration is None else duration) <= case.controller.first:

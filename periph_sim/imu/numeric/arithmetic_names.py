@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from typing import Any, NamedTuple
 
+from ...core.input_error import InputError
 from ...core.suggest import did_you_mean
 from .arithmetic import Arithmetic
 from .costs import Library
@@ -22,7 +23,7 @@ from .q import Overflow, Product, Q, RoundedQ
 EXAMPLES = ("float64", "float32", "q16", "q16 rounded", "q16 saturating")
 
 
-class NoSuchArithmetic(ValueError):
+class NoSuchArithmetic(InputError):
     """The name of an unknown arithmetic; the message is one sentence."""
 
 

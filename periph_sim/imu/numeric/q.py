@@ -16,6 +16,7 @@ from functools import lru_cache
 from math import floor, frexp, isnan, ldexp
 from typing import Literal
 
+from ...core.input_error import InputError
 from ...form.c_types import BigInt
 from .arithmetic import Rounding
 from .iqmath import COSINE, SINE, atan2_of, length_of, root_of, sine_and_cosine
@@ -27,7 +28,7 @@ Triple = tuple[int, int, int]
 LOW, HIGH = -(1 << 31), (1 << 31) - 1
 
 
-class DoesNotFit(ValueError):
+class DoesNotFit(InputError):
     """A constant that the format cannot hold; the message is one sentence."""
 
 

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...bus.i2c.transfer import Transfer
-from ...devices.sensor_rounds import CHIPS
 from ...records.if_recorded import if_recorded
 from ...scene.case.model import BadCase, Case
 from ...scene.clocks import clocks_of
+from ...scene.plugins import sensors_of
 from ...scene.scene import Scene
 from ...timing.budget_schema import Budget
 from ...timing.verdict import NOT_JUDGED
@@ -99,7 +99,8 @@ def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterato
 def observe(case: Case, length: Fraction, record: str = "") -> Observed:
     """Run `case` for `length` seconds. Raise BadCase or one of REFUSED if it cannot be run."""
     order = () if case.controller is None else case.controller.order
-    chips = {CHIPS[name].address: name for name in order}
+    sensors = sensors_of(case, order)
+    chips = {sensors[name].address: name for name in order}
     samples: dict[str, list[Sequence[int]]] = {}
     others: dict[str, list[int]] = {}
 
@@ -107,7 +108,7 @@ def observe(case: Case, length: Fraction, record: str = "") -> Observed:
         for phase in transfer.phases:
             name = chips.get(phase.address, "")
             if phase.read and name and len(phase.got) == SAMPLE:
-                samples.setdefault(name, []).append(CHIPS[name].values(bytes(phase.got)))
+                samples.setdefault(name, []).append(sensors[name].values(bytes(phase.got)))
             elif phase.read:
                 others.setdefault(f"0x{phase.address:02x}", []).extend(phase.got)
 

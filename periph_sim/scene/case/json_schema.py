@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from ...bus.faults import kinds as kinds_of_fault
 from ...core.options import allowed
 from ...devices.chips import chip_models
+from ...devices.host_frames import host_frames
 from ...devices.targets import Family, families
 from ...devices.watchers import watchers
 from ...f28335.parts import part_names
 from ...f28335.parts.f28335 import PART
-from ...imu.host_frame import Encoding
-from ...imu.motion import kinds as kinds_of_motion
+from ..plugins import known
 from .json_types import Schema, schema_of_table
 from .model import Case
 
@@ -27,20 +28,22 @@ DIALECT = "http://json-schema.org/draft-07/schema#"  # editors of TOML know noth
 
 def case_schema() -> Schema:
     """Return the schema as a tree, for `json.dumps`."""
-    faults = {f"fault {name}": kind.Settings for name, kind in kinds_of_fault().items()}
-    motions = {f"motion {name}": kind.Settings for name, kind in kinds_of_motion().items()}
-    devices = {f"device {family.MODELS[0]}": family for family in families().values()}
+    here = Path()  # whose project may have plugins
+    faults = {f"fault {name}": kind.Settings for name, kind in known(here, "attach", kinds_of_fault()).items()}
+    frames = host_frames()
+    motions = {f"motion {name}": settings for name, settings in frames.motion_settings().items()}
+    devices = {f"device {family.MODELS[0]}": family for family in known(here, "MODELS", families()).values()}
     settings = {name: family.Settings for name, family in devices.items()}
-    watches = {f"watch {name}": family.Settings for name, family in watchers().items()}
+    watches = {f"watch {name}": family.Settings for name, family in known(here, "KIND", watchers()).items()}
     definitions: Schema = {}
-    types: dict[str, Any] = {**faults, **motions, **settings, **watches, "encoding": Encoding}
+    types: dict[str, Any] = {**faults, **motions, **settings, **watches, "encoding": frames.encoding_type()}
     schemas = {name: schema_of_table(kind, definitions) for name, kind in types.items()}
     case = schema_of_table(Case, definitions)
     case["properties"]["fault"]["items"] = _one_of(faults, schemas)
     host = definitions["HostTable"]["properties"]
     host["motion"] = _one_of(motions, schemas)
     host["encoding"] = schemas["encoding"]
-    definitions["ChipTable"]["properties"]["model"] = {"enum": [*chip_models()]}
+    definitions["ChipTable"]["properties"]["model"] = {"enum": [*known(here, "CHIP", chip_models())]}
     definitions["DeviceTable"] = {"anyOf": [*_devices(definitions["DeviceTable"], devices, schemas)]}
     definitions["WatchTable"] = {"anyOf": [*_watches(definitions["WatchTable"], watches, schemas)]}
     options = {name: _options(kind) for name, kind in PART.options_classes().items()}

@@ -65,7 +65,7 @@ class RequestTable(Table, frozen=True, kw_only=True):
         said = sorted({"pointer", "count", "write"} & given)
         if self.chip is not None and said:
             raise ValueError(f"chip says {' and '.join(said)} already; leave that out or give address instead of chip")
-        if self.expect is not None and len(self.expect) != self.count:
+        if self.chip is None and self.expect is not None and len(self.expect) != self.count:
             raise ValueError(f"expect has {counted(len(self.expect), 'byte')}, but count is {self.count}")
 
 
@@ -171,8 +171,8 @@ class HostTable(Table, frozen=True, kw_only=True):
 
     lose: [frame, byte] pairs not sent. silent: [begin, length] of spans without the begin of a frame.
     twice: frames sent two times.
-    motion: `kind`, the name of a motion in `imu.motion`, and that motion's settings. encoding: settings of
-        `imu.host_frame.Encoding`.
+    motion: `kind`, the name of a motion, and that motion's settings. encoding: settings of its values in a frame. Both
+        are defined by the module of the frames (`devices.host_frames`).
     """
 
     baud: Annotated[int, Meta(ge=1, le=10_000_000)] = 115_200

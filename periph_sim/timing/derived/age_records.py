@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import UNWANTED, Kind, Listener, Recorder
 from ...core.time import NO_TIME
-from ...devices.sensor_rounds import CHIPS
+from ...devices.sensor_rounds import known_sensors
 from .origin import ReadOrigins
 from .transfer_records import begin_of
 
@@ -64,7 +64,7 @@ class AgeRecords(Listener):
 
     def __init__(self, recorder: Recorder, origins: ReadOrigins | None = None) -> None:
         self.origins = origins
-        self._chips = {chip.address: ChipTopics(recorder, name) for name, chip in CHIPS.items()}
+        self._chips = {chip.address: ChipTopics(recorder, name) for name, chip in known_sensors().items()}
         self._model_run = recorder.topic(Kind.DATA, MODEL, "model run")
         self._first_ended = NO_TIME  # the end of the first frame,
         self._last_ended = NO_TIME  # of the last one,

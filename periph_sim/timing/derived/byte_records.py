@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import Kind, Recorder
-from ...devices.sensor_rounds import ADDRESSES
 from .origin import ReadOrigins
 from .transfer_records import I2C, begin_of
 
@@ -68,7 +67,7 @@ class ByteRecords:
     def _read(self, transfer: Transfer, phase: Phase) -> None:
         got = phase.got
         begin = begin_of(transfer, phase)
-        if phase.expect is not None or (self._origins is not None and phase.address in ADDRESSES):
+        if phase.expect is not None or (self._origins is not None and phase.address in self._origins.addresses):
             self._asked.emit(begin, max(phase.count, len(got)))
         if not got:
             return

@@ -23,7 +23,7 @@ from math import ceil
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import Kind, Recorder
 from ...core.time import NO_TIME
-from ...devices.sensor_rounds import CHIPS, ChipData
+from ...devices.sensor_rounds import ChipData, known_sensors
 from ...devices.truth import Axes, distance
 from ..measures.measure import MILLIONTHS
 from .transfer_records import begin_of
@@ -52,7 +52,7 @@ class ErrorRecords:
     def __init__(
         self, recorder: Recorder, truth_at: Callable[[int], Mapping[str, Axes]], frame_due: Callable[[int], int]
     ) -> None:
-        self._chips = {data.address: _Chip(recorder, name, data) for name, data in CHIPS.items()}
+        self._chips = {data.address: _Chip(recorder, name, data) for name, data in known_sensors().items()}
         self._truth_at = truth_at
         self._frame_due = frame_due
         self._due: deque[int] = deque(maxlen=MOST)

@@ -29,7 +29,9 @@ class Origin(NamedTuple):
 
 
 class ReadOrigins(Protocol):
-    """The origins of one transfer at a time."""
+    """The origins of one transfer at a time. addresses: of the chips that show frames."""
+
+    addresses: frozenset[int]
 
     def of(self, phase: Phase) -> Origin | None:
         """Return the origin of what a phase of the transfer that is just over has read; None if it is no chip's."""

@@ -4,7 +4,7 @@
     MODEL pin (runs of models) --+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
     reads of the controller ----'
 
-Where the chips show the numbers of frames (`FrameOrigins`), a read's bytes are compared with the last 8 frames and with
+Where the chips show the values of frames (`FrameOrigins`), a read's bytes are compared with the last 8 frames and with
 every frame since the one that the chip showed last: how old they are is for `age` to judge. Where firmware computes
 sensors (`ModelOrigins`), run n of the models may have taken any frame that had come by the rise of the MODEL pin; each
 read leaves those chains of frames whose codes agree with its bytes. A chain never goes back to an older frame. The
@@ -23,13 +23,11 @@ from typing import final
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
-from ...devices.model_codes import BY_ADDRESS, Computed, ModelCodes, Shown, register_bytes
-from ...devices.sensor_rounds import ADDRESSES
-from ...devices.truth import shown as shown_numbers
+from ...devices.chip_model import BYTES, ChipModel, Shown
+from ...devices.host_frames import HostFrames
 from .frame_history import FrameHistory
 from .origin import BEFORE_ANY, Origin
 
-ZEROS = (0,) * 6
 RECENT = 8  # frames that the bytes of a read are compared with first
 KEPT = 64  # frames that a run of the models is tried with, at most
 COMPLETE = 256  # the number of chains up to which all are followed
@@ -39,35 +37,30 @@ MOST = 64  # and of these only the youngest
 
 @final
 class Sent:
-    """A frame that the host sent."""
+    """A frame that the host sent. shown: the register bytes of each chip while it shows the values of the frame."""
 
-    __slots__ = ("_shown", "ended", "number", "values")
+    __slots__ = ("ended", "number", "shown", "values")
 
     def __init__(self, number: int, values: tuple[int, ...], ended: int) -> None:
         self.number = number
         self.values = values
         self.ended = ended
-        self._shown: dict[int, bytes] = {}
-
-    def shown_at(self, address: int) -> bytes:
-        """Return the register bytes of the chip with this address while it shows the numbers of the frame."""
-        data = self._shown.get(address)
-        if data is None:
-            name, chip = BY_ADDRESS[address]
-            x, y, z = shown_numbers(self.values)[name]
-            data = self._shown[address] = register_bytes(chip, (x, y, z))
-        return data
+        self.shown: dict[int, bytes] = {}
 
 
-NOTHING_SENT = Sent(BEFORE_ANY, ZEROS, NO_TIME)
+NOTHING_SENT = Sent(BEFORE_ANY, (), NO_TIME)
 
 
 class Origins:
-    """Origins of the reads of one transfer at a time. `transfer` comes before the questions about its phases."""
+    """Origins of the reads of one transfer at a time. `transfer` comes before the questions about its phases.
+
+    addresses: of the chips that show frames.
+    """
 
     LENGTH = RECENT
 
-    def __init__(self) -> None:
+    def __init__(self, addresses: frozenset[int]) -> None:
+        self.addresses = addresses
         self._sent: deque[Sent] = deque([NOTHING_SENT], maxlen=self.LENGTH)
         self._of: dict[int, Origin] = {}
 
@@ -83,7 +76,7 @@ class Origins:
         """Work out the origins of the reads of a transfer that is over."""
         self._of.clear()
         for phase in transfer.phases:
-            if phase.read and phase.got and phase.address in ADDRESSES:
+            if phase.read and phase.got and phase.address in self.addresses:
                 self._of[id(phase)] = self.origin(phase.address, bytes(phase.got))
 
     def origin(self, address: int, got: bytes) -> Origin:
@@ -100,9 +93,10 @@ class FrameOrigins(Origins):
 
     _frames: FrameHistory
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._frames = FrameHistory()
+    def __init__(self, frames: HostFrames) -> None:
+        super().__init__(frames.ADDRESSES)
+        self._data = frames.data
+        self._frames = FrameHistory(frames.data)
         self._shown: dict[int, int] = {}  # by address, the number of the frame that the chip showed last
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
@@ -114,7 +108,7 @@ class FrameOrigins(Origins):
         youngest_first.reverse()
         sent: Sent
         for sent in youngest_first:
-            wanted = sent.shown_at(address)
+            wanted = self._shown_at(sent, address)
             if wanted.startswith(got):
                 if sent.number != BEFORE_ANY:
                     self._shown[address] = sent.number
@@ -125,8 +119,16 @@ class FrameOrigins(Origins):
             self._shown[address] = older[0]
             return Origin(*older)
         if last == BEFORE_ANY and not any(got):
-            return Origin(BEFORE_ANY, NO_TIME, bytes(6), False)
-        return _nearest(got, [(sent, sent.shown_at(address)) for sent in youngest_first])
+            return Origin(BEFORE_ANY, NO_TIME, bytes(BYTES), False)
+        return _nearest(got, [(sent, self._shown_at(sent, address)) for sent in youngest_first])
+
+    def _shown_at(self, sent: Sent, address: int) -> bytes:
+        """Return the register bytes of the chip with this address while it shows the values of the frame."""
+        data = sent.shown.get(address)
+        if data is None:
+            data = bytes(BYTES) if sent.number == BEFORE_ANY else self._data(address, sent.values)
+            sent.shown[address] = data
+        return data
 
 
 @final
@@ -160,9 +162,11 @@ class ModelOrigins(Origins):
 
     LENGTH = KEPT
 
-    def __init__(self, computed: Computed) -> None:
-        super().__init__()
-        self._codes = ModelCodes(computed)
+    _codes: ChipModel
+
+    def __init__(self, codes: ChipModel) -> None:
+        super().__init__(codes.addresses)
+        self._codes = codes
         self.reset()
 
     def reset(self) -> None:
@@ -248,7 +252,7 @@ class ModelOrigins(Origins):
                 yield self._chain(number, third, self._chain(0, second, self._chain(0, first, at_rest)))
 
     def _chain(self, number: int, sent: Sent, before: Chain) -> Chain:
-        shown = self._codes.run(number, sent.values, before.shown)
+        shown = self._codes.run(number, sent.values or self._codes.no_frame, before.shown)
         if sent is NOTHING_SENT:
             shown.state = before.shown.state  # a run before the first frame leaves nothing to the next
         return Chain(sent, before.sent.number, shown)

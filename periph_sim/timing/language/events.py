@@ -35,7 +35,7 @@ from msgspec.structs import replace
 
 from ...core.records import Kind, Record
 from ...core.suggest import did_you_mean
-from ...devices.sensor_rounds import CHIPS
+from ...devices.sensor_rounds import known_sensors
 from .derived import RECORDS, Thing
 from .scope import LINES, BadEvent, Scope, scope_of_table
 from .tokens import Words
@@ -331,7 +331,7 @@ def _read_record(words: Words) -> Parts:
     kind = words.one_of(list(RECORDS))
     thing = words.phrase(list(RECORDS[kind]))
     of_chip = kind == "data" and words.took("of")
-    return words.one_of(list(CHIPS)) if of_chip else "", kind, thing, None
+    return words.one_of(list(known_sensors())) if of_chip else "", kind, thing, None
 
 
 def _match_edge(event: Event, scope: Scope) -> Matcher:

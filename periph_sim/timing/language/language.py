@@ -46,7 +46,7 @@ from functools import lru_cache
 from msgspec import Struct
 
 from ...core.settings import duration
-from ...devices.sensor_rounds import CHIPS
+from ...devices.sensor_rounds import known_sensors
 from .events import EVENTS, Event, read_event
 from .scope import BadEvent
 from .tokens import Words
@@ -395,7 +395,7 @@ def _model_age(words: Words) -> Said:
 
 
 def _chip(words: Words) -> str:
-    return words.one_of(list(CHIPS)) if words.took("of") else ""
+    return words.one_of(list(known_sensors())) if words.took("of") else ""
 
 
 def _value(words: Words) -> Said:

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from ...core.records import Kind
 from ...core.suggest import did_you_mean
-from ...devices.sensor_rounds import CHIPS
+from ...devices.sensor_rounds import known_sensors
 from ...f28335.pie.register_map import LINES
 from ..budget_schema import REPLY, SPAN, WATCH
 from ..language.events import OF_AGENT, Group, Matcher, matcher, stretch_of
@@ -241,7 +241,7 @@ def _of_a_race(said: Said, scope: Scope) -> Maker:
 def _value(said: Said, scope: Scope) -> Maker:
     if said.events:
         return _of_events(said, scope)
-    chips = said.name or " or ".join(CHIPS)
+    chips = said.name or " or ".join(known_sensors())
     at = " at frame" if said.instant == "frame" else ""
     return _of_sentence(PHRASES["value"], scope, at=at, of=_of(said.name), chips=chips)
 

@@ -28,8 +28,9 @@ from os.path import isdir  # False also for a name that is too long
 from pathlib import Path
 from typing import Protocol, cast
 
-from ...core.discover import modules_with
+from ...core.discover import has_plugins, modules_with
 from ...core.input_files import note_input, open_regular
+from ...core.registered import registered
 from ...core.suggest import did_you_mean
 from ..capture.capture import BadCapture, Capture, Channel, Span, rate_of
 from ..capture.resample import resampled
@@ -69,19 +70,30 @@ class Writer(Format, Protocol):
 
 
 @cache
-def formats() -> dict[str, Format]:
-    """Return every format of this folder, by the name of its file."""
+def _shipped() -> dict[str, Format]:
     return {name: cast(Format, module) for name, module in modules_with("NAME", __name__, __path__).items()}
 
 
-def readers() -> dict[str, Reader]:
+def _with_plugins(shipped: dict[str, Format], installed: bool) -> dict[str, Format]:
+    """Return these formats and those of plugins: of the project here and, if asked, of installed distributions."""
+    if not installed and not has_plugins(Path()):
+        return shipped
+    return dict(registered("plugins").known_formats(shipped, installed))
+
+
+def formats(installed: bool = False) -> dict[str, Format]:
+    """Return every format of this folder and of plugins, by the name of its file. installed: see `_with_plugins`."""
+    return _with_plugins(_shipped(), installed)
+
+
+def readers(installed: bool = False) -> dict[str, Reader]:
     """Return the formats that can be read."""
-    return {name: cast(Reader, found) for name, found in formats().items() if hasattr(found, "read")}
+    return {name: cast(Reader, found) for name, found in formats(installed).items() if hasattr(found, "read")}
 
 
-def writers() -> dict[str, Writer]:
+def writers(installed: bool = False) -> dict[str, Writer]:
     """Return the formats that can be written, by suffix."""
-    able = [cast(Writer, found) for found in formats().values() if hasattr(found, "write")]
+    able = [cast(Writer, found) for found in formats(installed).values() if hasattr(found, "write")]
     return {suffix: writer for writer in able for suffix in getattr(writer, "WRITTEN", writer.SUFFIXES)}
 
 
@@ -103,9 +115,10 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
     for candidate in likely:
         if candidate.recognises(path, head):
             return candidate.read(path, rate, salvage)
-    for candidate in readers().values():
-        if candidate not in likely and candidate.recognises(path, head):
-            return candidate.read(path, rate, salvage)
+    for installed in (False, True):  # entry points are looked through last, since that takes long
+        for candidate in readers(installed).values():
+            if candidate not in likely and candidate.recognises(path, head):
+                return candidate.read(path, rate, salvage)
     if len(likely) == 1:
         return likely[0].read(path, rate, salvage)
     raise BadCapture(path, "its first bytes", repr(head[:24]) if head else "nothing", _known(), "export one of these")
@@ -119,7 +132,8 @@ def _readers_of(suffix: str) -> list[Reader]:
             module = importlib.import_module(f"{__name__}.{file.stem}")
             if hasattr(module, "read") and suffix in getattr(module, "SUFFIXES", ()):
                 found.append(cast(Reader, module))
-    return found
+    plugins = _with_plugins({}, False).values()
+    return [*found, *(cast(Reader, one) for one in plugins if hasattr(one, "read") and suffix in one.SUFFIXES)]
 
 
 def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -> tuple[str, ...]:
@@ -150,8 +164,9 @@ def ready_for(path: Path, capture: Capture) -> Capture:
 
 
 def _writer_of(path: Path) -> Writer:
-    able = writers()
-    name = path.name.casefold()
+    able, name = writers(), path.name.casefold()
+    if not any(name.endswith(known) for known in able):
+        able = writers(installed=True)
     suffix = max((known for known in able if name.endswith(known)), key=len, default=None)  # a suffix may have two dots
     if suffix is None:
         raise BadCapture(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.devices.chips import chip_models
-from periph_sim.devices.sensor_rounds import CHIPS
+from periph_sim.imu.sensors import SENSORS as CHIPS
 from tests.devices.bench import TIMEBASE, Bench, steady
 
 G_2, GAUSS_2_5, DEG_S_2000 = 0, 3, 3  # codes of full scales

@@ -7,6 +7,7 @@ runs      0   2   2 3
 from __future__ import annotations
 
 from random import Random
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
@@ -14,12 +15,12 @@ from hypothesis import strategies as st
 
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.time import NO_TIME
-from periph_sim.devices.host_pc import ramp
-from periph_sim.devices.model_codes import Computed, ModelCodes, register_bytes
-from periph_sim.devices.sensor_rounds import CHIPS as CHIP_DATA
-from periph_sim.devices.truth import shown
+from periph_sim.devices.host_frames import host_frames
+from periph_sim.devices.sensor_rounds import register_bytes
+from periph_sim.imu.host_frames import ramp, shown
+from periph_sim.imu.model_codes import Computed, ModelCodes
 from periph_sim.imu.models.parameters import AccelerometerParameters, ImuParameters
-from periph_sim.timing.derived import origins as origins_module
+from periph_sim.imu.sensors import SENSORS as CHIP_DATA
 from periph_sim.timing.derived.origin import BEFORE_ANY, Origin
 from periph_sim.timing.derived.origins import KEPT, RECENT, FrameOrigins, ModelOrigins, Origins
 
@@ -72,7 +73,7 @@ def moved(number: int) -> tuple[int, ...]:
 
 
 def test_a_frame_is_known_by_its_numbers_in_each_chips_byte_order():
-    bus = Bus(FrameOrigins())
+    bus = Bus(FrameOrigins(host_frames()))
     assert bus.read(GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6))
     bus.frame(4, (1, 2, 3, 4, 5, 6))
     assert bus.read(GYROSCOPE, bytes.fromhex("0001 0002 0003")) == Origin(4, 400, bytes.fromhex("000100020003"))
@@ -83,23 +84,23 @@ def test_a_frame_is_known_by_its_numbers_in_each_chips_byte_order():
 
 
 def test_equal_numbers_are_those_of_the_youngest_frame():
-    bus = Bus(FrameOrigins())
+    bus = Bus(FrameOrigins(host_frames()))
     for number in (1, 2, 3):
         bus.frame(number, (7,) * 6)
     found = bus.read(ACCELEROMETER, bytes.fromhex("0700 0700 0700"))
     assert found is not None and (found.frame, found.ended) == (3, 300)
 
 
-def test_the_bytes_of_a_frame_are_worked_out_once_for_each_chip(monkeypatch: pytest.MonkeyPatch):
+def test_the_bytes_of_a_frame_are_worked_out_once_for_each_chip():
     """They were remembered in as many places as a read walks through, so that each look-up missed."""
-    made, register_bytes = [], origins_module.register_bytes
-    monkeypatch.setattr(origins_module, "register_bytes", lambda *of: made.append(of) or register_bytes(*of))
-    bus = Bus(FrameOrigins())
+    made, kind = [], host_frames()
+    counting = SimpleNamespace(ADDRESSES=kind.ADDRESSES, data=lambda *of: made.append(of) or kind.data(*of))
+    bus = Bus(FrameOrigins(counting))
     for number in range(2 * RECENT):
         bus.frame(number, moved(number))
         for address in CHIPS:
             assert bus.read(address, b"no frame's") == bus.read(address, b"no frame's")
-    assert len([xyz for _, xyz in made if any(xyz)]) == len(CHIPS) * 2 * RECENT
+    assert len(made) == 2 * len(CHIPS) * 2 * RECENT, "once for the last frames, and once for the history of all"
 
 
 @given(st.lists(st.tuples(st.integers(1, 3), st.integers(0, 3)), min_size=1, max_size=12), st.integers(0, 6))
@@ -107,7 +108,7 @@ def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
     turns: list[tuple[int, int]], choice: int
 ):
     """turns: how many frames come, and how many the run that follows passes over. After each some chips are read."""
-    origins = ModelOrigins(COMPUTED)
+    origins = ModelOrigins(ModelCodes(COMPUTED))
     bus = Bus(origins)
     models, random = Models(origins), Random(choice)
     sent, taken = BEFORE_ANY, BEFORE_ANY
@@ -125,7 +126,7 @@ def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
 
 @pytest.mark.parametrize("address", CHIPS)
 def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(address: int):
-    origins = ModelOrigins(COMPUTED)
+    origins = ModelOrigins(ModelCodes(COMPUTED))
     bus = Bus(origins)
     models = Models(origins)
     for number in range(20):
@@ -140,7 +141,7 @@ def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(addres
 
 
 def test_a_read_that_began_before_the_models_were_over_carries_what_they_made_before():
-    origins = ModelOrigins(COMPUTED)
+    origins = ModelOrigins(ModelCodes(COMPUTED))
     bus = Bus(origins)
     models = Models(origins)
     for number in range(3):
@@ -156,7 +157,7 @@ def test_a_read_that_began_before_the_models_were_over_carries_what_they_made_be
 
 
 def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise():
-    origins = ModelOrigins(COMPUTED)
+    origins = ModelOrigins(ModelCodes(COMPUTED))
     bus = Bus(origins)
     for _ in range(2):
         origins.reset()
@@ -170,7 +171,7 @@ def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise()
 
 @pytest.mark.parametrize(("frames", "taken"), [(4, 0), (5, 0), (40, 0), (40, 39), (KEPT, 0)])
 def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, taken: int):
-    origins = ModelOrigins(COMPUTED)
+    origins = ModelOrigins(ModelCodes(COMPUTED))
     bus = Bus(origins)
     models = Models(origins)
     for number in range(frames):
@@ -183,7 +184,7 @@ def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, tak
 def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
     """Without that they are wrong."""
     for frames, runs, judged in ((KEPT - 1, 1, True), (2 * KEPT, 1, False), (20, 3, False)):
-        origins = ModelOrigins(COMPUTED)
+        origins = ModelOrigins(ModelCodes(COMPUTED))
         bus = Bus(origins)
         models = Models(origins)
         for number in range(frames):
@@ -199,7 +200,7 @@ def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
 
 
 def test_a_model_that_goes_on_with_a_frame_that_is_no_longer_kept_is_followed():
-    origins = ModelOrigins(COMPUTED)
+    origins = ModelOrigins(ModelCodes(COMPUTED))
     bus = Bus(origins)
     models = Models(origins)
     for number in range(3 * KEPT):
@@ -214,7 +215,7 @@ def test_two_runs_without_a_read_between_them_may_each_have_taken_any_frame():
     """What the second shows depends on the frames of three runs, not of two."""
     for second in range(4):
         for third in range(second, 4):
-            origins = ModelOrigins(COMPUTED)
+            origins = ModelOrigins(ModelCodes(COMPUTED))
             bus = Bus(origins)
             models = Models(origins)
             for number in range(4):
@@ -227,7 +228,7 @@ def test_two_runs_without_a_read_between_them_may_each_have_taken_any_frame():
 
 @pytest.mark.parametrize("passed", [RECENT, 40, 700])
 def test_a_chip_may_show_a_frame_after_any_number_of_others_but_never_go_back(passed: int):
-    bus = Bus(FrameOrigins())
+    bus = Bus(FrameOrigins(host_frames()))
     for number in range(passed + 2):
         bus.frame(number, ramp(number))
     first, second = (register_bytes(CHIP_DATA["gyroscope"], shown(ramp(n))["gyroscope"]) for n in range(2))
@@ -238,7 +239,7 @@ def test_a_chip_may_show_a_frame_after_any_number_of_others_but_never_go_back(pa
 
 
 def test_zeros_of_a_chip_that_has_shown_no_frame_are_right_at_first_and_later_not_judged():
-    bus = Bus(FrameOrigins())
+    bus = Bus(FrameOrigins(host_frames()))
     for number in range(RECENT - 1):
         bus.frame(number, moved(number))
     assert bus.read(GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6))
@@ -250,7 +251,7 @@ def test_zeros_of_a_chip_that_has_shown_no_frame_are_right_at_first_and_later_no
 
 
 def test_a_chain_never_goes_back_to_an_older_frame():
-    origins = ModelOrigins(COMPUTED)
+    origins = ModelOrigins(ModelCodes(COMPUTED))
     bus = Bus(origins)
     models = Models(origins)
     for number in range(3):
@@ -263,7 +264,7 @@ def test_a_chain_never_goes_back_to_an_older_frame():
 
 
 def test_of_bytes_that_are_no_frames_the_wanted_ones_agree_in_the_most():
-    bus = Bus(FrameOrigins())
+    bus = Bus(FrameOrigins(host_frames()))
     bus.frame(1, (1, 2, 3, 4, 5, 6))
     bus.frame(2, (0x101, 0x202, 0x303, 4, 5, 6))
     for got, wanted in (

@@ -5,8 +5,9 @@ from __future__ import annotations
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import NO_TIME
-from periph_sim.devices.host_pc import ramp
+from periph_sim.devices.host_frames import host_frames
 from periph_sim.devices.sensor_rounds import Round
+from periph_sim.imu.host_frames import ramp
 from periph_sim.timing.derived.age_records import AgeRecords
 from periph_sim.timing.derived.byte_records import ByteRecords
 from periph_sim.timing.derived.origins import FrameOrigins
@@ -33,7 +34,7 @@ class HandMadeRun:
         self.recorder = Recorder()
         self.measure = make(measure) if isinstance(measure, str) else measure
         self.measure.subscribe(self.recorder)
-        self.origins = origins or FrameOrigins()
+        self.origins = origins or FrameOrigins(host_frames())
         self.transfers = TransferRecords(self.recorder)
         self.bytes = ByteRecords(self.recorder, self.origins if checks_host else None)
         self.ages = AgeRecords(self.recorder, self.origins)

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.devices.host_pc import ramp
-from periph_sim.devices.sensor_rounds import CHIPS
+from periph_sim.imu.host_frames import ramp
+from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.scene.case.model import BadCase
 from periph_sim.timing.measures.combined import combine
 from periph_sim.timing.measures.measure import Measure

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TypedDict
 
 from ....bus.i2c.transfer import Transfer
-from ....devices.sensor_rounds import CHIPS
+from ....scene.plugins import sensors_of
 from ....timing.budget_plan import PER_MILLE
 from ....timing.budgets import BudgetJudge
 from ....timing.format_value import figure, limit
@@ -23,13 +23,11 @@ from ....timing.verdict import FAIL, NOT_JUDGED
 from ...serial_line import SerialLine
 from ...session import Session
 from ..pacing import STEPS, TOLERATED, Pacer
-from .attitude import resting_attitude
 from .last_round import LastRound, Wave
 
 WINDOW = 2.0  # seconds over which rates are averaged
 SELDOM = 10.0  # seconds between computations of a percentile, which needs all values
 SAID = 3  # shown sentences of doors
-UNITS = {"gyroscope": "deg/s", "accelerometer": "g", "magnetometer": "gauss"}
 FLAGS = {
     "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),
     "I2C": ("I2CSTR.AL", "I2CSTR.NACK", "I2CSTR.NACKSNT", "I2CSTR.RSFULL", "I2CSTR.SDIR", "I2CSTR.BB"),
@@ -103,10 +101,10 @@ class Status:
         self._said: deque[str] = deque(maxlen=SAID)
         self._readings: dict[str, Reading] = {}
         self._rounds = 0
+        self._known = sensors_of(session.case)
         self._before: deque[tuple[float, int, dict[str, int]]] = deque()
         self._percentiles: dict[str, tuple[float, BudgetSoFar]] = {}
         scene = session.scene
-        self._sensors = scene.sensors
         self._flags = [
             (f"{unit}.{module}", name)
             for unit, dsp in scene.units.items()
@@ -151,23 +149,20 @@ class Status:
 
     def _transferred(self, transfer: Transfer) -> None:
         for phase in transfer.phases:
-            for name, chip in CHIPS.items():
+            for name, chip in self._known.items():
                 if phase.read and phase.address == chip.address and len(phase.got) == 6:
                     per_unit = chip.lsb_per_unit
                     values = [float(value / per_unit) for value in chip.values(bytes(phase.got))]
-                    self._readings[name] = {"chip": name, "values": values, "unit": UNITS[name]}
+                    self._readings[name] = {"chip": name, "values": values, "unit": chip.unit}
 
     def _round(self, _: object) -> None:
         self._rounds += 1
 
     def _attitude(self) -> list[float] | None:
-        """Return the attitude if both sensors were read, from readings minus the known errors of the sensor models."""
-        accel, mag, sensors = self._readings.get("accelerometer"), self._readings.get("magnetometer"), self._sensors
-        if sensors is None or accel is None or mag is None:
-            return None
-        gravity = _less(accel["values"], sensors.accelerometer.bias)
-        field = _less(mag["values"], sensors.magnetometer.hard_iron)
-        return [*resting_attitude(gravity, field, sensors.magnetometer.earth_field)]
+        """Return the attitude if the firmware's model knows it from the readings."""
+        model = self._session.scene.model
+        readings = {name: reading["values"] for name, reading in self._readings.items()}
+        return None if model is None else model.attitude(readings)
 
     def _rates(self, totals: dict[str, int]) -> dict[str, float]:
         now, tick = self._clock(), self._session.now
@@ -213,7 +208,3 @@ class Status:
             "tolerated": TOLERATED,
             "when_late": pacer.when_late,
         }
-
-
-def _less(values: Sequence[float], bias: Sequence[float]) -> list[float]:
-    return [value - known for value, known in zip(values, bias, strict=True)]

@@ -7,11 +7,12 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim.devices.model_codes import Computed, ModelCodes, register_bytes
-from periph_sim.devices.sensor_rounds import CHIPS
+from periph_sim.devices.sensor_rounds import register_bytes
+from periph_sim.imu.model_codes import Computed, ModelCodes
 from periph_sim.imu.models.imu import Codes, Imu
 from periph_sim.imu.models.parameters import ImuParameters, MagnetometerParameters
 from periph_sim.imu.numeric import arithmetic_names as named
+from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.imu.shared_models import ModelNoise
 
 IMU = ImuParameters()

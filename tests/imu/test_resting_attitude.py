@@ -6,7 +6,7 @@ from math import cos, radians, sin
 
 import pytest
 
-from periph_sim.outside.live.view.attitude import resting_attitude
+from periph_sim.imu.resting_attitude import resting_attitude
 
 FIELD = (0.3, -0.05, 0.4)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.sampler import watch
-from periph_sim.devices.host_pc import encode
+from periph_sim.imu.host_frames import encode
 from periph_sim.imu.motion import BadMotion
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase

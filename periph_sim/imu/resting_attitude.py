@@ -2,7 +2,7 @@
 
     gravity --> roll, pitch --turn the field level--> yaw
 
-An accelerometer at rest, level and z down, reads (0, 0, -1 g). `imu.attitude` has a filter that tolerates motion.
+An accelerometer at rest, level and z down, reads (0, 0, -1 g). `attitude` has a filter that tolerates motion.
 """
 
 from __future__ import annotations

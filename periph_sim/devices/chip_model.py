@@ -1,0 +1,58 @@
+"""Interface of the models by which firmware computes the register bytes of chips from host frames.
+
+    frame --ChipModel.run--> Shown --data--> bytes, by address
+
+A model of which the firmware uses one is a subclass of `ChipModel`: it computes what a controller should read.
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from typing import Any, final
+
+
+@final
+class Shown:
+    """The register bytes of the chips after one run of a model; those of a chip are computed on first use.
+
+    state: of the model, for the next run. model: None before the first run, with zeros in all chips.
+    """
+
+    def __init__(self, model: ChipModel | None, state: Any, inputs: tuple[Any, ...]) -> None:
+        self.state = state
+        self._model = model
+        self._inputs = inputs  # arguments of the model's data_of that follow the address
+        self._data: dict[int, bytes] = {}
+
+    def data(self, address: int) -> bytes:
+        """Return the register bytes of the chip with this address."""
+        known = self._data.get(address)
+        if known is None:
+            known = self._data[address] = self._made(address)
+        return known
+
+    def _made(self, address: int) -> bytes:
+        return bytes(BYTES) if self._model is None else self._model.data_of(address, self._inputs)
+
+
+BYTES = 6  # that a chip shows before the first run
+
+
+class ChipModel:
+    """addresses: of the chips that it computes. no_frame: its input before a frame has come.
+
+    at_rest: the output before the first run, with zeros in all chips.
+    """
+
+    addresses: frozenset[int]
+    no_frame: tuple[int, ...]
+    at_rest: Shown
+
+    def run(self, number: int, values: tuple[int, ...], before: Shown) -> Shown:
+        """Return the result of run `number`, from 0, for the values of a frame. before: the result of the last run."""
+        raise NotImplementedError
+
+    def data_of(self, address: int, inputs: tuple[Any, ...]) -> bytes:
+        """Return the register bytes of one chip."""
+        raise NotImplementedError

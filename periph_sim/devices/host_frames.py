@@ -1,0 +1,75 @@
+"""Interface of the module that defines the frames of a [host]: values, bytes, and what chips show of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any, Literal, Protocol, TypeVar, cast
+
+from ..core.registered import registered
+
+ByteOrder = Literal["little", "big"]
+T = TypeVar("T")
+
+
+class FrameEncoding(Protocol):
+    """Settings of [host.encoding]."""
+
+    @property
+    def byte_order(self) -> ByteOrder: ...
+
+
+class FrameSource(Protocol):
+    """The values of frames by number, of a motion. beyond: how often each value was beyond its range."""
+
+    @property
+    def motion(self) -> Any: ...
+
+    @property
+    def beyond(self) -> Counter[str]: ...
+
+    def __call__(self, number: int) -> tuple[int, ...]: ...
+
+
+class HostFrames(Protocol):
+    """The definitions of the module. FRAME_BYTES: of a frame. PARTS: named values of a frame, x, y and z.
+
+    ADDRESSES: of the chips that show values of a frame where firmware has no model. Encoding: its class of settings.
+    """
+
+    FRAME_BYTES: int
+    PARTS: Mapping[str, slice]
+    ADDRESSES: frozenset[int]
+
+    def encoding_type(self) -> type[object]:
+        """Return the dataclass of [host.encoding]."""
+
+    def motion_settings(self) -> Mapping[str, type[object]]:
+        """Return the dataclass of each kind of [host.motion]."""
+
+    def encoding_of(self, given: dict[str, object]) -> FrameEncoding:
+        """Return the encoding of the frames. Raise BadSetting, naming the setting, if one is wrong."""
+
+    def frames_of(self, given: dict[str, object], encoding: Any, first: Fraction, period: Fraction) -> FrameSource:
+        """Return the frames of the motion in `given`. Raise BadSetting, naming the setting, if one is wrong."""
+
+    def ramp(self, number: int) -> tuple[int, ...]:
+        """Return the values of a frame without a motion."""
+
+    def encode(self, values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
+        """Return the bytes of a frame. OverflowError for a value that does not fit."""
+
+    def decode(self, data: bytes) -> tuple[int, ...]:
+        """Return the values of a frame from its bytes, low byte first."""
+
+    def shown(self, values: Sequence[T]) -> Mapping[str, Sequence[T]]:
+        """Return by chip what it shows of the values of a frame without a model: x, y, z."""
+
+    def data(self, address: int, values: tuple[int, ...]) -> bytes:
+        """Return the register bytes of the chip with this address while it shows the values of a frame."""
+
+
+def host_frames() -> HostFrames:
+    """Return the module."""
+    return cast(HostFrames, registered("host frames"))

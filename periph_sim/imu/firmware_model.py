@@ -1,0 +1,105 @@
+"""Firmware that computes the sensors: what a scene asks it about (`scene.firmware_model`).
+
+settings with sensors, arithmetic, noise_seed --firmware_model--> ImuFirmware
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from ..scene.case.model import Case
+from .models.parameters import ImuParameters
+from .sensor_period import check_sensor_period
+
+if TYPE_CHECKING:
+    from ..devices.chip_model import ChipModel
+    from ..devices.truth import Axes
+    from .motion import Motion
+
+
+class ImuFirmware:
+    """A `FirmwareModel`. settings: of the firmware; its `arithmetic` and `noise_seed` say how it computes."""
+
+    def __init__(self, parameters: ImuParameters, settings: object) -> None:
+        self.parameters = parameters
+        self._settings = settings
+        arithmetic: object = getattr(settings, "arithmetic", None)
+        self._arithmetic = arithmetic if isinstance(arithmetic, str) else None
+        self._noise_seed: Any = getattr(settings, "noise_seed", None)
+
+    def check(self, case: Case, unit: str) -> None:
+        """Raise BadCase unless the case runs the models at their period."""
+        check_sensor_period(case, unit, self._settings, self.parameters)
+
+    def codes(self) -> ChipModel | None:
+        """Return the model of the chips' bytes; None if no setting says its arithmetic."""
+        if self._arithmetic is None:
+            return None
+        from .model_codes import Computed, ModelCodes
+
+        return ModelCodes(Computed(self.parameters, self._arithmetic, self._noise_seed))
+
+    def truth(self, motion: Motion, first: Fraction) -> MotionTruth:
+        """Return the true values. first: seconds of the motion's time at which frame 0 is due."""
+        return MotionTruth(self.parameters, motion, first)
+
+    def attitude(self, readings: Mapping[str, Sequence[float]]) -> list[float] | None:
+        """Return roll, pitch, yaw of the resting body in degrees; None before accelerometer and magnetometer were read.
+
+        readings: by chip, x, y, z in its unit. The known errors of the sensors are subtracted.
+        """
+        from .resting_attitude import resting_attitude
+
+        accel, mag, sensors = readings.get("accelerometer"), readings.get("magnetometer"), self.parameters
+        if accel is None or mag is None:
+            return None
+        gravity = _less(accel, sensors.accelerometer.bias)
+        field = _less(mag, sensors.magnetometer.hard_iron)
+        return [*resting_attitude(gravity, field, sensors.magnetometer.earth_field)]
+
+
+def firmware_model(settings: object) -> ImuFirmware | None:
+    """Return the model of a firmware with these settings; None if its `sensors` are not those of an IMU."""
+    sensors: object = getattr(settings, "sensors", None)
+    return ImuFirmware(sensors, settings) if isinstance(sensors, ImuParameters) else None
+
+
+def _less(values: Sequence[float], bias: Sequence[float]) -> list[float]:
+    return [value - known for value, known in zip(values, bias, strict=True)]
+
+
+class MotionTruth:
+    """What ideal sensors with the same parameters would show of the true motion, computed in float64.
+
+    It has no noise: a sensor's noise is not a property of the body, and the sample in a read depends on the firmware's
+    timing, of which truth is independent. first: seconds of the motion's time at which frame 0 is due.
+    """
+
+    KEPT = 64  # cached instants: each is used for several chips and budgets
+
+    def __init__(self, imu: ImuParameters, motion: Motion, first: Fraction) -> None:
+        self._imu = imu
+        self._motion = motion
+        self._first = first
+        self._at: Callable[[Fraction], Mapping[str, Axes]] | None = None  # built on first use, which few runs need
+
+    def at(self, seconds: Fraction) -> Mapping[str, Axes]:
+        if self._at is None:
+            self._at = lru_cache(self.KEPT)(self._sensed())
+        return self._at(seconds)
+
+    def _sensed(self) -> Callable[[Fraction], Mapping[str, Axes]]:
+        import numpy as np
+
+        from .models.sensed_motion import SensedMotion  # computes arrays
+
+        felt = SensedMotion(self._imu, self._motion)
+
+        def at(seconds: Fraction) -> Mapping[str, Axes]:
+            values = felt.lsb(np.array([float(self._first + seconds)]))
+            return {chip: tuple(axes[0].tolist()) for chip, axes in values.items()}
+
+        return at

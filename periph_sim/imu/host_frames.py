@@ -1,0 +1,103 @@
+"""The frames that a [host] sends: six signed 16-bit values, three angles and three accelerations.
+
+    [host.motion], [host.encoding] or a ramp --> values of frame n --> bytes, and what chips show of them
+
+The dissertation leaves the encoding open: low byte first is a choice of ours. Nothing in a frame marks its start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from struct import Struct, error
+from typing import TYPE_CHECKING, TypeVar
+
+from ..core.suggest import did_you_mean
+from ..devices.host_frames import ByteOrder
+from ..devices.sensor_rounds import register_bytes
+from ..scene.firmware_loader import BadSetting, shared
+from .sensors import SENSORS
+
+if TYPE_CHECKING:
+    from .host_frame import Encoding, MotionFrames
+
+T = TypeVar("T")
+
+VALUES = 6
+FRAME_BYTES = 2 * VALUES
+PACKED = {"little": Struct(f"<{VALUES}h"), "big": Struct(f">{VALUES}h")}
+RAMP = ((1, 1), (3, 1000), (5, -2000), (7, 12), (11, -34), (13, 1000))
+PARTS = {"angles": slice(0, 3), "accelerations": slice(3, 6)}
+SHOWN = {"gyroscope": "angles", "accelerometer": "accelerations", "magnetometer": "angles"}  # without sensor models
+BY_ADDRESS = {SENSORS[name].address: (SENSORS[name], PARTS[part]) for name, part in SHOWN.items()}
+ADDRESSES = frozenset(BY_ADDRESS)
+
+
+def ramp(number: int) -> tuple[int, ...]:
+    """Return values unique for minutes, so that a byte on the bus identifies its frame."""
+    return tuple((number * step + start + 0x8000) % 0x10000 - 0x8000 for step, start in RAMP)
+
+
+def encode(values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
+    """Return the bytes of a frame. OverflowError for a value that does not fit 16 bits."""
+    try:
+        return PACKED[byte_order].pack(*values)
+    except error:
+        raise OverflowError(f"{values} do not all fit 16 bits") from None
+
+
+def decode(data: bytes) -> tuple[int, ...]:
+    """Return the values of a frame from its bytes, low byte first."""
+    return PACKED["little"].unpack(data)
+
+
+def shown(values: Sequence[T]) -> dict[str, Sequence[T]]:
+    """Return what the chips show of a frame's six values without sensor models."""
+    return {name: values[PARTS[part]] for name, part in SHOWN.items()}
+
+
+def data(address: int, values: tuple[int, ...]) -> bytes:
+    """Return the register bytes of the chip with this address while it shows the values of a frame."""
+    chip, part = BY_ADDRESS[address]
+    return register_bytes(chip, values[part])
+
+
+def encoding_type() -> type[object]:
+    """Return the dataclass of [host.encoding]."""
+    from .host_frame import Encoding
+
+    return Encoding
+
+
+def motion_settings() -> Mapping[str, type[object]]:
+    """Return the dataclass of each kind of [host.motion]."""
+    from .motion import kinds
+
+    return {name: kind.Settings for name, kind in kinds().items()}
+
+
+def encoding_of(given: dict[str, object]) -> Encoding:
+    """Return the encoding of the frames. Raise BadSetting, naming the setting, if one is wrong."""
+    from .host_frame import Encoding
+
+    return shared(Encoding, given, "host.encoding")
+
+
+def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, period: Fraction) -> MotionFrames:
+    """Return the frames of the motion in `given`. Raise BadSetting, naming the setting, if one is wrong."""
+    from .host_frame import MotionFrames
+    from .motion import kind_named, kinds
+
+    settings = dict(given)
+    name = settings.pop("kind", None)
+    if name is None:
+        raise BadSetting(f"it has no kind; the kinds are {', '.join(kinds())}", "kind")
+    kind = kind_named(str(name))
+    if kind is None:
+        raise BadSetting(f"there is no motion {name!r}; {did_you_mean(str(name), kinds())}", "kind")
+    checked = shared(kind.Settings, settings, f"motion {name}")
+    try:
+        motion = kind.motion(checked)
+    except ValueError as error:  # BadMotion; of a file BadCapture, too, whose module would bring numpy
+        raise BadSetting(str(error), "") from None
+    return MotionFrames(motion, encoding, first, period)

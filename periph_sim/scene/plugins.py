@@ -1,0 +1,173 @@
+"""Plugins: modules of users that define what cases and commands may name, beside what is shipped.
+
+    [tool.periph-sim] plugins = ["barometer.py"] --.
+    entry points of the group `periph_sim` ---------+--> modules --by what they define--> chips, sensors, devices, ...
+
+A module needs no call to register: it is found by the names in `DEFINES`. A file is imported as firmware is: in a
+package of its own, with what it imports beside it. Entry points are looked through only for a name that neither
+periph_sim nor the project has, since that takes longer than many runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache, lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from msgspec import Struct
+
+from ..core.input_files import note_input
+from ..devices.sensor_rounds import ChipData, known_sensors
+from ..processor.user_code import PASSES, UserCode
+from .case.model import BadCase, Case
+from .firmware_files import module_of_file, why_not_loaded
+from .project import project_of
+
+if TYPE_CHECKING:
+    from ..devices.chips.register_chip import RegisterChip
+
+T = TypeVar("T")
+GROUP = "periph_sim"  # of entry points
+STALL_LIMIT = 10.0  # seconds for the import of a plugin
+
+
+class Kind(Struct, frozen=True):
+    """what: a noun for messages. named: returns the definitions of a module by name."""
+
+    what: str
+    named: Callable[[Plugin], Mapping[str, Any]]
+
+
+class Plugin(Struct, frozen=True):
+    """A module of a user. name: of its file, or of its entry point."""
+
+    name: str
+    module: ModuleType
+
+    def place(self, attribute: str) -> str:
+        """Return the place at which the module defines an attribute, "line 7 of barometer.py"."""
+        import ast
+
+        file = Path(self.module.__file__ or self.name)
+        for node in ast.parse(file.read_bytes()).body if file.is_file() else ():
+            targets = getattr(node, "targets", [getattr(node, "target", node)])
+            if attribute in {getattr(target, "id", getattr(target, "name", "")) for target in targets}:
+                return f"line {node.lineno} of {file.name}"
+        return file.name
+
+
+DEFINES = {
+    "CHIP": Kind("chip", lambda plugin: {plugin.name: _chip(plugin)}),
+    "KIND": Kind("kind of watcher", lambda plugin: {plugin.module.KIND: plugin.module}),
+    "NAME": Kind("capture format", lambda plugin: {plugin.name: plugin.module} if _is_format(plugin) else {}),
+    "MODELS": Kind("device", lambda plugin: dict.fromkeys(plugin.module.MODELS, plugin.module)),
+    "SENSORS": Kind("sensor", lambda plugin: _sensors(plugin)),
+    "attach": Kind("kind of fault", lambda plugin: {plugin.name: plugin.module}),
+}
+
+
+def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterable[str] = ()) -> Mapping[str, T]:
+    """Return what is known by name: shipped, and of the plugins of the project that a folder belongs to.
+
+    attribute: one of `DEFINES`. names: those that a case gives; if one is unknown, entry points are looked through,
+    too. BadCase if a plugin cannot be loaded, or if two define one name.
+    """
+    found, places = dict(shipped), dict.fromkeys(shipped, "periph_sim")
+    _add(found, places, attribute, _project_plugins(folder))
+    if any(name not in found for name in names):
+        _add(found, places, attribute, _installed_plugins())
+    return found
+
+
+def sensors_of(case: Case, names: Iterable[str] = ()) -> Mapping[str, ChipData]:
+    """Return the sensors that a case may name in `order`. names: those that it does name."""
+    return known(case.folder, "SENSORS", known_sensors(), names)
+
+
+def known_formats(shipped: Mapping[str, T], installed: bool) -> Mapping[str, T]:
+    """Return the capture formats known in the present folder by name. installed: those of entry points, too."""
+    return known(Path(), "NAME", shipped, [""] if installed else ())
+
+
+def _is_format(plugin: Plugin) -> bool:
+    return hasattr(plugin.module, "SUFFIXES")
+
+
+def _add(found: dict[str, Any], places: dict[str, str], attribute: str, plugins: Iterable[Plugin]) -> None:
+    """Add what plugins define. places: of the definitions so far, by name, for messages."""
+    for plugin in plugins:
+        if not hasattr(plugin.module, attribute):
+            continue
+        kind, place = DEFINES[attribute], plugin.place(attribute)
+        for name, one in kind.named(plugin).items():
+            if name in found:
+                what = f"there is a {kind.what} {name!r} already, in {places[name]}"
+                raise BadCase(f"{place}: {what}; give one of them another name")
+            found[name], places[name] = one, place
+
+
+def _chip(plugin: Plugin) -> type[RegisterChip]:
+    from ..devices.chips.register_chip import RegisterChip
+
+    found: object = plugin.module.CHIP
+    if not (isinstance(found, type) and issubclass(found, RegisterChip)):
+        raise BadCase(f"{plugin.place('CHIP')}: CHIP is {found!r}; expected a class derived from RegisterChip")
+    lacking = [name for name in ("MAP", "SECTION", "ADDRESSES", "OPTIONS") if not hasattr(found, name)]
+    if lacking:
+        raise BadCase(f"{plugin.place('CHIP')}: class {found.__name__} has no {lacking[0]}; give it one")
+    return found
+
+
+def _sensors(plugin: Plugin) -> Mapping[str, ChipData]:
+    found: object = plugin.module.SENSORS
+    if isinstance(found, dict) and all(isinstance(one, ChipData) for one in found.values()):
+        return found
+    raise BadCase(
+        f"{plugin.place('SENSORS')}: SENSORS is {found!r}; expected a dict of names and their ChipData "
+        "(periph_sim.devices.sensor_rounds)"
+    )
+
+
+def _project_plugins(folder: Path) -> list[Plugin]:
+    """Return the plugins in `[tool.periph-sim]`. BadCase if one cannot be loaded."""
+    project = project_of(folder)
+    found = []
+    for text in project.settings.plugins:
+        path = project.folder / text
+        if not path.is_file():
+            raise BadCase(f"{project.where('plugins')}: there is no file {text!r}; its path counts from this file")
+        stat = note_input(path).stat()
+        try:
+            module = _module(path, stat.st_mtime_ns, stat.st_size)
+        except PASSES:
+            raise
+        except BaseException as error:
+            why = why_not_loaded(error, path.parent)
+            raise BadCase(f"{project.where('plugins')}: {text} cannot be loaded: {why}") from None
+        found.append(Plugin(path.stem, module))
+    return found
+
+
+@lru_cache(maxsize=64)
+def _module(path: Path, changed: int, size: int) -> ModuleType:
+    """Return the module of a file, imported anew if the file has changed."""
+    return UserCode(f"plugin {path.name}", STALL_LIMIT).in_time(module_of_file, path)
+
+
+@cache
+def _installed_plugins() -> tuple[Plugin, ...]:
+    """Return the plugins of installed distributions. BadCase if one cannot be loaded."""
+    from importlib.metadata import entry_points
+
+    found = []
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
+        try:
+            found.append(Plugin(entry.name, UserCode(f"plugin {entry.name}", STALL_LIMIT).in_time(entry.load)))
+        except PASSES:
+            raise
+        except BaseException as error:
+            why = why_not_loaded(error, Path())
+            raise BadCase(f"entry point {entry.name!r} of {GROUP}, {entry.value}: it cannot be loaded: {why}") from None
+    return tuple(found)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ..f28335.i2c.options import I2cOptions
     from ..timing.measures.reply import Reply
     from .bit_skip import bit_skip_of
+    from .case.measures import measures_of
     from .controller import build_head, head_plan, rounds_of, skips_bits
     from .deadlock import deadlock_reason
     from .derived_records import DerivedRecords
@@ -40,6 +41,7 @@ _HOMES = {
     "bus.i2c.stuck_watch": ("STUCK_AFTER", "StuckWatch"),
     "f28335.i2c.options": ("I2cOptions",),
     "timing.measures.reply": ("Reply",),
+    "scene.case.measures": ("measures_of",),
     "scene.bit_skip": ("bit_skip_of",),
     "scene.controller": ("build_head", "head_plan", "rounds_of", "skips_bits"),
     "scene.deadlock": ("deadlock_reason",),
@@ -84,6 +86,7 @@ __all__ = [
     "host_plan",
     "limits_of",
     "logged_outside",
+    "measures_of",
     "not_run",
     "put_on_bus",
     "restore_scene",

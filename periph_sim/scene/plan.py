@@ -69,9 +69,9 @@ class ScenePlan:
 
     @property
     def scope(self) -> Scope:
-        """The names that budgets may use. With images it is made anew each time, since their files may have changed."""
+        """The names that budgets may use. Made anew each time if another file has some of them: it may have changed."""
         wiring = self.wiring
-        if any(unit.image for unit in self.case.unit.values()):
+        if self.case.measures_from or any(unit.image for unit in self.case.unit.values()):
             return scope_of_case(self.case, wiring)
         return self._part("scope", lambda plan, case: scope_of_case(case, plan.wiring))
 

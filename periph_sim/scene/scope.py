@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..core.suggest import did_you_mean
 from ..timing.language.scope import MAPS, Scope
+from . import parts
 from .case.model import Case
 from .case.wiring import Wiring, sci_lines, wiring_of
 
@@ -43,6 +44,7 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
         pairs,
         {name: _ImageNames(unit.image) for name, unit in case.unit.items() if unit.image},
         next((name for name, unit in case.unit.items() if not unit.firmware), ""),
+        parts.measures_of(case) if case.measures or case.measures_from else {},
     )
 
 

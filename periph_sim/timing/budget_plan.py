@@ -20,7 +20,7 @@ from ..core.time import NO_TIME, Timebase, round_ratio
 from .budget_schema import Budget
 from .language.scope import BadEvent, Scope
 from .measures.event import EventCount
-from .measures.factory import maker_of
+from .measures.factory import expanded, maker_of
 from .measures.measure import MILLIONTHS, Measure
 
 PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
@@ -43,8 +43,9 @@ class BadBudget(ValueError):
 
 
 class BudgetPlan(Struct, frozen=True):
-    """given: the limits as the table has them. limits: in ticks, millionths or counts. not_before: of its measure.
+    """text: its measure's sentence. given: the limits as the table has them. limits: in ticks, millionths or counts.
 
+    not_before: of its measure.
     joined: each condition that is joined to it, as a budget. same_as: the place of the budget before it that has the
     same measure; -1 for none.
     """
@@ -79,8 +80,10 @@ def plan_of(
     scope: what a measure of events may name. start: the tick at which the run begins. others: the plans of the budgets
     before it in the same scene.
     """
+    scope = scope or Scope()
     try:
-        make = maker_of(budget.measure, scope or Scope())
+        text = expanded(budget.measure, scope.measures)
+        make = maker_of(text, scope)
     except BadEvent as error:
         raise BadBudget(str(error), "measure") from None
     measure = make()
@@ -93,7 +96,7 @@ def plan_of(
             raise BadBudget(f"{budget.measure!r} is one number a run, so none of it can be left out", "after")
         not_before = start + timebase.ticks(budget.after, "nearest")
     joined = tuple(_joined(budget, measure, entry, timebase, scope, start) for entry in range(len(budget.also)))
-    plan = BudgetPlan(budget.measure, budget.after, make, given, limits, not_before, joined, -1)
+    plan = BudgetPlan(text, budget.after, make, given, limits, not_before, joined, -1)
     places = (place for place, other in enumerate(others) if other.same_as < 0 and plan.measures_as(other))
     return replace(plan, same_as=next(places, -1))
 

@@ -39,6 +39,7 @@ class BudgetJudge:
 
     same_as: BudgetJudge | None
     own_measures: list[Measure]
+    _sentence: str
     _given: dict[str, str | int]
     _limits: dict[str, int]
     _coverage_of: Fraction
@@ -50,6 +51,7 @@ class BudgetJudge:
         self._timebase = timebase
         self._given = plan.given
         self._limits = plan.limits
+        self._sentence = plan.text
         self._found = ""
         self._coverage_of = budget.coverage
         self.same_as = None if plan.same_as < 0 else others[plan.same_as]
@@ -138,7 +140,7 @@ class BudgetJudge:
             at, until = measure.refuted_at, measure.refuted_until
         return Verdict(
             name=self.budget.name,
-            measure=self.budget.measure,
+            measure=self._sentence,
             unit="us" if measure.unit == "time" else measure.unit,
             worst=None if silent else self.show(nearest.value),
             limit=self.show(nearest.limit),

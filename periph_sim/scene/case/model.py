@@ -285,6 +285,8 @@ class Case(Table, frozen=True, kw_only=True):
 
     disable: optimizations that are off. fidelity: a level of earlier versions, which has no effect.
 
+    measures, measures_from: sentences of the user's own by name, and a file of more.
+
     breaks: names of the budgets that a known bug breaks; `periph-sim check` passes only if exactly those do."""
 
     name: str
@@ -308,6 +310,8 @@ class Case(Table, frozen=True, kw_only=True):
     watch: dict[str, WatchTable] = {}
     outside: OutsideTable | None = None
     fault: tuple[dict[str, object], ...] = ()
+    measures: dict[str, str] = {}
+    measures_from: str = ""
     budget: tuple[Budget, ...] = ()
     breaks: tuple[str, ...] = ()
     _source: Source | None = None

@@ -62,6 +62,7 @@ class Scope:
 
     rounds: the requests of the controller's rounds are known, whichever party it is.
     images: units that run an image, each with the names in it.
+    measures: sentences of the user's own, by name.
     uncounted: a unit whose program reports no overflows, since it is no Python firmware; empty if there is none.
     """
 
@@ -74,6 +75,7 @@ class Scope:
     pairs: tuple[str, ...] = field(default=(), compare=False)
     images: Mapping[str, ImageNames] = field(default_factory=dict, compare=False)
     uncounted: str = field(default="", compare=False)
+    measures: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.lines:

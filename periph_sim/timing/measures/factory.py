@@ -6,7 +6,7 @@ text --registry--> the sentence of that name --.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TypeAlias
 
@@ -41,8 +41,37 @@ ROLES = {
     "unless": UNLESS,
     "unfinished": UNFINISHED,
 }
+JITTER = "jitter of "
 UNNAMED = Sentence("", nothing=None)
 Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so it serves all scenes of a case
+
+
+def expanded(text: str, sentences: Mapping[str, str]) -> str:
+    """Return the sentence that a measure's text stands for. BadEvent if it is defined by itself."""
+    before, names = "", [text]
+    while text in sentences or text.startswith(JITTER):
+        if text in sentences:
+            text = sentences[text]
+        else:
+            before, text = before + JITTER, text.removeprefix(JITTER)
+        if text in names:
+            raise BadEvent(f"measure {text!r} is defined by itself; write it in events")
+        names.append(text)
+    return before + text
+
+
+def check_measure(name: str, sentences: Mapping[str, str]) -> None:
+    """Raise BadEvent if the sentence of this name says no measure, in whatever scene, or if the name has a meaning."""
+    if name in MEASURES or name in PHRASES or is_form(name) or name.startswith((SPAN, REPLY, WATCH)):
+        raise BadEvent(f"there is a measure {name!r} already; give this one another name")
+    text = expanded(name, sentences)
+    if is_form(text):
+        said = measure_of(text)
+        while said.of is not None:
+            said = said.of
+        text = said.name if said.form == "jitter" else ""
+    if text not in ("", *MEASURES, OVERFLOWS) and not text.startswith((SPAN, REPLY, WATCH)):
+        raise _unknown(text, sentences)
 
 
 def measure_named(text: str, scope: Scope) -> Measure:
@@ -69,14 +98,18 @@ def _called(name: str, scope: Scope) -> Maker:
             what = "overflows are counted by Python firmware that reports them"
             raise BadEvent(f"{name!r}: {what}, and {scope.uncounted} does not run such firmware; leave the budget out")
         return _of_sentence(PHRASES[OVERFLOWS], scope)
+    raise _unknown(name, scope.measures)
+
+
+def _unknown(name: str, sentences: Mapping[str, str]) -> BadEvent:
     form = near_form(name)
     if form:
-        raise BadEvent(f"there is no measure {name!r}; did you mean {form}?")
-    names = [*MEASURES, OVERFLOWS, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]
+        return BadEvent(f"there is no measure {name!r}; did you mean {form}?")
+    names = [*sentences, *MEASURES, OVERFLOWS, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]
     hint = did_you_mean(name, names)
     if not hint.startswith("did you mean"):
         hint = f"it has {', '.join(names)}, and {', '.join(FORMS.values())}"
-    raise BadEvent(f"there is no measure {name!r}; {hint}")
+    return BadEvent(f"there is no measure {name!r}; {hint}")
 
 
 def make_of_events(text: str, scope: Scope) -> Measure:

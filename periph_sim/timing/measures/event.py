@@ -8,8 +8,8 @@ from __future__ import annotations
 from ...core.records import UNWANTED, Kind, Recorder
 from ...core.time import NO_TIME
 from ..language.events import Matcher
-from .event_pairing import NO_CLAUSES, Clauses, EventMeasure, span_hint
-from .measure import Counter, Measure, MeasuredScene
+from .event_pairing import EventMeasure
+from .measure import Measure, MeasuredScene
 
 OF_UNIT = 1 << 30  # the tag of an access of the unit; those of its events are below
 
@@ -31,26 +31,6 @@ class Period(EventMeasure):
 
     def unfinished_text(self) -> str:
         return f"{self.matchers[0].text!r} did not come again before the run ended"
-
-
-class EventCount(EventMeasure, Counter):
-    """Number of occurrences of an event. Zero is a value, except for free-text names, which may be misspelled."""
-
-    def __init__(self, event: Matcher, clauses: Clauses = NO_CLAUSES) -> None:
-        super().__init__(event, clauses=clauses)
-        self.event = event
-
-    def happened(self, place: int, tick: int, value: int) -> None:
-        self.one_more(tick)
-
-    @property
-    def silent(self) -> bool:
-        return self.ungiven or (self.event.free and not self.count)
-
-    def missing(self) -> str:
-        if self.ungiven:
-            return super().missing()
-        return f"no event matched {self.event.text!r}; {span_hint(self.event.what, self.spans or set())}"
 
 
 class LevelAt(EventMeasure):

@@ -20,13 +20,13 @@ from ..budget_schema import REPLY, SPAN, WATCH
 from ..language.events import OF_AGENT, Group, Matcher, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, name_text, near_form
 from ..language.scope import BadEvent, Scope
-from .event import EventCount, Jitter, LevelAt, Period, ToFirstAccess
+from .event import Jitter, LevelAt, Period, ToFirstAccess
 from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses
+from .event_values import EventCount, SumOf, ValueOf
 from .load import BusLoad, CpuLoad
 from .margin import HeldPerTransfer, Margin
 from .measure import Measure
 from .pair import Between, CountBetween
-from .recorded import SumOf, ValueOf
 from .registry import MEASURES, PHRASES, Sentence
 from .reply import Reply
 from .span import SpanTime

@@ -233,27 +233,3 @@ class Measure(Listener):
         self.cut_off += 1
         if not alone:
             self.least, self.least_at = least, least_at
-
-
-class Counter(Measure):  # core: python
-    """Number of something: worst is how many there were, worst_at when the first one was. Zero is a value.
-
-    Verdicts show at how many of its occasions it was measured, where it has any.
-    """
-
-    unit = "count"
-    series = False
-
-    @property
-    def silent(self) -> bool:
-        return False
-
-    @property
-    def counted(self) -> int:
-        return self.count if self.occasions is None else self.measured
-
-    def one_more(self, at: int, by: int = 1) -> None:
-        if not self.count:
-            self.worst_at = self.least_at = at
-        self.count += by
-        self.worst = self.least = self.count

@@ -6,6 +6,7 @@ Of two events at one tick the one recorded first is the earlier one.
 from __future__ import annotations
 
 from ...core.records import UNWANTED, Kind, Recorder
+from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import Matcher
 from .event_pairing import EventMeasure
@@ -17,8 +18,11 @@ OF_UNIT = 1 << 30  # the tag of an access of the unit; those of its events are b
 class Period(EventMeasure):
     """Time from an event to the next of its kind."""
 
+    STATE = State(ticks="_last")
+
     def __init__(self, event: Matcher) -> None:
         super().__init__(event)
+        self.looks_back = "the occurrence before"
         self._last = NO_TIME
 
     def happened(self, place: int, tick: int, value: int) -> None:
@@ -36,6 +40,7 @@ class Period(EventMeasure):
 class LevelAt(EventMeasure):
     """Value of a register field whenever an event happens."""
 
+    STATE = State("_value")
     unit = "value"
 
     def __init__(self, event: Matcher, change: Matcher) -> None:
@@ -59,6 +64,8 @@ class LevelAt(EventMeasure):
 
 class ToFirstAccess(EventMeasure):
     """Time from an interrupt's request to the first access of its service routine, after the context is saved."""
+
+    STATE = State("_inside", ticks="_asked_at")
 
     def __init__(self, asked: Matcher, entered: Matcher) -> None:
         super().__init__(asked, entered)
@@ -99,6 +106,9 @@ class ToFirstAccess(EventMeasure):
 
 class Jitter(Measure):
     """Difference between a value of another measure and the one before (cycle-to-cycle jitter)."""
+
+    STATE = State("of _before")
+    looks_back = "the occurrence before"
 
     def __init__(self, of: Measure) -> None:
         super().__init__()

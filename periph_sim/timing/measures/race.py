@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
+from ...core.state import State
 from ...records.lost_flags import ReadModifyWrite, modifies_of
 from ...records.register_choice import groups_of
 from ...records.run import NotInRun, Run
@@ -42,6 +43,8 @@ class Race(Measure):
     Nothing is proven if a wait was skipped and its polls near a change cannot be reconstructed.
     """
 
+    STATE = State("_kept_records")
+    looks_back = "the whole run"
     unit = "cycles"
     kinds = frozenset({Kind.ACCESS, Kind.FLAG})
 

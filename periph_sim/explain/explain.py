@@ -17,7 +17,7 @@ from ..timing.budget_schema import REPLY, SPAN, WATCH
 from ..timing.language.events import EVERYTHING, Matcher, matcher
 from ..timing.language.language import is_form, measure_of
 from ..timing.measures.factory import make_of_events
-from ..timing.measures.race import RegisterMeasure
+from ..timing.measures.race import Race
 from ..timing.verdict import Verdict
 from ..traces.capture.capture import Span
 from ..traces.drawing.capture_lanes import bit_of
@@ -152,7 +152,7 @@ def chain_of(case: Case, window: Window) -> Chain:
         return event_chain.between(evidence, first, last)
     if said.form in ("level", "time", "count", "sum", "stack", "calls") or (said.form == "value" and said.events):
         return event_chain.once(evidence, events[0])
-    if isinstance(made, RegisterMeasure):
+    if isinstance(made, Race):
         return event_chain.around(evidence, made.watched)
     if said.form in ("age", "model"):
         return host_chain.age(evidence)

@@ -39,6 +39,7 @@ class BudgetJudge:
 
     same_as: BudgetJudge | None
     own_measures: list[Measure]
+    _sentence: str
     _given: dict[str, str | int]
     _limits: dict[str, int]
     _coverage_of: Fraction

@@ -17,7 +17,7 @@ BARE = Scope({"dsp": ("I2C-A",)}, ("SDA", "SCL"))
 NO_BUS = Scope({"dsp": ("SCI-A",)}, ("RX", "TX"))
 
 KINDS = {"edge": Kind.EDGE, "flag": Kind.FLAG, "access": Kind.ACCESS, "irq": Kind.IRQ, "span": Kind.SPAN}
-KINDS |= {"wait": Kind.WAIT, "bus": Kind.BUS, "frame": Kind.FRAME, "note": Kind.NOTE}
+KINDS |= {"wait": Kind.WAIT, "bus": Kind.BUS, "frame": Kind.FRAME, "note": Kind.NOTE, "transfer": Kind.TRANSFER}
 
 
 def records(drawn: str) -> list[Record]:

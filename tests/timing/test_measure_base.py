@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.time import NO_TIME
-from periph_sim.timing.measures.measure import Counter, Measure
+from periph_sim.timing.measures.measure import Measure
 from periph_sim.timing.verdict import Verdict
+from tests.timing.events_by_hand import make, records, tell
 
 
 class Waits(Measure):
@@ -120,10 +121,9 @@ def test_each_value_that_counts_is_told():
 
 
 def test_a_count_is_one_number_and_its_time_that_of_the_first():
-    of = Counter()
+    of = make("nacked")
     assert not of.silent and not of.series and state(of) == (0, NO_TIME, 0, NO_TIME, 0)
-    of.one_more(7)
-    of.one_more(9, by=3)
+    tell(of, records("\n".join(f"{at} transfer I2C refused 1" for at in (7, 9, 9, 9))))
     assert state(of) == (4, 7, 4, 7, 4)
 
 

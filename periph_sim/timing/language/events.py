@@ -16,10 +16,9 @@
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
                         |-- may_be(kind, where, what), value & mask == want   as the run goes on
-                        |-- fits(record)                                      for one record
-                        '-- rows(table)                                       for a whole recorded run
+                        '-- fits(record)                                      for one record
 
-All three agree on every record: kind, place and thing are equal, and `value & mask == want`. `EVENTS` lists the kinds
+Both agree on every record: kind, place and thing are equal, and `value & mask == want`. `EVENTS` lists the kinds
 of events.
 """
 
@@ -28,7 +27,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -37,14 +36,8 @@ from ...core.records import Kind, Record
 from ...core.suggest import did_you_mean
 from ...devices.sensor_rounds import known_sensors
 from .derived import RECORDS, Thing
-from .scope import LINES, BadEvent, Scope, scope_of_table
+from .scope import LINES, BadEvent, Scope
 from .tokens import Words
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from ...traces.formats.record_table import RecordTable
 
 EVERYTHING = -1  # all bits of a value
 CHANGES = ("rise", "fall", "change")
@@ -136,41 +129,6 @@ class Matcher(Struct, frozen=True, dict=True):
             return frozenset(f"{place}.{self.what[2:]}" for place in places)
         return frozenset()
 
-    def rows(self, table: RecordTable) -> NDArray[np.int64]:
-        """Return the rows at which it happened, in order.
-
-        Raise BadEvent for the n-th event of a group, which only a budget can find.
-        """
-        if self.group is not None:
-            raise BadEvent(
-                f"{self.text!r}: over a recorded run every one is found; leave first, last or the number out"
-            )
-        import numpy as np  # of a recorded run only
-
-        rows: NDArray[np.int64] = np.unique(np.concatenate([one._rows(table) for one in self.each]))
-        return rows
-
-    def _rows(self, table: RecordTable) -> NDArray[np.int64]:
-        import numpy as np
-
-        wanted = (
-            _named(table, "kind", frozenset((self.kind.value,)))
-            & _named(table, "what", frozenset((self.what,)))
-            & _named(table, "where", self.where)
-        )
-        rows: NDArray[np.int64] = np.flatnonzero(wanted)
-        kept: NDArray[np.int64] = rows[table.value[rows] & self.mask == self.want]
-        return kept
-
-
-def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDArray[np.bool_]:
-    import numpy as np
-
-    if names is None:
-        return np.ones(len(table), bool)
-    known = np.array([name in names for name in table.names[column]], bool)
-    return known[table.columns[column]] if len(known) else np.zeros(len(table), bool)
-
 
 @lru_cache(maxsize=1024)  # scenes of one case name the same again and again
 def event_of(text: str) -> Event:
@@ -240,17 +198,20 @@ def group_of(event: Event, scope: Scope) -> Group:
     return Group("burst", begin, end)
 
 
-def matcher_for(event: Event | str, table: RecordTable) -> Matcher:
-    """Return the test for an event in a recorded run."""
-    return matcher(event, scope_of_table(table))
-
-
 def stretch_of(name: str, scope: Scope) -> Group:
     """Return the group for a transfer or a round, which begins with a START that is not a repeated one."""
     return Group(name, matcher("bus START", scope), matcher("bus STOP", scope))
 
 
 Parts = tuple[str, str, str, int | None]
+
+
+def read_value(words: Words) -> int:
+    """Read the value behind =."""
+    number = words.number(0xFFFFFFFF)
+    if number is None:
+        raise BadEvent(f"{words.text!r}: a number is expected after =")
+    return number
 
 
 def _read_edge(words: Words) -> Parts:
@@ -260,12 +221,7 @@ def _read_edge(words: Words) -> Parts:
 def _read_flag(words: Words) -> Parts:
     unit, name = words.name("a field")
     how = words.one_of([*CHANGES, "="])
-    number = None
-    if how == "=":
-        number = words.number(0xFFFFFFFF)
-        if number is None:
-            raise BadEvent(f"{words.text!r}: a number is expected after =")
-    return unit, name, how, number
+    return unit, name, how, read_value(words) if how == "=" else None
 
 
 def _read_access(words: Words) -> Parts:
@@ -312,12 +268,8 @@ def _read_frame(words: Words) -> Parts:
 
 def _read_variable(words: Words) -> Parts:
     unit, name = words.name("a variable of an image")
-    if words.one_of(["change", "="]) == "change":
-        return unit, name, "change", None
-    number = words.number(0xFFFFFFFF)
-    if number is None:
-        raise BadEvent(f"{words.text!r}: a number is expected after =")
-    return unit, name, "=", number
+    how = words.one_of(["change", "="])
+    return unit, name, how, read_value(words) if how == "=" else None
 
 
 def _read_note(words: Words) -> Parts:
@@ -411,9 +363,8 @@ def _match_frame(event: Event, scope: Scope) -> Matcher:
 
 def _match_variable(event: Event, scope: Scope) -> Matcher:
     place = frozenset((f"{scope.variable(event.unit, event.name)}.memory",))
-    if event.how == "change":
-        return Matcher(event.text, Kind.FLAG, place, event.name)
-    return Matcher(event.text, Kind.FLAG, place, event.name, EVERYTHING, event.number or 0)
+    mask = 0 if event.how == "change" else EVERYTHING
+    return Matcher(event.text, Kind.FLAG, place, event.name, mask, event.number or 0)
 
 
 def _match_note(event: Event, scope: Scope) -> Matcher:

@@ -47,36 +47,10 @@ from msgspec import Struct
 
 from ...core.settings import duration
 from ...devices.sensor_rounds import known_sensors
-from .events import EVENTS, Event, read_event
+from .events import EVENTS, Event, read_event, read_value
 from .scope import BadEvent
 from .tokens import Words
 
-FORMS = {
-    "from": "from EVENT to EVENT",
-    "period": "period of EVENT",
-    "jitter": "jitter of EVENT",
-    "count": "count of EVENT",
-    "sum": "sum of EVENT",
-    "level": "level of MODULE.REGISTER.FIELD",
-    "calls": "calls of FUNCTION",
-    "stack": "stack high-water",
-    "interrupt": "interrupt latency NAME",
-    "reaction": "reaction",
-    "gap": "gap between rounds",
-    "margin": "margin of I2CDXR",
-    "SCL": "SCL held per transfer",
-    "time": "time in STATE",
-    "each": "each time in STATE",
-    "cpu": "cpu load",
-    "bus": "bus load",
-    "slack": "slack",
-    "race": "race MODULE.REGISTER.FIELD",
-    "lost": "lost flags",
-    "cleared": "cleared along MODULE.REGISTER.FIELD",
-    "age": "age of CHIP",
-    "model": "model age of CHIP",
-    "value": "value error of CHIP",
-}
 CLAUSES = {
     "for": "for each",  # an occasion: something that there was to measure
     "measured": "measured at",  # an occasion that was measured, where the values do not show that
@@ -135,7 +109,7 @@ def near_form(text: str) -> str:
 def measure_of(text: str) -> Said:
     """Return the parsed text of a measure. BadEvent if it cannot be parsed."""
     words = Words(text)
-    said = _MEASURES[words.one_of(list(FORMS))](words)
+    said = _PARSERS[words.one_of(list(FORMS))](words)
     words.end()
     return replace(said, text=text)
 
@@ -172,10 +146,10 @@ def _clauses(words: Words) -> tuple[tuple[str, Event], ...]:
     return tuple(found)
 
 
-def _of_event(form: str) -> Callable[[Words], Said]:
+def _of_event(form: str, clauses: bool = True) -> Callable[[Words], Said]:
     def parse(words: Words) -> Said:
         words.one_of(["of"])
-        return Said(form, (read_event(words),), clauses=_clauses(words))
+        return Said(form, (read_event(words),), clauses=_clauses(words) if clauses else ())
 
     return parse
 
@@ -189,11 +163,6 @@ def _count(words: Words) -> Said:
     return replace(pair, form="count", events=(counted, *pair.events))
 
 
-def _period(words: Words) -> Said:
-    words.one_of(["of"])
-    return Said("period", (read_event(words),))
-
-
 def _jitter(words: Words) -> Said:
     words.one_of(["of"])
     form = words.next
@@ -203,7 +172,7 @@ def _jitter(words: Words) -> Said:
         words.take("a measure or an event")
         return Said("jitter", name=" ".join(filter(None, (form, words.rest()))))
     words.take("a measure")
-    return Said("jitter", of=_MEASURES[form](words))
+    return Said("jitter", of=_PARSERS[form](words))
 
 
 def _level(words: Words) -> Said:
@@ -222,29 +191,12 @@ def _calls(words: Words) -> Said:
     return Said("calls", begins)
 
 
-def _stack(words: Words) -> Said:
-    words.one_of(["high-water"])
-    return Said("stack", unit=words.take("a unit") if words.took("of") else "")
-
-
 def _latency(words: Words) -> Said:
-    words.one_of(["latency"])
-    unit, name = words.name("an interrupt's name")
-    to_access = words.took("to")
-    if to_access:
-        words.one_of(["first"])
-        words.one_of(["access"])
-    return Said("interrupt", unit=unit, name=name, access=to_access)
-
-
-def _reaction(words: Words) -> Said:
-    return Said("reaction", unit=words.take("a unit") if words.took("of") else "")
-
-
-def _gap(words: Words) -> Said:
-    words.one_of(["between"])
-    words.one_of(["rounds"])
-    return Said("gap")
+    said = _phrase("interrupt", "latency", "an interrupt's name")(words)
+    if words.took("to"):
+        _phrase("interrupt", "first access")(words)
+        return replace(said, access=True)
+    return said
 
 
 def _time(form: str) -> Callable[[Words], Said]:
@@ -279,9 +231,7 @@ def _value_state(words: Words) -> States:
     unit, name = words.name("a field" if kind == "flag" else "a variable of an image")
     place = words.between(begin)
     words.one_of(["="])
-    number = words.number(0xFFFFFFFF)
-    if number is None:
-        raise BadEvent(f"{words.text!r}: a number is expected after =")
+    number = read_value(words)
     enters = Event(kind, words.between(begin), unit, name, "=", number)
     return (enters,), (Event(kind, f"{place} change", unit, name, "change"),)
 
@@ -329,12 +279,6 @@ def _margin(words: Words) -> Said:
     return Said("margin", unit=unit)
 
 
-def _held(words: Words) -> Said:
-    for word in ("held", "per", "transfer"):
-        words.one_of([word])
-    return Said("SCL", unit=words.take("a unit") if words.took("by") else "")
-
-
 def _cpu(words: Words) -> Said:
     _load(words)
     unit = words.take("a unit") if words.took("of") else ""
@@ -368,21 +312,10 @@ def _window(words: Words) -> Fraction | None:
     return window
 
 
-def _race(words: Words) -> Said:
-    unit, name = words.name("a field or a register")
-    return Said("race", unit=unit, name=name)
-
-
 def _lost(words: Words) -> Said:
     words.one_of(["flags"])
     unit, name = words.name("a register") if words.next else ("", "")
     return Said("lost", unit=unit, name=name)
-
-
-def _cleared(words: Words) -> Said:
-    words.one_of(["along"])
-    unit, name = words.name("a field")
-    return Said("cleared", unit=unit, name=name)
 
 
 def _age(words: Words) -> Said:
@@ -411,29 +344,45 @@ def _value(words: Words) -> Said:
     return Said("value", instant=instant, name=chip)
 
 
-_MEASURES: dict[str, Callable[[Words], Said]] = {
-    "from": _from,
-    "period": _period,
-    "jitter": _jitter,
-    "count": _count,
-    "sum": _of_event("sum"),
-    "level": _level,
-    "calls": _calls,
-    "stack": _stack,
-    "interrupt": _latency,
-    "reaction": _reaction,
-    "gap": _gap,
-    "margin": _margin,
-    "SCL": _held,
-    "time": _time("time"),
-    "each": _time("each"),
-    "cpu": _cpu,
-    "bus": _bus_load,
-    "slack": lambda words: Said("slack"),
-    "race": _race,
-    "lost": _lost,
-    "cleared": _cleared,
-    "age": _age,
-    "model": _model_age,
-    "value": _value,
+def _phrase(form: str, fixed: str = "", name: str = "", unit: str = "") -> Callable[[Words], Said]:
+    """Return the parser of fixed words, a name, and a unit. name: what is expected. unit: the word before the unit."""
+
+    def parse(words: Words) -> Said:
+        for word in fixed.split():
+            words.one_of([word])
+        whose, found = words.name(name) if name else ("", "")
+        if unit and words.took(unit):
+            whose = words.take("a unit")
+        return Said(form, unit=whose, name=found)
+
+    return parse
+
+
+_MEASURES: dict[str, tuple[str, Callable[[Words], Said]]] = {
+    "from": ("from EVENT to EVENT", _from),
+    "period": ("period of EVENT", _of_event("period", False)),
+    "jitter": ("jitter of EVENT", _jitter),
+    "count": ("count of EVENT", _count),
+    "sum": ("sum of EVENT", _of_event("sum")),
+    "level": ("level of MODULE.REGISTER.FIELD", _level),
+    "calls": ("calls of FUNCTION", _calls),
+    "stack": ("stack high-water", _phrase("stack", "high-water", unit="of")),
+    "interrupt": ("interrupt latency NAME", _latency),
+    "reaction": ("reaction", _phrase("reaction", unit="of")),
+    "gap": ("gap between rounds", _phrase("gap", "between rounds")),
+    "margin": ("margin of I2CDXR", _margin),
+    "SCL": ("SCL held per transfer", _phrase("SCL", "held per transfer", unit="by")),
+    "time": ("time in STATE", _time("time")),
+    "each": ("each time in STATE", _time("each")),
+    "cpu": ("cpu load", _cpu),
+    "bus": ("bus load", _bus_load),
+    "slack": ("slack", _phrase("slack")),
+    "race": ("race MODULE.REGISTER.FIELD", _phrase("race", name="a field or a register")),
+    "lost": ("lost flags", _lost),
+    "cleared": ("cleared along MODULE.REGISTER.FIELD", _phrase("cleared", "along", "a field")),
+    "age": ("age of CHIP", _age),
+    "model": ("model age of CHIP", _model_age),
+    "value": ("value error of CHIP", _value),
 }
+FORMS = {form: shown for form, (shown, _) in _MEASURES.items()}
+_PARSERS = {form: parser for form, (_, parser) in _MEASURES.items()}

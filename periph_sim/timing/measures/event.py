@@ -6,10 +6,11 @@ Of two events at one tick the one recorded first is the earlier one.
 from __future__ import annotations
 
 from ...core.records import UNWANTED, Kind, Recorder
+from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import Matcher
-from .event_pairing import NO_CLAUSES, Clauses, EventMeasure, span_hint
-from .measure import Counter, Measure, MeasuredScene
+from .event_pairing import EventMeasure
+from .measure import Measure, MeasuredScene
 
 OF_UNIT = 1 << 30  # the tag of an access of the unit; those of its events are below
 
@@ -17,8 +18,11 @@ OF_UNIT = 1 << 30  # the tag of an access of the unit; those of its events are b
 class Period(EventMeasure):
     """Time from an event to the next of its kind."""
 
+    STATE = State(ticks="_last")
+
     def __init__(self, event: Matcher) -> None:
         super().__init__(event)
+        self.looks_back = "the occurrence before"
         self._last = NO_TIME
 
     def happened(self, place: int, tick: int, value: int) -> None:
@@ -33,29 +37,10 @@ class Period(EventMeasure):
         return f"{self.matchers[0].text!r} did not come again before the run ended"
 
 
-class EventCount(EventMeasure, Counter):
-    """Number of occurrences of an event. Zero is a value, except for free-text names, which may be misspelled."""
-
-    def __init__(self, event: Matcher, clauses: Clauses = NO_CLAUSES) -> None:
-        super().__init__(event, clauses=clauses)
-        self.event = event
-
-    def happened(self, place: int, tick: int, value: int) -> None:
-        self.one_more(tick)
-
-    @property
-    def silent(self) -> bool:
-        return self.ungiven or (self.event.free and not self.count)
-
-    def missing(self) -> str:
-        if self.ungiven:
-            return super().missing()
-        return f"no event matched {self.event.text!r}; {span_hint(self.event.what, self.spans or set())}"
-
-
 class LevelAt(EventMeasure):
     """Value of a register field whenever an event happens."""
 
+    STATE = State("_value")
     unit = "value"
 
     def __init__(self, event: Matcher, change: Matcher) -> None:
@@ -79,6 +64,8 @@ class LevelAt(EventMeasure):
 
 class ToFirstAccess(EventMeasure):
     """Time from an interrupt's request to the first access of its service routine, after the context is saved."""
+
+    STATE = State("_inside", ticks="_asked_at")
 
     def __init__(self, asked: Matcher, entered: Matcher) -> None:
         super().__init__(asked, entered)
@@ -119,6 +106,9 @@ class ToFirstAccess(EventMeasure):
 
 class Jitter(Measure):
     """Difference between a value of another measure and the one before (cycle-to-cycle jitter)."""
+
+    STATE = State("of _before")
+    looks_back = "the occurrence before"
 
     def __init__(self, of: Measure) -> None:
         super().__init__()

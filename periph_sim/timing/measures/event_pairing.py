@@ -19,6 +19,7 @@ from msgspec import Struct
 
 from ...core.counted import counted
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
+from ...core.state import State
 from ...core.suggest import did_you_mean
 from ..language.events import Matcher
 from .groups import Groups
@@ -28,6 +29,7 @@ from .measure import Measure, MeasuredScene
 class _Seen:
     """An event that happened. counts: 1, 0 if not, WAITS as long as a later one may take its place."""
 
+    STATE = State("place value counts", ticks="tick", made=True)
     __slots__ = ("counts", "place", "tick", "value")
 
     def __init__(self, place: int, tick: int, value: int, counts: int) -> None:
@@ -45,8 +47,8 @@ class Clauses(Struct, frozen=True):
     """Events that say what the values of a measure prove, each with its role.
 
     asked: the events of FOR_EACH, as a plural. nothing: why nothing was measured. unproven: the same where no GIVEN
-    came. cut_off: what is UNFINISHED, as a phrase. unknown: of each UNLESS, a thing and a reason, as in "3 reads" and
-    "may carry other frames".
+    came. cut_off: what is UNFINISHED, as a phrase. looks_back: as of a `Measure`.
+    unknown: of each UNLESS, a thing and a reason, as in "3 reads" and "may carry other frames".
     """
 
     matchers: tuple[Matcher, ...] = ()
@@ -55,6 +57,7 @@ class Clauses(Struct, frozen=True):
     nothing: str | None = None
     unproven: str = ""
     cut_off: str = ""
+    looks_back: str = "this occurrence"
     unknown: tuple[tuple[str, str], ...] = ()
 
 
@@ -116,8 +119,10 @@ class EventMeasure(Measure):
     weighs: the values of its clauses' records are numbers of things, which it counts.
     """
 
+    STATE = State("_groups _queue _queued _newest")
     matchers: tuple[Matcher, ...]
     seen: list[int]
+    looks_back: str
     needs: str
     asked: str
     weighs = False
@@ -133,6 +138,7 @@ class EventMeasure(Measure):
         super().__init__()
         thing = matchers[0].thing if matchers else None
         self.needs = "" if thing is None else thing.needs
+        self.looks_back = clauses.looks_back
         self._clauses = clauses
         self._own = len(matchers)
         self._measured = self._given = 0

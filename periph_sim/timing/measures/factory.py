@@ -20,17 +20,17 @@ from ..budget_schema import REPLY, SPAN, WATCH
 from ..language.events import OF_AGENT, Group, Matcher, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, name_text, near_form
 from ..language.scope import BadEvent, Scope
-from .event import EventCount, Jitter, LevelAt, Period, ToFirstAccess
+from .event import Jitter, LevelAt, Period, ToFirstAccess
 from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses
+from .event_values import EventCount, SumOf, ValueOf
 from .load import BusLoad, CpuLoad
 from .margin import HeldPerTransfer, Margin
 from .measure import Measure
 from .pair import Between, CountBetween
-from .recorded import SumOf, ValueOf
 from .registry import MEASURES, PHRASES, Sentence
 from .reply import Reply
 from .span import SpanTime
-from .states import EachTimeIn, State, TimeIn
+from .states import EachTimeIn, StateEvents, TimeIn
 from .watched_wire import WatchedWire
 
 OVERFLOWS = "overflows"  # of fixed-point arithmetic
@@ -154,6 +154,7 @@ def _clauses(said: Said, scope: Scope, sentence: Sentence) -> Clauses:
         sentence.nothing,
         sentence.unproven,
         sentence.cut_off or ", ".join(map(repr, unfinished)),
+        sentence.looks_back,
         sentence.unknown or tuple(unknown),
     )
 
@@ -213,14 +214,14 @@ def _latency(said: Said, scope: Scope) -> Maker:
     return partial(ToFirstAccess, matcher(f"flag {asked} rise", scope), matcher(f"interrupt {vector} enter", scope))
 
 
-def _state(said: Said, scope: Scope) -> State:
+def _state(said: Said, scope: Scope) -> StateEvents:
     assert said.state is not None
     both = [
         [event for event in events if scope.controller or event.name not in OF_AGENT]
         for events in (said.state.enters, said.state.leaves)
     ]
     enters, leaves = ([matcher(event, scope) for event in events] for events in both)
-    return State(said.state.text, tuple(enters), tuple(leaves))
+    return StateEvents(said.state.text, tuple(enters), tuple(leaves))
 
 
 def _of_a_race(said: Said, scope: Scope) -> Maker:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
 from .measure import MeasuredScene
@@ -20,6 +21,8 @@ PAUSE = 2  # characters without a frame that end a burst
 
 class Groups:
     """Counter of one event within its group. nth: the occurrence that is wanted, from 1; -1 for the last."""
+
+    STATE = State("inside _seen", ticks="_frame_began _frame_ended")
 
     def __init__(self, group: Group, nth: int) -> None:
         self.nth = nth

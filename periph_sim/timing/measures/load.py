@@ -15,6 +15,7 @@ from collections import deque
 from fractions import Fraction
 
 from ...core.records import UNWANTED, Kind
+from ...core.state import State
 from ...core.time import NO_TIME
 from ...form.c_types import BigInt
 from .measure import MILLIONTHS, Measure, MeasuredScene
@@ -27,6 +28,8 @@ BUS_TAGS = {"START": BEGINS, "STOP": ENDS, "arbitration lost": ENDS}
 class Load(Measure):
     """Share of the time, in millionths. window: its length in seconds; None for the whole run."""
 
+    STATE = State(ticks="_since _stretches _begins")
+    looks_back = "the whole run"
     unit = "%"
     series = False
 
@@ -111,6 +114,7 @@ def _millionths(busy: BigInt, whole: BigInt) -> BigInt:
 class CpuLoad(Load):
     """Share of the time in which a CPU's firmware does not wait: outside of spins and IDLE."""
 
+    STATE = State("_under_way")
     kinds = frozenset({Kind.IRQ, Kind.WAIT})
 
     def __init__(self, unit: str, window: Fraction | None = None) -> None:

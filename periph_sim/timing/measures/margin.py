@@ -13,6 +13,7 @@ The write of a byte is the last one before I2CDXR is copied to I2CXSR, which XRD
 from __future__ import annotations
 
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
+from ...core.state import State
 from ...core.time import NO_TIME
 from .bus_from_wires import BusFromWires
 from .measure import Delay, Measure, MeasuredScene
@@ -40,6 +41,7 @@ class Margin(Measure):
     released it, too.
     """
 
+    STATE = State("bus _empty", ticks="_waiting _shifting")
     asked = "bytes sent"
     kinds = frozenset({Kind.ACCESS, Kind.FLAG})
 
@@ -121,6 +123,9 @@ class _Lows(BusFromWires):
 
 class HeldPerTransfer(Measure):
     """Sum of all the time in a transfer for which a unit alone holds SCL low."""
+
+    STATE = State("bus _sum", ticks="_began")
+    looks_back = "this transfer"
 
     def __init__(self, unit: str) -> None:
         super().__init__()

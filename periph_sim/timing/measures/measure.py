@@ -15,6 +15,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Protocol
 
 from ...core.records import UNWANTED, Kind, Listener, Recorder, Subjects
+from ...core.state import State
 from ...core.time import NO_TIME
 from .tally import Tally
 
@@ -65,6 +66,10 @@ class MeasuredScene(Protocol):
         """Return the delay from a write of I2CDXR that SCL is held for to its release."""
 
 
+LOOKS_BACK = (
+    *("this occurrence", "the occurrence before", "this transfer", "this round", "the round before"),
+    "the whole run",
+)
 MILLIONTHS = 1_000_000  # parts of the time and LSB are counted in these
 READ = "read"  # an occurrence: one addressed phase, read or written, identified by its START
 
@@ -76,10 +81,15 @@ class Measure(Listener):
     smallest value seen. series: True if it takes one value after the other, which have percentiles. occurrence: what a
     value belongs to; measures of the same occurrences can be joined. not_before: the first tick that counts.
 
+    looks_back: how far back the records are that its next value depends on, a word of LOOKS_BACK. STATE lists what it
+    remembers of them; the values that it has taken are results.
+
     occasions: number of times that there was something to measure, counted on the bus and not by the firmware; None
     if the measure has no such count. asked: the name of occasions, as a plural.
     """
 
+    STATE = State()
+    looks_back: str = "this occurrence"
     unit = "time"
     series = True
     needs = ""  # what a scene must have for this to mean anything: "controller", "rounds", "host", "serial", "SCI"
@@ -233,27 +243,3 @@ class Measure(Listener):
         self.cut_off += 1
         if not alone:
             self.least, self.least_at = least, least_at
-
-
-class Counter(Measure):  # core: python
-    """Number of something: worst is how many there were, worst_at when the first one was. Zero is a value.
-
-    Verdicts show at how many of its occasions it was measured, where it has any.
-    """
-
-    unit = "count"
-    series = False
-
-    @property
-    def silent(self) -> bool:
-        return False
-
-    @property
-    def counted(self) -> int:
-        return self.count if self.occasions is None else self.measured
-
-    def one_more(self, at: int, by: int = 1) -> None:
-        if not self.count:
-            self.worst_at = self.least_at = at
-        self.count += by
-        self.worst = self.least = self.count

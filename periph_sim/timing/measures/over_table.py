@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...core.suggest import did_you_mean
 from ...traces.formats.record_table import RecordTable
-from ..language.events import matcher, matcher_for, stretch_of
+from ..language.events import Matcher, matcher, stretch_of
 from ..language.scope import BadEvent, scope_of_table
 from .pair import PAIRINGS
 
@@ -44,10 +44,10 @@ def between(
     """
     pairing, group = _rules(rule)
     scope = scope_of_table(table)
-    first, second = (matcher(event, scope).rows(table) for event in (begin, end))
+    first, second = (rows_of(matcher(event, scope), table) for event in (begin, end))
     starts = np.empty(0, np.int64)
     if group:
-        starts = stretch_of(group, scope).begin.rows(table)
+        starts = rows_of(stretch_of(group, scope).begin, table)
         if group == "round":
             if transfers_in_round is None or transfers_in_round < 1:
                 raise BadEvent("same round needs transfers_in_round, 1 or more: no record says how many a round has")
@@ -72,6 +72,27 @@ def between(
     same = np.searchsorted(starts, first, side="right") == np.searchsorted(starts, second, side="right")
     first, second = first[same], second[same]
     return Durations(table.tick[second] - table.tick[first], table.tick[first])
+
+
+def rows_of(matcher: Matcher, table: RecordTable) -> NDArray[np.int64]:
+    """Return the rows at which an event happened, in order.
+
+    Raise BadEvent for the n-th event of a group, which only a budget can find.
+    """
+    if matcher.group is not None:
+        raise BadEvent(f"{matcher.text!r}: over a recorded run every one is found; leave first, last or the number out")
+    found = np.zeros(len(table), bool)
+    for one in matcher.each:
+        wanted = _named(table, "kind", frozenset((one.kind.value,))) & _named(table, "what", frozenset((one.what,)))
+        found |= wanted & _named(table, "where", one.where) & (table.value & one.mask == one.want)
+    return np.flatnonzero(found)
+
+
+def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDArray[np.bool_]:
+    if names is None:
+        return np.ones(len(table), bool)
+    known = np.array([name in names for name in table.names[column]], bool)
+    return known[table.columns[column]] if len(known) else np.zeros(len(table), bool)
 
 
 def _rules(rule: str) -> tuple[str, str]:
@@ -112,4 +133,4 @@ def periods(table: RecordTable, event: str) -> Durations:
 
 def happened(table: RecordTable, event: str) -> Ticks:
     """Return the ticks at which an event happened. BadEvent as for `between`."""
-    return table.tick[matcher_for(event, table).rows(table)]
+    return table.tick[rows_of(matcher(event, scope_of_table(table)), table)]

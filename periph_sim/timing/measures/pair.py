@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from typing import final
 
+from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
 from .event_pairing import NO_CLAUSES, Clauses, EventMeasure
@@ -29,12 +30,13 @@ FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
 
 @final
 class Open:
-    """A first event that waits. at: its tick. since: what the clock or counter said then. following: a later one."""
+    """A first event that waits. at: its tick. counted: of events in between, up to then. following: a later one."""
 
-    __slots__ = ("at", "following", "since")
+    STATE = State("counted", ticks="at", made=True)
+    __slots__ = ("at", "counted", "following")
 
     at: int
-    since: int
+    counted: int
     following: Open | None
 
 
@@ -45,6 +47,7 @@ class Between(EventMeasure):
     lasts from its START to the next one's, so that what firmware does about a STOP belongs to it.
     """
 
+    STATE = State("_rule _stopped _begun _paired _counted", ticks="_begun_at", chains="_waiting")
     _rule: Groups | None
     _rule_text: str
     _unsaid: bool
@@ -77,6 +80,8 @@ class Between(EventMeasure):
             self.asked = f"{group.name}s with {begin.text!r}"
             self.occasions = 0
             self._has_measured = True
+            self.looks_back = f"this {group.name}"
+        self._counted = 0  # events in between, since something waits
         self._begun_at = self._now = NO_TIME
         self._began_at, self._per_second = 0, 1
 
@@ -87,9 +92,9 @@ class Between(EventMeasure):
         if self._rule is not None:
             self._rule.listen(scene)
 
-    def clock(self, tick: int) -> int:
-        """Return the quantity whose difference between a pair's events is measured."""
-        return tick
+    def since(self, one: Open, tick: int) -> int:
+        """Return what has come together since a first event."""
+        return tick - one.at
 
     def happened(self, place: int, tick: int, value: int) -> None:
         if place >= self._extra:
@@ -120,7 +125,7 @@ class Between(EventMeasure):
         self._begun = self._paired = False
 
     def _first(self, tick: int) -> None:
-        if not self._begun:
+        if self._rule is not None and not self._begun:
             self._begun, self._begun_at = True, tick
         if self._waiting is not None:
             if self._only_last:
@@ -132,7 +137,9 @@ class Between(EventMeasure):
             one = Open()
         else:
             self._spare = one.following
-        one.at, one.since, one.following = tick, self.clock(tick), None
+        if self._waiting is None:
+            self._counted = 0
+        one.at, one.counted, one.following = tick, self._counted, None
         if self._waiting is None:
             self._waiting = one
         else:
@@ -144,9 +151,9 @@ class Between(EventMeasure):
         one = self._waiting
         if one is None:
             return
-        now, self._paired = self.clock(tick), True
+        self._paired = self._rule is not None
         while one is not None:
-            self.take(now - one.since, one.at)
+            self.take(self.since(one, tick), one.at)
             one = self._ended(one)
             if self._in_order:
                 return
@@ -165,20 +172,16 @@ class Between(EventMeasure):
 
     def finish(self, now: int) -> None:
         super().finish(now)
-        self._now = self.last_clock(now)
+        self._now = now
         if self._rule is not None and (self._stopped or self._paired):
             self._group_over()
-
-    def last_clock(self, now: int) -> int:
-        """Return the value of `clock` at the end of the run."""
-        return now
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
         if self._rule is not None and self._stopped:  # in a transfer or round, not every first has a second
             return []
         found, one = [], self._waiting
         while one is not None:
-            found.append((self._now - one.since, one.at))
+            found.append((self.since(one, self._now), one.at))
             one = one.following
         return found
 
@@ -217,16 +220,12 @@ class CountBetween(Between):
         clauses: Clauses = NO_CLAUSES,
     ) -> None:
         super().__init__(begin, end, pairing, group, clauses, (counted,))
-        self._counted = 0
 
     def between(self) -> None:
         self._counted += 1
 
-    def clock(self, tick: int) -> int:
-        return self._counted
-
-    def last_clock(self, now: int) -> int:
-        return self._counted
+    def since(self, one: Open, tick: int) -> int:
+        return self._counted - one.counted
 
 
 def _order(inside: int, extra: int) -> tuple[int, ...]:

@@ -7,7 +7,6 @@ The result equals that of `periph-sim races` on a recorded run (`records/races.p
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
+from ...core.state import State
 from ...records.lost_flags import ReadModifyWrite, modifies_of
 from ...records.register_choice import groups_of
 from ...records.run import NotInRun, Run
@@ -36,20 +36,32 @@ class Kept(Columns):
         return super().tag_of(kind, where, what) if self._watched.concerns(kind, where, what) else UNWANTED
 
 
-class RegisterMeasure(Measure, ABC):
-    """Base of measures that evaluate the records of a register after the run, as a recorded run."""
+class Race(Measure):
+    """Distance of each CPU read of a status register to the nearest change of what was read, in cycles of SYSCLKOUT.
 
+    All records of the register are kept and evaluated after the run, as a recorded run.
+    Nothing is proven if a wait was skipped and its polls near a change cannot be reconstructed.
+    """
+
+    STATE = State("_kept_records")
+    looks_back = "the whole run"
+    unit = "cycles"
     kinds = frozenset({Kind.ACCESS, Kind.FLAG})
 
     def __init__(self, watched: Watched) -> None:
         super().__init__()
         self.watched = watched
         self._kept_records: Columns = Kept(watched)
+        self._unplaced = 0
 
     @property
     def subjects(self) -> Subjects:
         watched = self.watched
-        return {Kind.FLAG: {f"{watched.unit}.{watched.module}.{watched.register}"}} if watched.register else {}
+        return {Kind.FLAG: {f"{watched.unit}.{watched.module}.{watched.register}"}}
+
+    @property
+    def silent(self) -> bool:
+        return not self.count or self._unplaced > 0
 
     def listen(self, scene: MeasuredScene) -> None:
         self._per_second = scene.ticks_per_second()
@@ -60,34 +72,10 @@ class RegisterMeasure(Measure, ABC):
         recorder.subscribe(self.kinds, self._kept_records, self.subjects)
 
     def finish(self, now: int) -> None:
-        table = self._kept_records.table(Fraction(self._per_second), now, {})
-        self.look(Run(replace(table, clocks=self._clocks)))
-        self._kept_records.clear()
-
-    @abstractmethod
-    def look(self, run: Run) -> None:
-        """Measure over all records that were kept."""
-
-
-class Race(RegisterMeasure):
-    """Distance of each CPU read of a status register to the nearest change of what was read, in cycles of SYSCLKOUT.
-
-    Nothing is proven if a wait was skipped and its polls near a change cannot be reconstructed.
-    """
-
-    unit = "cycles"
-
-    def __init__(self, watched: Watched) -> None:
-        super().__init__(watched)
-        self._unplaced = 0
-
-    @property
-    def silent(self) -> bool:
-        return not self.count or self._unplaced > 0
-
-    def look(self, run: Run) -> None:
         from ...records.races import distances  # which lost flags need not
 
+        run = Run(replace(self._kept_records.table(Fraction(self._per_second), now, {}), clocks=self._clocks))
+        self._kept_records.clear()
         try:
             cycles, ticks, self._unplaced = distances(run, self.watched.name)
         except NotInRun:  # never accessed: nothing was measured, and `missing` says so

@@ -7,24 +7,20 @@ A sentence with parameters has them in braces; `factory` fills them in from the 
 
 from __future__ import annotations
 
-from typing import Literal
-
 from msgspec import Struct
-
-Past = Literal["this occurrence", "this transfer", "this round", "the round before", "the whole run"]
 
 
 class Sentence(Struct, frozen=True):
     """A named measure.
 
     about: what it measures, for documentation; of a row without one, the sentence says it.
-    looks_back: how far back the records are that its next value depends on.
+    looks_back: as of a `Measure`, the records from which `timing/derived` makes those of the sentence included.
     asked, nothing, unproven, cut_off, unknown: as of `Clauses`.
     """
 
     text: str
     about: str = ""
-    looks_back: Past = "this occurrence"
+    looks_back: str = "this occurrence"
     asked: str = ""
     nothing: str | None = ""
     unproven: str = ""

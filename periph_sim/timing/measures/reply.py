@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from typing import ClassVar
 
 from msgspec import Struct, field
 
+from ...core.state import State
 from ...core.time import NO_TIME
 from .measure import Measure, MeasuredScene
 
@@ -31,6 +33,7 @@ class Expected(Struct, frozen=True):
 class _Occasion(Struct):
     """One request for the reply. since: the tick from which its time counts; NO_TIME before that."""
 
+    STATE: ClassVar[State] = State("came shut", ticks="window since first ended wrong_at ends", made=True)
     window: int
     since: int = NO_TIME
     came: list[int] = field(default_factory=list)
@@ -44,6 +47,7 @@ class _Occasion(Struct):
 class Reply(Measure):
     """Time from the end of a request to the end of the last character of its reply. Another reply breaks it."""
 
+    STATE = State("_open")
     needs = "serial"
     asked = "times that the reply was asked for"
 

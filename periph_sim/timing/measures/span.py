@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from ...core.records import Kind
+from ...core.state import State
 from .event_pairing import span_hint
 from .measure import Measure
 
@@ -12,6 +13,7 @@ from .measure import Measure
 class SpanTime(Measure):
     """Time from the begin of a named stretch of firmware to its end, service routines in between included."""
 
+    STATE = State(ticks="_began")
     kinds = frozenset({Kind.SPAN})
 
     def __init__(self, name: str) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from msgspec import Struct
 
 from ...core.records import Kind
+from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import EVERYTHING, Matcher
 from .event_pairing import EventMeasure
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
     from .event_pairing import Hearing
 
 
-class State(Struct, frozen=True):
-    """enters: what begins it. leaves: what ends it, unless that is one of `enters`, too."""
+class StateEvents(Struct, frozen=True):
+    """A state by its events. enters: what begins it. leaves: what ends it, unless that is one of `enters`, too."""
 
     text: str
     enters: tuple[Matcher, ...]
@@ -45,7 +46,9 @@ class State(Struct, frozen=True):
 class _InState(EventMeasure):
     """Base of measures that follow the begins and ends of a state."""
 
-    def __init__(self, state: State) -> None:
+    STATE = State(ticks="_since")
+
+    def __init__(self, state: StateEvents) -> None:
         super().__init__(*state.enters, *state.leaves)
         self.state = state
         self._enters = len(state.enters)  # the first ones of `matchers`
@@ -116,7 +119,9 @@ class TimeIn(_InState):
 class EachTimeIn(_InState):
     """Each time in a state, from its begin to its end."""
 
-    def __init__(self, state: State) -> None:
+    STATE = State("_whole")
+
+    def __init__(self, state: StateEvents) -> None:
         super().__init__(state)
         self._whole = False  # the begin of the present time was seen
 

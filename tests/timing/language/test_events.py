@@ -6,6 +6,7 @@ import pytest
 
 from periph_sim.timing.language.events import matcher
 from periph_sim.timing.language.scope import BadEvent, scope_of_table
+from periph_sim.timing.measures.over_table import rows_of
 from tests.timing.events_by_hand import BARE, MODULES, NO_BUS, ONE, TWO, records, table
 
 RUN = """
@@ -93,7 +94,7 @@ def test_it_fits_the_same_records_one_by_one_and_all_at_once(event: str, ticks: 
     test = matcher(event, ONE)
     assert [record.tick for record in of if test.fits(record)] == ticks
     whole = table(of)
-    assert whole.tick[matcher(event, scope_of_table(whole)).rows(whole)].tolist() == ticks
+    assert whole.tick[rows_of(matcher(event, scope_of_table(whole)), whole)].tolist() == ticks
 
 
 @pytest.mark.parametrize(

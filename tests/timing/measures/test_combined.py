@@ -136,7 +136,7 @@ def test_of_one_value_or_none_or_one_number_a_run_there_is_no_typical_one():
     assert of.typical(START) is not None
     count = limit("overruns", max=9)
     for at in (1, 2):
-        count.measure.one_more(START + at)
+        count.measure.happened(0, START + at, 0)
     assert count.typical(START) is None
 
 

@@ -1,12 +1,46 @@
-"""Measures of the values of events, such as the age that a record holds: each value, or the sum of all."""
+"""Measures of events one by one: how many there were, the value of each, or the sum of their values."""
 
 # core: compiled
 
 from __future__ import annotations
 
 from ..language.events import Matcher
-from .event_pairing import NO_CLAUSES, Clauses, EventMeasure
+from .event_pairing import NO_CLAUSES, Clauses, EventMeasure, span_hint
 from .measure import READ
+
+
+class EventCount(EventMeasure):
+    """Number of occurrences of an event. Zero is a value, except for free-text names, which may be misspelled.
+
+    worst is how many there were, worst_at when the first one was. Verdicts show at how many of its occasions it was
+    measured, where it has any.
+    """
+
+    unit = "count"
+    series = False
+
+    def __init__(self, event: Matcher, clauses: Clauses = NO_CLAUSES) -> None:
+        super().__init__(event, clauses=clauses)
+        self.event = event
+
+    @property
+    def silent(self) -> bool:
+        return self.ungiven or (self.event.free and not self.count)
+
+    @property
+    def counted(self) -> int:
+        return self.count if self.occasions is None else self.measured
+
+    def happened(self, place: int, tick: int, value: int) -> None:
+        if not self.count:
+            self.worst_at = self.least_at = tick
+        self.count += 1
+        self.worst = self.least = self.count
+
+    def missing(self) -> str:
+        if self.ungiven:
+            return super().missing()
+        return f"no event matched {self.event.text!r}; {span_hint(self.event.what, self.spans or set())}"
 
 
 class ValueOf(EventMeasure):

@@ -58,11 +58,6 @@ class BusFromWires(BitParty):
         else:
             self._sda_pulling = pulling
 
-    def edge(self, tick: int, levels: int) -> None:
-        for line, wire, known in ((SCL, self._scl_wire, self._scl_pulling), (SDA, self._sda_wire, self._sda_pulling)):
-            if wire.pulling != known:
-                self.pulled(line, tick, wire.pulling)
-
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
         self.settle()
         if self.phase_at != NO_TIME:
@@ -110,17 +105,15 @@ class BusFromWires(BitParty):
     def _held_by_others(self) -> bool:
         if not self._scl_pulling:
             return False
-        if self._scl_wire.attached + self._sda_wire.attached != self._parties:
-            self._know_parties()
+        self._know_parties()
         return self._scl_pulling & ~self._scl_ours != 0
 
     def _know_parties(self) -> None:
         """Update the masks of the unit's parties; parties may be attached at any time and are never removed."""
-        self._parties = self._scl_wire.attached + self._sda_wire.attached
-        self._scl_ours, self._sda_ours = (
-            self._scl_wire.mask_of_parties(self._unit),
-            self._sda_wire.mask_of_parties(self._unit),
-        )
+        scl, sda = self._scl_wire, self._sda_wire
+        if scl.attached + sda.attached != self._parties:
+            self._parties = scl.attached + sda.attached
+            self._scl_ours, self._sda_ours = scl.mask_of_parties(self._unit), sda.mask_of_parties(self._unit)
 
     def _rises(self, now: int) -> None:
         if self.phase_at == NO_TIME:
@@ -131,8 +124,7 @@ class BusFromWires(BitParty):
         if stream.bits == 1:
             self._first_bit(let_go, now)
         elif stream.bits == BITS and stream.index < 0:
-            if self._scl_wire.attached + self._sda_wire.attached != self._parties:
-                self._know_parties()
+            self._know_parties()
             self.ours = self._sda_pulling & self._sda_ours != 0
 
     def _first_bit(self, let_go: int, rose: int) -> None:

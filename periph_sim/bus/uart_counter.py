@@ -57,7 +57,8 @@ class UartCounter(Agent):
         line = self._line()
         if line is not self._as and line != self._as:
             self._as, (bit, form) = line, line
-            self._lasted, self._taken = int(form.length * bit), int((form.length - Fraction(1, 2)) * bit)
+            halves = form.half_bits(bit)
+            self._taken, self._lasted = halves[-2], halves[-1]
 
     def finish(self, now: int) -> None:
         """Finish the run; an incomplete character does not count."""

@@ -141,9 +141,11 @@ class Scene:
         if has_bus and self.head is None and parts.skips_bits(context):
             self.bus.bit_skip = parts.bit_skip_of(context, None, self.units)
         if has_bus and (self.head is None or shared):
-            self._counter = parts.I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
+            lines = self.wires["SCL"], self.wires["SDA"]
             if self.recorder.wants(Kind.BUS):
-                parts.BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])
+                self._counter = parts.BusRecorder(self.kernel, self.recorder, *lines)
+            else:
+                self._counter = parts.I2cByteCounter(*lines)
         if case.rounds is not None:
             self.bus.asked = self._asked_by_master(context, case.rounds)
         if has_bus and (shared or case.rounds is not None):

@@ -14,7 +14,7 @@ from fractions import Fraction
 import pytest
 
 from periph_sim.traces import formats
-from periph_sim.traces.decode import i2c, uart, uart_objects
+from periph_sim.traces.decode import i2c, uart
 from periph_sim.traces.decode.i2c_table import i2c_table
 from periph_sim.traces.decode.uart_guess import guess
 from periph_sim.traces.decode.uart_table import uart_table
@@ -151,7 +151,7 @@ def test_uart_frames_are_the_oracles(name: str):
     capture = load(name)
     wires = [channel(name, given[side]) for side in ("rx", "tx") if side in given]
     found = [uart.events(capture, wire, line) for wire in wires]
-    assert [uart_objects.events_of_table(uart_table(capture, wire, line)) for wire in wires] == found
+    assert [uart.events_of_table(uart_table(capture, wire, line)) for wire in wires] == found
     ours = [uart_lines(events, line, late) for events in found]
     said = [
         (what.text, what.at if what.text in ("Start bit", "Break condition") else None) for what in oracle(name, "uart")

@@ -21,12 +21,11 @@ from ...core.sampler import watch
 from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire
+from ...traces.decode.i2c_states import BITS, SCL, SDA
+from ...traces.decode.i2c_stream import I2cStream
 from .bit_skip import BitParty
 from .bit_times import SKIPPED_BITS, BitTimes
-from .line_events import SCL, SDA
 from .transfer import Phase, Transfer
-
-BITS = 9  # of a byte, its ACK included
 
 
 @final
@@ -37,8 +36,8 @@ class I2cMonitor(BitParty):
     """
 
     STATE = State(
-        "_starting _scl_mask _sda_mask _pulls_scl _pulls_sda _first _transfer _phase _reads _acked _acks "
-        "_got _index _bits _in _sda_seen _levels _clock_length _stretch",
+        "_starting _scl_mask _sda_mask _pulls_scl _pulls_sda _first _transfer _phase _acks "
+        "_got _stream _sda_seen _levels _clock_length _stretch",
         ticks="_start_at _began_at _let_go_at _rose_at _ended_at _pulled_at _sda_at",
     )
 
@@ -68,12 +67,9 @@ class I2cMonitor(BitParty):
         self._transfer = Transfer("", [])
         self._phase = Phase(0, False)
         self._stretch = 0  # the longest stretch of the phase
-        self._reads = self._acked = False  # R/W of its address, and its acknowledge
         self._acks: list[bool] = []  # acknowledges of its data bytes
         self._got = bytearray()
-        self._index = -1  # -1: address byte, else the number of the data byte
-        self._bits = 0
-        self._in = 0
+        self._stream = I2cStream()  # takes the bits as the master clocks them, and its conditions
         self._filter = filter
         self._sda_at = -filter
         self._sda_seen = 1  # SDA before its last change, without spikes
@@ -122,9 +118,9 @@ class I2cMonitor(BitParty):
         self._sda_seen = shown & 1
         if not self._scl_mask:
             return
-        if self._index == 0 and self._acked:
+        if self._is_answered():
             self._phase.answer_at = times.rise(0)
-        self._bits, self._in = SKIPPED_BITS, shown >> 1
+        self._stream.skip(shown)
         self._pulled_at = times.fall(SKIPPED_BITS)
         self._clock_length = self._pulled_at - times.fall(SKIPPED_BITS - 1)
         self._rose_at = times.rise(SKIPPED_BITS - 1)
@@ -176,8 +172,8 @@ class I2cMonitor(BitParty):
         self._phase = Phase(0, False)
         self._phase.start_at = at
         self._stretch = 0
-        self._acked, self._acks, self._got = False, self._phase.acks, self._phase.got
-        self._index, self._bits, self._in = -1, 0, 0
+        self._acks, self._got = self._phase.acks, self._phase.got
+        self._stream.condition(True)
         self._first = True
 
     def _over(self, at: int) -> None:
@@ -209,19 +205,23 @@ class I2cMonitor(BitParty):
             self._rose_at, self._let_go_at = now, NO_TIME
 
     def _bit_over(self, now: int, bit: int) -> None:
-        self._bits += 1
-        self._in = self._in << 1 | bit
-        if self._bits == BITS:
+        stream = self._stream
+        stream.bit(bit)
+        if stream.bits == BITS:
+            stream.byte_over()
             self._byte_over(now)
-        elif self._bits == 1 and self._index == 0 and self._acked:
+        elif stream.bits == 1 and self._is_answered():
             self._phase.answer_at = self._rose_at
 
+    def _is_answered(self) -> bool:
+        """True if the next byte, or the one that has begun, is the first after an acknowledged address."""
+        return self._stream.index == 0 and self._stream.acked
+
     def _byte_over(self, now: int) -> None:
-        phase, transfer = self._phase, self._transfer
-        byte, ack = self._in >> 1, not self._in & 1
-        if self._index < 0:
-            self._reads, self._acked = bool(byte & 1), ack
-            phase.address, phase.read, phase.acked = byte >> 1, self._reads, ack
+        phase, transfer, stream = self._phase, self._transfer, self._stream
+        byte, ack = stream.byte, stream.acked
+        if stream.index == 0:
+            phase.address, phase.read, phase.acked = stream.address, stream.read, ack
             transfer.phases.append(phase)
             if not transfer.name:
                 transfer.name = self._names.get(phase.address) or f"{phase.address:#04x}"
@@ -229,12 +229,10 @@ class I2cMonitor(BitParty):
                 phase.answer_from = now
         else:
             self._acks.append(ack)
-            if self._reads:
+            if stream.read:
                 self._got.append(byte)
             else:
                 phase.data += bytes([byte])
-        self._index += 1
-        self._bits = self._in = 0
 
 
 def _parties(wire: Wire, mask: int) -> list[str]:

@@ -5,6 +5,8 @@ start  data, LSB first  [address]  [parity]  stop [stop]
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from msgspec import Struct
 
 
@@ -23,6 +25,13 @@ class UartFormat(Struct, frozen=True):
     def length(self) -> int:
         """Bits of a frame, start and stop bits included."""
         return 1 + self.bits + self.address + (self.parity != "none") + self.stop
+
+    def half_bits(self, bit: Fraction) -> list[int]:
+        """Return the ticks from the start of a frame to the begin of each half bit, and to its end.
+
+        bit: ticks. From the last but one on, the middle of the last stop bit, a falling edge starts the next frame.
+        """
+        return [int(half * bit / 2) for half in range(2 * self.length + 1)]
 
     def is_kept_by(self, levels: list[int]) -> bool:
         """True if these levels of a frame's bits have its start bit, its stop bits and its parity."""

@@ -96,8 +96,7 @@ class UartReader(Agent):
         bit, form = self._line()
         if bit != self._bit or form != self._format:
             self._bit, self._format, self._length = bit, form, form.length
-            num, den = bit.numerator, 2 * bit.denominator
-            self._halves = [half * num // den for half in range(2 * form.length + 1)]
+            self._halves = form.half_bits(bit)
 
     def _begin(self, now: int) -> None:
         self._set_line(now)

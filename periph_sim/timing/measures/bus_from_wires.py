@@ -16,34 +16,31 @@ from ...bus.i2c.bit_skip import BitParty
 from ...bus.i2c.bit_times import SKIPPED_BITS, BitTimes
 from ...core.time import NO_TIME
 from ...core.wire import Wire
+from ...traces.decode.i2c_states import BITS, FALL, KINDS, RISE, START, STOP
+from ...traces.decode.i2c_stream import I2cStream
 
 SCL, SDA = 0, 1  # which wire it is that is pulled
-BITS = 9  # of a byte, its ACK included
 
 
 class BusFromWires(BitParty):
-    """unit: the one whose pins are called ours, "" for none. Subclasses override the events at the end of the class."""
+    """unit: the one whose pins are called ours, "" for none. Subclasses override the events at the end of the class.
+
+    stream: the bytes of the transfer under way.
+    """
 
     _unit: str
 
     def __init__(self, unit: str) -> None:
-        self.address = 0
-        self.read = False
+        self.stream = I2cStream()
         self.ours = False  # the address was acknowledged by the unit
-        self.index = -1  # -1: the address, else the number of the data byte
         self.phase_at = NO_TIME  # START or repeated START of the phase under way; NO_TIME after a STOP
         self.others_held_until = NO_TIME  # when the others let go of SCL in the low time under way, or the last one
         self._unit = f"{unit}."
-        self._scl = self._sda = 1
         self._scl_pulling = self._sda_pulling = 0  # the parties that pull it: bit i is party i
         self._scl_ours = self._sda_ours = 0  # those of the known parties that belong to the unit
         self._parties = 0  # number of parties of both wires that are known
         self._tick = NO_TIME
-        self._scl_before = self._sda_before = 1  # levels as the tick under way began
         self._settled = True
-        self._acked = False  # the byte before
-        self._bits = 0
-        self._in = 0
 
     def attach(self, scl: Wire, sda: Wire) -> None:
         """Subscribe to these wires."""
@@ -57,14 +54,9 @@ class BusFromWires(BitParty):
             self._tick = now
         self._settled = False
         if line == SCL:
-            self._scl, self._scl_pulling = 0 if pulling else 1, pulling
+            self._scl_pulling = pulling
         else:
-            self._sda, self._sda_pulling = 0 if pulling else 1, pulling
-
-    def edge(self, tick: int, levels: int) -> None:
-        for line, wire, known in ((SCL, self._scl_wire, self._scl_pulling), (SDA, self._sda_wire, self._sda_pulling)):
-            if wire.pulling != known:
-                self.pulled(line, tick, wire.pulling)
+            self._sda_pulling = pulling
 
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
         self.settle()
@@ -72,10 +64,9 @@ class BusFromWires(BitParty):
             for number in range(SKIPPED_BITS):
                 at = times.rise(number)
                 self.held(at, at)
-                if not number and self.index >= 0 and self._acked:
-                    self.first_bit(at, at)
-            self._bits, self._in = SKIPPED_BITS, shown >> 1
-        self._sda = self._sda_before = shown & 1
+                if not number:
+                    self._first_bit(at, at)
+        self.stream.skip(shown)
         self._sda_pulling = self._sda_wire.pulling
         self.others_held_until = NO_TIME
 
@@ -89,72 +80,56 @@ class BusFromWires(BitParty):
         if self._settled:
             return
         self._settled = True
-        scl, sda, now = self._scl, self._sda, self._tick
-        scl_before, sda_before = self._scl_before, self._sda_before
-        self._scl_before, self._sda_before = scl, sda
-        if scl and scl_before:
-            if sda != sda_before:
-                self._condition(now, sda)
-        elif scl:
+        now = self._tick
+        scl, sda = 0 if self._scl_pulling else 1, 0 if self._sda_pulling else 1
+        event: int = self.stream.sample(scl | sda << 1) & KINDS
+        if event == START:
+            if self.phase_at == NO_TIME:
+                self.started(now)
+            self.phase_at, self.ours = now, False
+        elif event == STOP:
+            self.stopped(now)
+            self.phase_at = NO_TIME
+        elif event == RISE:
             self._rises(now)
-        else:
-            if scl_before:
-                self._falls(now)
+        elif not scl:
             if self._held_by_others():
                 self.others_held_until = NO_TIME
-            elif self.others_held_until == NO_TIME:
+            elif event == FALL or self.others_held_until == NO_TIME:
                 self.others_held_until = now
 
     def held_by_us_alone(self) -> bool:
         """Return True if SCL is low and only the unit holds it."""
-        return not self._scl and not self._held_by_others()
+        return self._scl_pulling != 0 and not self._held_by_others()
 
     def _held_by_others(self) -> bool:
         if not self._scl_pulling:
             return False
-        if self._scl_wire.attached + self._sda_wire.attached != self._parties:
-            self._know_parties()
+        self._know_parties()
         return self._scl_pulling & ~self._scl_ours != 0
 
     def _know_parties(self) -> None:
         """Update the masks of the unit's parties; parties may be attached at any time and are never removed."""
-        self._parties = self._scl_wire.attached + self._sda_wire.attached
-        self._scl_ours, self._sda_ours = (
-            self._scl_wire.mask_of_parties(self._unit),
-            self._sda_wire.mask_of_parties(self._unit),
-        )
-
-    def _condition(self, now: int, sda: int) -> None:
-        if sda:
-            self.stopped(now)
-            self.phase_at = NO_TIME
-        else:
-            if self.phase_at == NO_TIME:
-                self.started(now)
-            self.phase_at, self.index, self._bits, self._in, self.ours = now, -1, 0, 0, False
+        scl, sda = self._scl_wire, self._sda_wire
+        if scl.attached + sda.attached != self._parties:
+            self._parties = scl.attached + sda.attached
+            self._scl_ours, self._sda_ours = scl.mask_of_parties(self._unit), sda.mask_of_parties(self._unit)
 
     def _rises(self, now: int) -> None:
         if self.phase_at == NO_TIME:
             return
         let_go = now if self.others_held_until == NO_TIME else self.others_held_until
+        stream = self.stream
         self.held(let_go, now)
-        if self._bits == 0 and self.index >= 0 and self._acked:
-            self.first_bit(let_go, now)
-        self._bits += 1
-        self._in = self._in << 1 | self._sda
-        if self._bits == BITS:
-            self._acked = not self._sda
-        if self._bits == BITS and self.index < 0:
-            self.address, self.read = self._in >> 2 & 0x7F, bool(self._in >> 1 & 1)
-            if self._scl_wire.attached + self._sda_wire.attached != self._parties:
-                self._know_parties()
+        if stream.bits == 1:
+            self._first_bit(let_go, now)
+        elif stream.bits == BITS and stream.index < 0:
+            self._know_parties()
             self.ours = self._sda_pulling & self._sda_ours != 0
 
-    def _falls(self, now: int) -> None:
-        self.others_held_until = NO_TIME
-        if self._bits == BITS:
-            self.index += 1
-            self._bits = self._in = 0
+    def _first_bit(self, let_go: int, rose: int) -> None:
+        if self.stream.index >= 0 and self.stream.acked:
+            self.first_bit(let_go, rose)
 
     # Events ---------------------------------------------------------------------------
 

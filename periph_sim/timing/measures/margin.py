@@ -30,7 +30,7 @@ class _Reads(BusFromWires):
         self._measure = measure
 
     def first_bit(self, let_go: int, rose: int) -> None:
-        if self.read and self.ours:
+        if self.stream.read and self.ours:
             self._measure.needed(let_go, rose)
 
 
@@ -98,7 +98,7 @@ class Margin(Measure):
     def finish(self, now: int) -> None:
         bus = self.bus
         bus.settle()
-        if bus.read and bus.ours and bus.phase_at != NO_TIME and bus.held_by_us_alone():
+        if bus.stream.read and bus.ours and bus.phase_at != NO_TIME and bus.held_by_us_alone():
             self.occasion(now)
             self.take(bus.others_held_until - now, bus.others_held_until)
 

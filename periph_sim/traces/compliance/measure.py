@@ -33,6 +33,8 @@ from numpy.typing import NDArray
 
 from ..capture.capture import Capture, Channel, Positions, Span
 from ..decode.i2c import Party
+from ..decode.i2c_states import BITS
+from ..decode.i2c_table import I2cEdges, edges_of
 from .limits import LIMIT, Mode
 from .resolution import Resolution
 from .spikes import without_spikes
@@ -43,7 +45,6 @@ Parties = NDArray[np.uint8]
 
 NOBODY, CONTROLLER, TARGET = 0, 1, 2
 PARTY: dict[int, Party | None] = {NOBODY: None, CONTROLLER: Party.CONTROLLER, TARGET: Party.TARGET}
-BITS = 9  # of a byte, with its ACK
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,25 +134,23 @@ class _Part:
     def __init__(self, scl: Channel, sda: Channel, span: Span, mode: Mode, resolution: Resolution) -> None:
         self._mode, self._resolution = mode, resolution
         scl, sda, self._spikes, self._spike_lengths = without_spikes(scl, sda, mode, resolution)
-        self.rises = scl.edges[scl.levels == 1]
+        edges = edges_of(scl, sda)
+        self.rises, self.conditions, self.is_start = edges.rises, edges.conditions, edges.starts
         self.falls = scl.edges[scl.levels == 0]
         self._edges, self._levels = sda.edges, sda.levels
-        steady = (scl.before(sda.edges) == 1) & (scl.at(sda.edges) == 1)
-        self.conditions = sda.edges[steady]
-        self.is_start = sda.levels[steady] == 0
         self.starts = self.conditions[self.is_start]
         # A pulse is from a rise to the next fall; the low phase before it belongs to it.
         self._low_from = _at(self.falls, np.searchsorted(self.falls, self.rises) - 1)  # -1: not in the capture
         self._high_to = _at(self.falls, np.searchsorted(self.falls, self.rises, side="right"))  # -1: not in the capture
         high_to = np.where(self._high_to < 0, span.end, self._high_to)
         self._condition_in = np.searchsorted(self.conditions, high_to) > np.searchsorted(self.conditions, self.rises)
-        self._number_bits(sda)
+        self._number_bits(edges)
 
-    def _number_bits(self, sda: Channel) -> None:
+    def _number_bits(self, edges: I2cEdges) -> None:
         """Determine the number of each pulse since the last START, and the party that should drive SDA in it."""
         last = np.searchsorted(self.conditions, self.rises) - 1
         busy = (last >= 0) & _pick(self.is_start, last, False)
-        first = np.searchsorted(self.rises, self.conditions)  # the first pulse after each condition
+        first = edges.seen  # the first pulse after each condition
         number = np.arange(len(self.rises)) - _pick(first, last, 0)
         self._busy = busy
         self._is_bit = busy & ~self._condition_in
@@ -160,7 +159,7 @@ class _Part:
         next_first = np.append(first[1:], len(self.rises))
         asked = np.zeros(len(first), np.bool_)
         whole = rw_bit < next_first
-        asked[whole] = sda.at(self.rises[rw_bit[whole]]) == 1
+        asked[whole] = edges.values[rw_bit[whole]] == 1
         read = _pick(asked, last, False) & (number >= BITS)
         by_target = (read != self._ack) & self._is_bit  # before START and STOP the controller drives
         self._driver = np.where(busy, np.where(by_target, TARGET, CONTROLLER), NOBODY).astype(np.uint8)

@@ -12,9 +12,10 @@ from __future__ import annotations
 from typing import final
 
 from ...core.state import State
-from .i2c_states import BITS, EVENTS, KINDS, RISE, SDA, START
+from .i2c_states import BITS, EVENTS, FALL, KINDS, RISE, SDA, START
 
 BYTE = KINDS + 1  # added to the event that ends a byte: SCL's fall, or START or STOP in the ninth pulse
+BYTE_OVER = FALL + BYTE
 
 
 @final

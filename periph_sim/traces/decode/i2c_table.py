@@ -136,7 +136,7 @@ def i2c_edges(capture: Capture, scl: str | int, sda: str | int, glitch: int = 0)
     """Yield the edges of each span in which both lines are known."""
     clock, data = capture.channel(scl), capture.channel(sda)
     for span in capture.known(clock, data):
-        yield _classified(without_glitches(clock.cut(span), glitch), without_glitches(data.cut(span), glitch))
+        yield edges_of(without_glitches(clock.cut(span), glitch), without_glitches(data.cut(span), glitch))
 
 
 def _edges(line: Channel, level: int) -> Positions:
@@ -144,7 +144,8 @@ def _edges(line: Channel, level: int) -> Positions:
     return line.edges[int(line.initial == level) :: 2]
 
 
-def _classified(clock: Channel, data: Channel) -> I2cEdges:
+def edges_of(clock: Channel, data: Channel) -> I2cEdges:
+    """Find START, STOP and bits in the edges of two lines, both of which are known."""
     rises = _edges(clock, 1)
 
     # The place of each SDA edge among SCL's, and the lines before and after it.

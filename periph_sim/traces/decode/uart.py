@@ -19,18 +19,11 @@ read that bit either way, and the line does not show which.
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
-from fractions import Fraction
-from itertools import pairwise
-from math import ceil
 
-import numpy as np
-
-from ..capture.capture import Capture, Channel
-from ..capture.sampling import sample_step
-from .uart_format import longest_glitch, sample_point_step, sample_points_of, width_of, windows_of
+from ..capture.capture import Capture
 from .uart_line import PARITIES, Line
+from .uart_table import UartRowKind, UartTable, uart_table
 
 __all__ = ["PARITIES", "Break", "CutFrame", "Event", "Frame", "Line", "RejectedStart", "events"]
 
@@ -86,64 +79,23 @@ def events(capture: Capture, channel: str | int, line: Line, vote: bool = False)
     vote: each bit is the majority of three samples. LookupError for a missing channel; ValueError if the capture has
     no rate, or under two samples a bit.
     """
-    wire = capture.channel(channel)
-    width = width_of(capture, line.baud)
-    found: list[Event] = []
-    for span in capture.known(wire):
-        looks = sample_points_of(line, width, sample_point_step(sample_step(capture), width), vote)
-        found.extend(_frames(wire.cut(span), line, width, span.end, looks))
-        found.extend(_breaks(wire.cut(span), line, width))
-    return sorted(found, key=lambda event: (event.at, isinstance(event, Break)))
+    return events_of_table(uart_table(capture, channel, line, vote=vote))
 
 
-def _frames(wire: Channel, line: Line, width: Fraction, end: int, looks: list[tuple[int, ...]]) -> list[Event]:
-    low = int(line.invert)  # level of the wire during a start bit
-    edges: list[int] = wire.edges.tolist()
-    starts: list[int] = wire.edges[wire.levels == low].tolist()
-    first = wire.initial ^ low
-    glitches = [(a, b) for a, b in pairwise(edges) if b - a <= longest_glitch(width)]
-    windows = windows_of(line, width)
-    length = round(line.frame * width)
-    found: list[Event] = []
-    n = 0
-    while n < len(starts):
-        at = starts[n]
-        levels = [[first ^ bisect_right(edges, at + look) & 1 for look in of] for of in looks if at + of[-1] < end]
-        seen = [int(2 * sum(of) > len(of)) for of in levels]
-        if seen and seen[0]:
-            found.append(RejectedStart(at, edges[bisect_right(edges, at)]))
-            n = bisect_left(starts, at + looks[0][-1] + 1)
-            continue
-        data = seen[1 : 1 + line.bits]
-        if len(seen) < len(looks):
-            found.append(CutFrame(at, tuple(data)))
-            break
-        value = sum(bit << place for place, bit in enumerate(data))
-        wrong = line.parity != "none" and seen[-2] != _parity(line.parity, value)
-        within = glitches[bisect_left(glitches, (at, 0)) : bisect_right(glitches, (at + windows[-1][1], end))]
-        unsure = _unsure([(a - at, b - at) for a, b in within], windows)
-        found.append(Frame(at, at + length, value, wrong, not seen[-1], bool(within), unsure))
-        n = bisect_left(starts, at + looks[-1][-1] + 1)
-    return found
+def events_of_table(table: UartTable) -> list[Event]:
+    """Return the rows of a table as events."""
+    return [
+        _event(UartRowKind(kind), *rest) for kind, *rest in zip(*(column.tolist() for column in table), strict=True)
+    ]
 
 
-def _unsure(glitches: list[tuple[int, int]], windows: list[tuple[int, int]]) -> int:
-    """Return the bits whose window contains a glitch, as a mask."""
-    return sum(
-        1 << bit for bit, (begin, last) in enumerate(windows) if any(a <= last and b > begin for a, b in glitches)
-    )
-
-
-def _breaks(wire: Channel, line: Line, width: Fraction) -> list[Event]:
-    falls = wire.edges[wire.levels == int(line.invert)]
-    rises = wire.edges[wire.levels != int(line.invert)]
-    rises = rises[np.searchsorted(rises, falls[0]) :] if len(falls) else rises[:0]
-    falls = falls[: len(rises)]
-    long = rises - falls >= ceil(line.frame * width)
-    return [Break(at, end) for at, end in zip(falls[long].tolist(), rises[long].tolist(), strict=True)]
-
-
-def _parity(kind: str, value: int) -> int:
-    if kind in ("mark", "space"):
-        return int(kind == "mark")
-    return value.bit_count() & 1 ^ int(kind == "odd")
+def _event(
+    kind: UartRowKind, at: int, end: int, value: int, bits: int, parity: bool, frame: bool, glitched: bool, unsure: int
+) -> Event:
+    if kind is UartRowKind.FRAME:
+        return Frame(at, end, value, parity, frame, glitched, unsure)
+    if kind is UartRowKind.BREAK:
+        return Break(at, end)
+    if kind is UartRowKind.REJECTED:
+        return RejectedStart(at, end)
+    return CutFrame(at, tuple(value >> place & 1 for place in range(bits)))

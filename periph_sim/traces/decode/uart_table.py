@@ -2,9 +2,8 @@
 
     falling edges --> where the next frame would begin --> the chain of frames --> edges within each --> bits
 
-The rules are those of `decode.uart`, which gives the same events as objects. A frame decides where the next
-may begin, so the chain is followed frame by frame, with one list access each; all else is done for all frames
-at once.
+`decode.uart` has the rules, and makes objects of the rows. A frame decides where the next may begin, so the chain is
+followed frame by frame, with one list access each; all else is done for all frames at once.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..capture.capture import Capture, Channel, Span
 from ..decode import i2c
+from ..decode.i2c_table import edges_of
 from .svg_diagram import BLACK, Box, Lane
 
 BUS = ("SCL", "SDA")
@@ -102,8 +103,8 @@ def _around(capture: Capture, span: Span) -> Capture:
     """
     scl, sda = (capture.channel(name) for name in BUS)
     known = [one for one in capture.known(scl, sda) if one.begin <= span.begin]
-    high = (scl.at(sda.edges) == 1) & (scl.before(sda.edges) == 1)
-    before = sda.edges[high & (sda.levels == 1) & (sda.edges < span.begin)]
+    edges = edges_of(scl, sda)
+    before = edges.conditions[~edges.starts & (edges.conditions < span.begin)]
     end = min(capture.length, span.end + (span.end - span.begin) // 2)
     begin = max(int(before[-1]) if len(before) else 0, known[-1].begin if known else 0)
     cut = Span(begin, end)

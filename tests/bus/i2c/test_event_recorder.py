@@ -22,8 +22,9 @@ def heard(name: str, seconds: str, *changes: str) -> tuple[list[Record], list[Re
         recorder.subscribe([Kind.BUS], found.append)
 
     scene = Scene(load(TIMING / f"{name}.toml", ["budget=[]", "breaks=[]", *changes]), subscribe)
-    BusRecorder(scene.kernel, scene.recorder, scene.wires["SCL"], scene.wires["SDA"])
+    bus = BusRecorder(scene.kernel, scene.recorder, scene.wires["SCL"], scene.wires["SDA"])
     scene.run(Fraction(seconds))
+    assert bus.bytes == sum(r.where == "bus" and r.what in ("address", "byte") for r in found)
     return [r for r in found if r.where != "bus"], [r for r in found if r.where == "bus"]
 
 

@@ -84,14 +84,15 @@ class Heard(BusFromWires):
         self.told.append(("started", now))
 
     def stopped(self, now: int) -> None:
-        self.told.append(("stopped", now, self.index))
+        self.told.append(("stopped", now, self.stream.index))
 
     def held(self, let_go: int, rose: int) -> None:
         if let_go != rose:
             self.told.append(("held", let_go, rose))
 
     def first_bit(self, let_go: int, rose: int) -> None:
-        self.told.append(("first bit", self.address, self.read, self.ours, self.index, let_go, rose))
+        stream = self.stream
+        self.told.append(("first bit", stream.address, stream.read, self.ours, stream.index, let_go, rose))
 
 
 class Played:

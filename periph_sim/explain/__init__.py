@@ -6,9 +6,17 @@ window      one more run, recorded: all records around that instant        (`win
   |
 evidence    the same by subject: phases on the bus, accesses, flags, CPU activity   (`Evidence`)
   |
-bus_chain, host_chain, event_chain   the steps to it, by measure  (`Chain`)
+ends        the records at the two ends, found by what the measure looks at         (`Ends`)
+  |
+places      the time from end to end by place: bus, party that holds SCL, hardware, firmware
+findings    what the records around an instant show
+  |
+occurrence  the steps, with the causes of both ends, and the parts                  (`Chain`)
   |
 text_report, picture; reports/html   for people; `Chain` as JSON for programs
+
+No module here knows a kind of budget: a new measure is explained by the records that it looks at. Only the expected text
+of a reply (`reply_evidence`) and the expected edge of a watched wire are of the case and not of a record.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from typing import Literal
 from ..core.records import Kind, Record
 from .window import Window
 
-Doing = Literal["interrupt", "span", "wait", "code", "bus", "unknown"]
+Doing = Literal["interrupt", "span", "wait", "code", "bus", "hardware", "unknown"]
 CODE: Doing = "code"
 UNKNOWN: Doing = "unknown"
 NOT_KEPT = "the middle, for which no records were kept"

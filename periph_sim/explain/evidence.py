@@ -5,22 +5,28 @@ Window, case --> Evidence: phases on the bus, lows of SCL, accesses, flags with 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
-from itertools import pairwise
+from functools import cached_property, lru_cache
+from itertools import islice, pairwise
 
 from ..core.records import Kind, Record
 from ..devices.targets import eeprom
+from ..records.cause_trace.causes import Step as CauseStep
+from ..records.cause_trace.causes import walk_back
 from ..records.record_text import BusByte, bus_byte, happened
+from ..records.run import Run
 from ..scene.case.model import Case
+from ..traces.capture.capture import Channel
+from ..traces.formats.record_table import Columns
 from .chain import Chain, FirmwarePlace, Part, Step, place_of
 from .cpu_activity import CODE, DOING, Episode, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
 
 SMALL = Fraction(1, 100)  # part of an occurrence: shorter waits are omitted
 LONG = Fraction(1, 10**6)  # seconds: longer code without a name and an access is listed separately
+BACK = 16  # causes walked back from an end
 MOST = 12  # service routines, spans and waits listed for an occurrence: the longest
 
 
@@ -91,7 +97,7 @@ class Evidence:
         """Accesses, spans and waits of the firmware with their places, except those of service routines."""
         records = [r for r in (*self.window.before, *self.window.records) if self._ours(r) and r.kind in IN_FIRMWARE]
         found, routines = [], 0
-        for record in sorted(records, key=lambda r: (r.tick, r.number)):
+        for record in sorted(records, key=in_time):
             if record.kind is Kind.IRQ:
                 routines = max(0, routines + (1 if record.value else -1))
             elif not routines and record.text and (record.value or record.kind is Kind.ACCESS):
@@ -105,6 +111,10 @@ class Evidence:
             return "other code"
         top = stack[-1]
         return f"{phrase(DOING[top.kind], top.what)}, begun {self.span(tick - top.tick)} before"
+
+    def doing_step(self, tick: int) -> Step:
+        """Return a step of the firmware's activity at a tick."""
+        return self.say(tick, f"{self.unit}: {self.doing_at(tick)}", None, self.place_at(tick))
 
     def place_at(self, tick: int) -> FirmwarePlace | None:
         part = self.blame_at(tick)
@@ -212,9 +222,19 @@ class Evidence:
         return self._devices.get(address, "")
 
     def holder_at(self, tick: int) -> str:
-        """Return the party that holds SCL low after the master's release: the addressed device, else the unit."""
+        """Return the unit or device that holds SCL low for the controller, as recorded.
+
+        If the record does not name it: the addressed device, else the unit.
+        """
+        held = [r for r in self._there if r.kind in (Kind.EDGE, Kind.HOLD) and r.where == "SCL" and r.tick <= tick]
+        names = max(held, key=in_time).text.split(", ") if held else []
+        named = [name.partition(".")[0] for name in names if name not in ("", "controller")]
         phase = self.phase_at(tick)
-        return self.unit if phase is None else self._devices.get(phase.address, self.unit)
+        return named[0] if named else self.unit if phase is None else self._devices.get(phase.address, self.unit)
+
+    @property
+    def _there(self) -> tuple[Record, ...]:
+        return (*self.window.before, *self.window.records)
 
     @cached_property
     def low(self) -> int:
@@ -224,7 +244,8 @@ class Evidence:
         """
         table = self.case.controller
         if table is None:
-            return min((rise - fall for fall, rise in self._lows()), default=0)
+            end = self.window.kept[-1].end
+            return min((rise - fall for fall, rise in self._lows if rise < end), default=0)
         return self.window.timebase.ticks(table.low or Fraction(1, 2) / table.rate, "nearest")
 
     @property
@@ -234,24 +255,59 @@ class Evidence:
         return 0 if table is None else self.window.timebase.ticks(table.period, "nearest")
 
     def stretches(self, begin: int, end: int) -> list[tuple[int, int]]:
-        """Return where SCL was held low beyond the controller's own low time: from its release to the rise."""
+        """Return where SCL was held low beyond the controller's own low time, between two ticks: up to its rise."""
         return [
-            (fall + self.low, rise)
-            for fall, rise in self._lows()
-            if begin <= fall and rise <= end and rise - fall > self.low > 0
+            (max(fall + self.low, begin), min(rise, end))
+            for fall, rise in self._lows
+            if fall + self.low < end and begin < rise and rise - fall > self.low > 0
         ]
 
+    @cached_property
     def _lows(self) -> list[tuple[int, int]]:
-        """Return the falls of SCL in the window, each with the rise that follows."""
-        if not any(channel.name == "SCL" for channel in self.window.edges.channels):
+        """The falls of SCL in the window, each with the rise that follows, or the end of the window."""
+        scl = self.channel("SCL")
+        if scl is None:
             return []
-        scl = self.window.edges.channel("SCL")
-        moves = list(zip(scl.edges.tolist(), scl.levels.tolist(), strict=True))
+        moves = [*zip(scl.edges.tolist(), scl.levels.tolist(), strict=True), (self.window.kept[-1].end, 1)]
         return [(fall, rise) for (fall, down), (rise, _) in pairwise(moves) if not down]
 
-    def scl_moves(self, tick: int) -> bool:
-        """True if SCL has an edge at this tick. A run that ends with SCL low has none at its end."""
-        return any(channel.name == "SCL" and tick in channel.edges for channel in self.window.edges.channels)
+    def low_since(self, wire: str, tick: int) -> int | None:
+        """Return when a wire fell that is low at a tick; None if it is high, or if there is no such wire."""
+        channel = self.channel(wire)
+        falls = [] if channel is None else channel.edges[channel.edges <= tick].tolist()
+        return falls[-1] if falls and channel is not None and not channel.initial ^ (len(falls) & 1) else None
+
+    def channel(self, name: str) -> Channel | None:
+        """Return a wire of the scene; None if it has none of this name."""
+        return next((channel for channel in self.window.edges.channels if channel.name == name), None)
+
+    # Causes -----------------------------------------------------------------------
+
+    def walk(self, record: Record, depth: int = BACK) -> Iterator[tuple[Record, CauseStep]]:
+        """Yield a record and its causes, back in time, with the links beside them (see `records.cause_trace`)."""
+        run, rows, kept = _run_of(self.window, self.case.name, tuple((n, u.modules) for n, u in self.case.unit.items()))
+        for step in walk_back(run, rows[record.number], depth):
+            yield kept[step.record.number], step
+
+    def causes(self, record: Record, since: int) -> list[Step]:
+        """Return steps of a record's causes: the last two with the links beside them, and others back to a tick.
+
+        Of a row of edges and events of the bus only the first counts.
+        """
+        steps, number, effect = [], 0, record
+        for cause, link in islice(self.walk(record), 1, None):
+            near = number < 2 or (cause.tick >= since and not link.aside)
+            if near and not (cause.kind in ON_WIRES and effect.kind in ON_WIRES):
+                steps.append(self.step(cause, f"{happened(cause)} ({link.because.partition(';')[0]})"))
+            number, effect = (number, effect) if link.aside else (number + 1, cause)
+        return steps
+
+    def request(self, entry: Record) -> list[Step]:
+        """Return a step of the module's flag that requested an interrupt."""
+        for cause, link in self.walk(entry, 2):
+            if cause.kind is Kind.FLAG and not cause.where.endswith(".PIE") and not link.aside:
+                return [self.step(cause, f"{happened(cause)} ({link.because})")]
+        return []
 
     # Steps ------------------------------------------------------------------------
 
@@ -265,8 +321,21 @@ class Evidence:
         place = place_of(record.text) if record.kind in (*IN_FIRMWARE, Kind.FLAG) else None
         return self.say(record.tick, what or happened(record), length, place)
 
+    def named(self, record: Record) -> str:
+        """Return the text of a record without its details; for a START that of its phase."""
+        phase = next(
+            (p for p in self.phases if p.begin == record.tick and record.what in ("START", "repeated START")), None
+        )
+        return happened(record).partition(",")[0] if phase is None else f"{record.what}, {phase}"
+
     def say(self, tick: int, what: str, length: int | None = None, place: FirmwarePlace | None = None) -> Step:
-        return Step(tick - self.window.begin, what, length, place)
+        at = tick - self.window.begin
+        return Step(0 if abs(at) <= self.slip else at, what, length, place)
+
+    @property
+    def slip(self) -> int:
+        """The error of an instant that a verdict gives, which is rounded to 0.1 ns, in ticks."""
+        return self.window.timebase.per_second // 10**10 + 1
 
     def episode_step(self, one: Episode, end: int) -> Step:
         """Convert a service routine, span or wait to a Step, marked if it is not over at `end`."""
@@ -286,12 +355,45 @@ class Evidence:
             shown = sorted(sorted(shown, key=lambda one: -_inside(one, begin, end))[:MOST], key=lambda one: one.begin)
         return [self.episode_step(one, end) for one in shown]
 
+    def busy(self, begin: int, end: int) -> list[Step]:
+        """Return steps of spans and service routines between two ticks; of short routines only the first."""
+        least = (end - begin) * SMALL
+        busy = [one for one in self.episodes(begin, end) if one.doing != "wait"]
+        routines = [one for one in busy if one.doing == "interrupt"]
+        shown = [one for one in busy if one not in routines[1:] or _inside(one, begin, end) > least]
+        entries = [r for one in routines[:1] for r in self.window.between(one.begin, one.begin, Kind.IRQ)]
+        requests = [step for r in entries if self._ours(r) for step in self.request(r)]
+        return [*requests, *(self.episode_step(one, end) for one in shown)]
+
     def span(self, ticks: int) -> str:
         """Format a length."""
         return self.window.timebase.show(ticks)
 
 
+@lru_cache(maxsize=1)
+def _run_of(
+    window: Window, name: str, modules: tuple[tuple[str, tuple[str, ...]], ...]
+) -> tuple[Run, dict[int, int], dict[int, Record]]:
+    """Return the records of a window as a run, the row of each by its number, and the records by number.
+
+    Records of the table have no place in the firmware with a file; those by number do.
+    """
+    columns = Columns()
+    kept = {one.number: one for one in (*window.before, *window.records)}
+    ordered = sorted(kept.values(), key=lambda r: r.number)
+    for one in ordered:
+        columns.add(one)
+    table = columns.table(Fraction(window.timebase.per_second), window.kept[-1].end, dict(modules))
+    return Run(table, name), {one.number: row for row, one in enumerate(ordered)}, kept
+
+
+def in_time(record: Record) -> tuple[int, int]:
+    """Sort key for the order of time, and of creation within a tick."""
+    return record.tick, record.number
+
+
 IN_FIRMWARE = (Kind.ACCESS, *DOING)
+ON_WIRES = (Kind.EDGE, Kind.HOLD, Kind.BUS, Kind.FRAME)
 NO_ADDRESS = BusByte(0, acked=False, read=False)  # for a phase that ended before its address
 ENDS = ("START", "repeated START", "STOP", "arbitration lost")
 

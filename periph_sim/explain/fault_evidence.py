@@ -15,7 +15,7 @@ from ..f28335.gpio.register_map import control_register
 from ..f28335.i2c.descriptor import I2C_A
 from ..records.record_text import bus_byte
 from .chain import Step
-from .evidence import Evidence, RecordedPhase
+from .evidence import Evidence, RecordedPhase, in_time
 
 I2C = I2C_A.name
 ONES = 0xFF  # read when no party drives SDA
@@ -52,7 +52,7 @@ def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Recor
 
 def _first_rise(evidence: Evidence, after: int, before: int) -> int:
     """Return when SCL rises for the first bit of a byte, which must be driven by then."""
-    scl = next((channel for channel in evidence.window.edges.channels if channel.name == "SCL"), None)
+    scl = evidence.channel("SCL")
     if scl is None:
         return before
     rises = scl.edges[(scl.levels == 1) & (scl.edges > after) & (scl.edges < before)]
@@ -160,7 +160,7 @@ def last_change(evidence: Evidence, field: str, tick: int, module: str = I2C) ->
     where = f"{evidence.unit}.{module}"
     there = (*evidence.window.before, *evidence.window.records)
     found = [r for r in there if r.kind is Kind.FLAG and (r.where, r.what) == (where, field) and r.tick <= tick]
-    return max(found, key=lambda r: (r.tick, r.number), default=None)
+    return max(found, key=in_time, default=None)
 
 
 def maker(evidence: Evidence, change: Record) -> Record | None:

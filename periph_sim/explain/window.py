@@ -22,6 +22,9 @@ from ..processor.user_code import output_muted
 from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
 from ..scene.scene import Scene
+from ..timing.language.events import Event
+from ..timing.language.language import measure_of
+from ..timing.measures.registry import MEASURES
 from ..timing.verdict import Verdict
 from ..traces.capture.capture import Capture, Channel, Span, channel_of
 from ..traces.drawing.capture_lanes import bit_of
@@ -29,11 +32,9 @@ from ..traces.formats.record_table import RecordTable
 
 AROUND = Fraction(5, 1000)  # seconds kept before and after an occurrence: a transfer, a frame of the host
 WIDE = Fraction(25, 1000)  # the same if the instant alone is not sufficient: a period before and one after
-WIDE_FOR = ("jitter of", "cpu load", "bus load", "missed rounds", "stuck", "value error")
-LATE = ("missed rounds", "stuck")  # measures whose instant is the end of too long a wait
+LATE = ("missed", "stuck")  # records whose instant is the end of too long a wait
 LONGEST = Fraction(1, 10)  # seconds kept of each end of a long occurrence
 LEAD = 4096  # edges of a wire kept before a range, so that a transfer in progress can be decoded
-ENDS = ("age", "model age", "cpu load", "bus load")  # their instant is the end of the occurrence
 BITS = 18  # drawn at least: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # seconds, without SCL
 
@@ -175,8 +176,8 @@ class _Keeper:
         length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
         if verdict.until_s is not None:
             length = round(verdict.until_s * per_second) - (at - self._start)
-        begin, end = sorted((at - length, at) if verdict.measure.startswith(ENDS) else (at, at + length))
-        around = self._timebase.ticks(WIDE if verdict.measure.startswith(WIDE_FOR) else AROUND, "nearest")
+        begin, end = sorted((at - length, at) if _is_end(verdict) else (at, at + length))
+        around = self._timebase.ticks(AROUND if _is_length(verdict) else WIDE, "nearest")
         first, last = max(begin - around, self._start), min(end + around, self._end)
         longest = self._timebase.ticks(LONGEST, "nearest")
         kept: tuple[Span, ...] = (Span(first, last + 1),)
@@ -242,7 +243,7 @@ class _Keeper:
 
     def _drawn(self, one: _Wanted, bit: int) -> Span:
         """Return the extent of a picture: the occurrence in the middle; an instant at the first sixth, or late."""
-        begin = one.kept[0].begin if one.verdict.measure in LATE else one.begin
+        begin = one.kept[0].begin if is_late(one.verdict) else one.begin
         end = one.end
         least, long = BITS * bit, end - begin
         room = max((least - long) // 2 if long else least // 6, long // 10)
@@ -278,6 +279,24 @@ class _Keeper:
         return channel_of(wire, index, states.keys(), states.values(), length)
 
 
+def _taken(verdict: Verdict) -> Event | None:
+    """Return the event that a shipped measure takes its values of; None for other measures."""
+    sentence = MEASURES.get(verdict.measure.partition(" of ")[0])
+    return None if sentence is None else measure_of(sentence.text.format(of="")).events[-1]
+
+
+def is_late(verdict: Verdict) -> bool:
+    """Return True if the instant is the end of too long a wait."""
+    event = _taken(verdict)
+    return event is not None and event.how in LATE
+
+
+def _is_end(verdict: Verdict) -> bool:
+    """Return True if the instant is the end of the occurrence, as that of data is."""
+    event = _taken(verdict)
+    return event is not None and event.name == Kind.DATA.value
+
+
 def _is_length(verdict: Verdict) -> bool:
     """True if the value is the length of the occurrence, between two instants."""
     return verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
@@ -304,7 +323,8 @@ def _place(ranges: list[Span], inside: Span) -> int:
 
 def _with_stretch(window: Window) -> Window:
     """Narrow a stretch's window, given for its phase, to the longest low of SCL there."""
-    if window.verdict.measure != "stretch" or window.begin == window.end:
+    event = _taken(window.verdict)
+    if event is None or event.how != "stretch" or window.begin == window.end:
         return window
     starts = [r.tick for r in window.records if r.kind is Kind.BUS and r.what in ("repeated START", "STOP")]
     over = min((tick for tick in starts if tick > window.begin), default=window.kept[-1].end)

@@ -17,7 +17,8 @@ from ..core.records import RECORDED, Recorder
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase
 from ..explain.chain import Chain
-from ..explain.explain import chain_of, explain
+from ..explain.explain import explain
+from ..explain.occurrence import chain_of
 from ..explain.window import Window, windows_of_edges, windows_of_table
 from ..processor.user_code import output_muted
 from ..replay.wire_log import WireLog

@@ -273,7 +273,9 @@ def test_a_wait_that_an_old_flag_ended_is_told():
         "I2C-A.I2CSTR.BB set",
         "the firmware sees I2CSTR.SCD",
         "wait for I2C-A.I2CSTR.BB begins",
+        "SCL held low by dsp: wait for I2C-A.I2CSTR.BB",
         "a round is due",
+        "dsp: wait for I2C-A.I2CSTR.BB",
     ]
     assert said(one)[2] == "the firmware sees I2CSTR.SCD, which rose 1624.900 us before this transfer began"
 
@@ -343,4 +345,4 @@ def test_a_round_that_lacks_a_request_is_explained_by_the_start_in_its_place():
     assert (result.budgets[0].worst, result.budgets[0].verdict) == (1, "fail")
     one = explain(made, result.budgets)["b"]
     assert said(one)[-1] == "0x50 W begins, and the request before it was not made"
-    assert said(one)[:-1] == ["0x50 W"], "of the period before"
+    assert said(one)[:-1] == ["0x50 W, not acknowledged"], "of the period before"

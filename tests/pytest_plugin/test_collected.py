@@ -65,7 +65,7 @@ def test_a_broken_budget_tells_its_figures_and_shows_the_bus(project: pytest.Pyt
             " response*us *1 us  -*us*s  the master gives up*",
             "response * us, at most 1.000 us allowed, at *",
             "*us  repeated START, two bytes (0x50 R)*",
-            "* 5.000 us  100.0 %  SCL low by the controller",
+            "* 5.000 us  100.0 %  bits of two bytes",
             "*v response: worst begins*",
             "*v ends, * us later*",
             "SCL  *┐ ┌─┐*",

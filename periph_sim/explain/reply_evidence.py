@@ -1,4 +1,4 @@
-"""Explanation of a late or wrong reply: its request, and the wrong writes.
+"""Steps of a late or wrong reply: its request, and the wrong writes. The expected text is in the case, not recorded.
 
 RX  |--ask--|
 CPU         w(E) w(R)            the writes of the characters that are not the expected ones
@@ -7,31 +7,24 @@ TX          |---E---|---R---|
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from ..core.records import Kind, Record
 from ..scene.case.serial import ExpectTable, SerialTable
 from ..scene.serial.content import content_of
 from ..timing.budget_schema import REPLY
-from .chain import Chain, Part, Step
-from .event_chain import between
-from .evidence import Evidence, in_order
+from .chain import Step
+from .evidence import Evidence
 
 MOST = 8  # wrong characters listed
 
 
-def reply(evidence: Evidence) -> Chain:
-    """Explain a reply's time; for a wrong reply, the writes of its wrong characters, the first of them as the cause."""
+def wrong_characters(evidence: Evidence) -> tuple[list[Step], list[Step]]:
+    """Return steps of what asks for a reply, and of the writes of the reply's wrong characters."""
     window = evidence.window
-    chain = between(evidence, None, None)
+    if not window.verdict.measure.startswith(REPLY):
+        return [], []
     asked = _asked(evidence)
-    steps = [evidence.say(r.tick, f"{r.where}: the last character of what asks for it") for r in asked[-1:]]
-    wrong = _wrong(evidence, asked) if window.verdict.until_s is not None else []
-    if wrong:
-        chain = replace(chain, blame=Part("code", wrong[0].what, 0, 1, wrong[0].place))
-    wrong_places = {(step.at, step.place) for step in wrong}
-    others = [step for step in chain.steps if (step.at, step.place) not in wrong_places]
-    return replace(chain, steps=in_order(others, [*steps, *wrong]))
+    last = [evidence.say(r.tick, f"{r.where}: the last character of what asks for it") for r in asked[-1:]]
+    return last, _wrong(evidence, asked) if window.verdict.until_s is not None else []
 
 
 def _asked(evidence: Evidence) -> list[Record]:

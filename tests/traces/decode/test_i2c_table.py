@@ -40,15 +40,29 @@ def rows(table: I2cTable) -> list[tuple[str, int, int]]:
 
 @given(captures(("SCL", "SDA")))
 @settings(max_examples=examples(40), deadline=None)
-def test_every_bit_of_a_transfer_is_among_the_bits_with_its_timing(capture: Capture):
+def test_every_bit_has_the_timing_of_its_pulse(capture: Capture):
     bits = i2c_bits(capture)
     found = {
         at: (value, low if low >= 0 else None, high if high >= 0 else None)
         for at, value, low, high in zip(*(c.tolist() for c in (bits.at, bits.value, bits.low, bits.high)), strict=True)
     }
+    assert found == pulses(capture)
     for transfer in i2c.transfers(capture):
         for bit in [*transfer.lead, *(bit for phase in transfer.phases for byte in phase.bytes for bit in byte.bits)]:
             assert found[bit.at] == (bit.value, bit.low, bit.high)
+
+
+def pulses(capture: Capture) -> dict[int, tuple[int, int | None, int | None]]:
+    """SDA at each rise of SCL, and the distances to the edges of SCL before and after it, if they are known."""
+    found = {}
+    for span in capture.known(*capture.channels):
+        scl, sda = (channel.cut(span) for channel in capture.channels)
+        edges = [None, *scl.edges.tolist(), None]
+        for before, at, behind, level in zip(edges, edges[1:], edges[2:], scl.levels, strict=False):
+            if level:
+                value = (sda.initial + sum(edge <= at for edge in sda.edges.tolist())) % 2
+                found[at] = value, before and at - before, behind and behind - at
+    return found
 
 
 @given(

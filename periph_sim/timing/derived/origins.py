@@ -17,7 +17,7 @@ firmware provides nothing but the level of that pin.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import combinations_with_replacement
 from typing import final
 
@@ -91,6 +91,7 @@ class FrameOrigins(Origins):
     the chip has never shown a frame, and wrong once it has.
     """
 
+    _data: Callable[[int, tuple[int, ...]], bytes]
     _frames: FrameHistory
 
     def __init__(self, frames: HostFrames) -> None:

@@ -69,7 +69,7 @@ WHOLE = (
     "tests/commands/test_all_measures.py",
     "tests/commands/test_check.py",
     "tests/imu/commands/test_moving.py",
-    "tests/devices/test_attitude.py",
+    "tests/imu/test_attitude.py",
     "tests/commands/test_worst.py",
     "tests/imu/extremes/test_extremes.py",
     "tests/imu/moving/test_on_wires.py",

@@ -13,19 +13,17 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, lru_cache, partial
 from struct import Struct
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from periph_sim.core.settings import DurationRange, Spread
 from periph_sim.firmware import After, Before
 from periph_sim.imu.host_frame import ACCELERATION, ANGLE
-from periph_sim.imu.models.counts import counts_of
-from periph_sim.imu.models.imu import Imu, Noise, State
 from periph_sim.imu.models.parameters import ImuParameters
-from periph_sim.imu.numeric import arithmetic_names as named
-from periph_sim.imu.numeric.estimate import estimate
 from periph_sim.imu.parameter_sets import named as parameter_set
-from periph_sim.imu.shared_models import ModelNoise, model_of, overflows_of
 from periph_sim.processor.dsp import Dsp
+
+if TYPE_CHECKING:
+    from periph_sim.imu.models.imu import Noise
 
 FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")
@@ -42,6 +40,9 @@ def _ignore() -> None:
 @cache
 def _known(name: str) -> str:
     if name != BYTES:
+        from periph_sim.imu.models.imu import Imu
+        from periph_sim.imu.numeric import arithmetic_names as named
+
         Imu(named.scalar(name), ImuParameters())  # raises for a wrong name or format
     return name
 
@@ -111,7 +112,12 @@ class Models:
         noise_seed: int | None = None,
         on_overflow: Callable[[], None] = _ignore,
     ) -> None:
+        from periph_sim.imu.models.imu import State
+        from periph_sim.imu.shared_models import ModelNoise, model_of, overflows_of
+
         self._model = model_of(arithmetic, parameters)
+        self._overflows = partial(overflows_of, self._model)
+        self._state_of = State
         self._a = self._model.a
         self._state = self._model.at_rest
         self._on_overflow = on_overflow
@@ -132,17 +138,17 @@ class Models:
             return self._computed(frame)
 
     def _computed(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
-        scaled, model, before = self._a.scaled, self._model, overflows_of(self._model)
+        scaled, model, before = self._a.scaled, self._model, self._overflows()
         roll, pitch, yaw, x, y, z = FRAME.unpack(frame)
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
         last = self._state
         if last is model.at_rest:
-            last = State(attitude, last.body)
+            last = self._state_of(attitude, last.body)
         codes, state = model.step(attitude, pushed, self._added(), last)
         if frame is not NO_FRAME:
             self._state = state
-        for _ in range(overflows_of(model) - before):
+        for _ in range(self._overflows() - before):
             self._on_overflow()
         x, y, z = codes.magnetometer
         return BIG.pack(*map(int, codes.gyroscope)), LITTLE.pack(*map(int, codes.accelerometer)), _swapped(x, y, z)
@@ -179,4 +185,8 @@ def _swapped(x: Any, y: Any, z: Any) -> bytes:
 @lru_cache(maxsize=16)
 def estimated(arithmetic: str, parameters: ImuParameters) -> Fraction:
     """Return the seconds at 150 MHz for the equations; not for "bytes", which has none."""
+    from periph_sim.imu.models.counts import counts_of
+    from periph_sim.imu.numeric import arithmetic_names as named
+    from periph_sim.imu.numeric.estimate import estimate
+
     return estimate(counts_of(parameters), named.library(arithmetic)).seconds()

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..scene.case.model import Case
 from .models.parameters import ImuParameters
-from .sensor_period import check_sensor_period
+from .models.period import check_period
+from .models.quantity import BadParameter
 
 if TYPE_CHECKING:
     from ..devices.chip_model import ChipModel
@@ -71,8 +72,29 @@ def _less(values: Sequence[float], bias: Sequence[float]) -> list[float]:
     return [value - known for value, known in zip(values, bias, strict=True)]
 
 
+def check_sensor_period(case: Case, unit: str, settings: object, sensors: ImuParameters) -> None:
+    """Raise BadCase unless the models' period is that at which this firmware runs them.
+
+    That is the period of the rounds; or of the host, if `models_run` is "frame" or there are no rounds.
+    """
+    rounds = case.controller or case.rounds
+    per_frame = getattr(settings, "models_run", "round") == "frame" or rounds is None
+    table = case.host if per_frame else rounds
+    if table is None:
+        return
+    what = (
+        "once a host frame (host.period)"
+        if per_frame
+        else f"once a round ({'controller' if case.rounds is None else 'rounds'}.period)"
+    )
+    try:
+        check_period(sensors, table.period, what)
+    except BadParameter as error:
+        raise case.mistake(error.what, "unit", unit, "settings", "parameters") from None
+
+
 class MotionTruth:
-    """What ideal sensors with the same parameters would show of the true motion, computed in float64.
+    """The readings of ideal sensors with the same parameters, of the true motion, in float64.
 
     It has no noise: a sensor's noise is not a property of the body, and the sample in a read depends on the firmware's
     timing, of which truth is independent. first: seconds of the motion's time at which frame 0 is due.

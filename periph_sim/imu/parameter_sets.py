@@ -1,4 +1,4 @@
-"""Sets of sensor parameters, loaded from TOML and checked.
+"""Sets of sensor parameters, loaded from TOML and checked, and written as TOML.
 
     period = "20 ms"                      [gyroscope]
     wrap = "unwrapped"                    bias = "-3.1, 3.6, 0.04 deg/s"
@@ -127,3 +127,29 @@ def _expected(parameter: Parameter, says: Quantity) -> str:
 def _wrong(source: Source, place: Place, what: str, inside: list[str] | None = None) -> BadCase:
     key = ".".join(str(part) for part in (*place, *(inside or [])))
     return BadCase(f"{source.where(place)}: {key}: {what}")
+
+
+def text_of(imu: ImuParameters) -> str:
+    """Return the text of all parameters, the whole set's first; `load` reads it back to the last bit."""
+    parts = parameters_of(ImuParameters)
+    lines = [_line(imu, one) for one in parts if one.says is not None]
+    for one in parts:
+        if one.says is None:
+            sensor = getattr(imu, one.name)
+            lines += ["", f"[{one.name}]", *(_line(sensor, inner) for inner in parameters_of(type(sensor)))]
+    return "\n".join([*lines, ""])
+
+
+def _line(given: Checked, parameter: Parameter) -> str:
+    return f"{parameter.name} = {_said(parameter, getattr(given, parameter.name))}"
+
+
+def _said(parameter: Parameter, value: Any) -> str:
+    if not isinstance(parameter.says, Quantity):
+        return f'"{value}"'
+    if parameter.kind is int:
+        return str(value)
+    numbers = ", ".join(repr(float(one)) for one in (value if isinstance(value, tuple) else (value,)))
+    if parameter.says.unit:
+        return f'"{numbers} {parameter.says.unit}"'
+    return f"[{numbers}]" if isinstance(value, tuple) else numbers

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class FirmwareModel(Protocol):
-    """What a scene asks about such firmware."""
+    """Such firmware, as a scene sees it."""
 
     def check(self, case: Case, unit: str) -> None:
         """Raise BadCase if the case does not run the model as the model needs it."""

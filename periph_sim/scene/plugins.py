@@ -51,7 +51,7 @@ class Plugin(Struct, frozen=True):
         import ast
 
         file = Path(self.module.__file__ or self.name)
-        for node in ast.parse(file.read_bytes()).body if file.is_file() else ():
+        for node in ast.parse(file.read_bytes()).body if file.suffix == ".py" else ():
             targets = getattr(node, "targets", [getattr(node, "target", node)])
             if attribute in {getattr(target, "id", getattr(target, "name", "")) for target in targets}:
                 return f"line {node.lineno} of {file.name}"
@@ -61,8 +61,8 @@ class Plugin(Struct, frozen=True):
 DEFINES = {
     "CHIP": Kind("chip", lambda plugin: {plugin.name: _chip(plugin)}),
     "KIND": Kind("kind of watcher", lambda plugin: {plugin.module.KIND: plugin.module}),
-    "NAME": Kind("capture format", lambda plugin: {plugin.name: plugin.module} if _is_format(plugin) else {}),
     "MODELS": Kind("device", lambda plugin: dict.fromkeys(plugin.module.MODELS, plugin.module)),
+    "NAME": Kind("capture format", lambda plugin: {plugin.name: plugin.module} if _is_format(plugin) else {}),
     "SENSORS": Kind("sensor", lambda plugin: _sensors(plugin)),
     "attach": Kind("kind of fault", lambda plugin: {plugin.name: plugin.module}),
 }
@@ -74,10 +74,11 @@ def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterabl
     attribute: one of `DEFINES`. names: those that a case gives; if one is unknown, entry points are looked through,
     too. BadCase if a plugin cannot be loaded, or if two define one name.
     """
-    found, places = dict(shipped), dict.fromkeys(shipped, "periph_sim")
-    _add(found, places, attribute, _project_plugins(folder))
+    found: dict[str, Any] = dict(shipped)
+    owners: dict[str, Plugin] = {}
+    _add(found, owners, attribute, _project_plugins(folder))
     if any(name not in found for name in names):
-        _add(found, places, attribute, _installed_plugins())
+        _add(found, owners, attribute, _installed_plugins())
     return found
 
 
@@ -95,17 +96,16 @@ def _is_format(plugin: Plugin) -> bool:
     return hasattr(plugin.module, "SUFFIXES")
 
 
-def _add(found: dict[str, Any], places: dict[str, str], attribute: str, plugins: Iterable[Plugin]) -> None:
-    """Add what plugins define. places: of the definitions so far, by name, for messages."""
+def _add(found: dict[str, Any], owners: dict[str, Plugin], attribute: str, plugins: Iterable[Plugin]) -> None:
+    """Add what plugins define. owners: the plugins of the definitions so far, by name."""
+    kind = DEFINES[attribute]
     for plugin in plugins:
-        if not hasattr(plugin.module, attribute):
-            continue
-        kind, place = DEFINES[attribute], plugin.place(attribute)
-        for name, one in kind.named(plugin).items():
+        for name, one in kind.named(plugin).items() if hasattr(plugin.module, attribute) else ():
             if name in found:
-                what = f"there is a {kind.what} {name!r} already, in {places[name]}"
-                raise BadCase(f"{place}: {what}; give one of them another name")
-            found[name], places[name] = one, place
+                there = owners[name].place(attribute) if name in owners else "periph_sim"
+                what = f"there is a {kind.what} {name!r} already, in {there}"
+                raise BadCase(f"{plugin.place(attribute)}: {what}; give one of them another name")
+            found[name], owners[name] = one, plugin
 
 
 def _chip(plugin: Plugin) -> type[RegisterChip]:

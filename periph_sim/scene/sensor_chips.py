@@ -17,6 +17,7 @@ from ..devices.chips.register_chip import RegisterChip, Source
 from ..devices.chips.sensed_values import held, numbered, scaled
 from ..devices.host_frames import host_frames
 from ..devices.register_pointer import RegisterPointer
+from ..processor.user_code import UserCode
 from . import plugins
 from .case.model import Case, ChipTable, ValueTable
 from .context import SceneContext
@@ -88,12 +89,12 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
         except ValueError as error:
             raise case.mistake(str(error), *place, "options", key) from None
 
+    guard = UserCode(f"chip {name}", float(case.stall_limit))
     feels: Source  # chosen by the scale that `registers` set, and asked from the first sample on
 
     def make(powered: int) -> RegisterChip:
-        chip: RegisterChip = kind(
-            timebase, lambda tick: feels(tick), address, options_from(options, table.options), powered
-        )
+        answers = options_from(options, table.options)
+        chip: RegisterChip = guard(kind, timebase, lambda tick: feels(tick), address, answers, powered)
         return chip
 
     powered = context.kernel.now - context.ticks(table.powered)

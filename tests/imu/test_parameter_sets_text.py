@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from periph_sim.imu.models.parameters import ImuParameters
-from periph_sim.imu.parameter_sets import load
-from periph_sim.imu.parameter_sets_text import text_of
+from periph_sim.imu.parameter_sets import load, text_of
 
 THREE = st.tuples(*[st.floats(-16, 16)] * 3)
 

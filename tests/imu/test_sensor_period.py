@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from periph_sim.imu.firmware_model import check_sensor_period
 from periph_sim.imu.models.parameters import ImuParameters
-from periph_sim.imu.sensor_period import check_sensor_period
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from tests.scene.runs import run_file

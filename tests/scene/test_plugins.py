@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
@@ -150,6 +151,12 @@ def test_a_plugin_that_cannot_be_imported_is_named_with_file_and_line(project: P
     (project / "barometer.py").write_text(source, "utf-8")
     place = f"{project / 'pyproject.toml'}, line 2: plugins: "
     assert refusal(project) == place + sentence
+
+
+def test_a_chip_that_cannot_be_built_is_named_with_its_line(project: Path):
+    (project / "barometer.py").write_text(BAROMETER.replace("powered=0):", "powered=0):\n        assert 0"), "utf-8")
+    with pytest.raises(FirmwareError, match=r"^chip pressure: AssertionError at line \d+ of barometer.py: no message$"):
+        Scene(load(project / "case.toml"))
 
 
 def test_two_of_one_name_are_refused_with_file_and_line(project: Path):

@@ -86,7 +86,7 @@ def identify(
             plot(title, axes, paths[picture])
         if parameters is not None:
             from ..at_rest.identified import parameters_of_axes
-            from ..parameter_sets_text import text_of
+            from ..parameter_sets import text_of
 
             named = {axis.found.series.name: axis for axis in axes}
             found = parameters_of_axes(named, undisturbed is not None)

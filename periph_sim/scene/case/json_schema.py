@@ -43,6 +43,7 @@ def case_schema() -> Schema:
     host = definitions["HostTable"]["properties"]
     host["motion"] = _one_of(motions, schemas)
     host["encoding"] = schemas["encoding"]
+    host["lose"]["items"]["items"][1] = {"type": "integer", "minimum": 0, "maximum": frames.FRAME_BYTES - 1}
     definitions["ChipTable"]["properties"]["model"] = {"enum": [*known(here, "CHIP", chip_models())]}
     definitions["DeviceTable"] = {"anyOf": [*_devices(definitions["DeviceTable"], devices, schemas)]}
     definitions["WatchTable"] = {"anyOf": [*_watches(definitions["WatchTable"], watches, schemas)]}

@@ -17,6 +17,7 @@ from ...core.counted import counted
 from ...core.settings import Duration, HexBytes
 from ...core.suggest import did_you_mean
 from ...core.table import Table
+from ...devices.host_frames import host_frames
 from ...timing.budget_schema import Budget
 from .device_tables import BusParty, DeviceTable
 from .named_files import named_files
@@ -184,7 +185,7 @@ class HostTable(Table, frozen=True, kw_only=True):
     paced_by: Literal["schedule", "pause"] = "schedule"
     gap: Bits = Fraction(0)  # bits between bytes
     frames: Annotated[int, Meta(ge=0)] | None = None
-    lose: tuple[tuple[int, Annotated[int, Meta(ge=0, le=11)]], ...] = ()
+    lose: tuple[tuple[int, int], ...] = ()
     silent: tuple[tuple[Duration, Duration], ...] = ()
     twice: tuple[Annotated[int, Meta(ge=0)], ...] = ()
     motion: dict[str, object] = {}
@@ -256,6 +257,13 @@ class Case(Table, frozen=True, kw_only=True):
             for number, name in enumerate(case.breaks)
             if name not in known
         ]
+        if case.host is not None and case.host.lose:
+            last = host_frames().FRAME_BYTES - 1
+            strange += [
+                Mistake(("host", "lose", number, 1), f"expected 0 to {last}, but it is {byte}")
+                for number, (_, byte) in enumerate(case.host.lose)
+                if not 0 <= byte <= last
+            ]
         if case.controller is not None and case.rounds is not None:
             strange.append(Mistake(("rounds",), "[controller] says its rounds already; leave one of them out"))
         if strange:

@@ -11,21 +11,9 @@ from fractions import Fraction
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.registers import Register
-from periph_sim.f28335.cpu_timer import register_map as timer_map
-from periph_sim.f28335.gpio import register_map as gpio_map
-from periph_sim.f28335.i2c.register_map import I2C_MAP
-from periph_sim.f28335.pie import register_map as pie_map
-from periph_sim.f28335.sci.register_map import SCI_MAP
-from periph_sim.f28335.system_control import register_map as clocks_map
+from periph_sim.f28335.parts.f28335 import PART
 
-MAPS = {
-    "I2C-A": I2C_MAP,
-    "SCI-A": SCI_MAP,
-    "GPIO": gpio_map.GPIO,
-    "PIE": pie_map.MAP,
-    "SYS": clocks_map.MAP,
-    "TIMER0": timer_map.MAP,
-}
+MAPS = {one.name: one.registers for one in PART.modules}
 CLEARED_BY_ONE = {"I2CSTR": ("SDIR", "NACKSNT", "SCD", "RRDY", "ARDY", "NACK", "AL"), "TCR": ("TIF",)}
 I2C_SOURCES = [
     f"{register}.{f}" for register in ("I2CSTR", "I2CIER") for f in ["AAS", "SCD", "XRDY", "RRDY", "ARDY", "NACK", "AL"]

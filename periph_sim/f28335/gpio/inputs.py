@@ -1,0 +1,230 @@
+"""The way from GPIO pads to the levels inside the chip: synchroniser, qualifiers, XINT lines.
+
+    pad --> synchroniser --> qualifier --+--> peripheral input (source, seen_at, changed)
+                                         +--> XINT line (changed)
+                                         +--> GPxDAT read
+
+An edge between two SYSCLKOUT edges is reported with the later of them as `now` and
+exact=False; one that falls on a SYSCLKOUT edge with exact=True. A synchronised pin shows
+it at the first SYSCLKOUT edge strictly after it, an asynchronous one at the first edge at
+or after it: `seen_at` returns that cycle. So a pin that is synchronised or asynchronous
+needs no wake-up to feed a peripheral; a sampled pin reports in `changed`, as does every
+input signal whose level changes with a route or mode.
+
+Source: SPRUFB0D section 6, PCLKCR3 in section 5.1; SPRZ272N section 3.2 (qualifier).
+
+Chosen:
+- The qualifiers' prescalers count from reset, one per eight pins; a change of CTRL restarts
+  those of the port.
+- A pin's sampler starts when its QSEL selects one, from the level shown until then.
+- With QSEL = 3 on a peripheral's pin, GPxDAT and XINT also see the pad's level.
+- GPIOINENCLK = 0: an output pin of port A or B (not GPIO32, 33) reads 0, as do XINT lines
+  on it; when switched on again, it shows the pad at once, and a sampler starts from 0.
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from ...core.chip import NEVER
+from ...core.state import State
+from ...form.c_types import BigInt
+from . import register_map as at
+from .qualifier import Qualifier
+from .register_map import BIT
+from .routes import INPUTS, Routes
+from .settings import ALL, DIRECTIONS, PULL_UPS, GpioSettings
+
+NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # GPIOINENCLK does not act on the I2C pins and port C
+WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # the lowest pins of the words of GPxDAT
+
+
+class GpioInputs(GpioSettings):
+    """Pads and their input paths.
+
+    pads: mask of the levels at the pads.
+    watched: mask of the pins that feed an XINT line that the owner watches.
+    changed: (signal or "XINTn", level) since the owner last cleared the list.
+    """
+
+    STATE = State(
+        "pads watched changed _before _qualifiers _qualified _watching _xints _asynchronous _sampled _dead _pull_ups "
+        "_outputs _input_clock _last_words _last_level _last_pads _last_qualified _settles",
+        cycles="_edge_at _settle_at",
+    )
+    pads: BigInt
+    watched: BigInt
+    _before: BigInt
+    _qualified: BigInt
+    _asynchronous: BigInt
+    _sampled: BigInt
+    _dead: BigInt
+    _pull_ups: BigInt
+    _outputs: BigInt
+    _settles: BigInt
+    _last_pads: BigInt
+    _last_qualified: BigInt
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.changed: list[tuple[str, int]] = []
+        self.pads = ALL & ~at.GPIO["GPAPUD"].reset  # initially the pull-ups
+        self._edge_at = -1  # the cycle of the last exact edges
+        self._before = 0  # the pads before those edges
+        self._qualifiers: dict[int, Qualifier] = {}
+        self._qualified = 0  # mask: output of the qualifiers
+        self._asynchronous = 0
+        self._sampled = 0
+        self._dead = 0  # mask: pins whose input path is switched off
+        self._last_words: list[int] = []  # the last value of the data registers
+        self._last_level: int | None = None  # the levels that it was computed from; None after a change of paths
+        self._last_pads = self._last_qualified = 0
+        self.reset_inputs()
+
+    def reset_inputs(self) -> None:
+        """Reset by XRS: every input path is on, without qualifiers and watched XINT lines."""
+        self._watching = 0  # mask: XINT lines that the owner watches
+        self._xints = 0  # mask: their levels as last reported
+        self._input_clock = True  # PCLKCR3.GPIOINENCLK
+        self._qualifiers.clear()
+        self._settle_at = NEVER  # when a synchronised level that can be read changes
+
+    # Queries of the owner -----------------------------------------------------
+
+    def moved_before(self, pads: BigInt) -> None:
+        """Change the levels of pads whose edges were not reported, as of a cycle before the present one."""
+        self.pads ^= pads
+        self._before ^= pads
+
+    def seen_at(self, now: int, index: int, exact: bool) -> int:
+        """Return the cycle at which a pad edge is seen inside the chip; NEVER if it is reported in `changed`."""
+        bit = BIT[index]
+        if self._sampled & bit:
+            return NEVER
+        return now if self._asynchronous & bit or not exact else now + 1
+
+    def source(self, signal: str) -> int | None:
+        """Return the pin that feeds an input signal; None if none or more than one is assigned to it."""
+        return self._routes.source[signal]
+
+    def sink(self, signal: str) -> tuple[int, ...]:
+        """Return the pins that an output signal drives."""
+        return self._routes.sink[signal]
+
+    def pulled_up(self) -> BigInt:
+        """Return the mask of the pins whose pull-up is on."""
+        return self._pull_ups
+
+    # From pads to levels ------------------------------------------------------
+
+    def _flip(self, now: int, bits: BigInt, exact: bool) -> None:
+        """Toggle the pads in `bits`."""
+        settling = self._settle_at <= now  # an edge of the previous cycle, on any pin, shows now
+        if not exact and self._edge_at == now:
+            raise ValueError(f"an edge before cycle {now} was reported after one exactly on it; report edges in order")
+        if exact and self._edge_at != now:
+            self._edge_at = now
+            self._before = self.pads
+        self.pads ^= bits
+        if bits & self._sampled:
+            self._sample(now + 1 if exact else now, bits)
+        if exact and bits & self._settles:
+            self._settle_at = now + 1
+            self.next_wake = min(self.next_wake, now + 1)
+        if settling or bits & self.watched:
+            self._report_xints(now)
+
+    def _sample(self, now: int, bits: BigInt) -> None:
+        for pin, qualifier in self._qualifiers.items():
+            if bits >> pin & 1 and not self._dead >> pin & 1:
+                qualifier.edge(now, self.pads >> pin & 1)
+
+    def _synchronised(self, now: int) -> BigInt:
+        return self._before if self._edge_at == now else self.pads
+
+    def _shown(self, now: int) -> BigInt:
+        """Return the mask of the levels after synchroniser and qualifier in cycle `now`."""
+        level = self._synchronised(now) & ~self._asynchronous | self.pads & self._asynchronous
+        return (level & ~self._sampled | self._qualified & self._sampled) & ~self._dead
+
+    def _words(self, now: int) -> list[int]:
+        """Return these levels as the words of GPxDAT, 16 per word; recomputed only after a change."""
+        level, pads, qualified = self._synchronised(now), self.pads, self._qualified
+        if level is not self._last_level or pads is not self._last_pads or qualified is not self._last_qualified:
+            self._last_level, self._last_pads, self._last_qualified = level, pads, qualified
+            shown = self._shown(now)
+            self._last_words = [shown >> shift & 0xFFFF for shift in WORDS]
+        return self._last_words
+
+    def _report_signals(self, now: int, routes: Routes, shown: BigInt) -> None:
+        """Report in `changed` the inputs that differ from those of these routes with these levels at their pins."""
+        shown_now = self._shown(now)
+        if routes is self._routes and shown == shown_now:
+            return
+        for signal in INPUTS:
+            level = self._routes.level(signal, shown_now)
+            if level != routes.level(signal, shown):
+                self.changed.append((signal, level))
+
+    # XINT lines ---------------------------------------------------------------
+
+    def _xint_pin(self, line: int) -> int:
+        return self._stored[at.XINT_SELECTS[line]] + at.XINT_FIRST_PIN[line]
+
+    def _report_xints(self, now: int) -> None:
+        if not self._watching:
+            return
+        shown = self._shown(now)
+        for i in range(len(at.XINT_SELECTS)):
+            if self._watching >> i & 1:
+                level = shown >> self._xint_pin(i) & 1
+                if level != self._xints >> i & 1:
+                    self._xints ^= 1 << i
+                    self.changed.append((f"XINT{i + 1}", level))
+
+    # Paths --------------------------------------------------------------------
+
+    def _update_paths(self, now: int) -> None:
+        """Compute the masks of directions and input paths; create and delete samplers."""
+        shown = self._shown(now)
+        self._pull_ups = ALL & ~self._ports(PULL_UPS)
+        self._outputs = self._ports(DIRECTIONS) & self._routes.gpio  # general-purpose ones
+        self._dead = 0 if self._input_clock else (self._outputs | self._routes.outputs) & ~NOT_GATED
+        self._asynchronous = self._settings.asynchronous & ~self._routes.gpio
+        self._last_level = None
+        self._sampled = 0
+        pin: int
+        samples: int
+        for pin, samples in self._settings.sampled:
+            self._sampled |= BIT[pin]
+            self._update_sampler(now, pin, samples, shown >> pin & 1)
+        self._qualifiers = {pin: q for pin, q in self._qualifiers.items() if self._sampled >> pin & 1}
+        self._qualified = 0
+        qualifier: Qualifier
+        for pin, qualifier in self._qualifiers.items():
+            if qualifier.qualified:
+                self._qualified |= BIT[pin]
+        self.watched = 0  # mask: pins that feed a watched XINT line
+        line: int
+        for line in range(len(at.XINT_SELECTS)):
+            if self._watching >> line & 1:
+                self.watched |= BIT[self._xint_pin(line)]
+        forwarded = self._routes.inputs & ~self.watched  # the owner itself passes their edges to the peripheral
+        # An exact edge on these pins needs a wake-up.
+        self._settles = ALL & ~self._asynchronous & ~self._sampled & ~self._dead & ~forwarded
+        if self._edge_at == now and (self.pads ^ self._before) & self._settles:
+            self._settle_at = now + 1
+
+    def _update_sampler(self, now: int, pin: int, samples: int, shown: int) -> None:
+        """Apply the active settings to the sampler of a pin; the sampler of a dead pin restarts from 0."""
+        dead = self._dead >> pin & 1
+        period, origin = self._periods[pin // 8], self._origins[pin // 8]
+        qualifier: Qualifier | None = self._qualifiers.get(pin)
+        if qualifier is None or dead:
+            qualifier = Qualifier(now, 0 if dead else shown, period, samples, origin)
+            self._qualifiers[pin] = qualifier
+        qualifier.configure(now, period, samples, origin)
+        level = self.pads >> pin & 1
+        if not dead and qualifier.level != level:
+            just_changed = self._edge_at == now and self._before >> pin & 1 != level
+            qualifier.edge(now + 1 if just_changed else now, level)

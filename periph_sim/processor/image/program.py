@@ -28,7 +28,7 @@ from ...image.model import Image
 from ..error_origin import FirmwareLost, InterruptFault
 from ..polling import Spin
 from ..processor import Processor
-from ..program import Awaited, Program, Stop, UnansweredWait
+from ..program import Awaited, Stop, UnansweredWait
 from .awaited import LoopRange, awaited
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
@@ -92,7 +92,7 @@ class ImageProgram(LoadedImage):
 
     def kill(self, how: type[BaseException]) -> None:
         """See `Program.kill`. A sleep ends first, so that a reset of the registers that it read does not wake it."""
-        Program.kill(self, how)
+        LoadedImage.kill(self, how)
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])
         polls, loop = self.cpu.polls, self._counting

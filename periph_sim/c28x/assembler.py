@@ -16,7 +16,7 @@ from ..core.suggest import did_you_mean
 from .encodings import Encoding, encodings
 from .expressions import BadExpression, Undefined, evaluate
 from .operands import parts_of
-from .syntax_part import BadOperand, Part
+from .syntax_part import BadOperand, Read
 
 
 class BadInstruction(ValueError):
@@ -24,23 +24,28 @@ class BadInstruction(ValueError):
 
 
 class Parsed(NamedTuple):
-    """A form, with the text of each operand."""
+    """A form, with the text of each operand, and what reads it."""
 
     encoding: Encoding
-    operands: tuple[tuple[Part, str], ...]
+    operands: tuple[tuple[Read, str], ...]
 
     def words(self, address: int, symbols: Mapping[str, int]) -> tuple[int, ...]:
         """Encode the instruction for an address. Raise BadInstruction if an operand does not fit."""
-        pair = self.encoding.pair(self._values(address, symbols))
+        values: dict[str, int] = {}
+        try:
+            for read, text in self.operands:
+                values |= read(text, address, lambda expression: evaluate(expression, symbols, address))
+        except (BadOperand, BadExpression) as error:
+            raise BadInstruction(str(error)) from None
+        pair = self.encoding.pair(values)
         return (pair >> 16, pair & 0xFFFF)[: self.encoding.words]
 
     def fits(self, address: int, symbols: Mapping[str, int]) -> bool:
         """Return True if every operand known so far fits its field."""
         values: dict[str, int] = {}
-        for part, text in self.operands:
-            assert part.read is not None
+        for read, text in self.operands:
             try:
-                values |= part.read(text, address, lambda expression: evaluate(expression, symbols, address))
+                values |= read(text, address, lambda expression: evaluate(expression, symbols, address))
             except Undefined:
                 continue
             except (BadOperand, BadExpression):
@@ -48,16 +53,6 @@ class Parsed(NamedTuple):
         return all(values.get(name, least) >= least for name, least in self.encoding.at_least) and all(
             values.get(name, most) <= most for name, most in self.encoding.at_most
         )
-
-    def _values(self, address: int, symbols: Mapping[str, int]) -> dict[str, int]:
-        values: dict[str, int] = {}
-        for part, text in self.operands:
-            assert part.read is not None
-            try:
-                values |= part.read(text, address, lambda expression: evaluate(expression, symbols, address))
-            except (BadOperand, BadExpression) as error:
-                raise BadInstruction(str(error)) from None
-        return values
 
 
 def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
@@ -72,7 +67,7 @@ def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
         found = _pattern(encoding).fullmatch(text)
         if found is None:
             continue
-        reading = [part for part in parts_of(encoding) if part.read is not None]
+        reading = [part.read for part in parts_of(encoding) if part.read is not None]
         parsed = Parsed(encoding, tuple(zip(reading, found.groups(), strict=True)))
         if parsed.fits(address, symbols):
             return parsed

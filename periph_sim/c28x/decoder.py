@@ -13,12 +13,11 @@ from typing import NamedTuple
 
 from .encodings import Encoding, encodings
 from .operand_field import is_operand
-from .operands import parts_of
+from .operands import FPU_CONDITION_NAMES, parts_of
 
 OPERAND = re.compile(r"(loc|mem)(16|32)")
 TMU = range(0xE270, 0xE27D)
 VCU = (0xE2, 0xE5)  # upper bytes
-FPU_CONDITIONS = frozenset((0, 1, 2, 3, 4, 5, 10, 11, 12, 13, 14, 15))
 
 
 class Instruction(NamedTuple):
@@ -99,7 +98,7 @@ def _candidates() -> tuple[tuple[Encoding, ...], ...]:
 
 def _is_legal(encoding: Encoding, pair: int) -> bool:
     values = encoding.values(pair)
-    if "w" in values and values["w"] not in FPU_CONDITIONS:
+    if "w" in values and values["w"] not in FPU_CONDITION_NAMES:
         return False
     if "l" not in values:
         return True

@@ -14,9 +14,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from .decoder import Instruction, decode_at
 from .encodings import Encoding
 from .execution.registers import LUF, LVF
-from .operands import FPU_APART, FPU_FIRST
+from .operands import FPU_APART, FPU_FIRST, REGISTER_FIELDS
 
-FIELDS = {"RaH": "p", "RbH": "q", "RcH": "r", "RdH": "t", "ReH": "u", "RfH": "v"}
 ALL, EVERY = "R0H-R7H", 0xFF
 FLAGS = 1 << 8  # LUF and LVF, beside R0H to R7H
 NAMES = (*(f"R{number}H" for number in range(8)), "LUF and LVF")
@@ -94,8 +93,8 @@ def _name(place: str) -> str:
 def _registers(places: Iterable[str], values: Mapping[str, int]) -> int:
     mask = 0
     for name in map(_name, places):
-        if name in FIELDS:
-            mask |= 1 << values[FIELDS[name]]
+        if name in REGISTER_FIELDS:
+            mask |= 1 << values[REGISTER_FIELDS[name]]
         elif name == ALL:
             mask |= EVERY
         elif len(name) == 3 and name[0] == "R" and name[2] == "H" and name[1].isdigit():

@@ -114,11 +114,6 @@ class Encoding:
         return self.cycles, self.not_taken
 
     @property
-    def repeatable(self) -> bool:
-        """True if it may follow RPT."""
-        return self.repeated > 0
-
-    @property
     def accesses(self) -> str:
         """The access at the address of its operand field: "", "r", "w" or "rw"."""
         read = any(place.partition("@")[0] in LOCATIONS for place in self.reads)

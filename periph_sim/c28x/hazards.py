@@ -20,7 +20,7 @@ import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 
-from .encodings import LOCATIONS, Encoding
+from .encodings import Encoding
 from .operand_field import SP_FIELD
 
 DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
@@ -39,11 +39,10 @@ def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
     makes = 0 if is_held(encoding) else _in_phase("E", encoding.writes, numbers)
     if field >= 0:
         needs |= addressing(field)
-        read, written = _operand(encoding.reads), _operand(encoding.writes)
         register = _register(field)
-        if read:
+        if "r" in encoding.accesses:
             needs |= register
-        if written:
+        if "w" in encoding.accesses:
             makes |= register
     return needs, makes & REGISTERS
 
@@ -75,10 +74,6 @@ def _in_phase(phase: str, places: Iterable[str], numbers: Mapping[str, int]) -> 
         elif name in ("DP", "SP"):
             mask |= DP if name == "DP" else SP
     return mask
-
-
-def _operand(places: Iterable[str]) -> bool:
-    return any(place.partition("@")[0] in LOCATIONS for place in places)
 
 
 def addressing(field: int) -> int:

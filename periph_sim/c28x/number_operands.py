@@ -70,27 +70,6 @@ def _least(encoding: Encoding) -> int:
     return dict(encoding.at_least).get("s", 0)
 
 
-def bit_part(token: str, encoding: Encoding) -> Part:
-    return Part(
-        lambda values, at: f"#{values['b']}",
-        IMMEDIATE,
-        lambda text, at, evaluate: {"b": _immediate(text, evaluate, 0, 15)},
-    )
-
-
-def half_float_part(token: str, encoding: Encoding) -> Part:
-    """The upper half of a float32 as a number; infinities and NaN as bits, "#0x7FC0h"."""
-
-    def show(values: Values, at: int) -> str:
-        number = float_of(values["i"])
-        return f"#{number!r}" if number - number == 0 else f"#{values['i']:#06x}"
-
-    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
-        return {"i": half_of(text, evaluate)}
-
-    return Part(show, IMMEDIATE, read)
-
-
 def float_of(upper: int) -> float:
     """Return the float32 with this upper half and lower half 0."""
     number: float = struct.unpack("<f", struct.pack("<I", upper << 16))[0]
@@ -109,14 +88,6 @@ def half_of(text: str, evaluate: Evaluate) -> int:
             raise BadOperand(f"{inner} needs more than the upper half of a float32")
         return bits >> 16
     return ranged(evaluate(inner), 0, 0xFFFF, text)
-
-
-def half_part(token: str, encoding: Encoding) -> Part:
-    return Part(
-        lambda values, at: f"#{values['i']:#06x}",
-        IMMEDIATE,
-        lambda text, at, evaluate: {"i": _immediate(text, evaluate, 0, 0xFFFF)},
-    )
 
 
 def _immediate(text: str, evaluate: Evaluate, least: int, most: int) -> int:
@@ -143,15 +114,6 @@ def branch_part(token: str, encoding: Encoding) -> Part:
     return Part(show, r"[^,|]+?", read)
 
 
-def block_end_part(token: str, encoding: Encoding) -> Part:
-    """label of RPTB: the end address of the block, which begins after the two words of RPTB."""
-    return Part(
-        lambda values, at: f"{at + 2 + values['z']:#08x}",
-        r"[^,|]+?",
-        lambda text, at, evaluate: {"z": ranged(evaluate(text) - at - 2, 0, 127, text)},
-    )
-
-
 def address_part(page: int) -> Callable[[str, Encoding], Part]:
     """The low 16 bits of an address in this page."""
 
@@ -164,3 +126,28 @@ def address_part(page: int) -> Callable[[str, Encoding], Part]:
         )
 
     return make
+
+
+def _show_half_float(values: Values, at: int) -> str:
+    number = float_of(values["i"])
+    return f"#{number!r}" if number - number == 0 else f"#{values['i']:#06x}"
+
+
+BIT = Part(
+    lambda values, at: f"#{values['b']}",
+    IMMEDIATE,
+    lambda text, at, evaluate: {"b": _immediate(text, evaluate, 0, 15)},
+)
+HALF = Part(
+    lambda values, at: f"#{values['i']:#06x}",
+    IMMEDIATE,
+    lambda text, at, evaluate: {"i": _immediate(text, evaluate, 0, 0xFFFF)},
+)
+# The upper half of a float32 as a number; infinities and NaN as bits, "#0x7FC0".
+HALF_FLOAT = Part(_show_half_float, IMMEDIATE, lambda text, at, evaluate: {"i": half_of(text, evaluate)})
+# The label of RPTB: the end address of the block, which begins after the two words of RPTB.
+BLOCK_END = Part(
+    lambda values, at: f"{at + 2 + values['z']:#08x}",
+    r"[^,|]+?",
+    lambda text, at, evaluate: {"z": ranged(evaluate(text) - at - 2, 0, 127, text)},
+)

@@ -29,6 +29,7 @@ STATUS_BITS = ["SXM", "OVM", "TC", "C", "INTM", "DBGM", "PAGE0", "VMAP"]  # of S
 STF_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "ZF": 3, "NI": 4, "ZI": 5, "TF": 6, "RNDF32": 9}
 MOVST0_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "NI": 3, "ZF": 4, "ZI": 5, "TF": 7}
 PRODUCT_SHIFTS = ("+1", "0", "-1", "-2", "-3", "-4", "-5", "-6")
+PRODUCT_SHIFT_CODES = {text: code for code, text in enumerate(PRODUCT_SHIFTS)} | {"1": 0, "#0": 1}
 INTERRUPTS = [f"INT{n}" for n in range(1, 15)] + ["DLOGINT", "RTOSINT"]
 OPERANDS = {
     "loc32": "memory or a register of 32 bits",
@@ -38,7 +39,7 @@ OPERANDS = {
 }
 FPU_FIRST, FPU_APART = 0x0F12, 4  # addresses of R0H to R7H, for moves with an address
 UNCF = 15
-REGISTER_FIELDS = dict(zip("abcdef", "pqrtuv", strict=True))  # RaH to RfH
+REGISTER_FIELDS = {"RaH": "p", "RbH": "q", "RcH": "r", "RdH": "t", "ReH": "u", "RfH": "v"}
 
 
 @cache
@@ -49,8 +50,10 @@ def parts_of(encoding: Encoding) -> tuple[Part, ...]:
     while rest:
         for token, make in _TOKENS:
             found = token.match(rest)
-            part = None if found is None else make(found.group(), encoding)
-            if found is not None and part is not None:
+            if found is None:
+                continue
+            part = make if isinstance(make, Part) else make(found.group(), encoding)
+            if part is not None:
                 parts.append(part)
                 rest = rest[found.end() :]
                 break
@@ -101,15 +104,6 @@ def _operand(token: str, encoding: Encoding) -> Part:
     return Part(lambda values, at: operand_field.show(values["l"], wide), r"\*\s*,\s*ARP[0-7]|[^,|<#]+?", read)
 
 
-def _register_by_address(token: str, encoding: Encoding) -> Part:
-    """R0H to R7H, encoded by address, in moves between them and CPU registers."""
-    return Part(
-        lambda values, at: f"R{(values['c'] - FPU_FIRST) // FPU_APART}H",
-        "R[0-7]H",
-        lambda text, at, evaluate: {"c": FPU_FIRST + FPU_APART * int(text[1])},
-    )
-
-
 def _optional_operand(token: str, encoding: Encoding) -> Part:
     """The operand of NOP, which may be omitted."""
     inner = _operand("loc16", encoding)
@@ -130,55 +124,11 @@ def _numbered(prefix: str, field: str, suffix: str = "") -> Part:
     )
 
 
-def _accumulator_half(token: str, encoding: Encoding) -> Part:
-    return Part(
-        lambda values, at: "AH" if values["x"] else "AL",
-        "AL|AH",
-        lambda text, at, evaluate: {"x": int(text.upper() == "AH")},
-    )
-
-
 def _one_of(field: str, names: Mapping[str, int], shown: Callable[[int], str]) -> Part:
     pattern = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
     return Part(
         lambda values, at: shown(values[field]), pattern, lambda text, at, evaluate: {field: names[text.upper()]}
     )
-
-
-def _condition(token: str, encoding: Encoding) -> Part:
-    return _one_of("k", CONDITION_NAMES, CONDITIONS.__getitem__)
-
-
-def _fpu_condition(token: str, encoding: Encoding) -> Part:
-    return _one_of("w", FPU_CONDITIONS, FPU_CONDITION_NAMES.__getitem__)
-
-
-def _optional_fpu_condition(token: str, encoding: Encoding) -> Part:
-    """`,CNDF`; if omitted, UNCF."""
-    names = "|".join(FPU_CONDITIONS)
-    return Part(
-        lambda values, at: "" if values["w"] == UNCF else f",{FPU_CONDITION_NAMES[values['w']]}",
-        rf"|\s*,\s*(?:{names})",
-        lambda text, at, evaluate: {"w": FPU_CONDITIONS[text.strip(" ,\t").upper() or "UNCF"]},
-    )
-
-
-def _product_shift(token: str, encoding: Encoding) -> Part:
-    names = {text: code for code, text in enumerate(PRODUCT_SHIFTS)} | {"1": 0, "#0": 1}
-    return _one_of("s", names, PRODUCT_SHIFTS.__getitem__)
-
-
-def _interrupt(token: str, encoding: Encoding) -> Part:
-    return _one_of("c", {name: code for code, name in enumerate(INTERRUPTS)}, INTERRUPTS.__getitem__)
-
-
-def _status_bits(token: str, encoding: Encoding) -> Part:
-    """Bits of SETC and CLRC by their names."""
-    return _bit_names("y", {name: bit for bit, name in enumerate(STATUS_BITS)})
-
-
-def _movst0_flags(token: str, encoding: Encoding) -> Part:
-    return _bit_names("g", MOVST0_BITS)
 
 
 def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
@@ -225,39 +175,49 @@ def _flags_and_values(token: str, encoding: Encoding) -> Part:
     return Part(show, r"[^|#]*?", read)
 
 
-_TOKENS: tuple[tuple[re.Pattern[str], Callable[[str, Encoding], Part | None]], ...] = tuple(
+REGISTER_BY_ADDRESS = Part(  # R0H to R7H, encoded by address, in moves between them and CPU registers
+    lambda values, at: f"R{(values['c'] - FPU_FIRST) // FPU_APART}H",
+    "R[0-7]H",
+    lambda text, at, evaluate: {"c": FPU_FIRST + FPU_APART * int(text[1])},
+)
+OPTIONAL_FPU_CONDITION = Part(  # `,CNDF`; if omitted, UNCF
+    lambda values, at: "" if values["w"] == UNCF else f",{FPU_CONDITION_NAMES[values['w']]}",
+    rf"|\s*,\s*(?:{'|'.join(FPU_CONDITIONS)})",
+    lambda text, at, evaluate: {"w": FPU_CONDITIONS[text.strip(" ,\t").upper() or "UNCF"]},
+)
+_TOKENS: tuple[tuple[re.Pattern[str], Part | Callable[[str, Encoding], Part | None]], ...] = tuple(
     (re.compile(token), make)
     for token, make in (
         (r"(loc|mem)(16|32)|reg32", _operand),
-        (r"R\(c\)H", _register_by_address),
+        (r"R\(c\)H", REGISTER_BY_ADDRESS),
         (r"\{\*ind\}", _optional_operand),
-        (r"\{,CNDF\}", _optional_fpu_condition),
-        (r"CNDF", _fpu_condition),
-        (r"COND", _condition),
-        (r"AX", _accumulator_half),
-        (r"ARPn", lambda token, encoding: _numbered("ARP", "n")),
-        (r"ARn", lambda token, encoding: _numbered("AR", "n")),
-        (r"ARm", lambda token, encoding: _numbered("AR", "m")),
-        (r"R[a-f]H", lambda token, encoding: _numbered("R", REGISTER_FIELDS[token[1]], "H")),
-        (r"mode", _status_bits),
+        (r"\{,CNDF\}", OPTIONAL_FPU_CONDITION),
+        (r"CNDF", _one_of("w", FPU_CONDITIONS, FPU_CONDITION_NAMES.__getitem__)),
+        (r"COND", _one_of("k", CONDITION_NAMES, CONDITIONS.__getitem__)),
+        (r"AX", _one_of("x", {"AL": 0, "AH": 1}, ("AL", "AH").__getitem__)),
+        (r"ARPn", _numbered("ARP", "n")),
+        (r"ARn", _numbered("AR", "n")),
+        (r"ARm", _numbered("AR", "m")),
+        (r"R[a-f]H", lambda token, encoding: _numbered("R", REGISTER_FIELDS[token], "H")),
+        (r"mode", _bit_names("y", {name: bit for bit, name in enumerate(STATUS_BITS)})),
         (r"FLAG,VALUE", _flags_and_values),
-        (r"FLAG", _movst0_flags),
-        (r"INTx", _interrupt),
+        (r"FLAG", _bit_names("g", MOVST0_BITS)),
+        (r"INTx", _one_of("c", {name: code for code, name in enumerate(INTERRUPTS)}, INTERRUPTS.__getitem__)),
         (r"<<#0\.\.15", numbers.optional_shift_part),
-        (r"<<#16", lambda token, encoding: literal(token)),
-        (r"#0\.0", lambda token, encoding: literal(token)),
-        (r"#16F(Hi|Lo)Hex", numbers.half_part),
-        (r"#16FHi", numbers.half_float_part),
-        (r"#bit", numbers.bit_part),
+        (r"<<#16", literal("<<#16")),
+        (r"#0\.0", literal("#0.0")),
+        (r"#16F(Hi|Lo)Hex", numbers.HALF),
+        (r"#16FHi", numbers.HALF_FLOAT),
+        (r"#bit", numbers.BIT),
         (r"#0\.\.31", numbers.number_part),
         (r"#\d+\.\.\d+", numbers.shift_part),
         (r"<<\d\.\.8", numbers.shift_part),
         (r"#(RC|8s|16s|8|16|7|10|22)", numbers.number_part),
         (r"off(8|16)", numbers.branch_part),
-        (r"label", numbers.block_end_part),
+        (r"label", numbers.BLOCK_END),
         (r"0:(16|pma)", numbers.address_part(0)),
         (r"PA", numbers.address_part(0)),
         (r"pma", numbers.address_part(numbers.PMA_PAGE)),
-        (r"pm", _product_shift),
+        (r"pm", _one_of("s", PRODUCT_SHIFT_CODES, PRODUCT_SHIFTS.__getitem__)),
     )
 )

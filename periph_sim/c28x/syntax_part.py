@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 Values = Mapping[str, int]
 Evaluate = Callable[[str], int]  # evaluates an expression of the source
+Read = Callable[[str, int, Evaluate], dict[str, int]]  # parses an operand of the instruction at an address
 
 
 class BadOperand(ValueError):
@@ -18,7 +19,7 @@ class Part(NamedTuple):
 
     show: Callable[[Values, int], str]
     pattern: str
-    read: Callable[[str, int, Evaluate], dict[str, int]] | None = None
+    read: Read | None = None
     literal: str = ""
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from ..c28x.decoder import Instruction, decode_at
 from ..c28x.execution.operations import operation
-from ..c28x.flow import goes_on
+from ..c28x.flow import UNC, goes_on
 from ..c28x.hazards import DP, SP, hazards
 from ..c28x.pipeline import Pipeline
 from ..core.suggest import did_you_mean
@@ -21,7 +21,7 @@ from .model import BadImage, Image
 
 WAITED = range(0xC000, 0x1_0000)  # L4 to L7: a fetch of 32 bits takes 2 cycles
 OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}
-UNC_BRANCH, UNC = "B_off16_COND", 15
+UNC_BRANCH = "B_off16_COND"
 
 
 class Row(NamedTuple):

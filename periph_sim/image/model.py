@@ -6,7 +6,7 @@ Addresses count words of 16 bits. Contents are loaded at `Section.address`; code
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -107,14 +107,6 @@ class Image:
             if symbol.section:
                 named.setdefault(symbol.address, symbol.name)
         return named
-
-    def words_at(self, address: int, count: int) -> Iterator[int]:
-        """Yield up to `count` loaded words from an address on, up to the end of the section."""
-        for section in self.loaded:
-            if section.address <= address < section.end:
-                start = address - section.address
-                yield from section.words[start : start + count]
-                return
 
     def symbol(self, name: str) -> Symbol | None:
         return next((symbol for symbol in self.symbols if symbol.name == name), None)

@@ -35,13 +35,31 @@ from ..form.c_types import Text
 from .cpu_time import CpuTime
 from .firmware_notes import FirmwareNotes
 from .operand import Operand
-from .posted_write import Posted
 from .source_location import SourceLocation
 
 if TYPE_CHECKING:
     from ..core.options import IntOption
 
 REGISTERS_END = 0x8000  # no register lies above
+
+
+@final
+class Posted:  # core: freelist 4
+    """A posted write. where, cause: place and record of the instruction that issued it; where is None if unused.
+
+    following: the write that lands next.
+    """
+
+    STATE = State("operand value where", cycles="lands", records="cause", made=True)
+
+    __slots__ = ("cause", "following", "lands", "operand", "value", "where")
+
+    lands: int
+    operand: Operand
+    value: int
+    where: SourceLocation | None
+    cause: int
+    following: Posted | None
 
 
 @final
@@ -55,35 +73,11 @@ class Bus:
     STATE = State("ram _posted_last issued_at", cycles="free_from free_of _last_pf1_write", chains="_posted")
 
     __slots__ = (
-        "_clock",
-        "_core",
-        "_last_pf1_write",
-        "_name",
-        "_named",
-        "_notes",
-        "_nothing",
-        "_pairs",
-        "_pf1_back_to_back_write",
-        "_pf2_read_ws",
-        "_pf2_write_ws",
-        "_place",
-        "_posted",
-        "_posted_last",
-        "_read_listed",
-        "_recorder",
-        "_records_access",
-        "_subjects",
-        "_time",
-        "_waits",
-        "_words",
-        "_write_lands",
-        "_write_listed",
-        "free_from",
-        "free_of",
-        "issued_at",
-        "map",
-        "ram",
-    )
+        "_clock", "_core", "_last_pf1_write", "_name", "_named", "_notes", "_nothing", "_pairs",
+        "_pf1_back_to_back_write", "_pf2_read_ws", "_pf2_write_ws", "_place", "_posted", "_posted_last",
+        "_read_listed", "_recorder", "_records_access", "_subjects", "_time", "_waits", "_words", "_write_lands",
+        "_write_listed", "free_from", "free_of", "issued_at", "map", "ram",
+    )  # fmt: skip
 
     _subjects: frozenset[str] | None
     _waits: WaitStates

@@ -37,7 +37,7 @@ from ..f28335.pie.module import Pie
 from ..f28335.system_control import register_map as clocks_map
 from ..f28335.system_control.module import WDRST_CYCLES, SystemControl
 from ..f28335.system_options import SystemOptions
-from .interrupt_lines import InterruptLines
+from .interrupt_lines import InterruptLines, pie_lines
 from .processor import Processor
 from .program import Program
 from .python.cpu import Cpu
@@ -97,7 +97,6 @@ class Dsp(FirmwareView):
         super().__init__(plan.name, plan.seed)
         self.plan = plan
         self._kernel = kernel
-        self._timebase = timebase
         self.recorder = recorder
         self.control = SystemControl(plan.oscclk_hz, plan.system)
         began = 0 if plan.from_boot else start_up(self.control, plan.pll)
@@ -161,7 +160,8 @@ class Dsp(FirmwareView):
         program.load()
         for sentence in shared_memory(image):
             self.processor.notes.note(0, Note("unknown", sentence, "SPRU513, UNION"))
-        program.cpu.elsewhere.changed = partial(self._answered, program)
+        # Wake a program that waits for a stub, which has changed its value.
+        program.cpu.elsewhere.changed = lambda: program.cpu.polls.resume(self.clock.cycle_at(self._kernel.now))
         for stub in stubs:
             program.cpu.elsewhere.expect(stub.address)
             self._kernel.call_at(stub.tick, partial(program.cpu.elsewhere.answer, stub.address, stub.value))
@@ -175,10 +175,6 @@ class Dsp(FirmwareView):
         self._restart = begin
         begin()
         return program
-
-    def _answered(self, program: ImageProgram) -> None:
-        """Wake a program that waits for a stub, which has changed its value."""
-        program.cpu.polls.resume(self.clock.cycle_at(self._kernel.now))
 
     def _leave_boot_rom(self) -> None:
         """Set the clock as the boot ROM leaves it."""
@@ -225,7 +221,7 @@ class Dsp(FirmwareView):
         phase = PADS if name == "GPIO" else CHIP
         on_request = self._lines.request_handler(descriptor)
         socket = Socket(self._kernel, self.clock, self.recorder, f"{self.name}.{name}", chip, on_request, phase)
-        socket.on_held = self._lines.hold_handler(descriptor)
+        socket.on_held = partial(self._lines.held, pie_lines(descriptor))
         socket.on_note = partial(self._noted, socket)
         self._sockets[name] = socket
         self._modules.append((descriptor, socket))
@@ -316,11 +312,8 @@ class Dsp(FirmwareView):
 
     def _xrs_changed(self, tick: int, level: int) -> None:
         """Reset, or end the reset, at the next cycle, since clocks change there."""
-        action = self._begin if level else self._enter_reset
+        action = partial(self._restart, 0) if level else self._enter_reset
         self._kernel.call_at(self.clock.tick(self.clock.cycle_at(tick)), action)
-
-    def _begin(self) -> None:
-        self._restart(0)
 
     def _reset(self) -> None:
         """Reset the unit by the watchdog, which asserts XRS."""

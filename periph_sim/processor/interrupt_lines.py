@@ -41,10 +41,6 @@ class InterruptLines:
             self._timer1_requested if vector == "INT13" else self._cpu_requested, pie_map.CPU_VECTORS[vector]
         )
 
-    def hold_handler(self, descriptor: ModuleDescriptor) -> Handler:
-        """Return the function that takes the lines that a module holds to the PIE."""
-        return partial(self._held, pie_lines(descriptor))
-
     def follow_pie(self, cycle: int) -> None:
         """Request the interrupts of the CPU that the PIE has pulsed."""
         pulses, self._pie.pulses = self._pie.pulses, 0
@@ -71,7 +67,8 @@ class InterruptLines:
                 self._pie.request(cycle, group, line)
         self._sockets["PIE"].publish(cycle)
 
-    def _held(self, places: Places, cycle: int, held: int) -> None:
+    def held(self, places: Places, cycle: int, held: int) -> None:
+        """Pass the lines that a module holds to the PIE."""
         for i, (group, line) in enumerate(places):
             self._pie.hold(cycle, group, line, bool(held >> i & 1))
         self._sockets["PIE"].publish(cycle)

@@ -33,8 +33,20 @@ class Stop(Enum):
     ENDED = "nothing is left to execute"
 
 
+class Awaited(NamedTuple):
+    """A description of a wait in progress. what: the registers or words that it reads.
+
+    unanswered: the unmodelled register that it waits for, and how the case can answer; "" if there is none.
+    memory: True if it reads no register, so that only a service routine can end it.
+    """
+
+    what: str
+    unanswered: str = ""
+    memory: bool = False
+
+
 class UnansweredWait(NamedTuple):
-    """A wait for an unmodelled register. since: the cycle at which it began. what, unanswered: see `Program`."""
+    """A wait for an unmodelled register. since: the cycle at which it began. what, unanswered: see `Awaited`."""
 
     since: int
     what: str
@@ -69,21 +81,13 @@ class Program:
         """
         raise NotImplementedError
 
-    def waits_for(self) -> str:
+    def awaited(self) -> Awaited:
         """Return what the wait in progress polls."""
-        return "" if self.spin is None else self.spin.waits_for()
-
-    def unanswered(self) -> str:
-        """Return what unmodelled register it waits for, and how the case can answer; "" if there is none."""
-        return ""
+        return Awaited("" if self.spin is None else self.spin.waits_for())
 
     def unanswered_wait(self) -> UnansweredWait | None:
         """Return the wait that reads unmodelled registers only, even while a service routine interrupts it."""
         return None
-
-    def waits_for_memory(self) -> bool:
-        """Return True if the wait in progress reads no register, so that only a service routine can end it."""
-        return False
 
     def ending(self, at: Text) -> str:
         """Return the text of the note about the end of the program. at: `returned_at` as a time."""

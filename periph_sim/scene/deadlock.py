@@ -48,9 +48,10 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
     spin = dsp.program.spin
     if spin is None:
         return ""
-    unanswered = dsp.program.unanswered()
+    awaited = dsp.program.awaited()
+    unanswered = awaited.unanswered
     if not spin.polls and not unanswered:
-        if not dsp.program.waits_for_memory() or watchdog_runs(dsp):
+        if not awaited.memory or watchdog_runs(dsp):
             return ""  # an endless loop of the program's own
         if not takes_interrupts(dsp):
             return f"only a service routine could change that, and {OFF[bool(dsp.core.intm)]}; {ENABLE}"

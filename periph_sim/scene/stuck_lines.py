@@ -58,7 +58,7 @@ def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
         at = "" if where is None else f" at {where.for_people()}"
         return f"waits in IDLE for an interrupt{at}" if dsp.core.idlestat else f"computes{at}"
     since = timebase.show(dsp.clock.tick(spin.since) - start)
-    return waits(dsp.program.waits_for(), dsp.program.place(), since)
+    return waits(dsp.program.awaited().what, dsp.program.place(), since)
 
 
 def waits(what: str, where: SourceLocation | None, since: str) -> str:

@@ -22,7 +22,7 @@ CHAINS = {
     ("core.wire", "_Watch", "following"),
     ("c28x.execution.cpu", "Operation", "following"),
     ("c28x.execution.cpu", "Operation", "goal"),
-    ("processor.posted_write", "Posted", "following"),
+    ("processor.bus", "Posted", "following"),
     ("processor.python.code_records", "Waited", "following"),
     ("timing.budgets", "BudgetJudge", "same_as"),
     ("timing.measures.event_pairing", "ValueTest", "others"),

@@ -191,8 +191,6 @@ def test_a_model_of_an_image_answers_for_each_word():
     assert found.symbol_at == {0x8000: "y", 0x8001: "b", 0x8002: "N"}
     assert (found.symbol("SIZE"), found.symbol("size")) == (symbols[-1], None)
     assert (found.stack, Image("own", ENTRY, (text(), stack[0])).stack) == ((0x500, 0x50F), (0, 0xFFFF))
-    words = [tuple(found.words_at(at, 2)) for at in (ENTRY - 1, ENTRY, ENTRY + len(CODE) - 1, ENTRY + len(CODE))]
-    assert words == [(), CODE[:2], CODE[-1:], ()]
     assert (far.end, far.copied, text().copied) == (0x320000 + len(CODE), True, False)
     places = (0x8FFF, 0x9000, 0x9000 + len(CODE) - 1, 0x9000 + len(CODE), 0x320000)
     assert [far.runs_at(at) for at in places] == [False, True, True, False, False]

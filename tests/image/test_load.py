@@ -60,7 +60,9 @@ def test_what_is_written_is_read():
         (".stack", 0x400, 0x400, 0x300, False),
     ]
     assert found.symbols == NAMES
-    assert tuple(found.words_at(0x9001, 5)) == (0xFFFF, 3)
+    assert [one.words[0x9001 - one.address :] for one in found.loaded if one.address <= 0x9001 < one.end] == [
+        (0xFFFF, 3)
+    ]
     assert found.entry == ENTRY
 
 

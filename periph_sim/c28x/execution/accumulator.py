@@ -1,4 +1,4 @@
-"""ACC and P: add, subtract, compare, sign, saturation. Each function is one form of `encodings.toml`, by its id.
+"""ACC and P: add, subtract, compare, logic. Each function is one form of `encodings.toml`, by its id.
 
 Source: SPRU430F chapter 6; sections 2.3 (flags) and 2.2 (OVC).
 """
@@ -327,6 +327,60 @@ def SAT64_ACC_P(cpu: Cpu, f: Operation) -> None:
 def ZAPA(cpu: Cpu, f: Operation) -> None:
     cpu.p = cpu.ovc = 0
     logic(cpu, 0)
+
+
+# Logic --------------------------------------------------------------------------------------------------------------
+
+
+def AND_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc & f.c << f.s)
+
+
+def AND_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc & f.c << 16)
+
+
+def AND_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc & cpu.read16())
+
+
+def OR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc | cpu.read16())
+
+
+def OR_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc | f.c << f.s)
+
+
+def OR_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc | f.c << 16)
+
+
+def XOR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc ^ cpu.read16())
+
+
+def XOR_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc ^ f.c << f.s)
+
+
+def XOR_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc ^ f.c << 16)
+
+
+def NOT_ACC(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, ~cpu.acc)
+
+
+def CSB_ACC(cpu: Cpu, f: Operation) -> None:
+    """Set T to the number of sign bits after the first one."""
+    cpu.tc = cpu.acc >> 31
+    rest = cpu.acc ^ (M32 if cpu.tc else 0)
+    count = 0
+    while count < 31 and not rest >> 30 - count:
+        count += 1
+    cpu.put_t(count)
+    cpu.nz32(cpu.acc)
 
 
 def bind(f: Operation, name: str) -> None:

@@ -15,7 +15,6 @@ __all__ = ("bind",)  # all other functions are compiled to C functions, which `b
 
 INTM, DBGM, PAGE0, VMAP = 1 << 0, 1 << 1, 1 << 2, 1 << 3  # ST1
 EALLOW_BIT, AMODE, OBJMODE, M0M1MAP, XF = 1 << 6, 1 << 8, 1 << 9, 1 << 11, 1 << 12
-USER_VECTORS = 32
 NMI, EMUINT = 18, 17
 RA, RC = 1 << 30, M16  # RB
 RSIZE, RE = 23, 16

@@ -42,51 +42,19 @@ class Operation:
         "wide", "x", "y", "z",
     )  # fmt: skip
 
-    b: int
-    c: int
-    g: int
-    h: int
-    i: int
-    k: int
-    l: int  # noqa: E741
-    m: int
-    n: int
-    p: int
-    q: int
-    r: int
-    s: int
-    t: int
-    u: int
-    v: int
-    w: int
-    x: int
-    y: int
-    z: int
-    absolute: int
-    accesses: int
-    address: int
-    at_once: bool
-    block: int
-    block_end: int
-    byte: bool
-    cycles: int
     encoding: Encoding
     execute: Execute
-    jumps: bool
-    late: int
-    loops: bool
-    makes: int
-    needs: int
-    following: Operation | None
-    goal: Operation | None
-    next: int
-    not_taken: int
-    place: int
     plain: Execute
-    repeated: int
-    tested: int
-    waited: bool
-    wide: bool
+
+    def __init__(self) -> None:
+        self.b = self.c = self.g = self.h = self.i = self.k = self.l = self.m = self.n = self.p = self.q = -1
+        self.r = self.s = self.t = self.u = self.v = self.w = self.x = self.y = self.z = -1
+        self.address = self.next = self.place = self.cycles = self.not_taken = self.repeated = 0
+        self.accesses = self.absolute = self.tested = self.needs = self.makes = self.late = 0
+        self.block = self.block_end = 0
+        self.at_once = self.byte = self.jumps = self.loops = self.waited = self.wide = False
+        self.following: Operation | None = None
+        self.goal: Operation | None = None
 
 
 class Cpu(Registers):

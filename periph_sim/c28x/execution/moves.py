@@ -7,6 +7,7 @@ Source: SPRU430F chapter 6; section 5.8 (which addresses step under RPT).
 
 from __future__ import annotations
 
+from .accumulator import logic
 from .cpu import Cpu, Operation
 from .registers import HIGH16, M16, M32, s16
 
@@ -296,6 +297,45 @@ def XPREAD_loc16_indAL(cpu: Cpu, f: Operation) -> None:
 
 def XPWRITE_indAL_loc16(cpu: Cpu, f: Operation) -> None:
     cpu.store16(PMA | cpu.ax(0) + cpu.passes & M16, cpu.read16())
+
+
+# Moves to ACC -------------------------------------------------------------------------------------------------------
+
+
+def MOV_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.x16(f.c) << f.s)
+
+
+def MOV_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.x16(cpu.read16()) << (cpu.t() & 15))
+
+
+def MOV_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.x16(cpu.read16()))
+
+
+def MOV_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.x16(cpu.read16()) << f.s)
+
+
+def MOV_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.read16() << 16)
+
+
+def MOVB_ACC_8(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, f.c)
+
+
+def MOVU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.read16())
+
+
+def MOVL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.read32())
+
+
+def ZALR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.read16() << 16 | 0x8000)
 
 
 def bind(f: Operation, name: str) -> None:

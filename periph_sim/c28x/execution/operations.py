@@ -15,7 +15,6 @@ from ..hazards import writes_at_once
 from ..operand_field import WIDE
 from . import (
     accumulator,
-    accumulator_logic,
     branches,
     control,
     fpu,
@@ -28,23 +27,10 @@ from . import (
 )
 from .cpu import READS, WRITES, Operation
 
-FIELDS = "bcghiklmnpqrstuvwxyz"
 OF_ONE_XAR = re.compile(
     r"(MOVL_(?:loc32_)?XAR)(\d)(.*)"
 )  # families of eight forms, for XAR0 to XAR7, with one function each
-MODULES = (
-    accumulator,
-    accumulator_logic,
-    half_words,
-    multiply,
-    shifts,
-    moves,
-    stack,
-    branches,
-    control,
-    fpu,
-    fpu_moves,
-)
+MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
 
 _forms: dict[str, Operation] = {}
 
@@ -54,17 +40,16 @@ def operation(instruction: Instruction) -> Operation:
     encoding, values = instruction.encoding, instruction.values
     form = form_of(encoding)
     made = Operation()
-    for name in FIELDS:
-        setattr(made, name, values.get(name, -1))
+    for name, value in values.items():
+        setattr(made, name, value)
     if form.n >= 0:
         made.n = form.n
     made.place = made.address = instruction.address
-    made.following = made.goal = None
     made.next = instruction.address + encoding.words & 0x3F_FFFF
     made.encoding, made.execute = encoding, form.execute
     made.cycles, made.not_taken = encoding.cycles_of(values)
     made.repeated = form.repeated
-    made.wide, made.byte, made.late = form.wide, form.byte, 0
+    made.wide, made.byte = form.wide, form.byte
     made.accesses, made.absolute, made.at_once = form.accesses, form.absolute, form.at_once
     if encoding.mnemonic == "MOV32" and made.absolute and fpu_moves.WINDOW <= made.c < fpu_moves.WINDOW_END:
         made.cycles = made.not_taken = 1  # a move between registers
@@ -82,18 +67,16 @@ def form_of(encoding: Encoding) -> Operation:
 
 def _form_of(encoding: Encoding) -> Operation:
     made = Operation()
-    made.encoding, made.n = encoding, -1
-    name = encoding.id
+    name, made.encoding = encoding.id, encoding
     one = OF_ONE_XAR.fullmatch(name)
     if one:
         name, made.n = f"{one[1]}n{one[3]}", int(one[2])
     bind(made, name)
-    made.cycles, made.not_taken, made.repeated = encoding.cycles, encoding.not_taken, encoding.repeated
+    made.repeated = encoding.repeated
     made.wide = any(operand in encoding.syntax for operand in WIDE)
     made.byte = encoding.mnemonic == "MOVB" and ("LSB" in encoding.syntax or "MSB" in encoding.syntax)
     made.accesses = (READS if "r" in encoding.accesses else 0) | (WRITES if "w" in encoding.accesses else 0)
     made.at_once = writes_at_once(encoding)
-    made.absolute = 0
     if "*(0:16)" in encoding.syntax:
         made.absolute = WRITES if encoding.syntax.split(" ", 1)[1].startswith("*") else READS
     return made

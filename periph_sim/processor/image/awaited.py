@@ -17,23 +17,13 @@ from ...f28335.memory.address_space import Content, area_at
 from ...f28335.memory.register_names import full_name
 from ...image.model import Image
 from ..operand import Operand
+from ..program import Awaited
 from .cpu import ImageCpu
 
 LONGEST = 64  # words of a loop that is examined
 ALL = 0xFFFF
 BY_SP, BEHIND_BY_SP, BY_POINTER = 0x40, 0x80, 0xC0  # operand fields: below them by DP, *-SP[n], *+XARn[i]
 MEMORY = "memory"  # unknown words
-
-
-class Awaited(NamedTuple):
-    """texts: what is read, "I2C-A.I2CSTR.XRDY". unanswered: a sentence on unmodelled registers; "" if none is read.
-
-    memory: no register is read, so only a service routine can end the wait.
-    """
-
-    texts: list[str]
-    unanswered: str
-    memory: bool
 
 
 class LoopRange(NamedTuple):
@@ -49,12 +39,12 @@ def awaited(
     """Return what a loop waits for that reads these registers of modules, and these unmodelled words."""
     if not operands and not elsewhere:
         names = [_name(image, address) for address in _memory_read(cpu, loop)] if _may_end(cpu, loop) else None
-        return Awaited([] if names is None else names or [MEMORY], "", names is not None)
+        return Awaited("" if names is None else " and ".join(names or [MEMORY]), "", names is not None)
     mask = mask_of(loop.first, _words(cpu, loop))
     texts = [f"{operand.name}.{fields_of(operand.register, mask)}" for operand in operands]
     names = list(dict.fromkeys(f"{full_name(address)} & {mask:#06x}" for address in elsewhere))
     unanswered = _unanswered(cpu, elsewhere, unit) if elsewhere else ""
-    return Awaited(list(dict.fromkeys([*texts, *names])), unanswered, memory=False)
+    return Awaited(" and ".join(dict.fromkeys([*texts, *names])), unanswered)
 
 
 def _unanswered(cpu: ImageCpu, addresses: Sequence[int], unit: str) -> str:

@@ -15,7 +15,7 @@ from typing import Annotated, final
 from ...c28x.decoder import decode_at
 from ...c28x.delay_slots import late_results, not_kept
 from ...c28x.execution.cpu import READS, REGISTER, Cpu, Operation
-from ...c28x.execution.engine import PAGE, Engine
+from ...c28x.execution.engine import PAGE
 from ...c28x.execution.fpu_pipeline import arrive, delay
 from ...c28x.execution.operations import operation
 from ...c28x.execution.registers import ARP, ARP_MASK, CODE, READ_ONLY, ST1_RESET, IllegalOperation
@@ -75,7 +75,7 @@ class ImageCpu(ImageMemory):
             raise IllegalOperation(f"nothing was loaded to {pc:#08x}, or written there")
         self._decoding = True
         try:
-            made = Engine._decode(self)
+            made = ImageMemory._decode(self)
         finally:
             self._decoding = False
         self._prepare(made, self.word_at(made.address), self.word_at(made.address + 1))
@@ -115,7 +115,7 @@ class ImageCpu(ImageMemory):
     def _repeat(self) -> None:
         wanted = self.repeat
         self.repeat = self.timing.repeats(wanted)
-        Engine._repeat(self)
+        ImageMemory._repeat(self)
         if wanted and self.left == 1:
             text = f"RPT precedes an instruction that cannot be repeated, at {self.pc:#08x}; it is executed once"
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRU430F RPT"))

@@ -40,20 +40,21 @@ class PollSkipper:
     skips: equal passes are skipped; else they are executed, and only the times are recorded at which the program would
     have begun to sleep and been woken. asleep: between these times. replaying: reads before the cycle `live_from`
     return the earlier values. elsewhere: words read that are not modelled. routines: number of active service routines.
-    restarts: the pass restarts the watchdog, so that no further one is skipped.
+    restarts: the pass restarts the watchdog, so that no further one is skipped. began: the cycle at which the examined
+    pass began; since: at which the first pass of the loop ended.
     """
 
     STATE = State(
         "asleep tracking clean counting replaying restarts routines changed elsewhere _lease _values "
         "_failed _compared _branch _outer_branch _passes _next _examine_at _step _period _most _spin",
-        cycles="live_from _outer_since _started _since",
+        cycles="live_from _outer_since began since",
     )
 
     __slots__ = (
         "_branch", "_compared", "_core", "_examine_at", "_failed", "_lease", "_most", "_next", "_outer_branch",
-        "_outer_since", "_passes", "_period", "_since", "_spin", "_started", "_step", "_time", "_values", "asleep",
-        "changed", "clean", "counting", "elsewhere", "live_from", "replaying", "restarts", "routines", "skips",
-        "tracking",
+        "_outer_since", "_passes", "_period", "_spin", "_step", "_time", "_values", "asleep", "began", "changed",
+        "clean", "counting", "elsewhere", "live_from", "replaying", "restarts", "routines", "since",
+        "skips", "tracking",
     )  # fmt: skip
 
     def __init__(self, time: CpuTime, core: CpuInterrupts, skips: bool) -> None:
@@ -79,7 +80,7 @@ class PollSkipper:
         self._branch = self._outer_branch = -1
         self._outer_since = 0
         self._passes = self._next = self._examine_at = self._step = 0
-        self._period = self._started = self._since = 0
+        self._period = self.began = self.since = 0
         self._most = NEVER
 
     # Passes ------------------------------------------------------------------------
@@ -87,11 +88,11 @@ class PollSkipper:
     def again(self, branch: int, cycle: int) -> bool:
         """Count a backward branch that is taken. Return True if the loop is due to be examined."""
         if branch != self._branch:
-            self._branch, self._passes, self._since = branch, 0, cycle
+            self._branch, self._passes, self.since = branch, 0, cycle
             if not self.routines:  # loops of service routines do not end the loop that they interrupt
                 if branch == self._outer_branch:
-                    self._since = self._outer_since
-                self._outer_branch, self._outer_since = branch, self._since
+                    self.since = self._outer_since
+                self._outer_branch, self._outer_since = branch, self.since
             self._examine_at, self._step = FIRST_EXAMINED, 1
             self.tracking = self.counting = False
             return False
@@ -122,12 +123,12 @@ class PollSkipper:
         """
         cycle = self._time.cycle
         equal: bool
-        period, equal = cycle - self._started, as_before and self._compared
+        period, equal = cycle - self.began, as_before and self._compared
         seen: bool = equal and period == self._period
         if self._compared and not equal:
             self.examine_later()
             return False
-        self._compared, self._started, self._period = True, cycle, period if equal else 0
+        self._compared, self.began, self._period = True, cycle, period if equal else 0
         if not seen:
             self._begin()
         return seen
@@ -139,7 +140,7 @@ class PollSkipper:
         if self.tracking or self._passes < COUNTS_FROM or self._failed.get(self._branch, 0) >= TRIES:
             return False
         cycle = self._time.cycle
-        self._period, self._started = cycle - self._spin.start, cycle
+        self._period, self.began = cycle - self._spin.start, cycle
         self._examine_at = self._passes + 1
         self.changed.clear()
         self.counting = True
@@ -149,8 +150,8 @@ class PollSkipper:
     def counted(self) -> bool:
         """Return True, at the begin of a pass, if the analysed one before it was clean and of the usual length."""
         cycle = self._time.cycle
-        alike: bool = self.clean and cycle - self._started == self._period
-        self._started = cycle
+        alike: bool = self.clean and cycle - self.began == self._period
+        self.began = cycle
         self.counting = False
         self.examine_later()
         return alike
@@ -169,11 +170,6 @@ class PollSkipper:
         """True if the pass reads values that may change, so that the loop is a wait."""
         return self.reads_modules or len(self.elsewhere) > 0
 
-    @property
-    def since(self) -> int:
-        """The cycle at which the first pass of the loop ended."""
-        return self._since
-
     def changes(self, address: int, before: int) -> None:
         """Note that the pass changes a word of memory."""
         if not self.counting:
@@ -188,11 +184,6 @@ class PollSkipper:
         self.elsewhere.clear()
         self._values.clear()
         self._spin.begin_pass(self._time.cycle)
-
-    @property
-    def began(self) -> int:
-        """The cycle at which the examined pass began."""
-        return self._started
 
     def note(self, operand: Operand, value: int) -> None:
         """Note a read of a register of the chip."""
@@ -223,7 +214,7 @@ class PollSkipper:
         time, lease, spin = self._time, self._lease, self._spin
         if time.lands < NEVER or self._core.earliest() < NEVER:
             return None
-        spin.since = self._since
+        spin.since = self.since
         lease.set_pass(spin)
         if lease.broken(time.cycle):
             return None
@@ -231,7 +222,7 @@ class PollSkipper:
         self._most, until = most, NEVER
         if most < NEVER:
             self._failed.pop(self._branch, None)
-            until = self._started + most * self._period
+            until = self.began + most * self._period
         if self.skips:
             if until < NEVER:
                 time.wake_at(until)
@@ -250,9 +241,9 @@ class PollSkipper:
         time = self._time
         self._lease.end()
         self.asleep = time.watching = False
-        passes = (now - self._started) // self._period
+        passes = (now - self.began) // self._period
         if self.skips:
-            time.cycle = self._started + passes * self._period
+            time.cycle = self.began + passes * self._period
             self.live_from, self._next = now, 0
             self.replaying = now > time.cycle
         self.tracking = False
@@ -263,12 +254,12 @@ class PollSkipper:
 
     def begins_at(self, passes: int) -> int:
         """Return the cycle at which a pass begins. passes: counted from the examined one."""
-        return self._started + passes * self._period
+        return self.began + passes * self._period
 
     def resume(self, cycle: int) -> None:
         """Wake a sleeping program: a stub has changed its value."""
         if self.asleep:
-            self._time.resume_by(max(cycle, self._started))
+            self._time.resume_by(max(cycle, self.began))
 
     def answer(self, cycle: int) -> bool:
         """Return True if the read in this cycle returns its earlier value (`answered`); else end the replay."""

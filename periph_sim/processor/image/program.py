@@ -28,8 +28,8 @@ from ...image.model import Image
 from ..error_origin import FirmwareLost, InterruptFault
 from ..polling import Spin
 from ..processor import Processor
-from ..program import Program, Stop, UnansweredWait
-from .awaited import Awaited, LoopRange, awaited
+from ..program import Awaited, Stop, UnansweredWait
+from .awaited import LoopRange, awaited
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
 from .loaded_image import LAST_JUMPS, LoadedImage
@@ -92,7 +92,7 @@ class ImageProgram(LoadedImage):
 
     def kill(self, how: type[BaseException]) -> None:
         """See `Program.kill`. A sleep ends first, so that a reset of the registers that it read does not wake it."""
-        Program.kill(self, how)
+        LoadedImage.kill(self, how)
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])
         polls, loop = self.cpu.polls, self._counting
@@ -237,7 +237,7 @@ class ImageProgram(LoadedImage):
             self._keep_unmodelled(spin.since)
         self._asleep_at = self._clock.tick(polls.began)
         if self._waits is not None:
-            self._waits.begins(self.waits_for(), self._processor.time.cycle, self.place() or "")
+            self._waits.begins(self.awaited().what, self._processor.time.cycle, self.place() or "")
         return True
 
     def _keep_unmodelled(self, since: int) -> None:
@@ -294,19 +294,8 @@ class ImageProgram(LoadedImage):
         """The tick since which no instruction is executed, in a wait or in IDLE; None while it runs."""
         return self._asleep_at if self.spin is not None or self._idle_began else None
 
-    def waits_for(self) -> str:
-        """See `Program.waits_for`."""
-        return " and ".join(self._awaited().texts)
-
-    def unanswered(self) -> str:
-        """See `Program.unanswered`."""
-        return self._awaited().unanswered
-
-    def waits_for_memory(self) -> bool:
-        """See `Program.waits_for_memory`."""
-        return self._awaited().memory
-
-    def _awaited(self) -> Awaited:
+    def awaited(self) -> Awaited:
+        """See `Program.awaited`."""
         operands, loop = [] if self.spin is None else self.spin.polls, LoopRange(self.cpu.pc, self._at)
         return awaited(self.cpu, loop, operands, self.cpu.polls.elsewhere, self._processor.name, self.image)
 
@@ -316,7 +305,7 @@ class ImageProgram(LoadedImage):
         if wait is None or not wait.goes_on(self.cpu):
             return None
         found = awaited(self.cpu, wait.loop, [], wait.addresses, self._processor.name, self.image)
-        return UnansweredWait(wait.since, " and ".join(found.texts), self.place_at(wait.loop.branch), found.unanswered)
+        return UnansweredWait(wait.since, found.what, self.place_at(wait.loop.branch), found.unanswered)
 
     def _slept(self) -> bool:
         """Wait in IDLE. Return True once an interrupt that IER enables has ended it."""

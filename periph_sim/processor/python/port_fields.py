@@ -107,12 +107,15 @@ STATE = frozenset(Port.__slots__)
 
 @final
 class PortField:
-    """A name of a port: a field, or whole words of the register. number: its index among the port's names."""
+    """A name of a port: a field, or whole words of the register.
 
-    __slots__ = ("_field", "_lsb", "_mask", "_most", "_register", "_where", "_words", "number")
+    number: its index among the port's names. mask: its bits.
+    """
+
+    __slots__ = ("_field", "_lsb", "_most", "_register", "_where", "_words", "mask", "number")
 
     _lsb: int
-    _mask: int
+    mask: int
     _most: BigInt
 
     def __init__(self, number: int, register: Register, words: int, field: Field | None, where: str) -> None:
@@ -121,9 +124,9 @@ class PortField:
         self._register = register
         self._words = words
         self._field = field
-        self._mask = WORDS_MASK[words] if field is None else field.mask
+        self.mask = WORDS_MASK[words] if field is None else field.mask
         self._lsb = field.lsb if field is not None else 16 if words == HIGH else 0
-        self._most = self._mask >> self._lsb
+        self._most = self.mask >> self._lsb
         self._where = where
 
     def __get__(self, port: Port, owner: object) -> int:
@@ -131,7 +134,7 @@ class PortField:
 
     def _read(self, port: Port) -> int:
         operand: Operand = port._operands[self.number] or self._operand(port)
-        return (port._accesses.read(operand) & self._mask) >> self._lsb
+        return (port._accesses.read(operand) & self.mask) >> self._lsb
 
     def assign(self, port: Port, value: BigInt) -> None:
         if type(value) is not int or not 0 <= value <= self._most:
@@ -145,11 +148,7 @@ class PortField:
     def condition(self, port: Port, number: object) -> Condition:
         """Return the condition that this field has a value. Raise Misuse if it cannot have it."""
         value = self.in_place(number)
-        return Condition(port._accesses, port._operands[self.number] or self._operand(port), self._mask, value)
-
-    @property
-    def mask(self) -> int:
-        return self._mask
+        return Condition(port._accesses, port._operands[self.number] or self._operand(port), self.mask, value)
 
     def in_place(self, number: object) -> BigInt:
         """Return the number shifted to the field's bits. Raise Misuse if the field cannot have it."""
@@ -167,7 +166,7 @@ class PortField:
             return None
         if not operand.looks or not 0 <= number <= self._most:
             return None
-        return Condition(port._accesses, operand, self._mask, number << self._lsb, test, where)
+        return Condition(port._accesses, operand, self.mask, number << self._lsb, test, where)
 
     def masked(self, port: Port, mask: object, value: object) -> Condition:
         """Return the condition that these bits have this value. Raise Misuse if they cannot."""

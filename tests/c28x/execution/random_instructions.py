@@ -91,7 +91,7 @@ def passes(count: int, seed: int | str, forms: Sequence[Encoding] = FORMS) -> It
         cpu.memory[AT], cpu.memory[AT + 1] = pair >> 16, pair & 0xFFFF
         cpu.written(AT)
         cpu.written(AT + 1)
-        cpu.left = 3 if row.repeatable and draw.random() < 0.25 else 0
+        cpu.left = 3 if row.repeated and draw.random() < 0.25 else 0
         cpu.rb = draw.getrandbits(32) if draw.random() < 0.1 else 0
         while True:
             cpu.stores.clear()

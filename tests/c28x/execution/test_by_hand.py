@@ -192,7 +192,7 @@ def test_status_bits_take_a_second_cycle_where_intm_or_dbgm_is_among_them(mnemon
     assert took == {mask: 2 if "INTM" in mask or "DBGM" in mask else 1 for mask in chosen}
 
 
-REPEATED = [row for row in encodings() if row.repeatable and row.mnemonic not in ("IN", "OUT", "UOUT")]
+REPEATED = [row for row in encodings() if row.repeated and row.mnemonic not in ("IN", "OUT", "UOUT")]
 
 
 @pytest.mark.parametrize("row", REPEATED, ids=[row.id for row in REPEATED])

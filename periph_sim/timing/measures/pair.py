@@ -22,7 +22,7 @@ from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
 from .event_pairing import NO_CLAUSES, Clauses, EventMeasure
 from .groups import Groups
-from .measure import MeasuredScene
+from .measured_scene import MeasuredScene
 
 PAIRINGS = ("in order", "next", "last")
 FIRST, SECOND, START, STOP = range(4)  # places of a pair's events

@@ -16,7 +16,7 @@ from ..scene.scope import scope_of_case
 from ..timing.budget_schema import REPLY, SPAN, WATCH
 from ..timing.language.events import EVERYTHING, Matcher, matcher
 from ..timing.language.language import is_form, measure_of
-from ..timing.measures.factory import make_of_events
+from ..timing.measures.factory import measure_named
 from ..timing.measures.race import Race
 from ..timing.verdict import Verdict
 from ..traces.capture.capture import Span
@@ -133,7 +133,7 @@ def chain_of(case: Case, window: Window) -> Chain:
     if not is_form(measure):
         raise ValueError(f"there is no explanation of {measure!r}; expected a measure of timing.measures")
     said = measure_of(measure)
-    made = make_of_events(measure, scope)
+    made = measure_named(measure, scope)
     events: list[Matcher] = list(getattr(made, "matchers", ()))
     if said.form == "interrupt":
         return event_chain.latency(evidence, events[0], None if said.access else events[1])

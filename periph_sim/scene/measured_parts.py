@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class MeasuredParts:
-    """The parts of a scene that measures ask; see `timing.measures.measure.MeasuredScene`."""
+    """The parts of a scene that measures ask; see `timing.measures.measured_scene.MeasuredScene`."""
 
     def __init__(
         self,

@@ -122,7 +122,13 @@ ROWS: dict[str, Row] = {
     ),
     "budgets": Row(("timing.budgets", "timing.measures."), present=("slave",)),
     "budgets on lost flags": Row(
-        ("timing.measures.lost_flags", "timing.measures.watched", "timing.measures.modifies", "records.modify_window"),
+        (
+            "timing.measures.lost_flags",
+            "timing.measures.watched",
+            "timing.measures.modifies",
+            "timing.measures.cleared_flags",
+            "records.modify_window",
+        ),
         with_budget("lost flags", max=0),
     ),
     "budgets on races": Row(

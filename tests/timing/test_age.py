@@ -11,7 +11,7 @@ from periph_sim.devices.host_frames import host_frames
 from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.timing.derived.origin import Origin
 from periph_sim.timing.derived.origins import FrameOrigins
-from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import Ran, run_file
 from tests.timing.events_by_hand import ONE
@@ -95,7 +95,7 @@ def test_a_read_that_was_refused_has_no_age_and_was_an_occasion_for_one():
 
 
 def test_of_one_chip_only_its_reads_count():
-    run = HandMadeRun(make_of_events("age of magnetometer", ONE))
+    run = HandMadeRun(measure_named("age of magnetometer", ONE))
     run.measure.keep()
     run.frame(1, 1000)
     run.transfer(read(GYRO, gyro_bytes(1), at=1700))

@@ -12,7 +12,7 @@ from periph_sim.core.time import NO_TIME
 from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.timing.derived.error_records import RECENT, ErrorRecords
 from periph_sim.timing.derived.transfer_records import begin_of
-from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.measure import MILLIONTHS
 from periph_sim.timing.measures.span import SpanTime
 from periph_sim.timing.measures.states import TimeIn
@@ -100,7 +100,7 @@ def test_a_round_is_measured_from_its_begin_and_slack_from_its_end():
     told = HandMadeRun("round")
     told.round(1000, 1500, start=1100)
     assert told.came() == (400, 1100, 400, 1)
-    run = HandMadeRun(make_of_events("slack", ONE), period=2000)
+    run = HandMadeRun(measure_named("slack", ONE), period=2000)
     run.round(1000, 1500)
     run.round(3000, 5001)
     slack = run.measure
@@ -143,13 +143,13 @@ def test_a_span_that_is_not_over_counts_with_what_it_has_lasted_unit_by_unit():
     ],
 )
 def test_which_states_hold_before_anything_has_happened(text: str, there: dict[str, int], holds: bool):
-    measure = make_of_events(f"time in {text}", ONE)
+    measure = measure_named(f"time in {text}", ONE)
     assert isinstance(measure, TimeIn)
     assert measure.state.holds(Scene(**there)) == holds  # type: ignore[arg-type]
 
 
 def test_a_sum_is_one_number_and_begins_where_the_state_did_first():
-    told = make_of_events("time in wire SCL low", ONE)
+    told = measure_named("time in wire SCL low", ONE)
     told.listen(Scene(level_of=1, began=0))  # type: ignore[arg-type]
     tell(told, records("10 edge SCL level 0\n16 edge SCL level 1\n20 edge SCL level 0"))
     told.finish(25)
@@ -161,7 +161,7 @@ def test_a_sum_is_one_number_and_begins_where_the_state_did_first():
 
 
 def test_what_may_not_be_guessed_is_told_with_times_from_the_begin_of_the_run():
-    told = make_of_events("from edge SCL rise to edge SDA rise", ONE)
+    told = measure_named("from edge SCL rise to edge SDA rise", ONE)
     told.listen(Scene(began=50, ticks_per_second=1000))  # type: ignore[arg-type]
     tell(told, records("100 edge SCL level 1\n350 edge SCL level 1\n360 edge SCL level 1\n400 edge SDA level 1"))
     assert told.missing() == (
@@ -172,7 +172,7 @@ def test_what_may_not_be_guessed_is_told_with_times_from_the_begin_of_the_run():
 
 @pytest.mark.parametrize(("not_before", "measured", "occasions"), [(0, 2, 3), (11, 2, 3), (12, 1, 2), (52, 0, 0)])
 def test_transfers_are_counted_from_the_time_asked_for(not_before: int, measured: int, occasions: int):
-    told = make_of_events("from edge SCL rise to edge SDA rise, same transfer", ONE)
+    told = measure_named("from edge SCL rise to edge SDA rise, same transfer", ONE)
     scene = Scene(began=0, ticks_per_second=1)
     told.listen(scene)  # type: ignore[arg-type]
     told.not_before = not_before
@@ -196,7 +196,7 @@ class Samples:
 
     def __init__(self, text: str, frames: int = 1) -> None:
         recorder = Recorder()
-        self.measure = make_of_events(text, ONE)
+        self.measure = measure_named(text, ONE)
         self.measure.subscribe(recorder)
         self.measure.keep()
         self.errors = ErrorRecords(
@@ -265,7 +265,7 @@ def test_which_reads_have_a_value():
 
 
 def test_a_record_of_another_unit_is_no_wait_of_this_cpu():
-    load = make_of_events("cpu load of dsp", ONE)
+    load = measure_named("cpu load of dsp", ONE)
     load.listen(Scene(began=0, ticks_per_second=1000))  # type: ignore[arg-type]
     came = [(10, "imu", Kind.WAIT, 1), (20, "dsp", Kind.WAIT, 1), (30, "imu", Kind.IRQ, 1), (40, "dsp", Kind.WAIT, 0)]
     tell(load, [Record(0, tick, kind, where, "x", value, "", 0) for tick, where, kind, value in came])

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.load import MILLIONTHS, CpuLoad, Load
 from tests.scene.runs import run_file
 from tests.timing.events_by_hand import ONE, came, records, tell
@@ -24,7 +24,7 @@ class Second:
 
 
 def load(text: str, drawn: str, now: int) -> Load:
-    made = make_of_events(text, ONE)
+    made = measure_named(text, ONE)
     assert isinstance(made, Load)
     made.listen(Second())
     tell(made, records(drawn))
@@ -78,7 +78,7 @@ def test_the_busiest_window_is_what_a_count_tick_by_tick_gives(lengths: list[int
         now += length
     busy += [len(lengths) % 2 == 1] * tail
     now += tail
-    told = make_of_events(f"bus load per {window} ms", ONE)
+    told = measure_named(f"bus load per {window} ms", ONE)
     told.listen(Second())
     tell(told, of)
     told.finish(now)

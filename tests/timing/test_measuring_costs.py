@@ -10,7 +10,11 @@ from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
+from periph_sim.timing.measures.event_pairing import EventMeasure
+from periph_sim.timing.measures.factory import measure_named
+from periph_sim.timing.measures.registry import MEASURES, PHRASES
 from tests.scene.runs import TIMING, run_case
+from tests.timing.events_by_hand import ONE
 
 CASE = load(TIMING / "imu_hil_published.toml")
 SECONDS = "0.1"
@@ -32,6 +36,20 @@ def made(measure: str, **limit: object) -> tuple[Counter[str], int]:
             )
 
     return seen, run_case(case, SECONDS, subscribe).result.events
+
+
+@pytest.mark.parametrize("name", [*MEASURES, "slack", "gap between rounds", "reaction", "interrupt latency SCIRXINTA"])
+def test_a_row_says_how_many_records_its_sentence_takes(name: str):
+    measure = measure_named(name, ONE)
+    assert isinstance(measure, EventMeasure)
+    limit = {"max": None, "min": None, "exactly": "0 us" if measure.unit == "time" else 0}
+    seen, _ = made(name, **limit)
+    of_measure = [count for key, count in seen.items() if any(_is(key, *one) for one in measure._wanted)]
+    assert sum(of_measure) == (MEASURES.get(name) or PHRASES[name.split()[0]]).cost
+
+
+def _is(key: str, kind: Kind, what: str) -> bool:
+    return key.startswith(f"{kind.value} ") and key.endswith(f" {what}")
 
 
 def plain_events(*disable: str) -> int:

@@ -12,7 +12,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import sci_fifo_receiver
 from periph_sim.processor.dsp import Dsp
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import run_file
 from tests.scene.small import scene_with
@@ -133,7 +133,7 @@ def test_a_count_between_two_events():
         "|    |    ",
         "   |     |",
     ) + records("1 irq dsp SCIRXINTA 1\n2 irq dsp SCIRXINTA 1\n4 irq dsp SCIRXINTA 1\n8 irq dsp SCIRXINTA 1")
-    told = make_of_events("count of interrupt SCIRXINTA enter from edge SCL rise to edge SDA rise", ONE)
+    told = measure_named("count of interrupt SCIRXINTA enter from edge SCL rise to edge SDA rise", ONE)
     told.listen(Rounds(1))
     tell(told, sorted(of, key=lambda record: record.tick))
     assert (came(told), told.unit) == ((2, 0, 1, 2), "count")
@@ -141,7 +141,7 @@ def test_a_count_between_two_events():
 
 @given(st.lists(st.sampled_from("ABX"), max_size=30))
 def test_a_count_between_is_what_a_walk_over_the_records_gives(events: list[str]):
-    told = make_of_events("count of frame TX from edge SCL rise to edge SDA rise, next", ONE)
+    told = measure_named("count of frame TX from edge SCL rise to edge SDA rise, next", ONE)
     told.listen(Rounds(1))
     told.keep()
     wires = {"A": (Kind.EDGE, "SCL", "level"), "B": (Kind.EDGE, "SDA", "level"), "X": (Kind.FRAME, "TX", "begin")}

@@ -11,18 +11,18 @@ from periph_sim.core.time import NO_TIME
 from periph_sim.timing.language.events import matcher
 from periph_sim.timing.measures.event import Jitter, Period
 from periph_sim.timing.measures.event_pairing import subjects_of
-from periph_sim.timing.measures.factory import make_of_events, measure_named
+from periph_sim.timing.measures.factory import measure_named
 from tests.timing.events_by_hand import ONE, came, records, tell
 
 CAME = "10 edge SCL level 1\n20 edge SCL level 0\n25 edge SCL level 1\n60 edge SCL level 1"
 
 
 def test_a_period_is_told_with_where_it_began_and_what_is_not_over_counts():
-    period = tell(make_of_events("period of edge SCL rise", ONE), records(CAME))
+    period = tell(measure_named("period of edge SCL rise", ONE), records(CAME))
     assert isinstance(period, Period) and came(period) == (35, 25, 15, 2)
     assert period.unfinished(70) == [(10, 60)] and period.close(70) == ""
     assert period.close(96) == "'edge SCL rise' did not come again before the run ended" and period.worst == 36
-    assert make_of_events("period of edge SCL rise", ONE).unfinished(70) == []
+    assert measure_named("period of edge SCL rise", ONE).unfinished(70) == []
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_why_nothing_was_measured(text: str, of: str, missing: str):
         ticks_per_second = lambda self: 1  # noqa: E731
         value_of = lambda self, *_: 0  # noqa: E731
 
-    measure = make_of_events(text, ONE)
+    measure = measure_named(text, ONE)
     measure.listen(Scene())  # type: ignore[arg-type]
     tell(measure, records(of))
     measure.finish(9)
@@ -109,9 +109,9 @@ def test_what_events_need_recorded(events: list[str], needed: dict[Kind, set[str
 
 
 def test_an_event_of_a_group_needs_its_begin_and_end_as_well():
-    burst = make_of_events("period of last frame TX error of burst", ONE)
+    burst = measure_named("period of last frame TX error of burst", ONE)
     assert (burst.kinds, burst.subjects) == ({Kind.FRAME}, {Kind.FRAME: {"TX"}})
-    transfer = make_of_events("period of first edge SCL rise of transfer", ONE)
+    transfer = measure_named("period of first edge SCL rise of transfer", ONE)
     assert (transfer.kinds, transfer.subjects) == ({Kind.EDGE, Kind.BUS}, {Kind.EDGE: {"SCL"}})
 
 
@@ -151,7 +151,7 @@ STARTS = "\n".join(
     ],
 )
 def test_rounds_begin_behind_the_transfers_of_the_start_up(event: str, at: list[int]):
-    period = make_of_events(f"period of {event}", ONE)
+    period = measure_named(f"period of {event}", ONE)
     period.listen(Startup())  # type: ignore[arg-type]
     period.keep()
     tell(period, records(STARTS))
@@ -169,7 +169,7 @@ def test_the_latency_to_the_first_access_is_that_of_its_own_unit():
         40 irq    dsp     SCIRXINTA     1
         44 access dsp     R_SCI-A.SCIRXBUF 1
     """
-    told = make_of_events("interrupt latency SCIRXINTA to first access", ONE)
+    told = measure_named("interrupt latency SCIRXINTA to first access", ONE)
     tell(told, records(of))
     assert came(told) == (21, 10, 21, 1) and told.unfinished(99) == []  # the second entry had no request
     assert made_empty().unfinished(99) == [] and made_empty().worst_at == NO_TIME
@@ -183,4 +183,4 @@ def test_an_access_before_the_routine_is_entered_is_not_its_first():
 
 
 def made_empty():
-    return make_of_events("interrupt latency SCIRXINTA to first access", ONE)
+    return measure_named("interrupt latency SCIRXINTA to first access", ONE)

@@ -10,7 +10,8 @@ from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import Matcher
 from .event_pairing import EventMeasure
-from .measure import Measure, MeasuredScene
+from .measure import Measure
+from .measured_scene import MeasuredScene
 
 OF_UNIT = 1 << 30  # the tag of an access of the unit; those of its events are below
 

@@ -23,7 +23,8 @@ from ...core.state import State
 from ...core.suggest import did_you_mean
 from ..language.events import Matcher
 from .groups import Groups
-from .measure import Measure, MeasuredScene
+from .measure import Measure
+from .measured_scene import MeasuredScene
 
 
 class _Seen:

@@ -26,7 +26,7 @@ from .event_values import EventCount, SumOf, ValueOf
 from .load import BusLoad, CpuLoad
 from .margin import HeldPerTransfer, Margin
 from .measure import Measure
-from .pair import Between, CountBetween
+from .pair import Between
 from .registry import MEASURES, PHRASES, Sentence
 from .reply import Reply
 from .span import SpanTime
@@ -112,11 +112,6 @@ def _unknown(name: str, sentences: Mapping[str, str]) -> BadEvent:
     return BadEvent(f"there is no measure {name!r}; {hint}")
 
 
-def make_of_events(text: str, scope: Scope) -> Measure:
-    """Return the measure of events that a text names. BadEvent as for `measure_named`."""
-    return _maker_of_events(measure_of(text), scope)()
-
-
 def _maker_of_events(said: Said, scope: Scope) -> Maker:
     return _MAKERS[said.form](said, scope)
 
@@ -135,7 +130,7 @@ def _of_events(said: Said, scope: Scope, sentence: Sentence = UNNAMED) -> Maker:
     if said.form == "from":
         return partial(Between, first, others[0], said.pairing, _group(said, scope), clauses)
     if others:
-        return partial(CountBetween, first, others[0], others[1], said.pairing, _group(said, scope), clauses)
+        return partial(Between, others[0], others[1], said.pairing, _group(said, scope), clauses, first)
     kinds: dict[str, Callable[[Matcher, Clauses], Measure]] = {"count": EventCount, "value": ValueOf, "sum": SumOf}
     return partial(kinds[said.form], first, clauses)
 

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
-from .measure import MeasuredScene
+from .measured_scene import MeasuredScene
 
 PAUSE = 2  # characters without a frame that end a burst
 

@@ -18,7 +18,8 @@ from ...core.records import UNWANTED, Kind
 from ...core.state import State
 from ...core.time import NO_TIME
 from ...form.c_types import BigInt
-from .measure import MILLIONTHS, Measure, MeasuredScene
+from .measure import MILLIONTHS, Measure
+from .measured_scene import MeasuredScene
 
 WAIT, ROUTINE = 0, 1  # tags of records of a CPU
 BEGINS, ENDS = 0, 1  # and of records of a bus

@@ -8,8 +8,10 @@ The result equals that of `periph-sim races` on a recorded run (`records/lost_fl
 from __future__ import annotations
 
 from ...core.records import Kind, Recorder, Subjects
-from .measure import Measure, MeasuredScene
-from .modifies import CLEARABLE, CLEARABLE_FLAGS, Cleared, Modifies
+from .cleared_flags import CLEARABLE, CLEARABLE_FLAGS, Cleared
+from .measure import Measure
+from .measured_scene import MeasuredScene
+from .modifies import Modifies
 from .watched import Watched
 
 

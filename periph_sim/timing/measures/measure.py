@@ -1,70 +1,17 @@
 """Base class of all measures, which follow the records of a run and keep the worst value and its tick.
 
-A measure keeps no history, so memory does not grow with the run, unless `keep` asks for all values; a percentile counts
-equal ones (`tally`). Measures with a fixed name are rows in `registry`; measures of events that users name are in
-`event`.
+What it keeps of its values is in `taken_values`. Measures with a fixed name are rows in `registry`.
 """
 
 # core: compiled
 
 from __future__ import annotations
 
-from array import array
-from collections.abc import Callable
-from fractions import Fraction
-from typing import TYPE_CHECKING, Protocol
-
-from ...core.records import UNWANTED, Kind, Listener, Recorder, Subjects
+from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...core.state import State
 from ...core.time import NO_TIME
-from .tally import Tally
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from ...core.wire import Wire
-    from ...devices.watchers import WireWatcher
-    from .reply import Expected, Reply
-    from .watched_wire import WatchedWire
-
-
-class Delay(Protocol):
-    def ticks(self, written: int) -> int:
-        """Return the delay of a write at this tick, with the present settings."""
-
-
-class MeasuredScene(Protocol):
-    """Questions that a measure may ask a scene, in addition to the records that it subscribes to."""
-
-    def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Subscribe `reply`. Return the expected reply, and a function that returns why it was never requested."""
-
-    def watcher(self, measure: WatchedWire) -> WireWatcher:
-        """Return the watcher of the wire that the measure is named for, which gives its findings to the measure."""
-
-    def rounds_at_start(self) -> Callable[[], bool]:
-        """Return a function that says, at a START that is no repeated one, whether it begins a round."""
-
-    def began(self) -> int:
-        """Return the tick at which the run begins."""
-
-    def wire(self, name: str) -> Wire: ...
-
-    def level_of(self, wire: str) -> int:
-        """Return the level of a wire now."""
-
-    def value_of(self, place: str, name: str) -> int:
-        """Return what a field holds now: of "dsp.I2C-A" that of "I2CSTR.XRDY"."""
-
-    def ticks_per_second(self) -> int: ...
-
-    def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
-        """Return a unit's SYSCLKOUT in Hz from each tick on, up to now; of the first unit where none is named."""
-
-    def i2c_release_delay(self, unit: str) -> Delay:
-        """Return the delay from a write of I2CDXR that SCL is held for to its release."""
-
+from .measured_scene import MeasuredScene
+from .taken_values import TakenValues
 
 LOOKS_BACK = (
     *("this occurrence", "the occurrence before", "this transfer", "this round", "the round before"),
@@ -74,18 +21,15 @@ MILLIONTHS = 1_000_000  # parts of the time and LSB are counted in these
 READ = "read"  # an occurrence: one addressed phase, read or written, identified by its START
 
 
-class Measure(Listener):
+class Measure(TakenValues):
     """Base of all measures.
 
-    unit: "time" (ticks), "%" and "LSB" (millionths) or a word for what is counted. worst, least: the largest and the
-    smallest value seen. series: True if it takes one value after the other, which have percentiles. occurrence: what a
-    value belongs to; measures of the same occurrences can be joined. not_before: the first tick that counts.
+    unit: "time" (ticks), "%" and "LSB" (millionths) or a word for what is counted. series: True if it takes one value
+    after the other, which have percentiles. occurrence: what a value belongs to; measures of the same occurrences can
+    be joined. asked: the name of occasions, as a plural.
 
     looks_back: how far back the records are that its next value depends on, a word of LOOKS_BACK. STATE lists what it
     remembers of them; the values that it has taken are results.
-
-    occasions: number of times that there was something to measure, counted on the bus and not by the firmware; None
-    if the measure has no such count. asked: the name of occasions, as a plural.
     """
 
     STATE = State()
@@ -106,18 +50,9 @@ class Measure(Listener):
         return {}
 
     def __init__(self) -> None:
-        self.count = 0
-        self.worst = 0
-        self.least = 0
-        self.worst_at = NO_TIME
-        self.least_at = NO_TIME
-        self.cut_off = 0  # number of these that the end of the run cut off
-        self.not_before = NO_TIME
+        super().__init__()
         self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit
-        self.occasions: int | None = 0 if self.asked else None
-        self.tap: Callable[[int, int], None] | None = None  # called with each value that is taken
-        self._kept: tuple[array[int], array[int]] | None = None
-        self._tally: Tally | None = None
+        self.occasions = 0 if self.asked else None
 
     @property
     def silent(self) -> bool:
@@ -157,49 +92,6 @@ class Measure(Listener):
                 self.take_unfinished(value, at)
         return self.unfinished_text() if self.cut_off else ""
 
-    def keep(self) -> None:
-        """Keep every value, for distributions and joined conditions."""
-        self._kept = array("q"), array("q")
-
-    def tally(self) -> None:
-        """Count values that are equal, for percentiles."""
-        self._tally = Tally()
-
-    @property
-    def tallied(self) -> bool:
-        return self._tally is not None
-
-    @property
-    def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
-        """(values, when each was), both int64[count], in order; None unless `keep` was called."""
-        if self._kept is None:
-            return None
-        import numpy as np  # with the first percentile: most runs need none
-
-        values, at = self._kept
-        return np.array(values, np.int64), np.array(at, np.int64)
-
-    def all_kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Return `kept` of a measure that keeps its values."""
-        assert self.kept is not None
-        return self.kept
-
-    def only(self, places: NDArray[np.int64]) -> None:
-        """Keep only the values at these places."""
-        values, at = (column[places].tolist() for column in self.all_kept())
-        self.count = self.cut_off = 0
-        self.occasions = None  # the measure that it is joined to has them
-        self.keep()
-        if self._tally is not None:
-            self.tally()
-        for value, when in zip(values, at, strict=True):
-            self.take(value, when)
-
-    def percentile(self, per_mille: int) -> tuple[int, int]:
-        """Return (value, first tick) of the least value that `per_mille` of the values do not exceed (nearest rank)."""
-        assert self._tally is not None
-        return self._tally.percentile(per_mille)
-
     def listen(self, scene: MeasuredScene) -> None:  # core: python
         """Ask the scene for what this measure needs in addition to records."""
 
@@ -213,33 +105,3 @@ class Measure(Listener):
 
     def finish(self, now: int) -> None:  # core: python
         """Handle the end of the run."""
-
-    def occasion(self, at: int, number: int = 1) -> None:
-        """Count occasions. at: as given to `take`."""
-        if at >= self.not_before:
-            assert self.occasions is not None
-            self.occasions += number
-
-    def take(self, value: int, at: int) -> None:
-        if at < self.not_before:
-            return
-        if not self.count or value > self.worst:
-            self.worst, self.worst_at = value, at
-        if not self.count or value < self.least:
-            self.least, self.least_at = value, at
-        self.count += 1
-        if self._kept is not None:
-            self._kept[0].append(value)
-            self._kept[1].append(at)
-        if self._tally is not None:
-            self._tally.add(value, at)
-        if self.tap is not None:
-            self.tap(value, at)
-
-    def take_unfinished(self, value: int, at: int) -> None:
-        """Take the value of an unfinished occurrence, which exceeds all before."""
-        least, least_at, alone = self.least, self.least_at, not self.count
-        self.take(value, at)
-        self.cut_off += 1
-        if not alone:
-            self.least, self.least_at = least, least_at

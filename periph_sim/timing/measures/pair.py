@@ -22,7 +22,7 @@ from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
 from .event_pairing import NO_CLAUSES, Clauses, EventMeasure
 from .groups import Groups
-from .measure import MeasuredScene
+from .measured_scene import MeasuredScene
 
 PAIRINGS = ("in order", "next", "last")
 FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
@@ -41,13 +41,15 @@ class Open:
 
 
 class Between(EventMeasure):
-    """Time from each event to the event of another kind that belongs to it.
+    """Time from each event to the event of another kind that belongs to it, or number of third events in between.
 
+    counted: the third event: after the first one, up to the second.
     pairing: one of PAIRINGS; empty if one A at most may wait. group: pairs lie in one transfer or round: a transfer
     lasts from its START to the next one's, so that what firmware does about a STOP belongs to it.
     """
 
     STATE = State("_rule _stopped _begun _paired _counted", ticks="_begun_at", chains="_waiting")
+    unit: str
     _rule: Groups | None
     _rule_text: str
     _unsaid: bool
@@ -61,10 +63,13 @@ class Between(EventMeasure):
         pairing: str,
         group: Group | None = None,
         clauses: Clauses = NO_CLAUSES,
-        extra: tuple[Matcher, ...] = (),
+        counted: Matcher | None = None,
     ) -> None:
         inside = () if group is None else (group.begin, group.end)
+        extra = () if counted is None else (counted,)
         super().__init__(begin, end, *inside, *extra, order=_order(len(inside), len(extra)), clauses=clauses)
+        self.unit = "count" if extra else "time"
+        self._is_count = bool(extra)
         self.pairing = pairing
         self._extra = FIRST + 2 + len(inside)
         self._rule = None if group is None else Groups(group, 0)
@@ -92,13 +97,13 @@ class Between(EventMeasure):
         if self._rule is not None:
             self._rule.listen(scene)
 
-    def since(self, one: Open, tick: int) -> int:
-        """Return what has come together since a first event."""
-        return tick - one.at
+    def _since(self, one: Open, tick: int) -> int:
+        """Return the time, or the number of events, since a first event."""
+        return self._counted - one.counted if self._is_count else tick - one.at
 
     def happened(self, place: int, tick: int, value: int) -> None:
         if place >= self._extra:
-            self.between()
+            self._counted += 1
         elif place == START:
             self._started(tick)
         elif place == STOP:
@@ -107,9 +112,6 @@ class Between(EventMeasure):
             self._second(tick)
         elif self._rule is None or self._rule.inside:
             self._first(tick)
-
-    def between(self) -> None:
-        """Handle an event that belongs to no pair."""
 
     def _started(self, tick: int) -> None:
         assert self._rule is not None
@@ -153,7 +155,7 @@ class Between(EventMeasure):
             return
         self._paired = self._rule is not None
         while one is not None:
-            self.take(self.since(one, tick), one.at)
+            self.take(self._since(one, tick), one.at)
             one = self._ended(one)
             if self._in_order:
                 return
@@ -181,7 +183,7 @@ class Between(EventMeasure):
             return []
         found, one = [], self._waiting
         while one is not None:
-            found.append((self.since(one, self._now), one.at))
+            found.append((self._since(one, self._now), one.at))
             one = one.following
         return found
 
@@ -203,29 +205,6 @@ class Between(EventMeasure):
         if all(self.seen[:2]):
             return f"no {first!r} was followed by {second!r}{self._rule_text}"
         return self.unmatched([self.matchers[place] for place in (FIRST, SECOND) if not self.seen[place]])
-
-
-class CountBetween(Between):
-    """Number of events between two others: after the first one, up to the second."""
-
-    unit = "count"
-
-    def __init__(
-        self,
-        counted: Matcher,
-        begin: Matcher,
-        end: Matcher,
-        pairing: str,
-        group: Group | None = None,
-        clauses: Clauses = NO_CLAUSES,
-    ) -> None:
-        super().__init__(begin, end, pairing, group, clauses, (counted,))
-
-    def between(self) -> None:
-        self._counted += 1
-
-    def since(self, one: Open, tick: int) -> int:
-        return self._counted - one.counted
 
 
 def _order(inside: int, extra: int) -> tuple[int, ...]:

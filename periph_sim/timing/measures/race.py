@@ -21,7 +21,8 @@ from ...records.register_choice import groups_of
 from ...records.run import NotInRun, Run
 from ...traces.formats.record_table import Columns, RecordTable
 from ..language.scope import scope_of_table
-from .measure import Measure, MeasuredScene
+from .measure import Measure
+from .measured_scene import MeasuredScene
 from .watched import Watched, losing, raced
 
 

@@ -14,6 +14,7 @@ class Sentence(Struct, frozen=True):
     """A named measure.
 
     about: what it measures, for documentation; of a row without one, the sentence says it.
+    cost: the number of records that it takes in 0.1 s of timing/imu_hil_published.toml, which are five rounds.
     looks_back: as of a `Measure`, the records from which `timing/derived` makes those of the sentence included.
     asked, nothing, unproven, cut_off, unknown: as of `Clauses`.
     """
@@ -21,6 +22,7 @@ class Sentence(Struct, frozen=True):
     text: str
     about: str = ""
     looks_back: str = "this occurrence"
+    cost: int = 0
     asked: str = ""
     nothing: str | None = ""
     unproven: str = ""
@@ -37,12 +39,14 @@ MEASURES = {
         "from record transfer acknowledge to record transfer answer, for each record transfer read",
         "From the SCL fall that ends the ACK slot of a read address to the SCL rise of the first data bit.",
         asked=READS,
+        cost=45,
     ),
     "stretch": Sentence(
         "value of record transfer stretch, for each record transfer phase, unfinished record transfer held",
         "Longest time SCL was held low after the master had released it, per acknowledged phase, by any party.",
         asked="addressed phases asked",
         cut_off="SCL was still held low when the run ended",
+        cost=60,
     ),
     "round": Sentence(
         "from record round begin to record round end, for each record round due",
@@ -50,6 +54,7 @@ MEASURES = {
         "this round",
         asked=ROUNDS,
         nothing="no round was completed",
+        cost=15,
     ),
     "missed rounds": Sentence(
         "count of record round missed, for each record round due, measured at record round due, given record round due",
@@ -57,6 +62,7 @@ MEASURES = {
         "the round before",
         asked=ROUNDS,
         unproven="no round was due",
+        cost=5,
     ),
     "nacked rounds": Sentence(
         "count of record round refused, for each record round due, measured at record round begin, "
@@ -65,6 +71,7 @@ MEASURES = {
         "this round",
         asked=ROUNDS,
         unproven="no round was completed",
+        cost=10,
     ),
     "nacked": Sentence(
         "count of record transfer refused",
@@ -81,6 +88,7 @@ MEASURES = {
             ("byte", "read as 0 from chips that never showed a host frame's values"),
             ("byte", "may be of frames that were not compared with them"),
         ),
+        cost=42,
     ),
     "age": Sentence(
         "value of record data age{of}, for each record data chip read{of}, unless record data unknown age{of}",
@@ -88,6 +96,7 @@ MEASURES = {
         "the whole run",
         asked=READS,
         unknown=(("read", OTHER_FRAMES),),
+        cost=45,
     ),
     "model age": Sentence(
         "value of record data model age{of}, for each record data chip read{of}, given record data model run",
@@ -96,16 +105,19 @@ MEASURES = {
         asked=READS,
         nothing="no chip was read after a host frame had come",
         unproven="no span 'model' was over that began after a host frame had come",
+        cost=35,
     ),
     "fifo high-water": Sentence(
         "value of record receiver words, for each record receiver character, measured at record receiver received",
         "Most words that ever waited in the SCI receive FIFO.",
         asked="characters on RX",
+        cost=240,
     ),
     "overruns": Sentence(
         "count of record receiver lost, for each record receiver character, measured at record receiver received",
         "Characters lost in the SCI: FIFO overflow (RXFFOVF) or SCIRXBUF overrun (OE), counted as they happen.",
         asked="characters on RX",
+        cost=120,
     ),
     "stuck": Sentence("count of record bus stuck", "Times a line of the bus was held low longer than `stuck_after`."),
 }
@@ -118,16 +130,25 @@ PHRASES = {
         looks_back="this round",
         asked=ROUNDS,
         nothing="no round was completed",
+        cost=15,
     ),
     "gap": Sentence(
-        "from last bus STOP of round to first bus START of round", looks_back="the round before", nothing=None
+        "from last bus STOP of round to first bus START of round",
+        looks_back="the round before",
+        nothing=None,
+        cost=45,
     ),
     "reaction": Sentence(
         "from flag {i2c}.I2CSTR.SDIR rise or flag {i2c}.I2CSTR.XRDY rise to access W {i2c}.I2CDXR, last, same transfer",
         looks_back="this transfer",
         nothing=None,
+        cost=391,
     ),
-    "interrupt": Sentence("from flag {asked} rise to interrupt {vector} enter, last", nothing=None),
+    "interrupt": Sentence(
+        "from flag {asked} rise to interrupt {vector} enter, last",
+        nothing=None,
+        cost=20,
+    ),
     "value": Sentence(
         "value of record data value error{at}{of}, for each record data sample{of}, "
         "unless record data unknown error{of}",
@@ -135,5 +156,6 @@ PHRASES = {
         nothing="no sample of {chips} was read after a host frame had come",
         unknown=(("read", "may fit frames that were not compared with them"),),
         looks_back="the whole run",
+        cost=30,
     ),
 }

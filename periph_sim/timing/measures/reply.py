@@ -15,7 +15,8 @@ from msgspec import Struct, field
 
 from ...core.state import State
 from ...core.time import NO_TIME
-from .measure import Measure, MeasuredScene
+from .measure import Measure
+from .measured_scene import MeasuredScene
 
 BAD = 0x100  # added to a character with a wrong parity or without a stop bit
 

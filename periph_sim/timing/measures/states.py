@@ -19,7 +19,7 @@ from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import EVERYTHING, Matcher
 from .event_pairing import EventMeasure
-from .measure import MeasuredScene
+from .measured_scene import MeasuredScene
 
 if TYPE_CHECKING:
     from .event_pairing import Hearing

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .measure import Measure, MeasuredScene
+from .measure import Measure
+from .measured_scene import MeasuredScene
 
 if TYPE_CHECKING:
     from ...devices.watchers import WireWatcher

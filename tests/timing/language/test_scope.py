@@ -7,7 +7,7 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.scene.scope import scope_of_case
 from periph_sim.timing.language.scope import BadEvent, Scope, scope_of_table
-from periph_sim.timing.measures.factory import make_of_events, measure_named
+from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.watched import Watched, clearing, losing, raced
 from tests.scene.small import case
 from tests.timing.events_by_hand import BARE, MODULES, NO_BUS, ONE, TWO, records, table
@@ -149,7 +149,7 @@ def test_a_measure_that_is_none_is_told(text: str, scope: Scope, said: str):
 
 
 def test_a_bus_that_nobody_of_the_case_controls_is_never_busy_by_lost_arbitration():
-    with_, without = (make_of_events("time in bus busy", scope) for scope in (ONE, BARE))
+    with_, without = (measure_named("time in bus busy", scope) for scope in (ONE, BARE))
     assert [len(measure.matchers) for measure in (with_, without)] == [3, 2]
 
 

@@ -14,7 +14,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.timing.language.language import FORMS
 from periph_sim.timing.language.scope import AnyName, BadEvent, Scope
-from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.pair import Between
 from tests.timing.events_by_hand import BARE, NO_BUS, ONE, TWO, came, records, table, tell
 from tests.timing.measures.hand_made_run import HandMadeRun
@@ -40,7 +40,7 @@ BUS = """
 
 
 def measure(text: str, scope=ONE):
-    return make_of_events(text, scope)
+    return measure_named(text, scope)
 
 
 class Rounds:

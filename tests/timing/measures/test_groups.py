@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.timing.language.scope import BadEvent
-from periph_sim.timing.measures.factory import make_of_events, measure_named
+from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.measure import Measure
 from tests.scene.runs import run_file
 from tests.timing.events_by_hand import ONE, came, records, tell
@@ -34,7 +34,7 @@ TRANSFERS = """
 
 def counted(event: str, transfers: int = 1) -> list[int]:
     """The ticks at which it happened, by a measure that keeps them."""
-    told = make_of_events(f"level of SCI-A.SCIFFRX.RXFFST at {event}", ONE)
+    told = measure_named(f"level of SCI-A.SCIFFRX.RXFFST at {event}", ONE)
     told.listen(Levels(transfers))
     told.keep()
     tell(told, records(TRANSFERS))
@@ -72,7 +72,7 @@ def test_which_one_of_a_transfer_or_round_counts(event: str, transfers: int, tic
     st.integers(1, 3),
 )
 def test_it_is_what_a_walk_over_the_records_gives(whats: list[str], which: str, transfers: int):
-    told = make_of_events(f"count of {which} bus byte of round", ONE)
+    told = measure_named(f"count of {which} bus byte of round", ONE)
     told.listen(Rounds(transfers))
     tell(told, [Record(i, i, Kind.BUS, "c", what, 0, "", 0) for i, what in enumerate(whats)])
     told.finish(99)
@@ -100,7 +100,7 @@ FRAMES = "".join(
 )
 def test_a_pause_of_two_characters_ends_a_burst(which: str, ticks: list[int]):
     """Characters of ten ticks; pauses of 0, 5, 65, 20 (no end, just as long: one more) and so on."""
-    told = make_of_events(f"level of SCI-A.SCIFFRX.RXFFST at {which} frame RX of burst", ONE)
+    told = measure_named(f"level of SCI-A.SCIFFRX.RXFFST at {which} frame RX of burst", ONE)
     told.listen(Levels(1))
     told.keep()
     of = sorted(
@@ -131,10 +131,10 @@ def test_the_level_at_an_event_is_that_of_the_last_change_before_it():
         30 irq  dsp SCIRXINTA 0
         40 irq  dsp SCIRXINTA 1
     """
-    told = make_of_events("level of SCI-A.SCIFFRX.RXFFST at interrupt SCIRXINTA enter", ONE)
+    told = measure_named("level of SCI-A.SCIFFRX.RXFFST at interrupt SCIRXINTA enter", ONE)
     told.listen(Levels(1))
     assert came(tell(told, records(of))) == (8, 40, 7, 2)
-    first = make_of_events("level of SCI-A.SCIFFRX.RXFFST at bus START", ONE)
+    first = measure_named("level of SCI-A.SCIFFRX.RXFFST at bus START", ONE)
     first.listen(Levels(1))
     assert came(tell(first, records("5 bus c START 0"))) == (3, 5, 3, 1)
 
@@ -197,7 +197,7 @@ def test_the_first_access_of_a_service_routine_ends_its_latency():
         70 flag   dsp.PIE PIEIFR9.INTx1 1
         75 irq    dsp     SCIRXINTA     1
     """
-    told: Measure = make_of_events("interrupt latency SCIRXINTA to first access", ONE)
+    told: Measure = measure_named("interrupt latency SCIRXINTA to first access", ONE)
     tell(told, records(of))
     assert came(told) == (21, 10, 21, 1)
     assert told.close(99).startswith("'flag PIE.PIEIFR9.INTx1 rise' still waited for an access") and told.worst == 29

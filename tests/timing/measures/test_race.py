@@ -17,7 +17,7 @@ from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.verdict import Verdict
 from tests.records.scenes import ADDRESS, asks, ran
 from tests.scene.runs import TIMING, run_case
@@ -125,7 +125,7 @@ class Clocked:
 @pytest.mark.parametrize(("second_poll", "silent"), [(0, True), (1010, False)])
 def test_polls_that_cannot_be_told_prove_nothing(second_poll: int, silent: bool):
     """A wait of which only the first and the last poll are there does not say how long its passes are."""
-    made = make_of_events(f"race {STR}.RRDY", ONE)
+    made = measure_named(f"race {STR}.RRDY", ONE)
     made.listen(Clocked())
     of = "20000 access dsp R_I2C-A.I2CSTR 0"
     of += f"\n{20 * second_poll} access dsp R_I2C-A.I2CSTR 0" * bool(second_poll)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.timing.language.scope import BadEvent, Scope
-from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.measure import Measure
 from tests.scene.runs import run_file
 from tests.timing.events_by_hand import BARE, NO_BUS, ONE, came, records, tell
@@ -34,7 +34,7 @@ class Scene:
 
 
 def told(text: str, of: str, now: int = 50, scope: Scope = ONE, **shows: int) -> Measure:
-    measure = make_of_events(text, scope)
+    measure = measure_named(text, scope)
     measure.listen(Scene(**shows))
     tell(measure, records(of))
     measure.finish(now)
@@ -100,7 +100,7 @@ def test_a_sum_is_what_a_count_tick_by_tick_gives(drawn: list[tuple[int, int]], 
     for step, value in drawn:
         tick += step
         of.append(Record(len(of) + 1, tick, Kind.FLAG, "dsp.SCI-A", "SCIFFRX.RXFFST", value, "", 0))
-    measure = make_of_events(f"time in flag SCI-A.SCIFFRX.RXFFST = {wanted}", ONE)
+    measure = measure_named(f"time in flag SCI-A.SCIFFRX.RXFFST = {wanted}", ONE)
     measure.listen(Scene(value=first))
     tell(measure, of)
     measure.finish(tick + 7)
@@ -122,13 +122,13 @@ def test_a_sum_is_what_a_count_tick_by_tick_gives(drawn: list[tuple[int, int]], 
 )
 def test_a_state_that_cannot_be_is_refused(text: str, sentence: str):
     with pytest.raises(BadEvent) as caught:
-        make_of_events(text, BARE)
+        measure_named(text, BARE)
     assert sentence in str(caught.value)
 
 
 def test_a_bus_that_is_none_is_in_no_state():
     with pytest.raises(BadEvent, match="'bus START' needs SCL and SDA in the scene, which has none"):
-        make_of_events("each time in bus busy", NO_BUS)
+        measure_named("each time in bus busy", NO_BUS)
     assert came(told("time in bus busy", BUS, scope=BARE)) == (29, 10, 29, 2)
 
 

@@ -103,10 +103,7 @@ def flags_shown(window: Window) -> list[tuple[str, str]]:
     chosen = [
         (where, what)
         for where, what in changed
-        if what in about
-        or f"{where.partition('.')[2]}.{what}" in measure
-        or _latency(measure, what)
-        or _is_named(window, where, what)
+        if what in about or f"{where.partition('.')[2]}.{what}" in measure or _is_named(window, where, what)
     ]
     return sorted(chosen, key=lambda one: (one[0], order.get(one[1], 0), one[1]))
 
@@ -122,10 +119,6 @@ def _shown(where: str, what: str) -> str:
     name, _, _ = what.partition(".")
     register = register_of(where.partition(".")[2], name)
     return name if register is not None and len(register.fields) == 1 else what
-
-
-def _latency(measure: str, what: str) -> bool:
-    return measure.startswith("interrupt latency") and what.startswith("PIEIFR")
 
 
 def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:

@@ -175,7 +175,9 @@ class _Keeper:
         length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
         if verdict.until_s is not None:
             length = round(verdict.until_s * per_second) - (at - self._start)
-        begin, end = sorted((at - length, at) if _is_end(verdict) else (at, at + length))
+        row = _row(verdict)  # the instant of data is the read, at the end of their age
+        of_data = row is not None and row.kind is Kind.DATA
+        begin, end = sorted((at - length, at) if of_data else (at, at + length))
         around = self._timebase.ticks(AROUND if _is_length(verdict) else WIDE, "nearest")
         first, last = max(begin - around, self._start), min(end + around, self._end)
         longest = self._timebase.ticks(LONGEST, "nearest")
@@ -288,12 +290,6 @@ def is_late(verdict: Verdict) -> bool:
     return row is not None and row.value in LATE
 
 
-def _is_end(verdict: Verdict) -> bool:
-    """Return True if the instant is the end of the occurrence, as that of data is."""
-    row = _row(verdict)
-    return row is not None and row.kind is Kind.DATA
-
-
 def _is_length(verdict: Verdict) -> bool:
     """True if the value is the length of the occurrence, between two instants."""
     return verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
@@ -326,15 +322,13 @@ def _with_stretch(window: Window) -> Window:
     starts = [r.tick for r in window.records if r.kind is Kind.BUS and r.what in ("repeated START", "STOP")]
     over = min((tick for tick in starts if tick > window.begin), default=window.kept[-1].end)
     scl = window.edges.channel("SCL")
-    lows = [
-        (rise - fall, fall, rise)
-        for fall, rise, level in zip(scl.edges[:-1].tolist(), scl.edges[1:].tolist(), scl.levels.tolist(), strict=False)
-        if not level and window.begin <= fall < over
-    ]
-    if not lows:
+    ends = zip(scl.edges[:-1].tolist(), scl.edges[1:].tolist(), scl.levels[:-1].tolist(), strict=True)
+    falls = [(rise - fall, -fall) for fall, rise, level in ends if not level and window.begin <= fall < over]
+    if not falls:
         return window
-    _, fall, rise = max(lows, key=lambda low: (low[0], -low[1]))
-    begin = max(fall, rise - (window.end - window.begin))
+    longest, fall = max(falls)
+    rise = longest - fall
+    begin = max(-fall, rise - (window.end - window.begin))
     room = (window.drawn.end - window.drawn.begin) // 2
     middle = (begin + rise) // 2
     drawn = Span(max(middle - room, window.start), min(middle + room, window.kept[-1].end))

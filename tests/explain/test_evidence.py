@@ -25,7 +25,7 @@ def test_a_read_is_told_of_the_unit_that_has_its_address_unless_a_device_has():
     wrote = Record(9, 5, Kind.ACCESS, "dsp", "W I2C-A.I2COAR", 0x50, "f:1", 0)
     window = drawn("wait AAS 0 100")
     window = replace(window, records=(*window.records, wrote))
-    read = RecordedPhase("", 10, 90, 0x50, True, True, 20, False, ())
+    read = RecordedPhase("", 10, 90, 0x50, True, True, 20, "START", ())
     assert answering(Evidence(window, BOTH, "head"), read).unit == "dsp"
     memory = BOTH.model_copy(update={"device": case(device={"memory": {"model": "24lc64"}}, rounds=None).device})
     assert answering(Evidence(window, memory, "head"), read).unit == "head"

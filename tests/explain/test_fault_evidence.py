@@ -30,7 +30,12 @@ READ = {"address": 0x50, "count": 2, "expect": "01 02"}
 
 
 def explained(
-    serve: Callable[[Any, Dsp], None], measure: str, request: dict[str, Any], start: bool = True, **controller: Any
+    serve: Callable[[Any, Dsp], None],
+    measure: str,
+    request: dict[str, Any],
+    start: bool = True,
+    limit: str | int = 0,
+    **controller: Any,
 ) -> Explained:
     """The one budget of a scene in which `serve` is a slave at 0x50. start: it finds the module set up."""
 
@@ -47,7 +52,7 @@ def explained(
         "8 ms",
         unit={"dsp": {"firmware": "slave", "modules": ["I2C-A"]}},
         controller=head,
-        budget=[{"name": "b", "measure": measure, "max": 0}],
+        budget=[{"name": "b", "measure": measure, "max": limit}],
     )
     result = Scene(made, programs=programs).run()
     return explain(made, result.budgets, programs=programs)["b"]
@@ -321,7 +326,7 @@ def test_a_byte_came_of_what_was_written_before_its_first_bit():
         channel_of_edges("SCL", 1, 0, np.array([30, 35, 45, 50])),
     )
     window = replace(window, records=(*window.records, *writes, byte), edges=replace(window.edges, channels=channels))
-    phase = RecordedPhase("", 0, 99, 0x50, True, True, 15, False, (byte,))
+    phase = RecordedPhase("", 0, 99, 0x50, True, True, 15, "START", (byte,))
     evidence = Evidence(window, case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}))
     ((_, write, said_of_it),) = bytes_sent(evidence, phase)
     assert write == writes[0] and said_of_it == "byte 1: 0x11 ACK, written 0.023 us before its end"

@@ -308,8 +308,7 @@ def answered(measure: str, cycles: int) -> Chain:
     return explained(answer, measure, {"address": 0x50, "count": 1}, limit="1 us").chain
 
 
-def part(chain: Chain, what: str) -> float:
-    """The sum of a place, in us."""
+def us_in(chain: Chain, what: str) -> float:
     return float(sum(chain.us(one.length) for one in chain.parts if str(one) == what))
 
 
@@ -334,11 +333,10 @@ def test_a_computation_before_the_answer_is_named_with_its_line(measure: str):
     """100 us more of it are 100 us more there and nowhere else."""
     computed = "code before I2C-A.I2CDXR written"
     short, long = (answered(measure, cycles) for cycles in (7_500, 22_500))
-    assert part(long, computed) - part(short, computed) == pytest.approx(100, abs=0.01)
+    assert us_in(long, computed) - us_in(short, computed) == pytest.approx(100, abs=0.01)
     assert long.us(long.length - short.length) == pytest.approx(100, abs=0.01)
     assert sum(one.length for one in long.parts) == long.length
-    place = next(one.place for one in long.parts if str(one) == computed)
-    assert linecache.getline(str(place and place.file), place.line if place else 0).strip() == "i2c.I2CDXR.all = 1"
+    assert str(long.blamed) == computed and line_of(long, "I2C-A.I2CDXR written") == "i2c.I2CDXR.all = 1"
 
 
 @pytest.mark.parametrize("measure", ["stretch", "response"])
@@ -348,7 +346,7 @@ def test_a_device_that_holds_scl_is_named_with_how_long(measure: str):
         chain_of_master(measure, SCRIPT, REQUESTS, stretch={"length": f"{length} us", "access": "read", "bytes": [1]})
         for length in (130, 230)
     ]
-    assert [part(one, "SCL held low by memory") for one in told] == pytest.approx([125, 225])
+    assert [us_in(one, "SCL held low by memory") for one in told] == pytest.approx([125, 225])
     assert [sum(one.length for one in each.parts) for each in told] == [each.length for each in told]
     assert "repeated START, memory (0x50 R)" in said(told[0]) and "held low by dsp" not in said(told[0])
 

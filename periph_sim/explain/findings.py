@@ -189,13 +189,13 @@ def _round_before(evidence: Evidence, ends: Ends) -> Finding:
         return Finding()
     steps = transfers(evidence, before, due)
     shows = next((phase for phase in evidence.phases if phase.begin == due), None)
+    begins, lacks = "a round is due", "but the one before still runs"
     if shows is not None:
-        lacks = ", and the request before it was not made" if ends.thing == "missed" else ""
-        return Finding([*steps, evidence.say(due, f"{shows} begins{lacks}")])
-    steps += [*held(evidence, before, due), *evidence.story(before, due, waits=False)]
-    old = [step for phase in evidence.phases if before <= phase.begin < due for step in stale(evidence, phase)]
-    lacks = ", but the one before still runs" if ends.thing == "missed" else ""
-    return Finding([*steps, *old[-1:], evidence.say(due, f"a round is due{lacks}")])
+        begins, lacks = f"{shows} begins", "and the request before it was not made"
+    else:
+        old = [step for phase in evidence.phases if before <= phase.begin < due for step in stale(evidence, phase)]
+        steps += [*held(evidence, before, due), *evidence.story(before, due, waits=False), *old[-1:]]
+    return Finding([*steps, evidence.say(due, f"{begins}, {lacks}" if ends.thing == "missed" else begins)])
 
 
 def _hung(evidence: Evidence, ends: Ends) -> Finding:

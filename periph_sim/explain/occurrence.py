@@ -46,13 +46,12 @@ def _between(evidence: Evidence, ends: Ends) -> list[Step]:
     If the causes of the end do not lead to the firmware, its writes and waits are left out.
     """
     begin, end = evidence.window.begin, evidence.window.end
-    cause = None if ends.end is None else reached(evidence, ends.end)
-    if cause is None and ends.end is not None:
-        steps = [evidence.say(end, f"{evidence.named(ends.end)}, whose cause is not recorded")]
-        begun = [] if ends.begin is None else [evidence.step(ends.begin)]
-        return [*begun, *steps, *_older(evidence, ends), *evidence.story(begin, end, waits=False)]
+    if ends.end is not None and reached(evidence, ends.end) is None:
+        unknown = evidence.say(end, f"{evidence.named(ends.end)}, whose cause is not recorded")
+        ours = [evidence.step(ends.begin)] if ends.begin is not None else []
+        return [*ours, unknown, *_older(evidence, ends), *evidence.story(begin, end, waits=False)]
     story = evidence.story(begin, end)
-    steps = []
+    steps: list[Step] = []
     for record in (ends.begin, ends.end):
         if record is not None:
             own = evidence.step(record)

@@ -175,7 +175,7 @@ class _Keeper:
         length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
         if verdict.until_s is not None:
             length = round(verdict.until_s * per_second) - (at - self._start)
-        row = _row(verdict)  # the instant of data is the read, at the end of their age
+        row = row_of(verdict)  # the instant of data is the read, at the end of their age
         of_data = row is not None and row.kind is Kind.DATA
         begin, end = sorted((at - length, at) if of_data else (at, at + length))
         around = self._timebase.ticks(AROUND if _is_length(verdict) else WIDE, "nearest")
@@ -280,13 +280,14 @@ class _Keeper:
         return channel_of(wire, index, states.keys(), states.values(), length)
 
 
-def _row(verdict: Verdict) -> Row | None:
+def row_of(verdict: Verdict) -> Row | None:
+    """Return which records a measure takes; None for a measure of events."""
     return MEASURES.get(verdict.measure.partition(" of ")[0])
 
 
 def is_late(verdict: Verdict) -> bool:
     """Return True if the instant is the end of too long a wait."""
-    row = _row(verdict)
+    row = row_of(verdict)
     return row is not None and row.value in LATE
 
 
@@ -316,7 +317,7 @@ def _place(ranges: list[Span], inside: Span) -> int:
 
 def _with_stretch(window: Window) -> Window:
     """Narrow a stretch's window, given for its phase, to the longest low of SCL there."""
-    row = _row(window.verdict)
+    row = row_of(window.verdict)
     if row is None or row.value != "stretch" or window.begin == window.end:
         return window
     starts = [r.tick for r in window.records if r.kind is Kind.BUS and r.what in ("repeated START", "STOP")]

@@ -15,8 +15,8 @@ occurrence  the steps, with the causes of both ends, and the parts              
   |
 text_report, picture; reports/html   for people; `Chain` as JSON for programs
 
-No module here knows a kind of budget: a new measure is explained by the records that it looks at. Only the expected text
-of a reply (`reply_evidence`) and the expected edge of a watched wire are of the case and not of a record.
+No module here knows a kind of budget: a new measure is explained by the records that it looks at. Two expectations are
+in the case and not in a record: the text of a reply (`reply_evidence`) and the edges of a watched wire.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ DOING: dict[Kind, Doing] = {Kind.IRQ: "interrupt", Kind.SPAN: "span", Kind.WAIT:
 class Stretch:
     """An activity from `begin` to `end` (ticks). where: the place in the firmware, "" if unknown.
 
-    within: the enclosing activities, outermost first. since: its begin, at `begin` or before.
+    since: its begin, at `begin` or before.
     """
 
     begin: int
@@ -35,15 +35,10 @@ class Stretch:
     what: str
     where: str
     since: int
-    within: tuple[str, ...] = ()
 
     @property
     def length(self) -> int:
         return self.end - self.begin
-
-    def __str__(self) -> str:
-        """Format as a phrase: "SCIRXINTA", "wait for I2C-A.I2CSTR.SDIR"."""
-        return phrase(self.doing, self.what)
 
 
 def phrase(doing: Doing, what: str) -> str:
@@ -79,7 +74,7 @@ def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
         at = max(at, record.tick)
         _move(stack, record)
     found.append(_top(stack, at, end, bottom))
-    return [_clipped(one, begin) for one in found if one.end > max(one.begin, begin)]
+    return [replace(one, begin=max(one.begin, begin)) for one in found if one.end > max(one.begin, begin)]
 
 
 def units(window: Window) -> list[str]:
@@ -107,22 +102,22 @@ def _move(stack: list[Record], record: Record) -> None:
     if record.value:
         stack.append(record)
         return
-    for place in range(len(stack) - 1, -1, -1):
-        if stack[place].kind is record.kind and stack[place].what == record.what:
-            del stack[place:]  # all above it is over, too
-            return
+    place = _begin_of(stack, record)
+    if place is not None:
+        del stack[place:]  # all above it is over, too
+
+
+def _begin_of(stack: Sequence[Record], end: Record) -> int | None:
+    """Return the place of the record that began what this one ends; None if it is not in progress."""
+    alike = (place for place, one in enumerate(stack) if one.kind is end.kind and one.what == end.what)
+    return max(alike, default=None)
 
 
 def _top(stack: Sequence[Record], begin: int, end: int, bottom: Doing) -> Stretch:
     if not stack:
         return Stretch(begin, end, bottom, "", "", begin)
     top = stack[-1]
-    below = tuple(phrase(DOING[r.kind], r.what) for r in stack[:-1])
-    return Stretch(begin, end, DOING[top.kind], top.what, top.text, top.tick, below)
-
-
-def _clipped(one: Stretch, begin: int) -> Stretch:
-    return replace(one, begin=max(one.begin, begin)) if one.begin < begin else one
+    return Stretch(begin, end, DOING[top.kind], top.what, top.text, top.tick)
 
 
 @dataclass(frozen=True)
@@ -142,10 +137,6 @@ class Episode:
     def __str__(self) -> str:
         return phrase(self.doing, self.what)
 
-    def meets(self, begin: int, end: int) -> bool:
-        """True if it overlaps the time between two ticks."""
-        return self.begin < end and (self.end is None or self.end > begin)
-
 
 def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
     """Return service routines, spans and waits of a unit that overlap the time between two ticks, in order of begin.
@@ -153,19 +144,16 @@ def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
     Of spans in progress at the first tick only the innermost: each function of an image is one, including `main`. A
     span that is a service routine from its begin to its end is returned as the service routine.
     """
-    stack: list[tuple[Record, tuple[Record, ...]]] = []
+    stack: list[Record] = []
     over: list[Episode] = []
     for record in _relevant(window, unit):
-        if record.value:
-            stack.append((record, tuple(below for below, _ in stack)))
-            continue
-        for place in range(len(stack) - 1, -1, -1):
-            if stack[place][0].kind is record.kind and stack[place][0].what == record.what:
-                over.append(_episode(*stack[place], record.tick))
-                del stack[place:]
-                break
-    over += [_episode(*one, None) for one in stack]
-    met = sorted((one for one in over if one.meets(begin, end)), key=lambda one: (one.begin, len(one.within)))
+        place = None if record.value else _begin_of(stack, record)
+        if place is not None:
+            over.append(_episode(stack[place], tuple(stack[:place]), record.tick))
+        _move(stack, record)
+    over += [_episode(one, tuple(stack[:place]), None) for place, one in enumerate(stack)]
+    there = (one for one in over if one.begin < end and (one.end is None or one.end > begin))
+    met = sorted(there, key=lambda one: (one.begin, len(one.within)))
     under_way = [one for one in met if one.doing == "span" and one.begin < begin]
     around = {id(one) for one in under_way[:-1]}
     routines = {(one.begin, one.where) for one in met if one.doing == "interrupt"}

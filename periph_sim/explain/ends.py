@@ -54,18 +54,14 @@ class Ends:
     @property
     def on_the_bus(self) -> bool:
         """True if the time between them is one of the bus alone."""
-        there = [record for record in (self.begin, self.end) if record is not None]
-        return bool(self.kinds & ON_THE_BUS) or (len(there) == 2 and all(is_of_bus(record) for record in there))
+        there = [r for r in (self.begin, self.end) if r is not None]
+        of_bus = [r for r in there if r.kind is Kind.BUS or (r.kind is Kind.EDGE and r.where in ("SCL", "SDA"))]
+        return bool(self.kinds & ON_THE_BUS) or len(of_bus) == 2
 
     def unit(self, case: Case) -> str:
         """Return the unit of the end, or of the begin; "" if both are of a wire, the bus or the host."""
         units = (r.where.partition(".")[0] for r in (self.end, self.begin) if r is not None)
         return next((unit for unit in units if unit in case.unit), "")
-
-
-def is_of_bus(record: Record) -> bool:
-    """Return True if a record is an event or an edge of the I2C bus."""
-    return record.kind is Kind.BUS or (record.kind in (Kind.EDGE, Kind.HOLD) and record.where in ("SCL", "SDA"))
 
 
 def looks_at(measure: Measure, record: Record) -> bool:

@@ -34,6 +34,7 @@ MOST = 12  # service routines, spans and waits listed for an occurrence: the lon
 class RecordedPhase:
     """Activity of the controller from a START or repeated START to the next one or the STOP.
 
+    start: "START" or "repeated START".
     answered: the tick of the SCL fall after the address's ACK slot; None if the record ends before.
     """
 
@@ -44,7 +45,7 @@ class RecordedPhase:
     read: bool
     acked: bool
     answered: int | None
-    repeated: bool
+    start: str
     data: tuple[Record, ...]
 
     def __str__(self) -> str:
@@ -95,7 +96,9 @@ class Evidence:
     @cached_property
     def _done(self) -> list[Record]:
         """Accesses, spans and waits of the firmware with their places, except those of service routines."""
-        records = [r for r in (*self.window.before, *self.window.records) if self._ours(r) and r.kind in IN_FIRMWARE]
+        records = [
+            r for r in (*self.window.before, *self.window.records) if r.where == self.unit and r.kind in IN_FIRMWARE
+        ]
         found, routines = [], 0
         for record in sorted(records, key=in_time):
             if record.kind is Kind.IRQ:
@@ -104,75 +107,42 @@ class Evidence:
                 found.append(record)
         return found
 
+    def in_progress(self, tick: int) -> list[Record]:
+        """Return the begins of the unit's service routines, spans and waits in progress at a tick, outermost first."""
+        return open_at(self.window, self.unit, tick)
+
     def doing_at(self, tick: int) -> str:
         """Return the firmware's activity at a tick as a phrase with its begin."""
-        stack = open_at(self.window, self.unit, tick)
-        if not stack:
-            return "other code"
-        top = stack[-1]
-        return f"{phrase(DOING[top.kind], top.what)}, begun {self.span(tick - top.tick)} before"
+        part = self.blame_at(tick)
+        return "other code" if part is None else f"{part}, begun {self.span(part.length)} before"
 
     def doing_step(self, tick: int) -> Step:
         """Return a step of the firmware's activity at a tick."""
-        return self.say(tick, f"{self.unit}: {self.doing_at(tick)}", None, self.place_at(tick))
-
-    def place_at(self, tick: int) -> FirmwarePlace | None:
         part = self.blame_at(tick)
-        return None if part is None else part.place
+        return self.say(tick, f"{self.unit}: {self.doing_at(tick)}", None, None if part is None else part.place)
 
     def blame_at(self, tick: int) -> Part | None:
         """Return the firmware's activity at a tick, if any, as the cause."""
-        stack = open_at(self.window, self.unit, tick)
-        if not stack:
-            return None
-        top = stack[-1]
-        return Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
+        top = next(iter(self.in_progress(tick)[-1:]), None)
+        return None if top is None else Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
 
     def accesses(self, begin: int, end: int, way: str, module: str, *registers: str) -> list[Record]:
         """Return reads ("R") or writes ("W") of registers between two ticks, inclusive, also before the window."""
         names = {f"{way} {module}.{register}" for register in registers}
         found = (*self.window.before, *self.window.records)
         return [
-            r for r in found if r.kind is Kind.ACCESS and r.what in names and begin <= r.tick <= end and self._ours(r)
+            r
+            for r in found
+            if r.kind is Kind.ACCESS and r.what in names and begin <= r.tick <= end and r.where == self.unit
         ]
-
-    def _ours(self, record: Record) -> bool:
-        return record.where == self.unit
 
     def flags(self, begin: int, end: int, module: str, *fields: str) -> list[Record]:
         """Return changes of fields between two ticks, inclusive."""
         where = f"{self.unit}.{module}"
         return [r for r in self.window.between(begin, end, Kind.FLAG) if r.where == where and r.what in fields]
 
-    def saw(self, flag: Record) -> Record | None:
-        """Return the first read of a flag's register from its change on."""
-        module, register = flag.where.partition(".")[2], flag.what.partition(".")[0]
-        reads = self.accesses(flag.tick, self.window.kept[-1].end, "R", module, register)
-        return reads[0] if reads else None
-
     def episodes(self, begin: int, end: int) -> list[Episode]:
         return episodes(self.window, self.unit, begin, end)
-
-    def waited_for(self, tick: int) -> list[Step]:
-        """Return steps of a wait in progress at a tick: its place, and the last changes of the polled fields."""
-        stack = open_at(self.window, self.unit, tick)
-        if not stack or stack[-1].kind is not Kind.WAIT:
-            return []
-        wait = stack[-1]
-        steps = [self.step(wait, f"{phrase('wait', wait.what)} begins, and goes on")]
-        there = (*self.window.before, *self.window.records)
-        for field in wait.what.split(" and "):
-            module, _, what = field.partition(".")
-            where = f"{self.unit}.{module}"
-            changes = [
-                r for r in there if r.kind is Kind.FLAG and (r.where, r.what) == (where, what) and r.tick <= tick
-            ]
-            if changes:
-                last = max(changes, key=lambda r: r.tick)
-                by = next((r for r in there if r.number == last.cause and r.tick == last.tick), None)
-                change = happened(last) if by is None else f"{happened(last)} by {happened(by)}"
-                steps.append(self.step(last, change) if by is None else self.step(by, change))
-        return steps
 
     # Bus --------------------------------------------------------------------------
 
@@ -197,7 +167,7 @@ class Evidence:
                     read=bool(sent.read),
                     acked=sent.acked,
                     answered=None if address is None else address.tick,
-                    repeated=records[i].what != "START",
+                    start=records[i].what,
                     data=tuple(r for r in inside if r.what == "byte"),
                 )
             )
@@ -302,13 +272,6 @@ class Evidence:
             number, effect = (number, effect) if link.aside else (number + 1, cause)
         return steps
 
-    def request(self, entry: Record) -> list[Step]:
-        """Return a step of the module's flag that requested an interrupt."""
-        for cause, link in self.walk(entry, 2):
-            if cause.kind is Kind.FLAG and not cause.where.endswith(".PIE") and not link.aside:
-                return [self.step(cause, f"{happened(cause)} ({link.because})")]
-        return []
-
     # Steps ------------------------------------------------------------------------
 
     def chain(self, steps: tuple[Step, ...], parts: tuple[Part, ...] = (), blame: Part | None = None) -> Chain:
@@ -323,10 +286,8 @@ class Evidence:
 
     def named(self, record: Record) -> str:
         """Return the text of a record without its details; for a START that of its phase."""
-        phase = next(
-            (p for p in self.phases if p.begin == record.tick and record.what in ("START", "repeated START")), None
-        )
-        return happened(record).partition(",")[0] if phase is None else f"{record.what}, {phase}"
+        phase = next((p for p in self.phases if (p.begin, p.start) == (record.tick, record.what)), None)
+        return happened(record).partition(",")[0] if phase is None else f"{phase.start}, {phase}"
 
     def say(self, tick: int, what: str, length: int | None = None, place: FirmwarePlace | None = None) -> Step:
         at = tick - self.window.begin
@@ -347,23 +308,26 @@ class Evidence:
             return self.say(one.begin, f"{what}, which goes on", None, place_of(one.where))
         return self.say(one.begin, what, one.end - one.begin, place_of(one.where))
 
-    def story(self, begin: int, end: int) -> list[Step]:
-        """Return steps of the firmware's activity between two ticks: service routines, spans and long waits."""
-        least = (end - begin) * SMALL
-        shown = [one for one in self.episodes(begin, end) if one.doing != "wait" or _inside(one, begin, end) > least]
-        if len(shown) > MOST:
-            shown = sorted(sorted(shown, key=lambda one: -_inside(one, begin, end))[:MOST], key=lambda one: one.begin)
-        return [self.episode_step(one, end) for one in shown]
+    def story(self, begin: int, end: int, waits: bool = True) -> list[Step]:
+        """Return steps of spans, service routines and long waits between two ticks; of short routines only the first.
 
-    def busy(self, begin: int, end: int) -> list[Step]:
-        """Return steps of spans and service routines between two ticks; of short routines only the first."""
+        The first routine comes with the flag that requested it.
+        """
         least = (end - begin) * SMALL
-        busy = [one for one in self.episodes(begin, end) if one.doing != "wait"]
-        routines = [one for one in busy if one.doing == "interrupt"]
-        shown = [one for one in busy if one not in routines[1:] or _inside(one, begin, end) > least]
-        entries = [r for one in routines[:1] for r in self.window.between(one.begin, one.begin, Kind.IRQ)]
-        requests = [step for r in entries if self._ours(r) for step in self.request(r)]
-        return [*requests, *(self.episode_step(one, end) for one in shown)]
+        found = [one for one in self.episodes(begin, end) if waits or one.doing != "wait"]
+        routines = [one for one in found if one.doing == "interrupt"]
+        optional = [one for one in found if one.doing == "wait" or one in routines[1:]]
+        shown = [one for one in found if one not in optional or _inside(one, begin, end) > least]
+        longest = sorted(shown, key=lambda one: -_inside(one, begin, end))[:MOST]
+        requests = [step for one in routines[:1] for step in self._request(one.begin)]
+        return [*requests, *(self.episode_step(one, end) for one in shown if one in longest)]
+
+    def _request(self, tick: int) -> list[Step]:
+        """Return a step of the module's flag that requested the interrupt that is entered at a tick."""
+        walks = [self.walk(r, 2) for r in self.window.between(tick, tick, Kind.IRQ) if r.where == self.unit]
+        asked = ((cause, link) for walk in walks for cause, link in walk if cause.kind is Kind.FLAG and not link.aside)
+        of_module = ((cause, link) for cause, link in asked if not cause.where.endswith(".PIE"))
+        return [self.step(cause, f"{happened(cause)} ({link.because})") for cause, link in of_module]
 
     def span(self, ticks: int) -> str:
         """Format a length."""

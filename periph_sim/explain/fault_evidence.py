@@ -1,6 +1,6 @@
 """Causes of a wrong byte, a NACK or a hang: Steps with the write or read that caused it.
 
-byte on the bus --> the write of I2CDXR it came from, possibly for another read; FF --> the IRS = 0 that released SDA
+byte on the bus --> the write of I2CDXR it came from, possibly for another read; FF --> why SDA is not driven
 NACK of an address --> the write of I2COAR, the IRS = 0, or the missing write; of a byte --> the NACKMOD = 1
 wait ended in a transfer by a flag from before it --> the flag's rise
 RSFULL --> I2CDRR that was not read
@@ -13,8 +13,9 @@ from collections.abc import Iterator
 from ..core.records import Kind, Record
 from ..f28335.gpio.register_map import control_register
 from ..f28335.i2c.descriptor import I2C_A
-from ..records.record_text import bus_byte
+from ..records.record_text import bus_byte, happened
 from .chain import Step
+from .cpu_activity import phrase
 from .evidence import Evidence, RecordedPhase, in_time
 
 I2C = I2C_A.name
@@ -57,12 +58,6 @@ def _first_rise(evidence: Evidence, after: int, before: int) -> int:
         return before
     rises = scl.edges[(scl.levels == 1) & (scl.edges > after) & (scl.edges < before)]
     return int(rises[0]) if len(rises) else before
-
-
-def released(evidence: Evidence, tick: int) -> list[Step]:
-    """Return a step of the write that cleared IRS, if the module is held in reset at a tick."""
-    last = last_change(evidence, "I2CMDR.IRS", tick)
-    return [] if last is None or last.value else [_taken(evidence, last, LETS_GO, tick)]
 
 
 def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
@@ -131,7 +126,7 @@ def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
             continue
         rose = last_change(evidence, f"I2CSTR.{look_at.field}", look_at.tick)
         first = next(
-            (p.begin for p in reversed(evidence.phases) if p.begin <= phase.begin and not p.repeated), phase.begin
+            (p.begin for p in reversed(evidence.phases) if p.begin <= phase.begin and p.start == "START"), phase.begin
         )
         if rose is not None and rose.value and rose.tick < first:
             early = evidence.span(first - rose.tick)
@@ -153,6 +148,21 @@ def unread(evidence: Evidence, tick: int) -> list[Step]:
     waits = last_change(evidence, "I2CSTR.RRDY", tick)
     never = "I2CDRR was not read since" if waits is not None and waits.value else "I2CDRR was not read"
     return [*([evidence.step(waits, f"I2CSTR.RRDY set; {never}")] if waits is not None and waits.value else []), *steps]
+
+
+def waited_for(evidence: Evidence, tick: int) -> list[Step]:
+    """Return steps of a wait in progress at a tick: its place, and the last changes of the polled fields."""
+    wait = next(iter(evidence.in_progress(tick)[-1:]), None)
+    if wait is None or wait.kind is not Kind.WAIT:
+        return []
+    steps = [evidence.step(wait, f"{phrase('wait', wait.what)} begins, and goes on")]
+    for field in wait.what.split(" and "):
+        module, _, what = field.partition(".")
+        last = last_change(evidence, what, tick, module)
+        if last is not None:
+            by = maker(evidence, last)
+            steps.append(evidence.step(by or last, f"{happened(last)}{f' by {happened(by)}' if by else ''}"))
+    return steps
 
 
 def last_change(evidence: Evidence, field: str, tick: int, module: str = I2C) -> Record | None:

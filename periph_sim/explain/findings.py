@@ -27,9 +27,9 @@ from .fault_evidence import (
     missing_condition,
     own_address,
     refusing,
-    released,
     stale,
     unread,
+    waited_for,
 )
 from .window import LATE
 
@@ -42,19 +42,15 @@ PROMPT = Fraction(1, 10**6)  # seconds: accesses and changes this near are besid
 
 
 class Finding(NamedTuple):
-    """steps: unordered. blame: the cause, if it is known. sure: it counts before what the firmware does then."""
+    """steps: unordered. blame: the cause, if it is known; it counts before what the firmware does at the instant."""
 
     steps: Iterable[Step] = ()
     blame: Part | None = None
-    sure: bool = True
 
 
-def asked(evidence: Evidence, phase: RecordedPhase | None, until: int) -> list[Step]:
+def asked(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
     """Return steps of the controller's request, and the bytes up to a tick."""
-    if phase is None:
-        return []
-    start = "repeated START" if phase.repeated else "START"
-    steps = [evidence.say(phase.begin, f"{start}, {phase}")]
+    steps = [evidence.say(phase.begin, f"{phase.start}, {phase}")]
     if phase.answered is not None:
         which = "address" if phase.acked else f"address 0x{phase.address:02X} not"
         steps.append(evidence.say(phase.answered, f"{which} acknowledged"))
@@ -88,10 +84,8 @@ def held(evidence: Evidence, begin: int, end: int) -> list[Step]:
     return steps
 
 
-def answered(evidence: Evidence, phase: RecordedPhase | None, until: int) -> list[Step]:
+def answered(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
     """Return a step of the last access to the data of a phase up to a tick: what the bus waited for, or had in time."""
-    if phase is None:
-        return []
     accesses = [
         *evidence.accesses(phase.begin, until, "W", I2C, "I2CDXR"),
         *evidence.accesses(phase.begin, until, "R", I2C, "I2CDRR"),
@@ -120,7 +114,7 @@ def _refused(evidence: Evidence, ends: Ends) -> Finding:
     lacks = missing_condition(evidence, phase.answered)
     own, wrong = own_address(evidence, phase.answered, phase.address)
     steps += [*lacks, *own, *unread(evidence, phase.answered), *stale(evidence, phase)]
-    return Finding(steps, evidence.blame_at(phase.answered) or _blamed(lacks or ([wrong] if wrong else [])), sure=False)
+    return Finding(steps, evidence.blame_at(phase.answered) or _blamed(lacks or ([wrong] if wrong else [])))
 
 
 def _transfer(evidence: Evidence, ends: Ends) -> Finding:
@@ -138,10 +132,9 @@ def _refused_byte(evidence: Evidence, ends: Ends) -> Finding:
     """Find why a byte was not acknowledged."""
     at, record = evidence.window.begin, ends.begin
     carried = None if record is None or record.kind is not Kind.BUS or record.what == "address" else bus_byte(record)
-    if record is None or (record.what != "NACK" and (carried is None or carried.acked)):
-        return Finding()
     phase = evidence.phase_at(at)
-    if phase is not None and phase.answered == at:
+    refused = record is not None and (record.what == "NACK" or (carried is not None and not carried.acked))
+    if phase is None or phase.answered == at or not refused:
         return Finding()
     to_blame = [] if is_master(evidence, at) else refusing(evidence, at)
     return Finding([*asked(evidence, phase, at), *to_blame, *unread(evidence, at)], _blamed(to_blame))
@@ -179,9 +172,9 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
             steps += [*([wrote] if early else []), evidence.say(byte.tick, said, None, wrote.place)]
             written = written or Part("code", "I2CDXR written", 0, 1, wrote.place)
             blame = blame or (written if early else None)
-        reset = released(evidence, byte.tick) if byte.value >> 1 == ONES else []
-        steps += reset
-        blame = blame or next((Part("code", "I2CMDR.IRS cleared", 0, 1, step.place) for step in reset), None)
+        lacks = missing_condition(evidence, byte.tick) if byte.value >> 1 == ONES else []
+        steps += lacks
+        blame = blame or _blamed(lacks)
     if blame is None and all(write is not None for _, write, _ in bytes_sent(evidence, phase)):
         before = evidence.episodes(evidence.window.kept[0].begin, at)
         steps += [evidence.episode_step(one, at) for one in before if one.doing in ("interrupt", "span")]
@@ -196,13 +189,13 @@ def _round_before(evidence: Evidence, ends: Ends) -> Finding:
         return Finding()
     steps = transfers(evidence, before, due)
     shows = next((phase for phase in evidence.phases if phase.begin == due), None)
+    begins, lacks = "a round is due", "but the one before still runs"
     if shows is not None:
-        lacks = ", and the request before it was not made" if ends.thing == "missed" else ""
-        return Finding([*steps, evidence.say(due, f"{shows} begins{lacks}")])
-    steps += [*held(evidence, before, due), *evidence.busy(before, due)]
-    old = [step for phase in evidence.phases if before <= phase.begin < due for step in stale(evidence, phase)]
-    lacks = ", but the one before still runs" if ends.thing == "missed" else ""
-    return Finding([*steps, *old[-1:], evidence.say(due, f"a round is due{lacks}")])
+        begins, lacks = f"{shows} begins", "and the request before it was not made"
+    else:
+        old = [step for phase in evidence.phases if before <= phase.begin < due for step in stale(evidence, phase)]
+        steps += [*held(evidence, before, due), *evidence.story(before, due, waits=False), *old[-1:]]
+    return Finding([*steps, evidence.say(due, f"{begins}, {lacks}" if ends.thing == "missed" else begins)])
 
 
 def _hung(evidence: Evidence, ends: Ends) -> Finding:
@@ -213,7 +206,7 @@ def _hung(evidence: Evidence, ends: Ends) -> Finding:
     lines = ("SCL", "SDA") if ends.thing == "stuck" else ()
     low = [(name, since) for name in lines if (since := evidence.low_since(name, at)) is not None]
     falls = [evidence.say(since, f"{name} falls, and stays low", at - since) for name, since in low]
-    return Finding([*falls, *evidence.waited_for(at), *unread(evidence, at)])
+    return Finding([*falls, *waited_for(evidence, at), *unread(evidence, at)])
 
 
 def _fifo(evidence: Evidence, ends: Ends) -> Finding:
@@ -238,7 +231,7 @@ def _fifo(evidence: Evidence, ends: Ends) -> Finding:
     steps += [evidence.say(at, f"{words[-1].value} words in the FIFO")] if words else []
     later = evidence.accesses(at, evidence.window.kept[-1].end, "R", SCI, "SCIRXBUF")
     steps += [evidence.step(r, f"SCIRXBUF read, {evidence.span(r.tick - at)} later") for r in later[:1]]
-    return Finding([*steps, *evidence.busy(since, at)])
+    return Finding([*steps, *evidence.story(since, at, waits=False)])
 
 
 def _beside(evidence: Evidence, ends: Ends) -> Finding:

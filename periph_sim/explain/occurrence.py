@@ -13,6 +13,7 @@ from ..timing.measures.watched_wire import WatchedWire
 from .chain import Chain, Part, Step, parts_of
 from .ends import DERIVED_FROM, Ends
 from .evidence import ON_WIRES, Evidence, in_order
+from .fault_evidence import waited_for
 from .findings import FINDINGS, PROMPT, answered, asked, held, transfers
 from .places import places, reached
 from .reply_evidence import wrong_characters
@@ -45,13 +46,12 @@ def _between(evidence: Evidence, ends: Ends) -> list[Step]:
     If the causes of the end do not lead to the firmware, its writes and waits are left out.
     """
     begin, end = evidence.window.begin, evidence.window.end
-    cause = None if ends.end is None else reached(evidence, ends.end)
-    if cause is None and ends.end is not None:
-        steps = [evidence.say(end, f"{evidence.named(ends.end)}, whose cause is not recorded")]
-        begun = [] if ends.begin is None else [evidence.step(ends.begin)]
-        return [*begun, *steps, *_older(evidence, ends), *evidence.busy(begin, end)]
+    if ends.end is not None and reached(evidence, ends.end) is None:
+        unknown = evidence.say(end, f"{evidence.named(ends.end)}, whose cause is not recorded")
+        ours = [evidence.step(ends.begin)] if ends.begin is not None else []
+        return [*ours, unknown, *_older(evidence, ends), *evidence.story(begin, end, waits=False)]
     story = evidence.story(begin, end)
-    steps = []
+    steps: list[Step] = []
     for record in (ends.begin, ends.end):
         if record is not None:
             own = evidence.step(record)
@@ -82,9 +82,8 @@ def _blocked(evidence: Evidence, ends: Ends) -> list[Step]:
     begin, end = evidence.window.begin, evidence.window.end
     kinds = [None if record is None else record.kind for record in (ends.begin, ends.end)]
     prompt = end - begin < evidence.window.timebase.ticks(PROMPT, "nearest")
-    if kinds != [Kind.FLAG, Kind.IRQ] or prompt:
-        return []
-    if any(one.doing == "interrupt" for one in evidence.timeline(begin, end)):
+    served = any(one.doing == "interrupt" for one in evidence.timeline(begin, end))
+    if kinds != [Kind.FLAG, Kind.IRQ] or prompt or served:
         return []
     return [evidence.say(begin, "the CPU does not take it, and no other routine is served: interrupts are off")]
 
@@ -107,7 +106,7 @@ def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
         steps.append(evidence.say(since, "a round is due"))
     if between:
         steps.append(evidence.say(end, "the next round is due"))
-    steps += [*held(evidence, since, until), *evidence.busy(since, until)]
+    steps += [*held(evidence, since, until), *evidence.story(since, until, waits=False)]
     if ends.begin is not None:
         steps += _of_firmware(evidence, ends.begin, begin)
     last = ends.begin if between else ends.end
@@ -120,7 +119,7 @@ def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
 
 def _stopped(evidence: Evidence, end: int) -> list[Step]:
     """Return steps of a wait that goes on, of the firmware's last access before it, and of what that saw."""
-    wait = evidence.waited_for(end)
+    wait = waited_for(evidence, end)
     since = evidence.window.begin + wait[0].at if wait else end
     accesses = [r for r in evidence.window.records if r.kind is Kind.ACCESS and r.where == evidence.unit]
     last = next((r for r in reversed(accesses) if r.tick < since), None)
@@ -150,19 +149,14 @@ def _instant(evidence: Evidence, ends: Ends) -> Chain:
     if ends.begin is not None and not ends.kinds & DERIVED_FROM.keys() and not (steps and ends.begin.kind is Kind.BUS):
         step = evidence.step(ends.begin)
         own = None if step.place is None else Part("code", step.what, 0, 1, step.place)
-        now = step if _begins_span(ends.begin) else now
+        now = step if ends.begin.kind is Kind.SPAN and ends.begin.value else now
         steps += [*evidence.causes(ends.begin, at), step]
     of_phase = bool(ends.kinds & DERIVED_FROM.keys()) and any(phase.begin == at for phase in evidence.phases)
     if not of_phase and not any(step.what.startswith(f"{evidence.unit}: ") for step in steps):
         steps.append(now)
+    blame = next((one.blame for one in found if one.blame is not None), None)
     doing = None if of_phase else evidence.blame_at(at)
-    sure = next((one.blame for one in found if one.sure and one.blame is not None), None)
-    other = next((one.blame for one in found if one.blame is not None), None)
-    return evidence.chain(in_order(steps), (), own or sure or doing or other)
-
-
-def _begins_span(record: Record) -> bool:
-    return record.kind is Kind.SPAN and record.value == 1
+    return evidence.chain(in_order(steps), (), own or blame or doing)
 
 
 def _share(evidence: Evidence) -> Chain:

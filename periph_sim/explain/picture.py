@@ -19,20 +19,19 @@ from ..traces.drawing.capture_lanes import wire_lanes
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
 from ..traces.drawing.text_diagram import text_diagram
 from .cpu_activity import Episode, episodes, innermost, units
-from .window import Window
+from .window import Window, event_of
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
 RECEIVED = ("SCIFFRX.RXFFINT",)
-FLAGS: dict[str, tuple[str, ...]] = {  # related to a measure that does not name them
-    "response": ANSWER,
+FLAGS: dict[str, tuple[str, ...]] = {  # related to records that a measure takes, whose name does not tell them
+    "answer": ANSWER,
     "stretch": ANSWER,
     "wrong bytes": (*ANSWER, "I2CDXR.DATA"),
-    "nacked": ANSWER[:1],
-    "nacked rounds": ANSWER[:1],
+    "refused": ANSWER[:1],
     "age": RECEIVED,
     "model age": RECEIVED,
-    "fifo high-water": RECEIVED,
-    "overruns": RECEIVED,
+    "words": RECEIVED,
+    "lost": RECEIVED,
 }
 COLUMNS_SVG = 160  # distinguishable bytes side by side in an SVG
 LEAST_BOX = 400  # a shorter episode is drawn as this part of the picture
@@ -97,16 +96,13 @@ def flags_shown(window: Window) -> list[tuple[str, str]]:
     changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
     known = {(r.where, r.what) for r in (*window.before, *window.records) if r.kind is Kind.FLAG}
     changed |= {(where, what) for where, what in known if _is_named(window, where, what)}
-    measure = window.verdict.measure
-    about = FLAGS.get(measure.partition(" of ")[0], ())
+    measure, event = window.verdict.measure, event_of(window.verdict)
+    about = () if event is None else FLAGS.get(event.how, ())
     order = {what: i for i, what in enumerate(about)}
     chosen = [
         (where, what)
         for where, what in changed
-        if what in about
-        or f"{where.partition('.')[2]}.{what}" in measure
-        or _latency(measure, what)
-        or _is_named(window, where, what)
+        if what in about or f"{where.partition('.')[2]}.{what}" in measure or _is_named(window, where, what)
     ]
     return sorted(chosen, key=lambda one: (one[0], order.get(one[1], 0), one[1]))
 
@@ -122,10 +118,6 @@ def _shown(where: str, what: str) -> str:
     name, _, _ = what.partition(".")
     register = register_of(where.partition(".")[2], name)
     return name if register is not None and len(register.fields) == 1 else what
-
-
-def _latency(measure: str, what: str) -> bool:
-    return measure.startswith("interrupt latency") and what.startswith("PIEIFR")
 
 
 def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:

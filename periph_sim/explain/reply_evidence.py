@@ -75,13 +75,10 @@ def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: l
 
 def _written(evidence: Evidence, source: str, since: int) -> list[Record]:
     """Return the writes of SCITXBUF for the frames up to the end of the occurrence, in order."""
-    window = evidence.window
-    by_number = {r.number: r for r in (*window.before, *window.records)}
     unit, _, module = source.rpartition(".")
     found = []
-    for frame in window.between(since, window.end - 1, Kind.FRAME):
-        edge = by_number.get(frame.cause)
-        write = None if edge is None else by_number.get(edge.cause)
-        if frame.what == "begin" and write is not None and write.what == f"W {module}.SCITXBUF":
-            found += [write] if unit in ("", write.where) else []
+    for frame in evidence.window.between(since, evidence.window.end - 1, Kind.FRAME):
+        if frame.what == "begin":
+            causes = (cause for cause, _ in evidence.walk(frame, 2))
+            found += [r for r in causes if r.what == f"W {module}.SCITXBUF" and unit in ("", r.where)]
     return found

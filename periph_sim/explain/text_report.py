@@ -30,7 +30,10 @@ def text(chain: Chain) -> list[str]:
         rows.append((_us(chain, step.at), length, f"{step.what}{_bracketed(step.place)}"))
     lines += _table(rows) if rows else []
     if chain.parts:
-        rows = [(_us(chain, part.length), _share(chain, part), _counted(part)) for part in _largest(chain.parts)]
+        rows = [
+            (_us(chain, part.length), f"{100 * part.length / chain.length:.1f} %", _counted(part))
+            for part in _largest(chain.parts)
+        ]
         lines += ["  made up of", *_table(rows)]
     if chain.more:
         more = _us(chain, chain.length - (chain.typical or 0), sign=True)
@@ -60,10 +63,6 @@ def _us(chain: Chain, ticks: int, sign: bool = False) -> str:
 
 def _largest(parts: tuple[Part, ...]) -> tuple[Part, ...]:
     return tuple(sorted(parts, key=lambda part: -abs(part.length))[:MOST_PARTS])
-
-
-def _share(chain: Chain, part: Part) -> str:
-    return f"{100 * part.length / chain.length:.1f} %"
 
 
 def _counted(part: Part) -> str:

@@ -176,7 +176,9 @@ class _Keeper:
         length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
         if verdict.until_s is not None:
             length = round(verdict.until_s * per_second) - (at - self._start)
-        begin, end = sorted((at - length, at) if _is_end(verdict) else (at, at + length))
+        event = event_of(verdict)  # the instant of data is the read, at the end of their age
+        of_data = event is not None and event.name == Kind.DATA.value
+        begin, end = sorted((at - length, at) if of_data else (at, at + length))
         around = self._timebase.ticks(AROUND if _is_length(verdict) else WIDE, "nearest")
         first, last = max(begin - around, self._start), min(end + around, self._end)
         longest = self._timebase.ticks(LONGEST, "nearest")
@@ -279,7 +281,7 @@ class _Keeper:
         return channel_of(wire, index, states.keys(), states.values(), length)
 
 
-def _taken(verdict: Verdict) -> Event | None:
+def event_of(verdict: Verdict) -> Event | None:
     """Return the event that a shipped measure takes its values of; None for other measures."""
     sentence = MEASURES.get(verdict.measure.partition(" of ")[0])
     return None if sentence is None else measure_of(sentence.text.format(of="")).events[-1]
@@ -287,14 +289,8 @@ def _taken(verdict: Verdict) -> Event | None:
 
 def is_late(verdict: Verdict) -> bool:
     """Return True if the instant is the end of too long a wait."""
-    event = _taken(verdict)
+    event = event_of(verdict)
     return event is not None and event.how in LATE
-
-
-def _is_end(verdict: Verdict) -> bool:
-    """Return True if the instant is the end of the occurrence, as that of data is."""
-    event = _taken(verdict)
-    return event is not None and event.name == Kind.DATA.value
 
 
 def _is_length(verdict: Verdict) -> bool:
@@ -323,21 +319,19 @@ def _place(ranges: list[Span], inside: Span) -> int:
 
 def _with_stretch(window: Window) -> Window:
     """Narrow a stretch's window, given for its phase, to the longest low of SCL there."""
-    event = _taken(window.verdict)
+    event = event_of(window.verdict)
     if event is None or event.how != "stretch" or window.begin == window.end:
         return window
     starts = [r.tick for r in window.records if r.kind is Kind.BUS and r.what in ("repeated START", "STOP")]
     over = min((tick for tick in starts if tick > window.begin), default=window.kept[-1].end)
     scl = window.edges.channel("SCL")
-    lows = [
-        (rise - fall, fall, rise)
-        for fall, rise, level in zip(scl.edges[:-1].tolist(), scl.edges[1:].tolist(), scl.levels.tolist(), strict=False)
-        if not level and window.begin <= fall < over
-    ]
-    if not lows:
+    ends = zip(scl.edges[:-1].tolist(), scl.edges[1:].tolist(), scl.levels[:-1].tolist(), strict=True)
+    falls = [(rise - fall, -fall) for fall, rise, level in ends if not level and window.begin <= fall < over]
+    if not falls:
         return window
-    _, fall, rise = max(lows, key=lambda low: (low[0], -low[1]))
-    begin = max(fall, rise - (window.end - window.begin))
+    longest, fall = max(falls)
+    rise = longest - fall
+    begin = max(-fall, rise - (window.end - window.begin))
     room = (window.drawn.end - window.drawn.begin) // 2
     middle = (begin + rise) // 2
     drawn = Span(max(middle - room, window.start), min(middle + room, window.kept[-1].end))

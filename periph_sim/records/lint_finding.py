@@ -7,11 +7,18 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple, Protocol
 
-from .run import Rows, Run
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.registers import Register
+from .run import Group, Rows, Run
 
 
 class Fault(NamedTuple):
-    """Accesses of one unit with one kind of fault. rows: in order. source: the section of the manual that says why."""
+    """Accesses of one unit with one kind of fault.
+
+    rows: in order; none if there is no fault. source: the section of the manual that says why.
+    """
 
     unit: str
     rows: Rows
@@ -45,3 +52,14 @@ class Finding:
     first: int
     text: str
     source: str
+
+
+def accesses(run: Run, way: str, register: Register) -> Iterator[Group]:
+    """Yield the accesses of one way ("R" or "W") to a register, by unit and module."""
+    return (group for group in run.accesses if group.way == way and group.register is register)
+
+
+def held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:
+    """Return True for each access of a group at which a field of the same module was 1."""
+    found: NDArray[np.bool_] = run.values(group.unit, group.module, register, register[name], group.rows) == 1
+    return found

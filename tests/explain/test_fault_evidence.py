@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from periph_sim.core.records import Kind, Record
+from periph_sim.explain.device_evidence import answering
 from periph_sim.explain.evidence import Evidence, RecordedPhase
 from periph_sim.explain.explain import Explained, explain
 from periph_sim.explain.fault_evidence import bytes_sent
@@ -30,7 +31,12 @@ READ = {"address": 0x50, "count": 2, "expect": "01 02"}
 
 
 def explained(
-    serve: Callable[[Any, Dsp], None], measure: str, request: dict[str, Any], start: bool = True, **controller: Any
+    serve: Callable[[Any, Dsp], None],
+    measure: str,
+    request: dict[str, Any],
+    start: bool = True,
+    limit: str | int = 0,
+    **controller: Any,
 ) -> Explained:
     """The one budget of a scene in which `serve` is a slave at 0x50. start: it finds the module set up."""
 
@@ -47,7 +53,7 @@ def explained(
         "8 ms",
         unit={"dsp": {"firmware": "slave", "modules": ["I2C-A"]}},
         controller=head,
-        budget=[{"name": "b", "measure": measure, "max": 0}],
+        budget=[{"name": "b", "measure": measure, "max": limit}],
     )
     result = Scene(made, programs=programs).run()
     return explain(made, result.budgets, programs=programs)["b"]
@@ -321,7 +327,7 @@ def test_a_byte_came_of_what_was_written_before_its_first_bit():
         channel_of_edges("SCL", 1, 0, np.array([30, 35, 45, 50])),
     )
     window = replace(window, records=(*window.records, *writes, byte), edges=replace(window.edges, channels=channels))
-    phase = RecordedPhase("", 0, 99, 0x50, True, True, 15, False, (byte,))
+    phase = RecordedPhase("", 0, 99, 0x50, True, True, 15, "START", (byte,))
     evidence = Evidence(window, case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}))
     ((_, write, said_of_it),) = bytes_sent(evidence, phase)
     assert write == writes[0] and said_of_it == "byte 1: 0x11 ACK, written 0.023 us before its end"
@@ -346,3 +352,26 @@ def test_a_round_that_lacks_a_request_is_explained_by_the_start_in_its_place():
     one = explain(made, result.budgets)["b"]
     assert said(one)[-1] == "0x50 W begins, and the request before it was not made"
     assert said(one)[:-1] == ["0x50 W, not acknowledged"], "of the period before"
+
+
+# The unit ---------------------------------------------------------------------------------
+
+UNIT = {"firmware": "given", "modules": ["I2C-A"]}
+BOTH = case(unit={"head": UNIT, "dsp": UNIT})
+
+
+def test_it_is_about_the_first_unit_whose_firmware_did_something_else_about_the_first():
+    assert Evidence(drawn("wait AAS 0 100"), BOTH).unit == "dsp"
+    assert Evidence(drawn(), BOTH).unit == "head"
+    assert Evidence(drawn("wait AAS 0 100"), BOTH, "head").unit == "head"
+    assert Evidence(drawn(), case()).unit == ""
+
+
+def test_a_read_is_told_of_the_unit_that_has_its_address_unless_a_device_has():
+    wrote = Record(9, 5, Kind.ACCESS, "dsp", "W I2C-A.I2COAR", 0x50, "f:1", 0)
+    window = drawn("wait AAS 0 100")
+    window = replace(window, records=(*window.records, wrote))
+    read = RecordedPhase("", 10, 90, 0x50, True, True, 20, "START", ())
+    assert answering(Evidence(window, BOTH, "head"), read).unit == "dsp"
+    memory = BOTH.model_copy(update={"device": case(device={"memory": {"model": "24lc64"}}, rounds=None).device})
+    assert answering(Evidence(window, memory, "head"), read).unit == "head"

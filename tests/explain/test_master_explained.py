@@ -5,8 +5,6 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-import pytest
-
 from periph_sim.explain.chain import Chain
 from periph_sim.explain.explain import explain
 from periph_sim.explain.text_report import text
@@ -44,14 +42,6 @@ def chain(measure: str, script: list[str], requests: list[dict[str, Any]], **dev
     explained = explain(case, result.budgets, (), Fraction(2, 1000))["it"]
     assert explained.chain is not None
     return explained.chain
-
-
-@pytest.mark.parametrize("measure", ["stretch", "response"])
-def test_the_device_that_stretches_is_named(measure: str):
-    shown = told(measure, stretch={"length": "30 us", "access": "read", "bytes": [1]})
-    assert "repeated START, memory (0x50 R)" in shown
-    assert "25.000 us" in shown and "SCL held low by memory" in shown  # 30 us, of which 5 are the master's own low
-    assert "held low by dsp" not in shown
 
 
 def test_polls_that_are_refused_are_one_line():

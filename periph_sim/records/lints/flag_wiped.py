@@ -15,7 +15,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...f28335.i2c.register_map import I2CSTR
-from ..lint_finding import Fault, Options
+from ..lint_finding import Fault, Options, accesses
 from ..read_modify_write import read_modify_writes
 from ..register_maps import one_clears
 from ..run import Run
@@ -27,9 +27,7 @@ TEXT = "clears I2CSTR.{} along, {}: it rose in this transfer and the firmware ha
 
 def faults(run: Run, options: Options) -> Iterator[Fault]:
     table = run.table
-    for group in run.accesses:
-        if group.way != "W" or group.register is not I2CSTR:
-            continue
+    for group in accesses(run, "W", I2CSTR):
         of = group.unit, group.module
         own = read_modify_writes(run, group.unit)
         reads = np.setdiff1d(run.accesses_of(group.unit, "R", group.module, I2CSTR.name), own.reads)
@@ -52,5 +50,4 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
             rows = by[np.isin(by, group.rows) & ~seen & here & busy & ~named & ~meant]
             for plain, how in ((True, "by a plain write"), (False, "by a bit-field write of another flag")):
                 some = rows[np.isin(rows, own.writes) != plain]
-                if len(some):
-                    yield Fault(group.unit, some, TEXT.format(f.name, how), SOURCE)
+                yield Fault(group.unit, some, TEXT.format(f.name, how), SOURCE)

@@ -25,5 +25,4 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
             of_group = acknowledges[run.table.value[acknowledges] >> group - 1 & 1 == 1]
             unanswered = entries[entries > of_group.max(initial=-1)]
             left = np.array([entry for entry in unanswered.tolist() if (ends > entry).any()], np.int64)
-            if len(left):
-                yield Fault(unit, left, TEXT.format(vector, group - 1, group), SOURCE)
+            yield Fault(unit, left, TEXT.format(vector, group - 1, group), SOURCE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...f28335.i2c.register_map import I2CMDR, I2COAR, I2CSTR
-from ..lint_finding import Fault, Options
+from ..lint_finding import Fault, Options, accesses, held
 from ..run import Run
 
 SAYS = "own address changed in mid-transfer (BB = 1, IRS = 1)"
@@ -15,11 +15,9 @@ TEXT = "changes I2COAR while I2CSTR.BB = 1: which address the transfer under way
 
 def faults(run: Run, options: Options) -> Iterator[Fault]:
     f = I2COAR["OAR"]
-    for group in run.accesses:
-        if group.way == "W" and group.register is I2COAR:
-            busy = run.values(group.unit, group.module, I2CSTR, I2CSTR["BB"], group.rows) == 1
-            enabled = run.values(group.unit, group.module, I2CMDR, I2CMDR["IRS"], group.rows) == 1
-            held = run.values(group.unit, group.module, I2COAR, f, group.rows)
-            rows = group.rows[busy & enabled & (held != run.table.value[group.rows] & f.mask)]
-            if len(rows):
-                yield Fault(group.unit, rows, TEXT, SOURCE)
+    for group in accesses(run, "W", I2COAR):
+        busy = held(run, group, I2CSTR, "BB")
+        enabled = held(run, group, I2CMDR, "IRS")
+        kept = run.values(group.unit, group.module, I2COAR, f, group.rows)
+        rows = group.rows[busy & enabled & (kept != run.table.value[group.rows] & f.mask)]
+        yield Fault(group.unit, rows, TEXT, SOURCE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...f28335.i2c.register_map import I2CMDR, I2CPSC
-from ..lint_finding import Fault, Options
+from ..lint_finding import Fault, Options, accesses, held
 from ..run import Run
 
 SAYS = "IPSC changed while IRS = 1"
@@ -15,10 +15,8 @@ TEXT = "changes I2CPSC.IPSC while I2CMDR.IRS = 1; the module clock does not foll
 
 def faults(run: Run, options: Options) -> Iterator[Fault]:
     f = I2CPSC["IPSC"]
-    for group in run.accesses:
-        if group.way == "W" and group.register is I2CPSC:
-            enabled = run.values(group.unit, group.module, I2CMDR, I2CMDR["IRS"], group.rows) == 1
-            held = run.values(group.unit, group.module, I2CPSC, f, group.rows)
-            rows = group.rows[enabled & (held != run.table.value[group.rows] & f.mask)]
-            if len(rows):
-                yield Fault(group.unit, rows, TEXT, SOURCE)
+    for group in accesses(run, "W", I2CPSC):
+        enabled = held(run, group, I2CMDR, "IRS")
+        kept = run.values(group.unit, group.module, I2CPSC, f, group.rows)
+        rows = group.rows[enabled & (kept != run.table.value[group.rows] & f.mask)]
+        yield Fault(group.unit, rows, TEXT, SOURCE)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...f28335.i2c.register_map import I2CDRR, I2CFFRX, I2CMDR, I2CSTR
-from ..lint_finding import Fault, Options
+from ..lint_finding import Fault, Options, accesses, held
 from ..run import Run
 
 SAYS = "I2CDRR read with RRDY = 0: no byte came since the read before"
@@ -16,17 +16,14 @@ TEXT = "reads I2CDRR while RRDY = 0: no byte came since it was read last"
 
 
 def faults(run: Run, options: Options) -> Iterator[Fault]:
-    for group in run.accesses:
-        if group.way != "R" or group.register is not I2CDRR:
-            continue
+    for group in accesses(run, "R", I2CDRR):
         of = group.unit, group.module
         changes = run.changes(*of, I2CSTR, I2CSTR["RRDY"])
         last = np.append(changes, -1)[np.searchsorted(changes, group.rows) - 1]
-        empty = run.values(*of, I2CSTR, I2CSTR["RRDY"], group.rows) == 0
+        empty = ~held(run, group, I2CSTR, "RRDY")
         # A byte whose RRDY was cleared by a write, or by a reset, may be read still.
         by_read = (last < 0) | np.isin(run.made_by(last), group.rows)
-        plain = run.values(*of, I2CFFRX, I2CFFRX["RXFFRST"], group.rows) == 0
-        enabled = run.values(*of, I2CMDR, I2CMDR["IRS"], group.rows) == 1
+        plain = ~held(run, group, I2CFFRX, "RXFFRST")
+        enabled = held(run, group, I2CMDR, "IRS")
         rows = group.rows[empty & by_read & plain & enabled]
-        if len(rows):
-            yield Fault(group.unit, rows, TEXT, SOURCE)
+        yield Fault(group.unit, rows, TEXT, SOURCE)

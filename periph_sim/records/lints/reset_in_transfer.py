@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...f28335.i2c.register_map import I2CMDR, I2CSTR
-from ..lint_finding import Fault, Options
+from ..lint_finding import Fault, Options, accesses, held
 from ..run import Run
 
 SAYS = "IRS cleared in mid-transfer: as slave that is addressed (AAS = 1), or as master, with BB = 1"
@@ -14,15 +14,11 @@ TEXT = "clears IRS while the module takes part in a transfer (BB = 1): the byte 
 
 
 def faults(run: Run, options: Options) -> Iterator[Fault]:
-    for group in run.accesses:
-        if group.way != "W" or group.register is not I2CMDR:
-            continue
-        of = group.unit, group.module
-        enabled = run.values(*of, I2CMDR, I2CMDR["IRS"], group.rows) == 1
-        master = run.values(*of, I2CMDR, I2CMDR["MST"], group.rows) == 1
-        addressed = run.values(*of, I2CSTR, I2CSTR["AAS"], group.rows) == 1
-        busy = run.values(*of, I2CSTR, I2CSTR["BB"], group.rows) == 1
+    for group in accesses(run, "W", I2CMDR):
+        enabled = held(run, group, I2CMDR, "IRS")
+        master = held(run, group, I2CMDR, "MST")
+        addressed = held(run, group, I2CSTR, "AAS")
+        busy = held(run, group, I2CSTR, "BB")
         clears = run.table.value[group.rows] & I2CMDR["IRS"].mask == 0
         rows = group.rows[enabled & clears & busy & (master | addressed)]
-        if len(rows):
-            yield Fault(group.unit, rows, TEXT, SOURCE)
+        yield Fault(group.unit, rows, TEXT, SOURCE)

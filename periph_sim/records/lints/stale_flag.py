@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...f28335.i2c.register_map import I2CSTR
-from ..lint_finding import Fault, Options
+from ..lint_finding import Fault, Options, accesses
 from ..read_modify_write import read_modify_writes
 from ..run import Run
 
@@ -22,9 +22,7 @@ FLAGS = ("SCD", "RRDY", "ARDY", "NACK")
 
 def faults(run: Run, options: Options) -> Iterator[Fault]:
     table = run.table
-    for group in run.accesses:
-        if group.way != "R" or group.register is not I2CSTR:
-            continue
+    for group in accesses(run, "R", I2CSTR):
         of = group.unit, group.module
         looks = np.setdiff1d(group.rows, read_modify_writes(run, group.unit).reads)
         starts = run.changes(*of, I2CSTR, I2CSTR["BB"])
@@ -39,5 +37,4 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
             began = np.append(starts, -1)[np.searchsorted(starts, rows) - 1]
             busy = run.values(*of, I2CSTR, I2CSTR["BB"], rows) == 1
             rows = rows[busy & (rose < began)]
-            if len(rows):
-                yield Fault(group.unit, rows, TEXT.format(name), SOURCE)
+            yield Fault(group.unit, rows, TEXT.format(name), SOURCE)

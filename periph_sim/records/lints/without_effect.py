@@ -11,9 +11,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...core.registers import Register
 from ...f28335.i2c.register_map import I2CCNT, I2CMDR
-from ..lint_finding import Fault, Options
+from ..lint_finding import Fault, Options, held
 from ..run import Group, Rows, Run
 
 SAYS = "a write without effect: TRX or I2CCNT as slave, STT or STP with IRS = 0"
@@ -31,8 +30,7 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
             rows = group.rows[
                 _slave(run, group) & ~_master_before(run, group, np.append(group.rows[1:], len(run.table)))
             ]
-            if len(rows):
-                yield Fault(group.unit, rows, COUNT_TEXT, "SPRUG03B section 5.10 and table 18")
+            yield Fault(group.unit, rows, COUNT_TEXT, "SPRUG03B section 5.10 and table 18")
         if group.register is I2CMDR:
             yield from _of_mode(run, group)
 
@@ -43,17 +41,15 @@ def _of_mode(run: Run, group: Group) -> Iterator[Fault]:
     until = np.append(others, len(run.table))[np.searchsorted(others, group.rows + 1, "right")]
     plain = run.table.value[group.rows] & (MST.mask | FDF.mask) == 0
     rows = group.rows[named & plain & _slave(run, group) & ~_master_before(run, group, until)]
-    if len(rows):
-        yield Fault(group.unit, rows, TRX_TEXT, "SPRUG03B tables 5 and 6 (TRX)")
-    held = _held(run, group, I2CMDR, "IRS") | (run.table.value[group.rows] & IRS.mask != 0)
+    yield Fault(group.unit, rows, TRX_TEXT, "SPRUG03B tables 5 and 6 (TRX)")
+    enabled = held(run, group, I2CMDR, "IRS") | (run.table.value[group.rows] & IRS.mask != 0)
     for f in (STT, STP):
-        rows = group.rows[~held & (run.table.value[group.rows] & f.mask != 0)]
-        if len(rows):
-            yield Fault(group.unit, rows, LOST_TEXT.format(f.name), f"SPRUG03B table 5 ({f.name})")
+        rows = group.rows[~enabled & (run.table.value[group.rows] & f.mask != 0)]
+        yield Fault(group.unit, rows, LOST_TEXT.format(f.name), f"SPRUG03B table 5 ({f.name})")
 
 
 def _slave(run: Run, group: Group) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    return ~_held(run, group, I2CMDR, "MST")
+    return ~held(run, group, I2CMDR, "MST")
 
 
 def _master_before(run: Run, group: Group, until: Rows) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
@@ -61,10 +57,3 @@ def _master_before(run: Run, group: Group, until: Rows) -> np.ndarray[tuple[int]
     changes = run.changes(group.unit, group.module, I2CMDR, MST)
     rises = changes[run.table.value[changes] == 1]
     return np.searchsorted(rises, until) > np.searchsorted(rises, group.rows)
-
-
-def _held(run: Run, group: Group, register: Register, name: str) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    held: np.ndarray[tuple[int], np.dtype[np.bool_]] = (
-        run.values(group.unit, group.module, register, register[name], group.rows) == 1
-    )
-    return held

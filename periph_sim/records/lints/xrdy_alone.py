@@ -13,11 +13,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.registers import Register
 from ...f28335.i2c.register_map import I2CDXR, I2CFFTX, I2CMDR, I2CSTR
-from ..lint_finding import Fault, Options
+from ..lint_finding import Fault, Options, accesses, held
 from ..read_modify_write import read_modify_writes
 from ..run import Group, Rows, Run
 
@@ -31,20 +29,18 @@ WIPED = (
 
 
 def faults(run: Run, options: Options) -> Iterator[Fault]:
-    for group in run.accesses:
-        if group.way != "W" or group.register is not I2CDXR:
-            continue
+    for group in accesses(run, "W", I2CDXR):
         reads = run.accesses_of(group.unit, "R", group.module, I2CSTR.name)
         looks = run.looking_at(np.setdiff1d(reads, read_modify_writes(run, group.unit).reads), I2CSTR["XRDY"])
         last = np.append(looks, -1)[np.searchsorted(looks, group.rows) - 1]
         seen = np.where(last > np.append(-1, group.rows[:-1]), run.table.value[last], 0)
         modes = run.accesses_of(group.unit, "W", group.module, I2CMDR.name)
         mode_after = np.append(run.table.value[modes], 0)[np.searchsorted(modes, group.rows)]
-        master = _held(run, group, I2CMDR, "MST") | (mode_after & I2CMDR["MST"].mask != 0)
-        slave = _held(run, group, I2CMDR, "IRS") & ~master & ~_held(run, group, I2CMDR, "FDF")
+        master = held(run, group, I2CMDR, "MST") | (mode_after & I2CMDR["MST"].mask != 0)
+        slave = held(run, group, I2CMDR, "IRS") & ~master & ~held(run, group, I2CMDR, "FDF")
         alone = (seen & I2CSTR["XRDY"].mask != 0) & (seen & I2CSTR["SDIR"].mask == 0)
-        alone &= ~_held(run, group, I2CSTR, "SDIR")
-        found = np.flatnonzero(alone & slave & ~_held(run, group, I2CFFTX, "I2CFFEN"))
+        alone &= ~held(run, group, I2CSTR, "SDIR")
+        found = np.flatnonzero(alone & slave & ~held(run, group, I2CFFTX, "I2CFFEN"))
         rows, by = group.rows[found], _wiped_by(run, group)[found]
         if (by < 0).any():
             yield Fault(group.unit, rows[by < 0], TEXT, SOURCE)
@@ -63,9 +59,3 @@ def _wiped_by(run: Run, group: Group) -> Rows:
     by = np.where(last >= 0, run.made_by(last), -1)
     here = (last > since) & (since >= 0) & (value[last] == 0) & (value[since] == 1) & np.isin(by, writes)
     return np.where(here, by, -1)
-
-
-def _held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:
-    """Return True for each access at which a field was 1."""
-    held: NDArray[np.bool_] = run.values(group.unit, group.module, register, register[name], group.rows) == 1
-    return held

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -23,11 +24,23 @@ def test_each_name_is_defined_in_its_file(name: str, path: str) -> None:
     assert re.search(rf"^(class )?{name}\b", (ROOT / path).read_text(encoding="utf-8"), re.MULTILINE)
 
 
-def test_each_kind_of_extension_names_a_test_to_copy() -> None:
-    sections = [part for part in TEXT.split("\n## ") if re.match("A ", part)]
-    assert len(sections) == 10
-    assert [part.partition("\n")[0] for part in sections if not re.search(r"`tests/[\w/]+/test_\w+\.py`", part)] == []
-    assert len(PATHS) > 30 and len(NAMED) >= 6
+ROWS = re.findall(r"^\| (an?(?:other)? .*?) \| (.*?) \| (.*?) \| (.*?) \|$", TEXT, re.MULTILINE)
+
+
+def test_each_row_of_what_can_be_added_names_a_place_an_example_and_a_test() -> None:
+    assert len(ROWS) == 13
+    for _, place, _, test in ROWS:
+        assert re.search(r"`[\w./]+`", place) and re.fullmatch(r"`tests/[\w/]+/test_\w+\.py`", test)
+    assert len(PATHS) > 50 and len(NAMED) >= 6
+
+
+@pytest.mark.parametrize(("added", "place", "copy", "test"), ROWS, ids=[row[0] for row in ROWS])
+def test_the_example_is_in_that_place_and_its_test_is_about_it(added: str, place: str, copy: str, test: str) -> None:
+    folders = re.findall(r"`([\w./]+)`", place)
+    files = re.findall(r"`([\w.]+/[\w./]+)`", copy)
+    assert all(file.startswith(tuple(folders)) for file in files)
+    tested = (ROOT / test.strip("`")).read_text(encoding="utf-8")
+    assert all(Path(file).stem.partition("_")[0] in tested for file in files)
 
 
 def test_the_citation_names_the_dissertation() -> None:

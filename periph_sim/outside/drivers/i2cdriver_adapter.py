@@ -122,7 +122,6 @@ class I2cDriver:
         self._pull_ups = 0b100100
         self._checksum = 0xFFFF
         self._trouble = 0
-        self._mode = "I"
 
     def _set_rate(self, rate: int) -> None:
         self._rate = rate
@@ -149,14 +148,12 @@ class I2cDriver:
         """Apply each byte: SDA driven, its level, SCL driven, its level, report the lines."""
         session = self._session
         self._let_go()
-        self._mode = "B"
         while (bits := (yield)) != ord("@"):
             session.apply(session.now, {"SDA": bits >> 1 & 1, "SCL": bits >> 3 & 1})
             session.advance(session.now + session.ticks(A_BYTE))
             if bits & 0x10:
                 self._say(self._level("SCL") << 1 | self._level("SDA"))
         self._let_go()
-        self._mode = "I"
 
     def _capture(self) -> Service:
         self._let_go()
@@ -244,7 +241,7 @@ class I2cDriver:
         seconds = self._session.now // self._session.ticks_per_second
         lines = f"{self._level('SDA')} {self._level('SCL')}"
         return (
-            f"i2cdriver1 F28335 {seconds:09d} 5.000 000 25.0 {self._mode} {lines} {self._rate} {self._pull_ups:02x}"
+            f"i2cdriver1 F28335 {seconds:09d} 5.000 000 25.0 I {lines} {self._rate} {self._pull_ups:02x}"
             f" {self._checksum:04x}"
         )
 

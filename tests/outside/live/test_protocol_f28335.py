@@ -142,6 +142,14 @@ def test_a_rate_that_is_set_is_the_line_s(tmp_path: Path) -> None:
         assert line.read(1) == b"b"
 
 
+def test_a_rate_that_no_line_can_have_is_refused_where_it_is_set(tmp_path: Path) -> None:
+    with port(tmp_path) as line:
+        line.write(b"a")
+        assert line.read(1) == b"b"
+        with pytest.raises(ValueError, match="10000000000 baud: expected 1 or more, and no bit shorter than a tick"):
+            line.baudrate = 10_000_000_000
+
+
 def test_a_break_at_the_pace_of_a_clock_follows_the_bytes_written_before(tmp_path: Path) -> None:
     """Its end is requested 50 ms after its beginning, which must not wait behind bytes then."""
     log = tmp_path / "live.jsonl"

@@ -126,11 +126,12 @@ class EventMeasure(Measure):
     looks_back: str
     needs: str
     asked: str
-    weighs = False
+    weighs: bool
     _clauses: Clauses
     _order: Sequence[int]
     _heard: tuple[Matcher, ...]
     _needed: dict[Kind, frozenset[str]]
+    _roles: list[int]
     _unknown_counts: list[int]
     _unfinished: list[tuple[int, int]]
 
@@ -140,7 +141,9 @@ class EventMeasure(Measure):
         thing = matchers[0].thing if matchers else None
         self.needs = "" if thing is None else thing.needs
         self.looks_back = clauses.looks_back
+        self.weighs = False
         self._clauses = clauses
+        self._roles = list(clauses.roles)
         self._own = len(matchers)
         self._measured = self._given = 0
         self._has_measured: bool = MEASURED_AT in clauses.roles
@@ -222,13 +225,14 @@ class EventMeasure(Measure):
 
     def _report(self, place: int, tick: int, value: int) -> None:
         if place >= self._own:
-            self._heed(self._clauses.roles[place - self._own], place, tick, value)
+            self._heed(place - self._own, tick, value)
         else:
             self.seen[place] += 1
             self.happened(place, tick, value)
 
-    def _heed(self, role: int, place: int, tick: int, value: int) -> None:
-        """Handle an event of a clause."""
+    def _heed(self, clause: int, tick: int, value: int) -> None:
+        """Handle the event of a clause."""
+        role: int = self._roles[clause]
         number = value if self.weighs else 1
         if role == FOR_EACH:
             self.occasion(tick, number)
@@ -237,7 +241,7 @@ class EventMeasure(Measure):
         elif role == GIVEN:
             self._given += 1
         elif role == UNLESS:
-            self._unknown_counts[self._clauses.roles[: place - self._own].count(UNLESS)] += number
+            self._unknown_counts[self._roles[:clause].count(UNLESS)] += number
         else:
             self._unfinished.append((value, tick))
 

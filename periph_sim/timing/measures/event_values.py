@@ -67,10 +67,10 @@ class SumOf(EventMeasure):
 
     unit: str
     series = False
-    weighs = True
 
     def __init__(self, event: Matcher, clauses: Clauses = NO_CLAUSES) -> None:
         super().__init__(event, clauses=clauses)
+        self.weighs = True
         unit = "value" if event.thing is None else event.thing.unit
         self.unit = "count" if unit == "value" else unit
 

@@ -1,4 +1,4 @@
-"""What a measure may ask of a scene, in addition to the records that it subscribes to."""
+"""Questions that a measure may ask a scene, in addition to the records that it subscribes to."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """State table of an I2C bus, which both decoders follow: that of streams and that of arrays.
 
     EVENTS >> 3 * (before << 2 | now) & 7     event between two samples; levels: bit 0 is SCL, bit 1 is SDA
-    COUNTED[rises]                            bits of a byte of so many rising SCL if START or STOP comes then
+    COUNTED[rises]                            bits that count if START or STOP comes after this number of SCL rises
 
 START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, SCL counts. The SCL
 pulse in which START or STOP comes holds no bit, unless it is the ninth: the sender sampled the ACK when SCL rose.

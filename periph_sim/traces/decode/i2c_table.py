@@ -85,7 +85,7 @@ class I2cBits(NamedTuple):
 
 
 class I2cEdges(NamedTuple):
-    """What the edges of a span are, in which both lines are known; the arrays are in order of time.
+    """Edges of a span in which both lines are known, as bits and conditions; the arrays are in order of time.
 
     rises       int64   rising SCL
     values      uint8   SDA there

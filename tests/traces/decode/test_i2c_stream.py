@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
-from periph_sim.traces.decode.i2c_states import BITS, COUNTED, KINDS, RISE, START
-from periph_sim.traces.decode.i2c_stream import I2cStream
+from periph_sim.traces.decode.i2c_states import BITS, COUNTED, KINDS, RISE, SCL, SDA, START
+from periph_sim.traces.decode.i2c_stream import BYTE_OVER, I2cStream
 from tests.captures.test_captures_decode import i2c_lines
 from tests.profiles import examples
 from tests.traces.decode.drawing import of_bytes
@@ -38,6 +38,7 @@ def streamed(capture: Capture) -> list[i2c.Event]:
         for at, levels in zip(edges.tolist(), (scl.at(edges) | sda.at(edges) << 1).tolist(), strict=True):
             busy, index = stream.busy, stream.index
             event = stream.sample(levels)
+            assert event != BYTE_OVER or stream.index == index + 1
             if event >= START:  # or the end of a byte
                 found += byte_of(bits, COUNTED[len(bits)], index, stream)
                 bits = []
@@ -98,6 +99,22 @@ def bus(random: Random, count: int, sound: bool = False) -> Capture:
 def test_streams_arrays_and_transfers_have_the_same_events(capture: Capture):
     assert streamed(capture) == i2c.events(capture)
     assert [event for transfer in i2c.transfers(capture) for event in i2c.events_of(transfer)] == i2c.events(capture)
+
+
+@pytest.mark.parametrize("shown", [0x00, 0xFF, 0x53, 0xAC])
+def test_seven_bits_at_once_are_those_of_seven_pulses(shown: int):
+    streams = clocked, skipped = I2cStream(SCL), I2cStream(SCL)
+    for stream in streams:
+        stream.condition(start=True)
+        stream.sample(0)
+    for place in range(7, 0, -1):
+        clocked.sample(SCL | SDA * (shown >> place & 1))
+        clocked.sample(SDA * (shown >> place - 1 & 1))
+    skipped.skip(shown)
+    assert clocked.levels == skipped.levels
+    for stream in streams:
+        ended = [stream.sample(levels) for levels in (SCL | SDA * (shown & 1), 0, SCL, 0)]
+        assert (ended[-1], stream.byte, stream.acked, stream.bits) == (BYTE_OVER, shown, True, 0)
 
 
 @pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="sigrok-cli is not installed")

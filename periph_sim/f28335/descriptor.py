@@ -4,7 +4,8 @@
     sci/descriptor.py: SCIS  --+--> parts/f28335.py: Part --> addresses, clocks, interrupts, pins, wires, options
 
 Units, wiring, the event language, `why`, `regs` and the schema of cases read descriptors. A new module consists of a
-folder with a descriptor and an entry in the data of the part.
+folder with a descriptor, a register map and a chip, and an entry in the data of the part. The folders without a
+descriptor are no modules: `cpu`, `memory` and `parts`.
 """
 
 from __future__ import annotations

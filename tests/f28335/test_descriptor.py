@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+import periph_sim.f28335
 from periph_sim.core.registers import Register, RegisterMap, field
 from periph_sim.f28335.descriptor import DescriptorError, Frame, Interrupt, ModuleDescriptor, Part
 from periph_sim.f28335.parts.f28335 import PART
@@ -44,6 +46,13 @@ def module(name: str = "NEW", **changes: Any) -> ModuleDescriptor:
 def test_modules_are_those_of_the_manual() -> None:
     found = {one.name: (one.base, tuple(i.vector for i in one.interrupts), one.gate) for one in PART.modules}
     assert found == MANUAL
+
+
+def test_a_folder_with_a_descriptor_has_the_registers_and_the_chip():
+    folders = sorted({path.parent for path in Path(periph_sim.f28335.__file__).parent.glob("*/*.py")})
+    modules = [folder for folder in folders if (folder / "descriptor.py").exists()]
+    assert [folder.name for folder in folders if folder not in modules] == ["cpu", "memory", "parts"]
+    assert all((folder / name).exists() for folder in modules for name in ("register_map.py", "module.py"))
 
 
 @pytest.mark.parametrize("one", [one for one in PART.modules if one.chip], ids=lambda one: one.name)

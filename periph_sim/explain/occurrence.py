@@ -109,6 +109,7 @@ def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
     steps += [*held(evidence, since, until), *evidence.story(since, until, waits=False)]
     if ends.begin is not None:
         steps += _of_firmware(evidence, ends.begin, begin)
+        steps += [evidence.step(ends.begin)] if ends.begin.kind is Kind.EDGE else []
     last = ends.begin if between else ends.end
     if last is not None:
         steps += [*made, evidence.step(last)]

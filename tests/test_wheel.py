@@ -226,7 +226,7 @@ def test_a_source_changed_in_place_leaves_its_core_alone_and_is_told(
     compiled: Path, repository: Path, tmp_path: Path
 ) -> None:
     changed = shutil.copytree(compiled / "periph_sim", tmp_path / "changed" / "periph_sim")
-    with (changed / "core" / "fifo.py").open("a") as source:
+    with (changed / "core" / "wire.py").open("a") as source:
         source.write("# changed by a user\n")
     came = command(compiled, repository, "--version", changed=changed.parent)
     assert came.stdout.endswith(", interpreted\n")

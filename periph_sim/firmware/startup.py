@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..f28335.gpio.register_map import control_register
 from ..processor.dsp import Dsp
 
 
@@ -16,9 +15,10 @@ def start_pin(dsp: Dsp, pin: int) -> None:
     if not dsp.has("GPIO"):
         return
     gpio = dsp.module("GPIO")
+    port = "ABC"[pin // 32]
     dsp.clear_pin(pin)
     dsp.eallow()
-    setattr(gpio[control_register("DIR", pin)], f"GPIO{pin}", 1)
+    setattr(gpio[f"GP{port}DIR"], f"GPIO{pin}", 1)
     dsp.edis()
 
 

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+OF_FILE = ("file", "folder")  # the same in all changed cases of a file
+
 
 class _Part(Struct, frozen=True):
     """A part of a plan. tables: the fields of the case that it was made of."""
@@ -140,6 +142,8 @@ class _ReadCase:
         self.__tables = tables
 
     def __getattr__(self, name: str) -> Any:
+        if name in OF_FILE:
+            return getattr(self.__case, name)
         known = getattr(Case, name, None)
         if isinstance(known, property):
             assert known.fget is not None

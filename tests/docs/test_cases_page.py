@@ -21,19 +21,16 @@ from periph_sim.scene.case.device_tables import BusParty, DeviceFault, DeviceTab
 from periph_sim.scene.case.model import (
     Case,
     ChipTable,
-    Code,
-    Compile,
     Controller,
     HostTable,
     OutsideTable,
     RequestTable,
     RoundsTable,
-    StubTable,
-    Unit,
     ValueTable,
 )
 from periph_sim.scene.case.serial import ExpectTable, SendTable, SerialTable
 from periph_sim.scene.case.transceiver import TransceiverTable
+from periph_sim.scene.case.unit_table import Code, Compile, StubTable, Unit
 from periph_sim.scene.case.watch import WatchTable
 from periph_sim.scene.case.wiring import Cable
 from periph_sim.timing.budget_schema import REPLY, SPAN, WATCH, Budget, Condition, Limited
@@ -103,7 +100,7 @@ def test_every_key_with_its_default(heading: str):
 
 
 def test_every_table_of_the_model_has_a_section():
-    told = (Case, Cable, TransceiverTable, SerialTable, Budget, DeviceTable, RegisterTable, WatchTable)
+    told = (Case, Unit, Cable, TransceiverTable, SerialTable, Budget, DeviceTable, RegisterTable, WatchTable)
     modules = {kind.__module__ for kind in told}
     bases = (Table, BusParty, Strikes, Limited)
     kinds = {kind for base in bases for kind in base.__subclasses__() if kind.__module__ in modules}

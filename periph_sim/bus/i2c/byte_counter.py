@@ -29,5 +29,9 @@ class I2cByteCounter(BitParty):
         if self.stream.sample(levels) == BYTE_OVER:
             self.bytes += 1
 
+    def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
+        """Return True at the begin of a byte; a master that is reset in a byte may leave the next one shifted."""
+        return not self.stream.bits
+
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
         self.stream.skip(shown)

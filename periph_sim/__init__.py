@@ -19,17 +19,17 @@ if TYPE_CHECKING:
 
     from .api import make_case, run
     from .core.kernel import SimulationStuck
+    from .interfaces.reports.baselines.check import check
+    from .interfaces.reports.baselines.errors import BadCheck
+    from .interfaces.reports.baselines.judge import CaseCheck
+    from .interfaces.reports.sweep.columns import Sweep
+    from .interfaces.reports.sweep.sweep import sweep
     from .processor.dsp import Dsp
     from .processor.error_origin import FirmwareError
     from .records.cause_trace.why import why
     from .records.lint_runner import lint
     from .records.recording import BadRecording
     from .records.run import NotInRun, Run
-    from .reports.baselines.check import check
-    from .reports.baselines.errors import BadCheck
-    from .reports.baselines.judge import CaseCheck
-    from .reports.sweep.columns import Sweep
-    from .reports.sweep.sweep import sweep
     from .scene.case.json_schema import case_schema
     from .scene.case.load import load
     from .scene.case.model import BadCase, Case
@@ -82,11 +82,11 @@ _HOMES = {
     "records.lint_runner": ("lint",),
     "records.recording": ("BadRecording",),
     "records.run": ("NotInRun", "Run"),
-    "reports.baselines.check": ("check",),
-    "reports.baselines.errors": ("BadCheck",),
-    "reports.baselines.judge": ("CaseCheck",),
-    "reports.sweep.columns": ("Sweep",),
-    "reports.sweep.sweep": ("sweep",),
+    "interfaces.reports.baselines.check": ("check",),
+    "interfaces.reports.baselines.errors": ("BadCheck",),
+    "interfaces.reports.baselines.judge": ("CaseCheck",),
+    "interfaces.reports.sweep.columns": ("Sweep",),
+    "interfaces.reports.sweep.sweep": ("sweep",),
     "scene.case.json_schema": ("case_schema",),
     "scene.case.load": ("load",),
     "scene.case.model": ("BadCase", "Case"),

@@ -30,7 +30,10 @@ CANNOT_WRITE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 LONGEST_MESSAGE = 2000  # characters: a path and a few shortened quotes
 
 ROOT = Path(__file__).parent
-PACKAGES = ("commands", "imu.commands")  # inside this one: each file with a click command of its name is a command
+PACKAGES = (
+    "interfaces.commands",
+    "imu.commands",
+)  # inside this one: each file with a click command of its name is a command
 
 OTHER = "other"
 SECTIONS = {  # of the help; a command's file says SECTION = "run"

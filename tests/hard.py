@@ -46,7 +46,7 @@ SHORT_TESTS = ("tests/core", "tests/form/test_none.py", "tests/form/test_linked.
 LONG_TESTS = (
     "tests/core",
     "tests/f28335",
-    "tests/c28x",
+    "tests/processor/c28x",
     "tests/processor",
     "tests/scene",
     "tests/replay",

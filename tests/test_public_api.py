@@ -14,8 +14,8 @@ import pytest
 
 import periph_sim
 from periph_sim import BadCase, BadRecording, Run, load, make_case, run
-from tests.commands.conftest import Run as Command
-from tests.commands.conftest import periph_sim as command  # noqa: F401
+from tests.interfaces.commands.conftest import Run as Command
+from tests.interfaces.commands.conftest import periph_sim as command  # noqa: F401
 
 TIMING = Path(__file__).parents[1] / "timing"
 

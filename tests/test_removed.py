@@ -11,8 +11,8 @@ import pytest
 
 import periph_sim
 from periph_sim.removed import COMMANDS, LEVELS, MOVED, NAMES
-from tests.commands.conftest import Run
-from tests.commands.conftest import periph_sim as command  # noqa: F401
+from tests.interfaces.commands.conftest import Run
+from tests.interfaces.commands.conftest import periph_sim as command  # noqa: F401
 
 CASE = str(Path(__file__).parents[1] / "timing" / "responder.toml")
 
@@ -26,7 +26,10 @@ def test_a_removed_name_cannot_be_imported_and_the_error_says_what_to_use(name: 
     assert came.stderr.splitlines()[-1] == f"ImportError: {NAMES[name]}"
     with pytest.raises(ImportError, match=rf"^periph_sim\.{name} was removed: .*; until then periph_sim\.sweep "):
         getattr(periph_sim, name)
-    assert name not in dir(periph_sim) and periph_sim.sweep is import_module("periph_sim.reports.sweep.sweep").sweep
+    assert (
+        name not in dir(periph_sim)
+        and periph_sim.sweep is import_module("periph_sim.interfaces.reports.sweep.sweep").sweep
+    )
 
 
 @pytest.mark.parametrize("arguments", [(), ("--help",), (CASE, "--seconds", "1", "--json")])

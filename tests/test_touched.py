@@ -20,12 +20,12 @@ def of(*changed: str) -> list[str]:
     [
         ("periph_sim/core/wire.py", "tests/core/test_wire.py"),
         ("periph_sim/records/lints/xrdy_alone.py", "tests/records/test_lint_runner.py"),
-        ("periph_sim/commands/lint.py", "tests/commands/test_cli.py"),
+        ("periph_sim/interfaces/commands/lint.py", "tests/interfaces/commands/test_cli.py"),
         ("periph_sim/bus/faults/spike.py", "tests/bus/faults/test_faults.py"),
-        ("tests/reports/baselines/conftest.py", "tests/reports/baselines/test_check.py"),
-        ("tests/commands/test_cli.py", "tests/commands/test_cli.py"),
+        ("tests/interfaces/reports/baselines/conftest.py", "tests/interfaces/reports/baselines/test_check.py"),
+        ("tests/interfaces/commands/test_cli.py", "tests/interfaces/commands/test_cli.py"),
         ("firmware/python/responder.py", "tests/scene/test_responder.py"),
-        ("timing/imu_hil_drift.toml", "tests/explain/test_explain.py"),
+        ("timing/imu_hil_drift.toml", "tests/interfaces/reports/explain/test_explain.py"),
         ("docs/why.md", "tests/docs/test_pages.py"),
     ],
 )

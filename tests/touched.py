@@ -24,7 +24,9 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("periph_sim", "firmware", "tests")
-FOUND_BY = dict.fromkeys(("periph_sim.commands", "periph_sim.imu.commands"), "periph_sim.cli")  # else by the package
+FOUND_BY = dict.fromkeys(
+    ("periph_sim.interfaces.commands", "periph_sim.imu.commands"), "periph_sim.cli"
+)  # else by the package
 WHOLE_PAGES = ("tests/docs/test_pages.py", "tests/docs/test_pictures.py")
 PAGES = (".md", ".svg", ".png")
 

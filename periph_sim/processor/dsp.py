@@ -45,9 +45,9 @@ from .python.firmware_view import FirmwareView
 from .source_location import SourceLocation
 
 if TYPE_CHECKING:
-    from ..image.model import Image
     from .image.boot import Boot, Stub
     from .image.program import ImageProgram
+    from .image_files.model import Image
     from .pin_router import Port, Router
 
 
@@ -144,10 +144,10 @@ class Dsp(FirmwareView):
 
     def start_image(self, image: Image, boot: Boot = "entry", stubs: Iterable[Stub] = ()) -> ImageProgram:
         """Run an image instead of Python firmware; a reset restarts it. Raise BadImage if it cannot boot."""
-        from ..image.load import require_loadable
-        from ..image.shared_memory import shared_memory
         from .image.boot import entry_of
         from .image.program import ImageProgram
+        from .image_files.load import require_loadable
+        from .image_files.shared_memory import shared_memory
 
         require_loadable(image, self.plan.part)
         entry = entry_of(image, boot)

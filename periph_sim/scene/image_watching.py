@@ -11,8 +11,6 @@ from __future__ import annotations
 
 from ..core.records import Kind, Recorder
 from ..f28335.memory.ram import MEMORY
-from ..image.number_types import BadVariable
-from ..image.variables import Variables
 from ..processor.dsp import Dsp
 from ..processor.image.function_spans import FunctionSpans
 from ..processor.image.preset_memory import Preset, PresetMemory
@@ -20,6 +18,8 @@ from ..processor.image.program import ImageProgram
 from ..processor.image.stack_depth import CPU, SECTION, STACK, StackDepth
 from ..processor.image.variable_records import VariableRecords
 from ..processor.image.wait_records import WaitRecords
+from ..processor.image_files.number_types import BadVariable
+from ..processor.image_files.variables import Variables
 from .case.model import Case
 from .case.unit_table import Unit
 

@@ -14,8 +14,8 @@ from .case.model import Case
 from .case.wiring import Wiring, sci_lines, wiring_of
 
 if TYPE_CHECKING:
-    from ..image.model import Image
-    from ..image.variables import Variable, Variables
+    from ..processor.image_files.model import Image
+    from ..processor.image_files.variables import Variable, Variables
 
 ADDRESS = re.compile(r"0x[0-9a-f]{6}")
 
@@ -58,20 +58,20 @@ class _ImageNames:
 
     @cached_property
     def _image(self) -> Image:
-        from ..image.program_file import program_in
+        from ..processor.image_files.program_file import program_in
 
         return program_in(Path(self._path))
 
     @cached_property
     def _variables(self) -> Variables:
-        from ..image.variables import Variables
+        from ..processor.image_files.variables import Variables
 
         return Variables(self._image)
 
     @cached_property
     def _functions(self) -> tuple[str, ...]:
-        from ..image.debug_info import DebugInfo
-        from ..image.inspection import functions_of
+        from ..processor.image_files.debug_info import DebugInfo
+        from ..processor.image_files.inspection import functions_of
 
         return tuple(function.name for function in functions_of(self._image, DebugInfo(self._image)))
 

@@ -17,18 +17,18 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from .. import __version__
-from ..c28x.execution.cpu import Operation
 from ..core.records import RECORDED, Recorder
 from ..core.restore import Finds, NotRestorable, restore
 from ..core.sampler import Sampler
 from ..core.snapshot import Module, Snapshot, class_name, take_snapshot
+from ..processor.c28x.execution.cpu import Operation
 from ..processor.image.program import ImageProgram
 from ..processor.operand import Operand
 
 if TYPE_CHECKING:
-    from ..image.model import Image
     from ..processor.dsp import Dsp
     from ..processor.image.cpu import ImageCpu
+    from ..processor.image_files.model import Image
     from .scene import Scene
 
 NO_PART = ("name", "about", "duration", "budget", "breaks")  # keys of a case that change no state

@@ -122,8 +122,8 @@ def build_unit(context: SceneContext, name: str, plan: UnitPlan, program: Firmwa
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:
     """Make the unit run its image. The returned firmware represents it in lists of firmware."""
-    from ..image.model import BadImage
-    from ..image.program_file import program_in
+    from ..processor.image_files.model import BadImage
+    from ..processor.image_files.program_file import program_in
     from .image_watching import watch_image
 
     try:
@@ -136,8 +136,8 @@ def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Fi
 
 def _started_sources(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
     """Make the unit run its C sources from main on. The returned firmware represents them in lists of firmware."""
-    from ..host_code.build import BadSources, Sources
-    from ..host_code.firmware import HostFirmware
+    from ..processor.host_code.build import BadSources, Sources
+    from ..processor.host_code.firmware import HostFirmware
 
     given = unit.compile
     files, folders = (tuple(map(Path, paths)) for paths in (unit.sources, given.include))

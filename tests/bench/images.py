@@ -19,9 +19,9 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.form import COMPILED
-from periph_sim.image.assemble import SHIPPED, assemble
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.image.program import ImageProgram
+from periph_sim.processor.image_files.assemble import SHIPPED, assemble
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene

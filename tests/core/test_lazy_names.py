@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-PACKAGES = ("periph_sim.timing", "periph_sim.explain")
+PACKAGES = ("periph_sim.timing", "periph_sim.interfaces.reports.explain")
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -37,7 +37,13 @@ sys.exit(int(status) if status else "periph-sim: the server that tests run comma
 """
 
 # What most commands import only where they need it.
-USED = ("periph_sim.explain.explain", "periph_sim.explain.text_report", "numpy.ma", "numpy.random", "rich.text")
+USED = (
+    "periph_sim.interfaces.reports.explain.explain",
+    "periph_sim.interfaces.reports.explain.text_report",
+    "numpy.ma",
+    "numpy.random",
+    "rich.text",
+)
 
 _running: list[subprocess.Popen[str]] = []  # dropped, a Popen closes its pipes
 

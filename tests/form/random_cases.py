@@ -21,7 +21,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.timing.budget_schema import Budget
 from tests.bench.record_hashes import TIMING, recorded
-from tests.commands.test_all_measures import MEASURED
+from tests.interfaces.commands.test_all_measures import MEASURED
 
 CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
 COMPILED_BY_A_C_COMPILER = "imu_hil_c"  # seconds each, and its polls are interpreted in any form

@@ -34,18 +34,18 @@ ROOMS = {
     "measures": Room(("periph_sim/timing",), ("tests/timing",)),
     "decoders": Room(("periph_sim/traces/decode",), ("tests/traces/decode",)),
     "insight": Room(
-        ("periph_sim/records", "periph_sim/explain"),
-        ("tests/records", "tests/explain"),
-        ("tests/commands/test_insight.py",),
+        ("periph_sim/records", "periph_sim/interfaces/reports/explain"),
+        ("tests/records", "tests/interfaces/reports/explain"),
+        ("tests/interfaces/commands/test_insight.py",),
     ),
     "numeric": Room(("periph_sim/imu/numeric",), ("tests/imu/numeric",)),
     "models": Room(("periph_sim/imu/models",), ("tests/imu/models",)),
-    "c28x": Room(("periph_sim/c28x",), ("tests/c28x", "tests/processor/image", "tests/image")),
-    "image": Room(("periph_sim/image",), ("tests/image",)),
+    "c28x": Room(("periph_sim/processor/c28x",), ("tests/processor/c28x", "tests/processor/image")),
+    "image": Room(("periph_sim/processor/image_files",), ("tests/processor/image_files",)),
     "extremes": Room(("periph_sim/imu/extremes",), ("tests/imu/extremes",)),
     "outside": Room(
         ("periph_sim/outside",),
-        ("tests/outside", "tests/scene/test_outside_parties.py", "tests/commands/test_terminal.py"),
+        ("tests/outside", "tests/scene/test_outside_parties.py", "tests/interfaces/commands/test_terminal.py"),
     ),
     "scene": Room(
         ("periph_sim/scene",),
@@ -61,7 +61,7 @@ ROOMS = {
     "replay": Room(("periph_sim/replay",), ("tests/replay",)),
     "records": Room(("periph_sim/records",), ("tests/records",)),
     "devices": Room(("periph_sim/devices",), ("tests/devices", "tests/scene/test_devices.py")),
-    "baselines": Room(("periph_sim/reports/baselines",), ("tests/reports/baselines",)),
+    "baselines": Room(("periph_sim/interfaces/reports/baselines",), ("tests/interfaces/reports/baselines",)),
 }
 USUAL = ("chips", "processor", "measures", "decoders", "insight")
 

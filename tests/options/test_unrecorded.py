@@ -38,7 +38,7 @@ UNRECORDED = {
     "processor/pin_router.py": {"gpio_out_delay"},  # outputs and routes that change
     "processor/python/waits.py": {"pf2_read_ws"},  # each pass
 }  # fmt: skip
-BESIDE = ("commands", "core/options.py", "scene")  # no models: they calculate, or show
+BESIDE = ("interfaces/commands", "core/options.py", "scene")  # no models: they calculate, or show
 
 
 def reads_of(path: Path) -> set[str]:

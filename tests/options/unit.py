@@ -28,8 +28,8 @@ from periph_sim.f28335.sci.options import SciOptions
 from periph_sim.f28335.spi.options import SpiOptions
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.firmware import start_pie
-from periph_sim.image.assemble import assemble
 from periph_sim.processor.dsp import Dsp, DspPlan
+from periph_sim.processor.image_files.assemble import assemble
 from tests.f28335.i2c_bus import RELEASED, SCL, SDA, Party
 from tests.f28335.i2c_registers import FLAGS
 

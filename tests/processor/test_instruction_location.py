@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.explain.chain import place_of
+from periph_sim.interfaces.reports.explain.chain import place_of
 from periph_sim.processor.instruction_location import Parts, instruction_location, parsed, statement
 
 

@@ -10,14 +10,14 @@ from types import SimpleNamespace
 
 import pytest
 
+from periph_sim.interfaces.reports.baselines.check import check
 from periph_sim.processor import stall_watch
 from periph_sim.processor.python import program as python_program
 from periph_sim.processor.stall_watch import _debugged
-from periph_sim.reports.baselines.check import check
 from periph_sim.scene.case.load import load
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
-from tests.commands.conftest import Run, periph_sim
+from tests.interfaces.commands.conftest import Run, periph_sim
 
 __all__ = ["periph_sim"]  # a fixture
 

@@ -11,7 +11,7 @@ from periph_sim.processor.stall_watch import NoProgress
 from periph_sim.processor.user_code import UserCode
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from tests.commands.conftest import Run, periph_sim
+from tests.interfaces.commands.conftest import Run, periph_sim
 from tests.processor.user_case import write_case
 
 __all__ = ["periph_sim"]  # a fixture

@@ -17,7 +17,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
-from tests.commands.conftest import Run, desk, periph_sim
+from tests.interfaces.commands.conftest import Run, desk, periph_sim
 from tests.scene.runs import TIMING
 from tests.scene.small import case, scene_with
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.explain.explain import explain
-from periph_sim.image.assemble import assemble
-from periph_sim.image.write_coff2 import write
+from periph_sim.interfaces.reports.explain.explain import explain
+from periph_sim.processor.image_files.assemble import assemble
+from periph_sim.processor.image_files.write_coff2 import write
 from periph_sim.records.cause_trace.text_report import text
 from periph_sim.records.cause_trace.why import why
 from periph_sim.scene.case.load import load

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.image.assemble import assemble_file
-from tests.commands.conftest import Run, periph_sim  # noqa: F401
+from periph_sim.processor.image_files.assemble import assemble_file
+from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
 
 ECHO = Path(__file__).resolve().parents[2] / "firmware" / "c28x" / "sci_echo.asm"
 CASE = """\

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.commands.live_case import files_of
 from periph_sim.core.input_files import inputs_of_one_command, is_input
+from periph_sim.interfaces.commands.live_case import files_of
 from periph_sim.outside import Session, replay
 from periph_sim.outside.live.case_for_line import case_for_line
 from periph_sim.scene.case.load import load

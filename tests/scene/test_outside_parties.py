@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from periph_sim.commands.live_case import files_of
+from periph_sim.interfaces.commands.live_case import files_of
 from periph_sim.outside import Session, replay
 from periph_sim.outside.drivers import I2C, I2cDriverPort
 from periph_sim.outside.live.case_for_line import case_for_bus, case_for_line

@@ -2,7 +2,7 @@
 
 That study had no stalls of the pipeline, and told of I2C when the target acknowledged its address. So its times are met
 without stalls; with them the start-up is later by what the rules of docs/images.md take, held here to the cycle.
-Skipped where `PERIPH_SIM_IMAGES` names no folder of them. The rows are those of tests/image/public_images.toml.
+Skipped where `PERIPH_SIM_IMAGES` names no folder of them. The rows are in tests/processor/image_files/public_images.toml.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from periph_sim import form
 from periph_sim.core.records import Kind, Record
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from tests.commands.conftest import Run, periph_sim  # noqa: F401
-from tests.image.public_images import public_image
+from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
+from tests.processor.image_files.public_images import public_image
 
 CONSOLE, CONSOLE_C, CONSOLE_B, EEPROM, CLOCK, LEDS, ECHO, SENDER = "S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8"
 LAB, OVERCLOCKED, KEYPAD, MONITOR = "S9f", "S10", "S11", "S14"

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 import periph_sim
-from periph_sim.c28x.encodings import read_table
 from periph_sim.imu import parameter_sets
+from periph_sim.processor.c28x.encodings import read_table
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 
@@ -30,9 +30,9 @@ def build(path: Path) -> object:
 
 
 READERS: dict[str, Callable[[Path], object]] = {
-    "c28x": read_encodings,
+    "processor/c28x": read_encodings,
     "imu/models/sets": parameter_sets.load,
-    "templates": build,
+    "interfaces/commands/templates": build,
 }
 FILES = sorted(path.relative_to(PACKAGE) for path in PACKAGE.rglob("*.toml"))
 

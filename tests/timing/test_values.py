@@ -7,7 +7,7 @@ from pathlib import Path
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.values import values_of
-from tests.reports.html.made import CASE
+from tests.interfaces.reports.html.made import CASE
 
 
 def test_values_are_kept_on_request_and_agree_with_the_verdicts(tmp_path: Path) -> None:

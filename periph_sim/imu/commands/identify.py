@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...commands.input_options import rate_given
-from ...commands.json_output import print_json
-from ...commands.usage_error import usage_errors_in_one_sentence
+from ...interfaces.commands.input_options import rate_given
+from ...interfaces.commands.json_output import print_json
+from ...interfaces.commands.usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ...traces.formats.unit_csv import Column

@@ -10,12 +10,12 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
-from ...c28x import flow
-from ...c28x.decoder import Instruction, decode_at
 from ...core.registers import Register
 from ...f28335.memory.address_space import Content, area_at
 from ...f28335.memory.register_names import full_name
-from ...image.model import Image
+from ..c28x import flow
+from ..c28x.decoder import Instruction, decode_at
+from ..image_files.model import Image
 from ..operand import Operand
 from ..program import Awaited
 from .cpu import ImageCpu

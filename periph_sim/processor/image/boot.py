@@ -16,7 +16,7 @@ from msgspec import Struct
 from ...f28335.memory.address_space import Content, area_at
 from ...f28335.memory.memory_map import AddressMap
 from ...f28335.memory.register_names import address_of, full_name
-from ...image.model import BadImage, Image
+from ..image_files.model import BadImage, Image
 
 Boot = Literal["entry", "flash", "ram"]
 BEGINS: dict[Boot, int] = {"flash": 0x33_FFF6, "ram": 0}

@@ -10,10 +10,10 @@ with an RTOS, which returns through frames that it made, and with `exit`, which 
 
 from __future__ import annotations
 
-from ...c28x.execution.cpu import Operation
-from ...c28x.flow import CALLS, INTERRUPTS, RETURNS
 from ...core.state import State
 from ...core.time import Clock
+from ..c28x.execution.cpu import Operation
+from ..c28x.flow import CALLS, INTERRUPTS, RETURNS
 from .function_map import FunctionMap
 
 NOWHERE = -1  # instead of a return address: it does not return

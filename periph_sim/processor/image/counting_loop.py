@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
-from ...c28x.execution.cpu import REGISTER, Cpu, Operation
-from ...c28x.execution.registers import M16, M32
-from ...c28x.hazards import BY_ARP, addressing
 from ...core.state import State
 from ...f28335.memory.ram import Ram
+from ..c28x.execution.cpu import REGISTER, Cpu, Operation
+from ..c28x.execution.registers import M16, M32
+from ..c28x.hazards import BY_ARP, addressing
 from ..cpu_time import CpuTime
 from .cpu import ImageCpu
 from .instruction_watch import InstructionWatch

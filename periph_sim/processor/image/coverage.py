@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from ...c28x.execution.cpu import Cpu, Operation
+from ..c28x.execution.cpu import Cpu, Operation
 from .instruction_watch import InstructionWatch
 
 

@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated
 
-from ...c28x.execution.registers import IllegalOperation
 from ...core.chip import Note
 from ...core.state import State
 from ...f28335.cpu.interrupts import CpuInterrupts
@@ -26,6 +25,7 @@ from ...f28335.memory.address_space import Area, Content, area_at
 from ...f28335.memory.register_names import full_name, is_protected, register_name
 from ...f28335.parts.f28335 import PART
 from ...form.c_types import UInt16
+from ..c28x.execution.registers import IllegalOperation
 from ..firmware_notes import FirmwareNotes
 
 ERASED = 0xFFFF

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from bisect import bisect_right
 
-from ...image.debug_info import DebugInfo, SourceLine
-from ...image.inspection import Function, functions_of
-from ...image.model import Image
+from ..image_files.debug_info import DebugInfo, SourceLine
+from ..image_files.inspection import Function, functions_of
+from ..image_files.model import Image
 
 
 class FunctionMap:

@@ -13,16 +13,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, final
 
-from ...c28x import flow
-from ...c28x.execution.cpu import Cpu, Operation
-from ...c28x.fetch_queue import DEPTH, FetchQueue
-from ...c28x.hazards import PUSHES, hazards
-from ...c28x.pipeline import Pipeline
 from ...core.state import State
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.descriptor import FLASH
 from ...f28335.memory.ram import block_at
 from ...f28335.system_options import SystemOptions
+from ..c28x import flow
+from ..c28x.execution.cpu import Cpu, Operation
+from ..c28x.fetch_queue import DEPTH, FetchQueue
+from ..c28x.hazards import PUSHES, hazards
+from ..c28x.pipeline import Pipeline
 from .elsewhere import UnmappedMemory
 
 if TYPE_CHECKING:

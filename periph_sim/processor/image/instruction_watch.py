@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ...c28x.execution.cpu import Cpu, Operation
 from ...core.state import State
+from ..c28x.execution.cpu import Cpu, Operation
 
 
 class InstructionWatch:

@@ -9,7 +9,7 @@ from typing import Annotated
 from ...core.chip import Note
 from ...core.state import State
 from ...core.time import Clock
-from ...image.model import Image
+from ..image_files.model import Image
 from ..instruction_location import instruction_location
 from ..processor import Processor
 from ..program import Program

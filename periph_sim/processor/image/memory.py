@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from typing import Annotated, Protocol
 
-from ...c28x.execution.engine import PAGE, Engine
-from ...c28x.execution.registers import IllegalOperation
 from ...core.state import State
 from ...f28335.memory.address_space import Content, area_at
 from ...f28335.memory.ram import Ram, block_at
 from ...f28335.system_control import register_map as clocks_map
 from ...f28335.system_options import SystemOptions
 from ...form.c_types import UInt16
+from ..c28x.execution.engine import PAGE, Engine
+from ..c28x.execution.registers import IllegalOperation
 from ..processor import Processor
 from .elsewhere import BOOT_ROM, UnmappedMemory
 from .instruction_timing import InstructionTiming

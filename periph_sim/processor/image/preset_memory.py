@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from msgspec import Struct
 
 from ...core.state import State
-from ...image.variables import Variable
+from ..image_files.variables import Variable
 from .call_stack import CallListener
 
 MAIN = ("main", "_main")

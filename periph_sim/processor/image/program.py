@@ -15,17 +15,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...c28x.execution.cpu import WRITES, Operation
-from ...c28x.execution.registers import IllegalOperation
-from ...c28x.operand_field import SP_FIELD
 from ...core.chip import NEVER
 from ...core.state import State
 from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.system_options import SystemOptions
 from ...form.c_types import Text
-from ...image.model import Image
+from ..c28x.execution.cpu import WRITES, Operation
+from ..c28x.execution.registers import IllegalOperation
+from ..c28x.operand_field import SP_FIELD
 from ..error_origin import FirmwareLost, InterruptFault
+from ..image_files.model import Image
 from ..polling import Spin
 from ..processor import Processor
 from ..program import Awaited, Stop, UnansweredWait

@@ -13,11 +13,11 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from ...c28x.encodings import LOCATIONS, Encoding
-from ...c28x.execution.cpu import Operation
-from ...c28x.execution.registers import M16
-from ...c28x.sums import Sum, sum_of
 from ...core.chip import NEVER
+from ..c28x.encodings import LOCATIONS, Encoding
+from ..c28x.execution.cpu import Operation
+from ..c28x.execution.registers import M16
+from ..c28x.sums import Sum, sum_of
 
 WORD = 1 << 16
 ACC = ("AL", "AH")

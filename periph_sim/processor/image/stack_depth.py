@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ...c28x.execution.cpu import Cpu, Operation
 from ...core.records import Kind, Recorder
 from ...core.state import State
 from ...core.time import Clock
-from ...image.model import Section
+from ..c28x.execution.cpu import Cpu, Operation
+from ..image_files.model import Section
 from .instruction_watch import InstructionWatch
 
 SECTION = ".stack"

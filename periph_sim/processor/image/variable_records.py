@@ -8,7 +8,7 @@ from ...core.records import Kind, Recorder
 from ...core.state import State
 from ...core.time import Clock
 from ...f28335.memory.ram import MEMORY, Ram
-from ...image.variables import Variable
+from ..image_files.variables import Variable
 
 
 class VariableRecords:

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.c28x.encodings import by_id
 from periph_sim.core.chip import NEVER
 from periph_sim.core.options import options_from
 from periph_sim.f28335.cpu import instruction_costs as cpu_costs
@@ -33,6 +32,7 @@ from periph_sim.f28335.cpu.interrupts import (
 from periph_sim.f28335.pie.module import Pie
 from periph_sim.f28335.pie.register_map import PIEACK, PIECTRL, PIEIER, PIEIFR, line_vector
 from periph_sim.f28335.system_options import SystemOptions
+from periph_sim.processor.c28x.encodings import by_id
 from tests.waves import play, tidy
 
 IFR_DELAY = 4

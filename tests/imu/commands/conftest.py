@@ -1,3 +1,3 @@
 """Fixtures of the tests of commands."""
 
-from tests.commands.conftest import desk, periph_sim  # noqa: F401
+from tests.interfaces.commands.conftest import desk, periph_sim  # noqa: F401

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.commands.conftest import Run
+from tests.interfaces.commands.conftest import Run
 
 QUICK = ("extremes", "--arithmetic", "float64", "--arithmetic", "q16", "--only", "roll rate", "--samples", "100")
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.commands.conftest import Run
-from tests.commands.test_serve import serve
 from tests.imu.test_host_unit import FLIGHT
+from tests.interfaces.commands.conftest import Run
+from tests.interfaces.commands.test_serve import serve
 from tests.outside.live.echo import written
 
 pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")

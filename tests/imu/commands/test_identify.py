@@ -10,7 +10,7 @@ import pytest
 
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.parameter_sets import load
-from tests.commands.conftest import Run
+from tests.interfaces.commands.conftest import Run
 
 
 @pytest.fixture

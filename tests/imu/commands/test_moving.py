@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from periph_sim.imu.moving import direct_computation as direct
-from tests.commands.conftest import Run
+from tests.interfaces.commands.conftest import Run
 from tests.scene.runs import TIMING
 
 CASE = str(TIMING / "imu_moving.toml")

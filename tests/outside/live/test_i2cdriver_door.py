@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.commands.live_case import files_of
+from periph_sim.interfaces.commands.live_case import files_of
 from periph_sim.outside import OutsideError, Session
 from periph_sim.outside.live import i2cdriver_door
 from periph_sim.outside.live.case_for_line import case_for_bus

@@ -11,12 +11,12 @@ from periph_sim.core.time import Timebase
 from periph_sim.f28335.descriptor import Part
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.system_options import SystemOptions
-from periph_sim.image.assemble import assemble
-from periph_sim.image.model import Image
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.image.boot import Boot, Stub
 from periph_sim.processor.image.program import ImageProgram
 from periph_sim.processor.image.wait_records import WaitRecords
+from periph_sim.processor.image_files.assemble import assemble
+from periph_sim.processor.image_files.model import Image
 
 HEAD = """
 WDCR .set 0x7029

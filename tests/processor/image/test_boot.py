@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.f28335.memory.memory_map import AddressMap
-from periph_sim.image.model import BadImage
 from periph_sim.processor.image.boot import BadStub, Stub, stubbed
+from periph_sim.processor.image_files.model import BadImage
 from tests.processor.image.rig import HEAD, Rig
 
 FLASH = '.sect "codestart", 0x33FFF6\n LB #_main\n' + HEAD.replace("_c_int00", "_main") + " .entry _main\n"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.image.assemble import assemble
 from periph_sim.processor.image.call_stack import CallListener
+from periph_sim.processor.image_files.assemble import assemble
 
 from .rig import HEAD, Rig
 from .test_image_program import CYCLE, TIMER

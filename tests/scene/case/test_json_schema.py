@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from periph_sim.bus.faults import kinds
-from periph_sim.commands.schema import schema
+from periph_sim.interfaces.commands.schema import schema
 from periph_sim.scene.case.json_schema import case_schema
 from periph_sim.scene.case.load import apply
 from tests.scene.runs import TIMING

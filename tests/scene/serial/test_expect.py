@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from periph_sim.bus.uart.reader import Heard
-from periph_sim.commands.result_text import legend
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
+from periph_sim.interfaces.commands.result_text import legend
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.serial.triggers import TextTrigger
 from periph_sim.timing.verdict import Verdict

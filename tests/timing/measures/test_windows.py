@@ -9,7 +9,7 @@ from pathlib import Path
 import periph_sim
 
 ROOT = Path(periph_sim.__file__).parent
-PACKAGES = ("timing", "records", "explain", "scene", "devices", "processor")
+PACKAGES = ("timing", "records", "interfaces/reports/explain", "scene", "devices", "processor")
 
 WINDOWS = {
     ("timing/derived/origins.py", "deque"): "a frame history, or a verdict that is not judged, stands behind it",

@@ -1,0 +1,1 @@
+"""What users see: commands, reports and the pytest plugin."""

@@ -1,0 +1,33 @@
+"""`periph-sim assemble SOURCE FILE`: a program in C28x assembly becomes an image."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .usage_error import usage_errors_in_one_sentence
+
+SECTION = "understand"
+EXAMPLE = "periph-sim assemble firmware/c28x/sci_echo.asm sci_echo.out"
+
+
+@click.command()
+@click.argument("source", type=click.Path(path_type=Path))
+@click.argument("file", type=click.Path(path_type=Path))
+def assemble(source: Path, file: Path) -> None:
+    """Assemble SOURCE into FILE, a .out in TI's COFF2.
+
+    For small programs: one source, whose `.sect "NAME", ADDRESS` sets the address of each section. Every form of the
+    C28x and its FPU is known. docs/images.md has the directives.
+    """
+    from ...processor.image_files.assemble import assemble_file
+    from ...traces.formats.atomic_write import atomic_write
+
+    with usage_errors_in_one_sentence():
+        image, data = assemble_file(source)
+        with atomic_write(file) as temporary:
+            temporary.write_bytes(data)
+    words = sum(len(section.words) for section in image.loaded)
+    sections = f"{len(image.loaded)} section{'s' * (len(image.loaded) != 1)}"
+    click.echo(f"{file}: {words} words in {sections}, entry {image.entry:#08x}")

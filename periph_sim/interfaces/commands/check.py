@@ -1,0 +1,233 @@
+"""`periph-sim check [PATH...]`: run cases, compare them with their baselines, set the exit status."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+import msgspec
+
+from ...scene.project import project_of
+from ...traces.formats.atomic_write import atomic_write
+from ..reports.baselines import CaseCheck, RejectedCase
+from ..reports.baselines import check as checked
+from .command_line import command_line
+from .input_options import GUARANTEED, apart, refuse_guaranteed
+from .json_output import print_json
+from .progress import progress
+from .usage_error import running_user_code
+from .watched_files import note_inputs
+
+if TYPE_CHECKING:
+    from .tables import PlainTable
+
+SECTION = "run"
+EXAMPLE = "periph-sim check timing --junit results.xml"
+
+
+@click.command()
+@click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[PATH]...")
+@click.option("--tolerance", type=click.IntRange(min=0), metavar="CYCLES", help="Times may differ by this.  [0]")
+@click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of every case.")
+@GUARANTEED
+@click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
+@click.option("--html", "html_file", type=click.Path(path_type=Path), help="Write one report of all cases here.")
+@click.option(
+    "--annotations", type=click.Choice(["github"]), help="Print a line for each finding in the format of a CI service."
+)
+def check(
+    paths: tuple[Path, ...],
+    tolerance: int | None,
+    update: bool,
+    changes: tuple[str, ...],
+    guaranteed: bool | None,
+    jobs: int | None,
+    as_json: bool,
+    junit_file: Path | None,
+    html_file: Path | None,
+    annotations: str | None,
+) -> int:
+    """Run cases and compare their figures with their baselines, exactly.
+
+    PATH is a case file, or a folder with cases in it or below it. Default: `cases` of
+    [tool.periph-sim] in pyproject.toml, else timing, else the current folder. Baselines
+    are baselines/NAME.json beside the case, or in `baselines` of that table.
+
+    Exit status 0: every budget holds, or breaks where the case says that it must, and every
+    figure is that of the baseline; 1: otherwise; 2: a case could not be run (the others were). Cases
+    that are driven from outside are named, and not run.
+    """
+    if update and changes:
+        raise click.UsageError("--update-baseline with --set: a baseline is of the unchanged case; remove one of them")
+    apart(junit=junit_file, html=html_file)
+    refused: list[RejectedCase] = []
+    with running_user_code(), ExitStack() as outputs:
+        project = project_of(Path())
+        refuse_guaranteed(guaranteed, project)
+        if junit_file is not None or html_file is not None:
+            from ..reports.baselines.check import case_files
+
+            note_inputs(case_files(paths or project.cases()), but_baselines=update)
+        # Outputs are opened before the runs, so that none is in vain.
+        unfinished, unfinished_html = (
+            None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)
+        )
+        with progress("check") as on_progress:
+            checks = checked(
+                paths or project.cases(),
+                jobs=jobs or project.settings.jobs,
+                tolerance=project.settings.tolerance if tolerance is None else tolerance,
+                update=update,
+                changes=changes,
+                keep_values=html_file is not None,
+                on_progress=on_progress,
+                on_refused=refused.append,
+            )
+        if unfinished is not None:
+            from ..reports.baselines.junit import junit
+
+            unfinished.write_text(junit(checks, refused), encoding="utf-8")
+        if unfinished_html is not None:
+            unfinished_html.write_text(_html(checks, jobs), encoding="utf-8")
+    outside = [one for one in refused if one.outside]
+    refused = [one for one in refused if not one.outside]
+    if outside and not checks and not refused:
+        raise click.ClickException(f"there is nothing to check: {outside[0].why}")
+    passed = all(one.passed for one in checks) and not refused
+    if as_json:
+        driven = {"driven_from_outside": [{"file": one.path.as_posix(), "why": one.why} for one in outside]}
+        print_json("check", _object(checks, refused, passed) | driven)
+    else:
+        _show(checks, refused)
+        for one in outside:
+            click.echo(f"{one.path.as_posix()}: driven from outside, so not run here")
+    if annotations is not None:
+        from ..reports.baselines.annotations import github
+
+        for line in github(checks, refused):
+            click.echo(line, err=as_json)  # the service reads both streams; standard output remains one JSON object
+    if refused:
+        return 2
+    return 0 if passed else 1
+
+
+def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) -> dict[str, object]:
+    from ..reports.explain.text_report import as_json
+
+    return {
+        "verdict": "pass" if passed else "fail",
+        "cases": [
+            {
+                "case": one.outcome.figures.case,
+                "file": one.outcome.path.as_posix(),
+                "verdict": "pass" if one.passed else "fail",
+                "breaks": list(one.outcome.breaks),
+                "broken": one.outcome.broken,
+                "not_judged": [name for name in one.outcome.not_passed if name not in one.outcome.broken],
+                "baseline": {"file": one.baseline.as_posix(), "state": one.state},
+                "findings": [asdict(finding) for finding in one.findings],
+                "causes": {name: as_json(chain) for name, chain in one.causes.items()},
+                "changes": [asdict(change) for change in one.changes],
+                "figures": msgspec.to_builtins(one.outcome.figures),
+            }
+            for one in checks
+        ],
+        "refused": [{"file": one.path.as_posix(), "why": one.why} for one in refused],
+    }
+
+
+def _html(checks: list[CaseCheck], jobs: int | None) -> str:
+    """Return the report: each case is run again, for its timelines."""
+    from ..reports.baselines.check import workers
+    from ..reports.html import page
+    from ..reports.html.gather import report_of_file
+
+    with workers(jobs, len(checks)) as start:
+        waiting = [
+            start(
+                report_of_file,
+                one.outcome.path,
+                one.outcome.changes,
+                one.outcome.result,
+                one.outcome.values,
+                one.outcome.typical,
+                one.outcome.figures.ticks_per_second,
+                [finding.text for finding in one.findings],
+            )
+            for one in checks
+        ]
+        reports = [came() for came in waiting]
+    return page(reports, reports[0].name if len(reports) == 1 else "periph-sim check", command_line())
+
+
+def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
+    from ..reports.explain.text_report import text
+    from .result_text import budget_table, legend
+    from .tables import say, terminal
+
+    console = terminal()
+    say(
+        console, f"check: {sum(one.passed for one in checks)} of {len(checks) + len(refused)} as they should be", "bold"
+    )
+    console.print(_table(checks, refused))
+    if checks:
+        say(console, LEGEND)
+    for case in refused:
+        say(console, f"Error: {case.why}")
+    for one in (one for one in checks if not one.passed):
+        if set(one.outcome.not_passed) != set(one.outcome.breaks):
+            say(console, f"{one.outcome.figures.case}: FAIL", "bold")
+            console.print(budget_table(one.outcome.verdicts))
+            for line in legend(one.outcome.verdicts):
+                say(console, line)
+        for finding in one.findings:
+            say(console, f"{one.outcome.path.as_posix()}, line {finding.line}: {finding.text}")
+        for chain in one.causes.values():
+            click.echo("\n".join(["", *text(chain)]))
+    for one in checks:
+        notes = [str(change) for change in one.changes if change.note]
+        if notes and one.state != "written":
+            changes_text = ", ".join(notes)
+            say(
+                console,
+                f"note: {one.outcome.figures.case}: {changes_text} (counts of the simulation, which cannot fail)",
+            )
+    for one in checks:
+        if one.state == "written":
+            for change in one.changes:
+                say(console, f"{one.outcome.figures.case}: {change}")
+            click.echo(f"written: {one.baseline.as_posix()}")
+            if one.changes:
+                click.echo(one.diff)
+
+
+LEGEND = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
+
+
+def _table(checks: list[CaseCheck], refused: list[RejectedCase]) -> PlainTable:
+    """Return a table with a row for each case: numbers of budgets by verdict, and the baseline's result."""
+    from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
+    from .tables import plain_table
+
+    table = plain_table()
+    table.add_column("case", no_wrap=True)
+    for name in ("seen", "broken", "not judged", "must break"):
+        table.add_column(name.replace(" ", "\n"), justify="right", no_wrap=True)
+    table.add_column("baseline", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for one in checks:
+        words = [verdict.word for verdict in one.outcome.verdicts]
+        numbers = [words.count(word) for word in (SEEN, BROKEN, NOT_JUDGED)]
+        changed = sum(not change.note for change in one.changes)
+        state = f"{changed} changed" if one.state == "changed" else one.state
+        cells = (one.outcome.figures.case, *map(str, numbers), str(len(one.outcome.breaks)), state)
+        table.add_row(*cells, "pass" if one.passed else "fail", style="" if one.passed else "red")
+    for case in refused:
+        table.add_row(case.path.stem, *[""] * 5, "refused", style="red")
+    return table

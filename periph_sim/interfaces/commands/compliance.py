@@ -1,0 +1,70 @@
+"""`periph-sim compliance FILE`: every timing limit of the I2C-bus specification on a trace."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .input_options import RATE, SALVAGE, read_capture
+from .json_output import print_json
+
+SECTION = "traces"
+EXAMPLE = "periph-sim compliance capture.sr --mode fast"
+
+
+@click.command()
+@click.argument("capture", type=click.Path(path_type=Path))
+@click.option(
+    "--mode",
+    required=True,
+    type=click.Choice(["standard", "fast", "fast-plus"]),
+    help="Of the bus: to 100 kHz, 400 kHz or 1 MHz.",
+)
+@click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="scl=0,sda=1; a channel by name or index.")
+@RATE
+@SALVAGE
+@click.option("--exact", is_flag=True, help="The file's times are exact, as in a simulation.")
+@click.option("--strict", is_flag=True, help="Exit status 1 also if a limit cannot be decided.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def compliance(
+    capture: Path,
+    mode: str,
+    mapping: str | None,
+    rate: str | None,
+    salvage: bool,
+    exact: bool,
+    strict: bool,
+    as_json: bool,
+) -> int:
+    """Judge every I2C timing limit over the whole of CAPTURE.
+
+    A limit passes, fails, or cannot be decided at the capture's sample rate. Exit status 0: none fails; 1: one does, or
+    nothing was measured.
+    """
+    from ...replay import BadReplay
+    from ...replay.channels import channel_map
+    from ...traces import formats
+    from ...traces.compliance import Verdict, check
+    from ...traces.compliance.text_report import as_json as as_dict
+
+    try:
+        given = read_capture(capture, rate, salvage)
+        lines = channel_map(given, mapping)
+        if "scl" not in lines:
+            raise click.ClickException(f"{capture}: the limits are those of I2C; map it with --map scl=...,sda=...")
+        if exact and given.sampled:
+            raise click.ClickException(f"{capture}: its times are samples of an analyser, so --exact cannot be true")
+        report = check(given, lines["scl"], lines["sda"], mode, exact=exact or None)
+    except (formats.BadCapture, BadReplay, ValueError) as error:
+        raise click.ClickException(str(error)) from None
+    if not report.starts:
+        raise click.ClickException(
+            f"{capture}: no I2C START on {lines['scl']!r} and {lines['sda']!r}; the lines may be swapped"
+        )
+    if as_json:
+        print_json("compliance", as_dict(report))
+    else:
+        click.echo(str(report))
+    failed = report.verdict in (Verdict.FAIL, Verdict.NOT_JUDGED) or (strict and report.verdict is Verdict.UNDECIDABLE)
+    return int(failed)

@@ -1,0 +1,138 @@
+"""`periph-sim convert IN OUT`: convert a capture or a recorded run to another format.
+
+The output is read again and compared with the input: each loss in OUT is reported in a note.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import click
+import numpy as np
+
+from ...core.suggest import did_you_mean
+from ...records.recording import format_of, recording_formats, rewrite
+from ...traces import formats
+from ...traces.capture.excerpt import window_of, with_channels, within
+from ...traces.capture.resample import rate_text, resampled
+from ...traces.formats import BadCapture, psr
+from .input_options import RATE, SALVAGE, rate_given, read_capture
+from .usage_error import usage_errors_in_one_sentence
+
+SECTION = "traces"
+EXAMPLE = "periph-sim convert capture.sr capture.vcd --window '1 ms..5 ms'"
+
+
+@click.command()
+@click.argument("given", metavar="IN", type=click.Path(path_type=Path))
+@click.argument("out", metavar="OUT", type=click.Path(path_type=Path))
+@RATE
+@click.option("--sample", metavar="RATE", help="Write what an analyser of this rate would have recorded.")
+@click.option("--channels", metavar="A,B,...", help="Only these, in this order; by name or index.")
+@click.option("--window", metavar="FROM..TO", help="Only this part: '100 us..1.2 ms', or sample numbers.")
+@SALVAGE
+def convert(
+    given: Path,
+    out: Path,
+    rate: str | None,
+    sample: str | None,
+    channels: str | None,
+    window: str | None,
+    salvage: bool,
+) -> int:
+    """Write capture IN as OUT; OUT's suffix selects the format.
+
+    For a run recorded as .psr, OUT may also be any format of `run --record`, with all records.
+    """
+    with usage_errors_in_one_sentence():
+        if _same_file(given, out):
+            raise click.ClickException(f"{out}: IN and OUT are one file; give another name for OUT")
+        part = any(option is not None for option in (rate, sample, channels, window)) or salvage
+        if format_of(out) and not part and psr.holds_run(given):
+            said, notes = _run(given, out), []
+        else:
+            _check_suffix(out, part)
+            source = read_capture(given, rate, salvage)
+            ready = _part(source, channels, window)
+            ready = ready if sample is None else resampled(ready, rate_given("--sample", sample))
+            ready = formats.ready_for(out, ready)
+            notes = [*ready.notes, *formats.write(ready, out), *_not_kept(ready, out)]
+            said = _sizes(ready)
+    click.echo(f"{out}: {said}")
+    for note in notes:
+        click.echo(f"note: {note}")
+    return 0
+
+
+def _same_file(given: Path, out: Path) -> bool:
+    try:
+        return out.samefile(given)
+    except OSError:  # a missing file or invalid name; reading and writing report it
+        return False
+
+
+def _run(given: Path, out: Path) -> str:
+    """Convert a recording to another format of recordings."""
+    table = psr.read_table(given)
+    rewrite(table, out)
+    length = table.end / (table.per_second or Fraction(1))
+    return f"{len(table)} records, {float(length):g} s"
+
+
+def _check_suffix(out: Path, part: bool) -> None:
+    name = out.name.casefold()
+    able = formats.writers()
+    if any(name.endswith(suffix) for suffix in able):
+        return
+    if format_of(out):
+        way_out = "remove the options that select a part" if part else "record one with run --record run.psr"
+        raise click.ClickException(f"{out}: this format holds the records of a run, not a capture; {way_out}")
+    raise click.ClickException(f"{out}: nothing is written as {out.suffix!r}; {did_you_mean(out.suffix, _suffixes())}")
+
+
+def _suffixes() -> list[str]:
+    return sorted({*formats.writers(), *recording_formats()})
+
+
+def _part(capture: formats.Capture, channels: str | None, window: str | None) -> formats.Capture:
+    if channels is not None:
+        try:
+            capture = with_channels(capture, [name.strip() for name in channels.split(",")])
+        except LookupError as error:
+            raise click.ClickException(str(error.args[0])) from None
+    if window is not None:
+        try:
+            span = window_of(window, capture.rate)
+        except ValueError as error:
+            raise click.ClickException(f"--window: {error}") from None
+        capture = within(capture, span)
+    return capture
+
+
+def _sizes(capture: formats.Capture) -> str:
+    edges = sum(len(channel.edges) for channel in capture.channels)
+    count = len(capture.channels)
+    counts = f"{count} channel{'s' * (count != 1)}, {edges} edge{'s' * (edges != 1)}"
+    if capture.rate is None:
+        return f"{counts}, {capture.length} positions"
+    kind = "samples" if capture.sampled else "ticks"
+    return f"{counts}, {float(capture.length / capture.rate):g} s in {kind} of {rate_text(capture.rate)}"
+
+
+def _not_kept(ready: formats.Capture, out: Path) -> Iterator[str]:
+    """Yield a sentence for each loss in OUT, read again. BadCapture if it has other edges."""
+    if not any(
+        out.name.casefold().endswith(suffix) for reader in formats.readers().values() for suffix in reader.SUFFIXES
+    ):
+        return
+    again = formats.read(out, ready.rate)
+    kept = {channel.name: channel for channel in again.channels}
+    for index, channel in enumerate(ready.channels):
+        same = kept.get(channel.name) or (again.channels[index] if index < len(again.channels) else None)
+        if same is None or not np.array_equal(same.edges, channel.edges) or same.initial != channel.initial:
+            found = f"other edges of {channel.name} than in {ready.path}"
+            raise BadCapture(out, "reading it again", found, "the same", "report this with both files")
+    if again.length != ready.length:
+        yield f"the end: {again.length} positions instead of {ready.length}"

@@ -1,0 +1,227 @@
+"""The buses of `periph-sim decode`, by its options, with their decoded rows.
+
+--i2c scl=0,sda=1          --> channels --> i2c_table  --> Bus: rows, and notes on their limitations
+--uart rx=2,baud=auto,...  --> channels --> uart_table -->
+--spi clk=3,mosi=4,...     --> channels --> spi        --> Bus of each data line
+nothing                    --> channels named scl and sda, rx and tx; doubtful guesses are reported, not used
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import click
+
+from ...core.suggest import did_you_mean
+from ...traces.capture.bus_names import buses_named
+from ...traces.capture.capture import Capture, Channel, listed
+from ...traces.capture.gaps import gap_notes
+from ...traces.decode import spi
+from ...traces.decode.event_rows import Rows, i2c_rows, no_rows, spi_rows, uart_rows
+from ...traces.decode.i2c_table import i2c_table
+from ...traces.decode.sampling_rate import impossible_rate
+from ...traces.decode.uart_format import width_of
+from ...traces.decode.uart_line import line_of
+from ...traces.decode.uart_table import uart_table
+
+UART_LINES = ("rx", "tx")
+FLAGS = ("invert", "vote")  # without a value
+SPI_LINES = {"clk": "clk", "mosi": "mosi", "miso": "miso", "cs": "cs", "simo": "mosi", "somi": "miso", "ste": "cs"}
+SPI_MODES = {  # the names and values of sigrok's decoder, the first one unless another is given
+    "cpol": ("0", "1"),
+    "cpha": ("0", "1"),
+    "bitorder": ("msb-first", "lsb-first"),
+    "cs_polarity": ("active-low", "active-high"),
+}
+MAX_WORD = 32  # bits
+SURE = 0.5  # of 34 real lines with a stated rate, guesses above this are right, those below mostly wrong
+
+
+class Bus(NamedTuple):
+    """A bus, or one data line of an SPI bus.
+
+    protocol: i2c, uart or spi.
+    silence: positions without a frame or word that end a burst; None if transfers begin at STARTs or selections.
+    notes: a sentence each.
+    lines: SCL and SDA, or the serial line.
+    """
+
+    protocol: str
+    name: str
+    rows: Rows
+    silence: int | None
+    notes: list[str]
+    lines: tuple[Channel, ...]
+
+
+def asked_for(
+    capture: Capture, i2cs: tuple[str, ...], uarts: tuple[str, ...], spis: tuple[str, ...], shortest: int
+) -> list[Bus]:
+    """Decode the buses of the options; without any, those whose channels have usual names. shortest: positions.
+
+    ClickException if an option names no channels of the capture, or none has a usual name.
+    """
+    if i2cs or uarts or spis:
+        buses = [_i2c(capture, text, shortest) for text in i2cs]
+        buses += (bus for text in uarts for bus in _uart(capture, text, shortest))
+        buses += (bus for text in spis for bus in _spi(capture, text, shortest))
+        return buses
+    named = buses_named(capture)
+    buses = [_i2c_of(capture, scl, sda, shortest) for scl, sda in named.i2c]
+    if not buses and not named.uart:
+        raise click.ClickException(
+            f"{capture.path}: no channels are named scl and sda, rx or tx, it has {listed(capture.channels)}; "
+            "name them, as in --i2c scl=0,sda=1, --uart rx=0,baud=auto or --spi clk=0,mosi=1,miso=2,cs=3"
+        )
+    failed: list[str] = []
+    for wire in named.uart:
+        try:
+            buses.append(_frames(capture, wire, {}, shortest, doubtful=False))
+        except ValueError as error:
+            failed.append(f"{wire.name} is not decoded: {error}; describe it with --uart")
+            buses.append(_nothing(wire, failed[-1]))
+    if failed and not any(len(bus.rows.at) for bus in buses):
+        raise click.ClickException("; ".join(failed))
+    for wire in named.left_over:
+        line = "SCL" if "scl" in wire.name.casefold() else "SDA"
+        other = "SDA" if line == "SCL" else "SCL"
+        note = f"{wire.name} is not decoded: which {other} belongs to it? give --i2c scl=CHANNEL,sda=CHANNEL"
+        buses.append(_nothing(wire, note))
+    return buses
+
+
+# I2C -----------------------------------------------------------------------------
+
+
+def _i2c(capture: Capture, text: str, shortest: int) -> Bus:
+    given = _pairs("--i2c", text, ("scl", "sda"))
+    for name in ("scl", "sda"):
+        if name not in given:
+            raise click.ClickException(f"--i2c {text}: {name} is missing; expected scl=CHANNEL,sda=CHANNEL")
+    try:
+        scl, sda = capture.channel(given["scl"]), capture.channel(given["sda"])
+    except LookupError as error:
+        raise click.ClickException(f"--i2c {text}: {error.args[0]}") from None
+    if scl is sda:
+        raise click.ClickException(f"--i2c {text}: both are channel {scl.name}; expected two channels")
+    return _i2c_of(capture, scl, sda, shortest)
+
+
+def _i2c_of(capture: Capture, scl: Channel, sda: Channel, shortest: int) -> Bus:
+    rows = i2c_rows(i2c_table(capture, scl.index, sda.index, shortest))
+    wrong = impossible_rate(capture, scl.index)
+    doubts = [f"{wrong}; then all times are wrong; state the rate with --rate"] if wrong else []
+    return Bus("i2c", f"i2c {scl.name}/{sda.name}", rows, None, [*gap_notes(capture, scl, sda), *doubts], (scl, sda))
+
+
+# UART ----------------------------------------------------------------------------
+
+
+def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
+    given = _pairs("--uart", text, (*UART_LINES, "baud", "format", *FLAGS))
+    if not given.keys() & set(UART_LINES):
+        raise click.ClickException(f"--uart {text}: rx or tx is missing; expected rx=CHANNEL,baud=RATE")
+    for name in FLAGS:
+        if given.get(name):
+            raise click.ClickException(f"--uart {text}: {name}={given[name]}; expected {name} without a value")
+    for name in UART_LINES:
+        if name in given:
+            try:
+                yield _frames(capture, capture.channel(given[name]), given, shortest)
+            except (LookupError, ValueError) as error:
+                raise click.ClickException(f"--uart {text}: {error.args[0]}") from None
+
+
+def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: int, doubtful: bool = True) -> Bus:
+    """Decode a serial line. given: its known settings. doubtful: True if an uncertain guess may be used.
+
+    ValueError if it cannot be guessed, or read at its rate.
+    """
+    notes = gap_notes(capture, wire)
+    if not len(wire.edges):
+        return _nothing(wire, f"{wire.name} is {'high' if wire.initial else 'low'} throughout: nothing to decode")
+    baud, shape = given.get("baud", "auto"), given.get("format")
+    if baud == "auto":
+        from ...traces.decode.uart_guess import guess
+
+        guessed = guess(capture, wire.index, shape, "invert" in given or None, shortest)
+        if guessed.sure < SURE and not doubtful:
+            raise ValueError(f"in doubt, {guessed}, which baud=auto would use")
+        notes.append(f"{wire.name}: {guessed}" + ("; in doubt, so better state them" if guessed.sure < SURE else ""))
+        line = guessed.line
+    else:
+        line = line_of(baud, shape or "8n1", "invert" in given)
+    rows = uart_rows(uart_table(capture, wire.index, line, shortest, "vote" in given))
+    silence = round(line.frame * width_of(capture, line.baud))
+    return Bus("uart", f"uart {wire.name}", rows, silence, notes, (wire,))
+
+
+def _nothing(wire: Channel, note: str) -> Bus:
+    return Bus("uart", f"uart {wire.name}", no_rows(), 0, [note], (wire,))
+
+
+# SPI -----------------------------------------------------------------------------
+
+
+def _spi(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
+    given = _pairs("--spi", text, (*SPI_LINES, *SPI_MODES, "wordsize"))
+    lines: dict[str, Channel] = {}
+    for name, line in SPI_LINES.items():
+        if name not in given:
+            continue
+        if line in lines:
+            raise click.ClickException(f"--spi {text}: {name} and {line} are one line; give one of them")
+        try:
+            lines[line] = capture.channel(given[name])
+        except LookupError as error:
+            raise click.ClickException(f"--spi {text}: {error.args[0]}") from None
+    if "clk" not in lines or not lines.keys() & {"mosi", "miso"}:
+        missing = "mosi or miso" if "clk" in lines else "clk"
+        raise click.ClickException(f"--spi {text}: {missing} is missing; expected clk=CHANNEL,mosi=CHANNEL,...")
+    if len({channel.index for channel in lines.values()}) < len(lines):
+        raise click.ClickException(f"--spi {text}: two lines are one channel; expected a channel each")
+    format_ = _spi_format(text, given)
+    clk, mosi, miso, cs = (lines[line].index if line in lines else None for line in ("clk", "mosi", "miso", "cs"))
+    assert clk is not None
+    events = spi.events(capture, format_, clk, mosi, miso, cs, shortest)
+    words = [event.end - event.at for event in events if isinstance(event, spi.Word)]
+    silence = None if "cs" in lines else max(words, default=0)
+    notes = gap_notes(capture, *lines.values())
+    for line in ("mosi", "miso"):
+        if line in lines:
+            rows = spi_rows(events, format_.bits, line == "mosi")
+            yield Bus("spi", f"spi {lines[line].name}", rows, silence, notes, (lines[line],))
+            notes = []
+
+
+def _spi_format(text: str, given: dict[str, str]) -> spi.SpiFormat:
+    mode: dict[str, int] = {}
+    for name, values in SPI_MODES.items():
+        value = given.get(name, values[0])
+        if value not in values:
+            raise click.ClickException(f"--spi {text}: {name} is {value}; expected {' or '.join(values)}")
+        mode[name] = values.index(value)
+    size = given.get("wordsize", "8")
+    if not (size.isascii() and size.isdecimal() and len(size) < 3 and 1 <= int(size) <= MAX_WORD):
+        raise click.ClickException(f"--spi {text}: wordsize is {size}; expected 1 to {MAX_WORD} bits")
+    return spi.SpiFormat(int(size), mode["cpol"], mode["cpha"], bool(mode["bitorder"]), bool(mode["cs_polarity"]))
+
+
+# Options -------------------------------------------------------------------------
+
+
+def _pairs(option: str, text: str, known: tuple[str, ...]) -> dict[str, str]:
+    """Parse `a=1,b` to a dict; entries without `=` have the value ''."""
+    given: dict[str, str] = {}
+    for part in text.split(","):
+        name, equals, value = part.partition("=")
+        name = name.strip().casefold()
+        if name not in known:
+            raise click.ClickException(f"{option} {text}: there is no {name!r}; {did_you_mean(name, known)}")
+        if name in given:
+            raise click.ClickException(f"{option} {text}: {name} is given twice; expected once")
+        if name not in FLAGS and not value.strip():
+            raise click.ClickException(f"{option} {text}: {name} has no value; expected {name}=...")
+        given[name] = value.strip() or equals
+    return given

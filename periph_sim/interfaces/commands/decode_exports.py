@@ -1,0 +1,155 @@
+"""Export of decoded buses to other tools.
+
+pcapng      Wireshark, tshark          a packet for each message, burst or selection (SPI), an interface for each line
+hexdump     text2pcap, any script      the same bytes as text, each packet below its time
+sigrok      scripts for sigrok-cli     a line for each event, `START-END i2c-1: Address write: 53`
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import click
+import numpy as np
+
+from ...traces.decode.event_rows import (
+    ADDRESS,
+    ADDRESS_LOW,
+    DESELECT,
+    DETAILS,
+    EVENTS,
+    FRAME,
+    SELECT,
+    START,
+    WORD,
+    Rows,
+)
+from ...traces.formats import pcapng_writer as pcapng
+from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
+from .decoded_text import Clock, events_column, in_transfer
+
+AGAIN, DATA = (EVENTS.index(name) for name in ("repeated start", "data"))
+DECIMALS = 9  # of a second: Wireshark shows no more
+PER_LINE = 16  # bytes of a dump
+
+SIGROK = {
+    "start": "Start",
+    "repeated start": "Start repeat",
+    "stop": "Stop",
+    "ack": "ACK",
+    "nack": "NACK",
+    "break": "Break condition",
+    "rejected start": "Rejected start",
+}
+
+
+class Packet(NamedTuple):
+    """time: units of 10**-DECIMALS s. wire: address byte and data of a message, bytes of a burst, or SPI words, each in
+    whole bytes with the most significant one first. said: in the notation of the I2C-bus specification, with ACKs and
+    the final condition."""
+
+    bus: int
+    time: int
+    wire: bytes
+    flags: int
+    said: str
+
+
+def in_pcapng(
+    rows: Rows, first: Numbers, buses: Sequence[str], protocols: Sequence[str], clock: Clock
+) -> Iterator[bytes]:
+    """Export to pcapng. protocols: of each bus; serial lines and SPI have no link type of their own."""
+    yield pcapng.section()
+    for name, protocol in zip(buses, protocols, strict=True):
+        yield pcapng.interface(pcapng.I2C_LINUX if protocol == "i2c" else pcapng.USER0, name, DECIMALS)
+    for one in packets(rows, first, clock):
+        is_i2c = protocols[one.bus] == "i2c"
+        content = pcapng.i2c_content(one.bus, one.flags, one.wire) if is_i2c else one.wire
+        yield pcapng.packet(one.bus, one.time, content, one.said)
+
+
+def in_hexdump(rows: Rows, first: Numbers, protocols: Sequence[str], clock: Clock) -> Iterator[bytes]:
+    """Export for `text2pcap -t %s.%f -l 209` (147 for a serial line or SPI), which adds the link type."""
+    if len(set(protocols)) > 1:
+        raise click.ClickException(
+            "a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng"
+        )
+    return _dumped(packets(rows, first, clock))
+
+
+def _dumped(found: Iterator[Packet]) -> Iterator[bytes]:
+    for one in found:
+        lines = [f"# {one.said}", f"{one.time // 10**DECIMALS}.{one.time % 10**DECIMALS:0{DECIMALS}}"]
+        for begin in range(0, len(one.wire), PER_LINE):
+            lines.append(f"{begin:06x}  {one.wire[begin : begin + PER_LINE].hex(' ')}")
+        yield ("\n".join(lines) + "\n\n").encode()
+
+
+def in_sigrok(rows: Rows, protocols: Sequence[str]) -> Iterator[bytes]:
+    """Export like `sigrok-cli --protocol-decoder-samplenum`; ends are those of the bits, not estimated.
+
+    Each SPI line has its own decoder, which prints words only: sigrok has no line for a selection.
+    """
+    rows = rows.select((rows.event != SELECT) & (rows.event != DESELECT))
+    decoders: list[str] = []
+    for kind in protocols:
+        decoders.append(f"{kind}-{sum(name.startswith(kind) for name in decoders) + 1}")
+    columns: list[Column] = [
+        Digits(rows.at, 0, NONE),
+        Literal("-"),
+        Digits(rows.end, 0, NONE),
+        Literal(" "),
+        Words(rows.bus.astype(np.int64), lambda bus: decoders[bus]),
+        Literal(": "),
+        events_column(rows, _as_sigrok_says),
+        Literal("\n"),
+    ]
+    return text(columns, len(rows.at))
+
+
+def _as_sigrok_says(event: str, value: int | None, bits: int, detail: str) -> str:
+    if value is None:
+        return SIGROK[event]
+    if event == "cut":
+        return f"Cut: {value:0{bits}b}" if bits else "Cut"
+    if event in ("frame", "word"):
+        return f"{value:02X}"
+    way = detail.partition(", ")[0]
+    return (
+        f"{'Address' if event == 'address' else 'Data'} {way}: {value & 0xFF if event == 'address low' else value:02X}"
+    )
+
+
+def packets(rows: Rows, first: Numbers, clock: Clock) -> Iterator[Packet]:
+    """Yield the packets of groups that begin at rows `first`, in order of time: bursts, and messages of I2C transfers.
+
+    A message without a whole address byte is omitted.
+    """
+    conditions = np.flatnonzero((rows.event == START) | (rows.event == AGAIN))
+    begins = np.union1d(first, conditions)
+    times = Clock(clock.up * 10**DECIMALS, clock.down * 10**clock.decimals, DECIMALS).units(rows.at[begins]).tolist()
+    bounds = [*begins.tolist(), len(rows.at)]
+    columns = [column.tolist() for column in (rows.bus, rows.event, rows.value, rows.bits, rows.detail)]
+    for number in np.argsort(rows.at[begins], kind="stable").tolist():  # transfers of several buses overlap
+        begin, end, time = bounds[number], bounds[number + 1], times[number]
+        own = [tuple(column[row] for column in columns) for row in range(begin, end)]
+        wire, flags = bytearray(), 0
+        for _, event, value, bits, detail in own:
+            if event == ADDRESS:
+                way, _, purpose = DETAILS[detail].partition(", ")
+                high = 0x78 | value >> 8 if bits == 10 else value
+                wire.append(high << 1 | (way == "read"))
+                flags = pcapng.READ * (way == "read") | pcapng.TEN_BITS * (purpose == "10-bit")
+            elif event in (ADDRESS_LOW, DATA, FRAME):
+                wire.append(value & 0xFF)
+            elif event == WORD:
+                wire += value.to_bytes(-(-bits // 8), "big")
+        if wire:
+            bus = own[0][0]
+            said = " ".join(_said(*row[1:]) for row in own)
+            yield Packet(bus, time, bytes(wire), flags, said)
+
+
+def _said(event: int, value: int, bits: int, detail: int) -> str:
+    return in_transfer(EVENTS[event], None if value < 0 else value, bits, DETAILS[detail])

@@ -1,0 +1,115 @@
+"""`periph-sim diff A B`: two captures compared by their protocol events."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .input_options import SALVAGE, read_capture, time_given
+from .json_output import print_json
+
+if TYPE_CHECKING:
+    from ...traces.decode.uart import Line
+
+PARITIES = {"n": "none", "o": "odd", "e": "even", "m": "mark", "s": "space"}
+
+SECTION = "traces"
+EXAMPLE = "periph-sim diff before.sr after.sr --tolerance 1us"
+
+
+@click.command()
+@click.argument("a", type=click.Path(path_type=Path))
+@click.argument("b", type=click.Path(path_type=Path))
+@click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="scl=0,sda=1 or rx=0; a channel by name or index.")
+@click.option("--map-b", metavar="LINE=CHANNEL,...", help="The same for B, if different.")
+@click.option("--uart", metavar="rx=CHANNEL,baud=RATE,format=8n1", help="Compare UART frames, not I2C.")
+@click.option("--rate", metavar="RATE", help="Sample rate of A, if the file has none: '4 MHz'.")
+@click.option("--rate-b", metavar="RATE", help="The same for B.")
+@SALVAGE
+@click.option("--tolerance", metavar="TIME", help="Tolerated lateness: '1us'.  [one sample of each]")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@click.option("--all", "everything", is_flag=True, help="List every event, and every difference.")
+def diff(
+    a: Path,
+    b: Path,
+    mapping: str | None,
+    map_b: str | None,
+    uart: str | None,
+    rate: str | None,
+    rate_b: str | None,
+    salvage: bool,
+    tolerance: str | None,
+    as_json: bool,
+    everything: bool,
+) -> int:
+    """Compare the events of captures A and B, one by one, and their times.
+
+    Exit status 0: the same events at the same times within the tolerance; 1: otherwise.
+    """
+    from ...replay import BadReplay
+    from ...replay.channels import channel_map
+    from ...traces import formats
+    from ...traces.diff import diff_i2c, diff_uart
+    from ...traces.diff.text_report import as_json as as_dict
+    from ...traces.diff.text_report import text
+
+    allowed = None if tolerance is None else time_given("--tolerance", tolerance)
+    channel, line = (None, None) if uart is None else _line(uart)
+    wanted = "sda" if line is None else "rx"
+    if channel is not None and mapping is not None:
+        raise click.ClickException("--uart and --map both name the channel of rx; give one of them")
+    try:
+        captures = (
+            read_capture(a, rate, salvage),
+            read_capture(b, rate_b, salvage, "--rate-b"),
+        )
+        first = mapping if channel is None else f"rx={channel}"
+        lines = [channel_map(captures[0], first), channel_map(captures[1], map_b or first)]
+        for path, found in zip((a, b), lines, strict=True):
+            if wanted not in found:
+                way = "give --uart baud=RATE" if line is None else "map the channel with rx=CHANNEL"
+                raise click.ClickException(f"{path}: the lines found are {' and '.join(found)}; {way}")
+        if line is None:
+            (scl, sda), (scl_b, sda_b) = ((found["scl"], found["sda"]) for found in lines)
+            result = diff_i2c(*captures, (scl, sda), (scl_b, sda_b), allowed)
+        else:
+            result = diff_uart(*captures, line, lines[0]["rx"], lines[1]["rx"], allowed)
+    except (formats.BadCapture, BadReplay, ValueError) as error:
+        raise click.ClickException(str(error)) from None
+    if not result.entries:
+        what = "I2C transfer" if line is None else "UART frame"
+        raise click.ClickException(f"{a} and {b}: no {what} in either; the mapping may be wrong")
+    if as_json:
+        print_json("diff", as_dict(result, everything))
+    else:
+        click.echo(text(result, everything))
+    return 0 if result.equal else 1
+
+
+def _line(text: str) -> tuple[str | None, Line]:
+    """Parse `rx=CHANNEL,baud=RATE,format=8n1` to (channel, line); baud is mandatory."""
+    from ...core.suggest import did_you_mean
+    from ...traces.decode.uart import Line
+
+    given: dict[str, str] = {}
+    for part in text.split(","):
+        key, equals, value = (piece.strip() for piece in part.partition("="))
+        if not equals or not value:
+            raise click.ClickException(f"--uart {text!r}: expected rx=CHANNEL,baud=RATE,format=8n1")
+        if key not in ("rx", "baud", "format"):
+            raise click.ClickException(
+                f"--uart {text!r}: there is no {key!r}; {did_you_mean(key, ('rx', 'baud', 'format'))}"
+            )
+        given[key] = value
+    frame = re.fullmatch(r"([5-9])([noems])([12])", given.get("format", "8n1").casefold())
+    if frame is None:
+        raise click.ClickException(
+            f"--uart {text!r}: {given['format']!r} is no line format; expected data bits 5 to 9, "
+            "n, o, e, m or s, and 1 or 2 stop bits: 8n1"
+        )
+    if not re.fullmatch(r"0*[1-9]\d{0,11}", given.get("baud", "")):
+        raise click.ClickException(f"--uart {text!r}: expected baud=RATE with a whole number above 0: baud=115200")
+    return given.get("rx"), Line(int(given["baud"]), int(frame[1]), PARITIES[frame[2]], int(frame[3]))

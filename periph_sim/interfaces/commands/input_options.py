@@ -1,0 +1,114 @@
+"""Options of several commands, such as a capture, a rate, a time, and their parsing."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ...core.exact_number import exact_number
+from ...core.shorten import shorten
+from ...core.time import TimeError, seconds
+
+if TYPE_CHECKING:
+    from ...records.run import Run
+    from ...scene.project import Project
+    from ...traces.capture.capture import Capture
+
+RATE = click.option("--rate", metavar="RATE", help="Sample rate, if the file has none: '4 MHz'.")
+SALVAGE = click.option(
+    "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
+)
+GUARANTEED = click.option(
+    "--guaranteed/--no-guaranteed", default=None, help="Require proven budgets; an error, since nothing is proven yet."
+)
+RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
+SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, if RUN does not contain it: '150 MHz'.")
+
+
+def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> Capture:
+    """Read the capture in a file; BadCapture if it cannot be read. option: name of the rate's option, for messages."""
+    from ...traces import formats
+
+    return formats.read(path, None if rate is None else rate_given(option, rate), salvage=salvage)
+
+
+def rate_given(option: str, text: str) -> Fraction:
+    """Parse a rate above 0 in samples a second."""
+    from ...traces.capture.capture import rate_of
+
+    try:
+        rate = rate_of(text)
+    except ValueError as error:
+        raise click.ClickException(f"{option}: {error}") from None
+    if not rate:
+        raise click.ClickException(f"{option}: expected more than 0")
+    return rate
+
+
+def time_given(option: str, text: str) -> Fraction:
+    """Parse a time to seconds, 0 or more."""
+    try:
+        length = seconds(text)
+    except TimeError as error:
+        raise click.ClickException(f"{option}: {error}") from None
+    if length < 0:
+        raise click.ClickException(f"{option}: {text!r} is negative; expected 0 or more")
+    return length
+
+
+def address_given(option: str, text: str) -> tuple[str, int]:
+    """Parse "[ADDRESS:]PORT" to (address, port); the default is this computer."""
+    address, _, port = text.rpartition(":")
+    if not port.isdecimal() or int(port) > 65535:
+        raise click.UsageError(f"{option} {text!r}: expected a port up to 65535, or ADDRESS:PORT; 0 is any free port")
+    return address.strip("[]") or "127.0.0.1", int(port)
+
+
+def pace_given(text: str) -> Fraction:
+    """Parse --pace to simulated seconds a second."""
+    try:
+        return exact_number(text)
+    except ValueError:
+        raise click.UsageError(f"--pace {shorten(repr(text))}: expected a number, as in 1 or 0.5") from None
+
+
+def length_given(text: str) -> Fraction:
+    """Parse --seconds to 0 or more: 10 or '10 s'."""
+    from ...core.settings import duration
+
+    try:
+        return duration(text if text.strip()[-1:].isalpha() else f"{text} s")
+    except ValueError as error:
+        raise click.ClickException(f"--seconds: {error}") from None
+
+
+def apart(**outputs: Path | None) -> None:
+    """Reject two options that name the same output file."""
+    taken: dict[Path, str] = {}
+    for option, path in outputs.items():
+        if path is not None:
+            other = taken.setdefault(path.resolve(), option)
+            if other != option:
+                raise click.ClickException(f"--{other} and --{option} both name {path}; give each its own file")
+
+
+def refuse_guaranteed(asked: bool | None, project: Project | None = None) -> None:
+    """Reject --guaranteed, and `guaranteed = true` of the project. asked: None if the option is not given."""
+    from ...scene.project import project_of
+    from ...timing.verdict import NOTHING_PROVEN
+
+    if asked:
+        raise click.ClickException(f"--guaranteed: {NOTHING_PROVEN}; remove the option")
+    project = project or project_of(Path())
+    if asked is None and project.settings.guaranteed:
+        raise click.ClickException(f"{project.where('guaranteed')}: {NOTHING_PROVEN}; remove it or use --no-guaranteed")
+
+
+def open_run(path: Path, sysclk: str | None) -> Run:
+    """Open a recorded run; BadCapture or NotInRun if the file contains none."""
+    from ...records.run import Run
+
+    return Run.read(path, None if sysclk is None else rate_given("--sysclk", sysclk))

@@ -1,0 +1,40 @@
+"""`periph-sim lint RUN`: find faults in firmware's use of its registers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .input_options import RUN_FILE, SYSCLK, open_run, time_given
+from .json_output import print_json
+from .usage_error import usage_errors_in_one_sentence
+
+SECTION = "understand"
+EXAMPLE = "periph-sim lint run.psr"
+
+
+@click.command()
+@RUN_FILE
+@click.option("--bound", metavar="TIME", default="20 ms", show_default=True, help="Maximum length of a wait.")
+@SYSCLK
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
+def lint(run: Path, bound: str, sysclk: str | None, as_json: bool) -> int:
+    """Find faults in the firmware's actions in RUN, each with its place and the manual's section.
+
+    RUN is the output of `run --record x.psr`. Exit status 0: nothing found; 1: something found.
+    """
+    from ...records.lint_finding import Options
+    from ...records.lint_runner import lint as lint_of
+    from ...records.lint_text_report import as_json as as_dict
+    from ...records.lint_text_report import text
+
+    options = Options(time_given("--bound", bound))
+    with usage_errors_in_one_sentence():
+        opened = open_run(run, sysclk)
+        findings = lint_of(opened, options)
+    if as_json:
+        print_json("lint", as_dict(opened, findings))
+    else:
+        click.echo(text(opened, findings))
+    return 1 if findings else 0

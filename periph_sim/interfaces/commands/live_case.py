@@ -1,0 +1,145 @@
+"""Files of `new --live`: the case of a live session, driven by the session's log.
+
+case file, its changes --+
+log --> wires, duration -+--> case with [outside], and with budgets if it had none
+"""
+
+from __future__ import annotations
+
+import json
+from os.path import relpath
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ...processor.user_code import output_muted
+from ...scene.case.load import apply, case_of, read
+from ...scene.case.model import BadCase
+from ...scene.case.named_files import texts_in
+from ...scene.outside_log import BadLog, LogReader
+from ...scene.scene import Scene
+from ...timing.verdict import NOT_JUDGED
+from .new_files import NAME, Files
+
+Tree = dict[str, Any]
+
+MEASURES = (  # that become budgets if a case has none
+    *("overruns", "fifo high-water", "missed rounds", "nacked rounds", "nacked", "stretch", "response", "round"),
+)
+
+
+def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
+    """Return the case's text by its path, and that path. given: its name; default: the live case's name and `_live`.
+
+    ClickException, or BadCase, for an invalid log, or one whose case has no file or a missing one.
+    """
+    try:
+        reader = LogReader(log)
+        head = reader.head
+        if not head.file:
+            way_out = "replay it with Python's replay()"
+            raise click.ClickException(f"{log}: its case, {head.case}, came from no file; {way_out}")
+        for _ in reader.instants():
+            pass
+    except BadLog as error:
+        raise click.ClickException(str(error)) from None
+    source = log.parent / head.file
+    place = Path(given) if given is not None else source.with_name(f"{source.stem}_live")
+    place = place.with_suffix("") if place.suffix == ".toml" else place
+    if not NAME.fullmatch(place.name):
+        raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
+    _, tree = read(source, "case")
+    for change in head.changes:
+        apply(tree, change)
+    name = case_of(tree, source).name
+    _moved(tree, source.parent, place.parent)
+    if reader.unfinished:
+        click.echo(reader.unfinished, err=True)
+    tree |= {
+        "name": place.name,
+        "about": f"The live session of {name}, driven from outside by {log.name}.",
+        "duration": f"{reader.end / head.ticks_per_second:.12f} s",
+        "outside": {"wires": list(head.wires), "log": relpath(log, place.parent)},
+    }
+    target = place.with_name(f"{place.name}.toml")
+    if not tree.get("budget") and not tree.get("serial", {}).get("expect"):
+        tree["budget"] = _as_seen(tree, target)
+    return {target: toml(tree)}, target
+
+
+def _moved(tree: Tree, before: Path, after: Path) -> None:
+    """Change texts that name files beside the case to paths relative to the new case."""
+    named = {text for text in texts_in(tree) if 0 < len(text) < 200 and (before / text).is_file()}
+
+    def moved(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: moved(inner) for key, inner in value.items()}
+        if isinstance(value, list):
+            return [moved(inner) for inner in value]
+        return relpath(before / value, after) if isinstance(value, str) and value in named else value
+
+    tree.update(moved(tree))
+
+
+@output_muted()
+def _as_seen(tree: Tree, target: Path) -> list[Tree]:
+    """Return a budget for each measure of the session, with the session's result as limit."""
+    found: list[Tree] = []
+    for measure in MEASURES:
+        budget: Tree = {"name": measure, "measure": measure, "max": 0}
+        for limit in (0, "0 us"):
+            try:
+                Scene(case_of({**tree, "budget": [{**budget, "max": limit}]}, target))
+            except BadCase:
+                continue
+            found.append({**budget, "max": limit})
+            break
+    result = Scene(case_of({**tree, "budget": found}, target)).run()
+    budgets: list[Tree] = []
+    for budget, verdict in zip(found, result.budgets, strict=True):
+        if verdict.worst is not None and verdict.verdict != NOT_JUDGED:
+            most = f"{verdict.worst} us" if verdict.unit == "us" else verdict.worst
+            budgets.append({**budget, "max": most, "why": "the result of the live session"})
+    return budgets
+
+
+def toml(tree: Tree) -> str:
+    """Format a tree of tables as TOML: plain values first, then tables, then lists of tables."""
+    return "\n".join(_tables(tree, ())).strip() + "\n"
+
+
+def _tables(tree: Tree, path: tuple[str, ...]) -> list[str]:
+    lines = [f"{_key(key)} = {_value(value)}" for key, value in tree.items() if not _is_table(value)]
+    for key, value in tree.items():
+        inner = (*path, _key(key))
+        name = ".".join(inner)
+        if isinstance(value, dict):
+            plain = any(not _is_table(each) for each in value.values()) or not value
+            lines += ["", *([f"[{name}]"] if plain else []), *_tables(value, inner)]
+        elif _is_table(value):
+            for entry in value:
+                lines += ["", f"[[{name}]]", *_tables(entry, inner)]
+    return lines
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict) or (
+        isinstance(value, list) and bool(value) and all(isinstance(entry, dict) for entry in value)
+    )
+
+
+def _key(key: str) -> str:
+    return key if key.replace("_", "a").replace("-", "a").isalnum() and key.isascii() else json.dumps(key)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, list):
+        return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{_key(key)} = {_value(inner)}" for key, inner in value.items()) + " }"
+    return str(value)

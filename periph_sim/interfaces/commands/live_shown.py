@@ -1,0 +1,104 @@
+"""The display of `serve` while it runs, in the terminal or on a page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from ...core.records import Recorder
+    from ...core.time import Timebase
+    from ...outside.live.loop import Door
+    from ...outside.live.pacing import Pacer
+    from ...outside.live.view.board import Board
+    from ...outside.live.view.browser import Browser
+    from ...outside.live.view.door import ViewDoor
+    from ...outside.live.view.last_round import LastRound
+    from ...outside.live.view.status import Status
+    from ...outside.serial_line import SerialLine
+    from ...outside.session import Session
+    from .live_view import LiveView
+
+WIRES = ("SCL", "SDA", "RX", "TX")
+
+
+class Shown:
+    """url: of the page, or "". OutsideError for a port in use. A context manager, which ends its threads."""
+
+    def __init__(self, in_terminal: bool, address: tuple[str, int] | None) -> None:
+        self.url = ""
+        self._in_terminal = in_terminal
+        self._board: Board | None = None
+        self._wave: LastRound | None = None
+        self._door: ViewDoor | None = None
+        self._status: Status | None = None
+        self._browser: Browser | None = None
+        self._view: LiveView | None = None
+        if in_terminal or address is not None:
+            from ...outside.live.view.board import Board
+
+            self._board = Board()
+        if address is not None:
+            from ...outside.live.view.browser import Browser
+            from ...outside.live.view.last_round import LastRound
+
+            assert self._board is not None
+            self._wave = LastRound(WIRES)
+            self._browser = Browser(self._board, address[1], address[0])
+            self.url = self._browser.url
+
+    def __enter__(self) -> Shown:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._end()
+
+    def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
+        """Subscribe the wave; called by a Scene."""
+        if self._wave is not None:
+            self._wave.subscribe(recorder, timebase)
+
+    def doors(self, session: Session, line: SerialLine | None, pacer: Pacer, where: str) -> Sequence[Door]:
+        """Return the doors for the session's loop."""
+        if self._board is None:
+            return ()
+        from ...outside.live.view.door import ViewDoor
+        from ...outside.live.view.status import Status
+
+        self._status = Status(session, line, pacer, where, self._wave)
+        self._door = ViewDoor(self._status, self._board)
+        return (self._door,)
+
+    def begin(self) -> None:
+        """Begin the display, after all output before the session."""
+        if self._in_terminal:
+            from .live_view import LiveView
+
+            assert self._board is not None
+            self._view = LiveView(self._board)
+
+    def say(self, sentence: str) -> None:
+        """Display a door's sentence."""
+        if self._status is not None:
+            self._status.say(sentence)
+        if self._view is None:
+            click.echo(sentence, err=True)
+
+    def close(self) -> None:
+        """End the display with the session's last snapshot."""
+        if self._door is not None:
+            self._door.close()
+        self._end()
+
+    def _end(self) -> None:
+        if self._board is not None:
+            self._board.close()
+        if self._view is not None:
+            self._view.close()
+        if self._browser is not None:
+            self._browser.close()
+        self._view = self._browser = None

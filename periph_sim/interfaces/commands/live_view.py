@@ -1,0 +1,108 @@
+"""The view of a live session in the terminal, updated in place from its board.
+
+A separate thread prints, so that simulated time never waits for a terminal.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+
+from rich.console import Console, Group, RenderableType
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from ...outside.live.pacing import in_ms
+from ...outside.live.view.board import Board
+from ...outside.live.view.status import BudgetSoFar, Lateness, Snapshot
+
+PATIENCE = 1.0  # seconds without news, after which it checks for the end
+BAR = 30  # columns
+TURNS = 0.0005  # seconds after which the printing thread yields to the session
+
+
+class LiveView:
+    """A screen that prints until its board is closed."""
+
+    def __init__(self, board: Board) -> None:
+        self._board, self._console = board, Console()
+        sys.setswitchinterval(TURNS)
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Wait for the last snapshot on the screen. Call after closing the board."""
+        self._thread.join()
+
+    def _run(self) -> None:
+        number, closed = 0, False
+        with Live(console=self._console, auto_refresh=False) as live:
+            while not closed:
+                closed = self._board.closed
+                number, snapshot = self._board.after(number, PATIENCE)
+                if snapshot is not None:
+                    live.update(screen(snapshot, self._console.height), refresh=True)
+
+
+def screen(status: Snapshot, height: int = 100) -> RenderableType:
+    """Return the screen; budgets only as far as there are lines."""
+    rates = status["rates"]
+    pace = f", {rates['pace']:.2f} s a second" if "pace" in rates else ""
+    over = "ended at" if status["over"] else ""
+    head = Text(f"{status['case']}: {over or 'live,'} {status['simulated_s']:.1f} s simulated{pace}", style="bold")
+    parts: list[RenderableType] = [head, _rates(status), *_readings(status)]
+    parts.append(Text(f"flags     {', '.join(status['flags']) or 'none'}"))
+    if status["lateness"] is not None:
+        parts += _late(status["lateness"])
+    parts += [Text(f"          {sentence}") for sentence in status["said"]]
+    left = height - len(parts) - 3
+    budgets = sorted(status["budgets"], key=lambda one: one["state"] != "fail")
+    if budgets and left > 1:
+        parts.append(_budgets(budgets[: left - 1], len(budgets)))
+    return Group(*parts)
+
+
+def _rates(status: Snapshot) -> Text:
+    parts = [
+        f"{rate:.0f} {name}" for name, rate in status["rates"].items() if name != "pace" and status["totals"][name]
+    ]
+    waiting = status["totals"]["waiting"]
+    return Text(
+        f"rates     {', '.join(parts) or 'nothing yet'} a simulated second" + (f"; {waiting} wait" if waiting else "")
+    )
+
+
+def _readings(status: Snapshot) -> list[Text]:
+    lines = [
+        Text(f"{one['chip']:<14}" + "".join(f"{value:>10.3f}" for value in one["values"]) + f"  {one['unit']}")
+        for one in status["readings"]
+    ]
+    if status["attitude"] is not None:
+        roll, pitch, yaw = status["attitude"]
+        lines.append(Text(f"attitude      roll {roll:7.1f}  pitch {pitch:6.1f}  yaw {yaw:7.1f}  deg"))
+    return lines
+
+
+def _late(late: Lateness) -> list[Text]:
+    most = max(late["counts"])
+    lines = [Text(f"lateness  99 % within {in_ms(late['p99'])}, worst {in_ms(late['worst'])}; over "
+                  f"{in_ms(late['tolerated'])}: {late['late']} ({late['when_late']})")]  # fmt: skip
+    ends = [*(f"up to {in_ms(step)}" for step in late["steps"]), f"over {in_ms(late['steps'][-1])}"]
+    for end, count, step in zip(ends, late["counts"], [*late["steps"], float("inf")], strict=True):
+        if count:
+            style = "red" if step > late["tolerated"] else ""
+            lines.append(Text(f"  {end:<14}{'█' * max(1, BAR * count // most):<{BAR}}{count:>8}", style=style))
+    return lines
+
+
+def _budgets(budgets: list[BudgetSoFar], count: int) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="")
+    table.add_column("budget so far" + (f" ({len(budgets)} of {count})" if len(budgets) < count else ""))
+    for title in ("seen", "limit", "margin"):
+        table.add_column(title, justify="right")
+    for one in budgets:
+        table.add_row(
+            one["name"], one["seen"], one["limit"], one["margin"], style="red" if one["state"] == "fail" else ""
+        )
+    return table

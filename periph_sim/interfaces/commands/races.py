@@ -1,0 +1,40 @@
+"""`periph-sim races RUN`: distances of reads of flags from their changes, and flags lost to read-modify-writes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .input_options import RUN_FILE, SYSCLK, open_run
+from .json_output import print_json
+from .usage_error import usage_errors_in_one_sentence
+
+SECTION = "understand"
+EXAMPLE = "periph-sim races run.psr --register I2C-A.I2CSTR"
+
+
+@click.command()
+@RUN_FILE
+@click.option("--register", metavar="NAME", help="One register, or one field of it: I2C-A.I2CSTR, I2C-A.I2CSTR.RRDY.")
+@click.option("--least", type=click.IntRange(0), metavar="CYCLES", help="Exit status 1 if a read was nearer.")
+@click.option("--no-lost", is_flag=True, help="Exit status 1 if a flag was lost to a read-modify-write.")
+@SYSCLK
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def races(run: Path, register: str | None, least: int | None, no_lost: bool, sysclk: str | None, as_json: bool) -> int:
+    """Show how near reads of status registers in RUN were to changes of their flags.
+
+    RUN is the output of `run --record x.psr`. Flags that a read-modify-write cleared unintentionally are listed too.
+    """
+    from ...records.races import races as races_of
+    from ...records.races_text_report import as_json as as_dict
+    from ...records.races_text_report import text
+
+    with usage_errors_in_one_sentence():
+        found = races_of(open_run(run, sysclk), register)
+    if as_json:
+        print_json("races", as_dict(found))
+    else:
+        click.echo(text(found))
+    too_near = least is not None and found.closest is not None and found.closest < least
+    return int(too_near or (no_lost and found.lost > 0))

@@ -1,0 +1,373 @@
+"""`periph-sim replay CAPTURE`: replay a capture against a firmware, print the first differences of the wires."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from fractions import Fraction
+from pathlib import Path
+
+import click
+
+from ...core.text_table import columns
+from ...records.if_recorded import if_recorded
+from ...replay.channels import ALL, channel_map, serial_channel
+from ...replay.compare import Change, Divergence
+from ...replay.i2c_closed_loop import I2cReplay
+from ...replay.i2c_master import I2cMasterReplay
+from ...replay.i2c_open_loop import I2cOpenReplay
+from ...replay.i2c_setup import PATIENCE
+from ...replay.report import Report
+from ...replay.session import SessionReplay
+from ...replay.uart import UartReplay, line_format
+from ...replay.verdict import AMBIGUOUS, PASS, headline
+from ...scene.case.load import load
+from ...scene.case.model import Case
+from ...traces.capture.capture import Capture
+from ...traces.formats.atomic_write import atomic_write
+from .assumptions import assumptions
+from .input_options import RATE, SALVAGE, read_capture, time_given
+from .json_output import print_json
+from .progress import progress
+from .result_text import budget_table, legend
+from .tables import Screen, plain_table, say, terminal
+from .usage_error import running_user_code
+
+FIRST = {
+    "byte": "first wrong byte",
+    "ACK": "first wrong ACK",
+    "event": "first other divergence",
+    "timing": "first difference in time",
+}
+BEFORE, AFTER = 14, 4  # changes shown around a divergence
+
+SECTION = "traces"
+EXAMPLE = "periph-sim replay capture.sr --case timing/responder.toml"
+
+
+@click.command()
+@click.argument("capture", type=click.Path(path_type=Path))
+@click.option("--case", "case_file", required=True, type=click.Path(path_type=Path), help="The case with the firmware.")
+@click.option(
+    "--map",
+    "mapping",
+    metavar="LINE=CHANNEL,...",
+    help="scl=0,sda=1, or rx=0, or all three; a channel by name or index.",
+)
+@click.option(
+    "--uart", "serial", metavar="FILE[,rx=CHANNEL]", help="With an I2C capture: the capture of RX at the same time."
+)
+@click.option(
+    "--offset", metavar="TIME", help="From the begin of CAPTURE to that of the --uart file; '-2 ms' if before."
+)
+@RATE
+@SALVAGE
+@click.option("--loop", type=click.Choice(["closed", "open"]), help="I2C: see above. [closed]")
+@click.option("--as", "role", type=click.Choice(["slave", "master"]), help="I2C: role of the F28335. [slave]")
+@click.option("--tolerance", metavar="TIME", help="I2C: fail if an event is further off in time: '2 us'.")
+@click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="I2C: an address of the firmware.")
+@click.option("--first", type=click.IntRange(min=1), metavar="N", help="I2C: only the first N transfers.")
+@click.option("--longest-low", metavar="TIME", help="I2C: release SCL after this time: '10 us'; else as captured.")
+@click.option(
+    "--patience",
+    metavar="TIME",
+    help="I2C: end if SCL is held low, or a script makes no progress, for longer: '1 s'. [200 ms]",
+)
+@click.option("--baud", type=click.IntRange(min=1), help="UART: the line's rate; else as the firmware sets it.")
+@click.option("--format", "frame", metavar="FORMAT", help="UART: data bits, parity and stop bits with --baud: 8n1.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
+@click.option("--svg", type=click.Path(path_type=Path), help="Draw the first divergence as a timing diagram.")
+@click.option("--strict", is_flag=True, help="Exit status 1 also if something is ambiguous.")
+@click.option("-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def replay(
+    capture: Path,
+    case_file: Path,
+    mapping: str | None,
+    serial: str | None,
+    offset: str | None,
+    rate: str | None,
+    salvage: bool,
+    loop: str | None,
+    role: str | None,
+    tolerance: str | None,
+    addresses: tuple[str, ...],
+    first: int | None,
+    longest_low: str | None,
+    patience: str | None,
+    baud: int | None,
+    frame: str | None,
+    changes: tuple[str, ...],
+    record: Path | None,
+    svg: Path | None,
+    strict: bool,
+    verbose: bool,
+    as_json: bool,
+) -> int:
+    """Replay CAPTURE against the firmware of a case.
+
+    \b
+    --loop closed  of an I2C capture the controller's decisions are played, and
+                   the firmware's slave answers and stretches by itself
+    --loop open    every edge of the capture goes to the chip; its outputs are
+                   compared with the capture
+    --as master    the captured targets' answers are played to the firmware's
+                   own requests
+
+    Of a UART capture one line goes into SCI-A, edge by edge. An I2C and a UART capture of the same time, from one file
+    or two, are a session: the case's budgets are measured on it.
+
+    Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not, or nothing
+    can be judged; 2: it cannot be replayed.
+    """
+    with running_user_code():
+        case = load(case_file, list(changes))
+        given = read_capture(capture, rate, salvage)
+        both = serial is None and any({"I2C-A", "SCI-A"} <= set(unit.modules) for unit in case.unit.values())
+        lines = channel_map(given, mapping, session=both)
+        host = None if serial is None else _serial(serial, salvage)
+        own = [_address(text) for text in addresses]
+        low = None if longest_low is None else _above_zero("--longest-low", longest_low)
+        wait = PATIENCE if patience is None else _above_zero("--patience", patience)
+        most = None if tolerance is None else time_given("--tolerance", tolerance)
+        line = None if baud is None else line_format(baud, frame or "8n1")
+        i2c_only = {
+            "--address": own,
+            "--first": first,
+            "--longest-low": low,
+            "--patience": patience,
+            "--loop": loop,
+            "--as": role,
+            "--tolerance": tolerance,
+        }
+        session = host is not None or len(lines) == len(ALL)
+        if not session:
+            _refuse("rx" in lines, i2c_only, {"--baud": baud, "--format": frame})
+        _refuse_together(loop, role, own, low, patience, baud, frame)
+        _refuse_in_session(session, host is not None, "scl" in lines, loop, role, offset)
+        after = Fraction(0) if offset is None else _offset(offset)
+        with if_recorded(record, case.recorded_modules) as (subscribe, ended_at):
+            player: UartReplay | I2cReplay | I2cOpenReplay | I2cMasterReplay
+            if session:
+                other, rx = (given, lines["rx"]) if host is None else host
+                player = SessionReplay(
+                    case,
+                    given,
+                    lines["scl"],
+                    lines["sda"],
+                    other,
+                    rx,
+                    after,
+                    line,
+                    own,
+                    first,
+                    low,
+                    subscribe,
+                    most,
+                    wait,
+                )
+            elif "rx" in lines:
+                player = UartReplay(case, given, lines["rx"], line, subscribe)
+            elif role == "master":
+                player = I2cMasterReplay(case, given, lines["scl"], lines["sda"], first, subscribe, most, wait)
+            elif loop == "open":
+                player = I2cOpenReplay(case, given, lines["scl"], lines["sda"], own, first, subscribe, most)
+            else:
+                player = I2cReplay(
+                    case, given, lines["scl"], lines["sda"], own, first, low, subscribe, most, patience=wait
+                )
+            with progress(case.name) as on_progress:
+                report = player.run(on_progress)
+            ended_at(player.kernel.now)
+        if svg is not None:
+            _draw(svg, player.picture(report))
+    if as_json:
+        print_json("replay", dataclasses.asdict(report))
+    else:
+        show(terminal(), report, case, verbose)
+    return 0 if report.verdict == PASS or (report.verdict == AMBIGUOUS and not strict) else 1
+
+
+def _refuse_in_session(
+    session: bool, uart: bool, i2c: bool, loop: str | None, role: str | None, offset: str | None
+) -> None:
+    """Reject options that contradict a session: closed loop, slave, and an I2C capture first."""
+    if uart and not i2c:
+        raise click.ClickException("--uart needs an I2C capture; this one is a UART capture itself")
+    if offset is not None and not uart:
+        raise click.ClickException("--offset needs --uart; the channels of one file share one time")
+    if session and (loop == "open" or role == "master"):
+        raise click.ClickException("an I2C and a UART capture together are for --loop closed --as slave")
+
+
+def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
+    """Parse a file and its channel: `host.sr`, `host.sr,rx=0`, `host.csv,rx=0,rate=4 MHz`."""
+    path, *more = text.split(",")
+    rates = [part.partition("=")[2] for part in more if part.strip().startswith("rate=")]
+    lines = [part for part in more if not part.strip().startswith("rate=")]
+    capture = read_capture(Path(path), rates[-1] if rates else None, salvage, "--uart")
+    return capture, serial_channel(capture, ",".join(lines) if lines else None)
+
+
+def _offset(text: str) -> Fraction:
+    """Parse --offset to seconds, also negative."""
+    text = text.strip()
+    return -time_given("--offset", text[1:].strip()) if text.startswith("-") else time_given("--offset", text)
+
+
+def _draw(path: Path, picture: str | None) -> None:
+    if picture is None:
+        click.echo(f"{path}: not written, since there is no divergence to draw", err=True)
+        return
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(picture, encoding="utf-8")
+
+
+def _refuse_together(
+    loop: str | None,
+    role: str | None,
+    own: list[int],
+    low: Fraction | None,
+    patience: str | None,
+    baud: int | None,
+    frame: str | None,
+) -> None:
+    """Reject options that contradict each other."""
+    if role == "master":
+        slaves = {"--loop open": loop == "open", "--address": own, "--longest-low": low}
+        for name, value in slaves.items():
+            if value:
+                raise click.ClickException(f"{name} is for a slave; as master the firmware makes the clock itself")
+    if loop == "open" and low is not None:
+        raise click.ClickException("--longest-low is for --loop closed; in open loop every edge is the capture's")
+    if loop == "open" and patience is not None:
+        raise click.ClickException("--patience is for --loop closed; an open loop does not wait for the firmware")
+    if frame and not baud:
+        raise click.ClickException("--format needs --baud; without both the line is read as the firmware sets the SCI")
+
+
+def _refuse(uart: bool, i2c_only: Mapping[str, object], uart_only: Mapping[str, object]) -> None:
+    """Reject options that would have no effect."""
+    for name, value in (i2c_only if uart else uart_only).items():
+        if value:
+            raise click.ClickException(f"{name} is for {'I2C' if uart else 'UART'} captures; this one is not mapped so")
+
+
+def _above_zero(option: str, text: str) -> Fraction:
+    length = time_given(option, text)
+    if not length:
+        raise click.ClickException(f"{option}: expected more than 0")
+    return length
+
+
+def _address(text: str) -> int:
+    try:
+        address = int(text, 0)
+    except ValueError:
+        address = -1
+    if not 0 <= address <= 0x7F:
+        raise click.ClickException(f"--address: {text!r} is no 7-bit address; expected 0 to 0x7F, right-aligned")
+    return address
+
+
+def show(console: Screen, report: Report, case: Case, verbose: bool) -> None:
+    """Print the report. verbose: list the run's assumptions."""
+    say(console, f"{report.case}, {report.capture}: {headline(report)}", style="bold")
+    for line in ["", *columns(rows(report), indent=" "), ""]:
+        say(console, line)
+    if report.budgets:
+        console.print(budget_table(report.budgets))
+        for line in legend(report.budgets):
+            say(console, line)
+    for divergence in report.divergences:
+        show_history(console, divergence)
+    for line in report.notes:
+        say(console, f"note: {line}")
+    for line in assumptions(report.unknowns, case, verbose):
+        say(console, line)
+
+
+def rows(report: Report) -> list[tuple[str, str]]:
+    """Return name and value of each line of the table."""
+    found = [("events as in the capture", f"{report.agreed} of {report.events}")]
+    if report.ambiguous:
+        found.append(("ambiguous", str(report.ambiguous)))
+    if report.captured_errors:
+        share = report.captured_errors / report.events
+        found.append(("frames with errors in the capture", f"{report.captured_errors} of {report.events}, {share:.1%}"))
+    for divergence in report.divergences:
+        found.append((FIRST[divergence.kind], f"expected {divergence.expected} {_at(divergence.capture_s)}"))
+        found.append(("", f"found {divergence.found} {_at(divergence.replay_s)}"))
+        if divergence.cause:
+            found.append(("", divergence.cause))
+    found.append(("bytes", str(report.bytes)))
+    if report.kind == "uart":
+        found.append(("errors", ", ".join(f"{name} {count}" for name, count in report.errors.items())))
+        found.append(("start bit to read, at most", f"{report.lag_worst_us:.3f} us"))
+    else:
+        who = "answered by the firmware" if report.role == "slave" else "answered as captured"
+        plural = "es" * (len(report.addresses) != 1)
+        found.append((who, f"address{plural} {', '.join(report.addresses) or 'none'}"))
+        found.append(("NACKs", str(report.nacks)))
+        found += _times(report)
+    found.append(("simulated", f"{report.simulated_s:.6f} s in {report.wall_s:.3f} s"))
+    return found
+
+
+def _times(report: Report) -> list[tuple[str, str]]:
+    """Return lines about times of an I2C replay, and about stretches in the capture, if any."""
+    captured = [("longest stretch or pause captured", f"{report.captured_stretch_us:.3f} us")]
+    return _replayed_times(report) + (captured if report.captured_stretch_us else [])
+
+
+def _replayed_times(report: Report) -> list[tuple[str, str]]:
+    if report.loop == "open":
+        return [
+            ("longest stretch it would make", f"{report.stretch_worst_us:.3f} us"),
+            ("answer not ready by, at most", f"{report.late_worst_us:.3f} us"),
+        ]
+    largest = [("largest difference in time", f"{report.lag_worst_us:.3f} us")]
+    if report.lag_worst_us:
+        largest.append(("", f"{report.lag_samples:.1f} sample periods of the capture"))
+    if report.role == "master":
+        return largest
+    return [
+        ("longest stretch", f"{report.stretch_worst_us:.3f} us"),
+        ("all stretches", f"{report.stretch_total_us:.3f} us"),
+        *largest,
+    ]
+
+
+def show_history(console: Screen, divergence: Divergence) -> None:
+    """Show the chip's changes around a divergence: the last before it, and the first after it."""
+    if not divergence.history:
+        return
+    at = divergence.replay_s if divergence.replay_s is not None else divergence.history[-1].at_s
+    before = _polls_as_one([change for change in divergence.history if change.at_s <= at])[-BEFORE:]
+    after = _polls_as_one([change for change in divergence.history if change.at_s > at])[:AFTER]
+    say(console, f"the chip around the {FIRST[divergence.kind]}", "italic")
+    table = plain_table()
+    table.add_column("at", justify="right", no_wrap=True)
+    table.add_column("", justify="right", no_wrap=True)
+    table.add_column("register", no_wrap=True)
+    table.add_column("value", justify="right", no_wrap=True)
+    for change in [*before, *after]:
+        access = change.what[:2] in ("R ", "W ")
+        value = f"{change.value:04X}" if access else str(change.value)
+        style = "dim" if change.at_s > at else ""
+        table.add_row(f"{change.at_s:.9f} s", f"{(change.at_s - at) * 1e6:+.3f} us", change.what, value, style=style)
+    console.print(table)
+
+
+def _polls_as_one(changes: list[Change]) -> list[Change]:
+    """Drop reads with the same result as the read just before."""
+    return [
+        change
+        for before, change in zip([None, *changes], changes, strict=False)
+        if before is None or (before.what, before.value) != (change.what, change.value)
+    ]
+
+
+def _at(seconds: float | None) -> str:
+    return "" if seconds is None else f"at {seconds:.6f} s"

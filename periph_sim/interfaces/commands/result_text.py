@@ -1,0 +1,134 @@
+"""A result as tables for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...core.counted import counted
+from ...scene.case.model import Case
+from ...scene.result import SKIPPED, Result
+from ...timing.format_value import broken, figure, limit, simulated
+from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict
+from .assumptions import assumptions
+from .tables import PlainTable, Screen, plain_table, say
+
+A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
+THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}  # singular names of counts
+STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
+
+
+def show(console: Screen, result: Result, case: Case, verbose: bool = False) -> None:
+    """Print a result. verbose: list the run's assumptions and skipped events."""
+    say(console, f"{result.case}: {title(result)}{estimated(result)}", style="bold")
+    if result.budgets:
+        console.print(budget_table(result.budgets))
+    else:
+        say(console, f"the case has no budget; put one at its top, for instance:\n{A_BUDGET}")
+    for line in legend(result.budgets):
+        say(console, line)
+    say(
+        console,
+        f"{simulated(result.simulated_s)} simulated; "
+        f"{counted(result.wire_bytes, 'I2C byte')}, {_sci_bytes(result)}, "
+        f"{counted(result.events, 'event')}",
+    )
+    for line in _counts(result, verbose):
+        say(console, line)
+    for line in found_lines(result.budgets):
+        say(console, line)
+    if result.first_wrong:
+        say(console, f"first wrong: {result.first_wrong}")
+    for place, times in list(result.wrong.items())[:12]:
+        say(console, f"wrong: {place}, {counted(times, 'time')}")
+    for line in result.stuck:
+        say(console, f"stuck: {line}")
+    for line in result.notes:
+        say(console, f"note: {line}")
+    for line in assumptions(result.unknowns, case, verbose):
+        say(console, line)
+
+
+def _sci_bytes(result: Result) -> str:
+    """ "3 SCI bytes", or "3 SCI bytes to units and 100 from units" if units have sent any."""
+    to_units = counted(result.sci_bytes, "SCI byte")
+    return f"{to_units} to units and {result.sci_bytes_sent} from units" if result.sci_bytes_sent else to_units
+
+
+def found_lines(budgets: Sequence[Verdict]) -> list[str]:
+    """Return a line for each budget that is not broken and has a finding."""
+    return [f"{each.name}: {each.found}" for each in budgets if each.found and not each.broken]
+
+
+def _counts(result: Result, verbose: bool) -> list[str]:
+    shown = [_count(name, count) for name, count in result.counts.items() if count and name != SKIPPED]
+    lines = [", ".join(shown)] if shown else []
+    skipped = ((result.counts.get(SKIPPED), "polls"), (result.bytes_skipped, "times seven bits of an I2C byte"))
+    if verbose:
+        lines += [f"skipped {rounded(count)} {what}" for count, what in skipped if count]
+    return lines
+
+
+def _count(name: str, count: int) -> str:
+    """`2 resets`, `1 reset`; `1 missed`."""
+    return counted(count, THINGS[name]) if name in THINGS else f"{count} {name.replace('_', ' ')}"
+
+
+def rounded(count: int) -> str:
+    """`142.7 M`, `28.2 k`, `999`: a count of which only the size matters."""
+    for size, letter in ((10**6, "M"), (10**3, "k")):
+        if count >= size:
+            return f"{count / size:.1f} {letter}"
+    return str(count)
+
+
+def title(result: Result) -> str:
+    return "PASS, as seen in this run" if result.verdict == PASS else result.verdict.upper()
+
+
+def estimated(result: Result) -> str:
+    """Return a remark on estimated times, for code that is not the chip's."""
+    return f"; cycles between accesses of {' and '.join(result.estimated)} are estimated" if result.estimated else ""
+
+
+def budget_table(budgets: Sequence[Verdict]) -> PlainTable:
+    """Return a table with a row for each budget; broken ones red, not judged yellow. Only names may take two lines."""
+    table = plain_table()
+    table.add_column("budget")
+    for name in FIGURES:
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for verdict in budgets:
+        cells = row(verdict)
+        table.add_row(verdict.name, *(cells[name] for name in FIGURES), verdict.word, style=STYLES[verdict.verdict])
+    return table
+
+
+FIGURES = ("seen", "limit", "margin", "count")
+
+
+def row(verdict: Verdict) -> dict[str, str]:
+    """Return the figures of a verdict by column."""
+    unit = verdict.unit
+    return {
+        "seen": figure(verdict.worst, unit),
+        "limit": limit(verdict.limit, unit, verdict.which),
+        "margin": figure(verdict.margin, unit),
+        "count": verdict.counted,
+    }
+
+
+def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
+    """Return a line for each broken budget: why, and when if that is known."""
+    return [f"{each.name}: {broken(each)}" for each in budgets if each.broken]
+
+
+def legend(budgets: Sequence[Verdict]) -> list[str]:
+    """Return lines on broken budgets with their instants, then the meaning of the table's words."""
+    lines = broken_lines(budgets)
+    if not budgets:
+        return []
+    seen = any(each.word == SEEN for each in budgets)
+    lines.append("count: occurrences" + "; seen: held in this run, other timings are not covered" * seen)
+    if any(each.word == NOT_JUDGED for each in budgets):
+        lines.append("not judged: too little was measured; no pass")
+    return lines

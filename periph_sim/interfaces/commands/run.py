@@ -1,0 +1,129 @@
+"""`periph-sim run CASE`: run a case, print its budgets, set the exit status."""
+
+from __future__ import annotations
+
+import dataclasses
+from contextlib import ExitStack
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ...records.if_recorded import if_recorded
+from ...scene.case.load import load
+from ...scene.clocks import clocks_of
+from ...scene.result import Result
+from ...scene.scene import Scene
+from .command_line import command_line
+from .input_options import GUARANTEED, apart, length_given, refuse_guaranteed
+from .json_output import print_json
+from .progress import progress
+from .result_text import show
+from .tables import terminal
+from .usage_error import running_user_code
+
+if TYPE_CHECKING:
+    from ..reports.explain.chain import Chain
+
+SECTION = "run"
+EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@click.option(
+    "--disable", multiple=True, metavar="NAME", help="Switch off an optimization: bits, polls, decoding; or all."
+)
+@click.option("--fidelity", metavar="LEVEL", hidden=True, help="Obsolete: every run is exact.")
+@click.option("--max-error", metavar="TIME", hidden=True, help="Obsolete: every run is exact.")
+@click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
+@click.option("--html", type=click.Path(path_type=Path), help="Write a report with plots and timelines to this file.")
+@GUARANTEED
+@click.option("--explain", is_flag=True, help="Explain the worst occurrence of each budget.")
+@click.option(
+    "-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed; count skipped polls."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def run(
+    case: Path,
+    seconds: str | None,
+    changes: tuple[str, ...],
+    disable: tuple[str, ...],
+    fidelity: str | None,
+    max_error: str | None,
+    record: Path | None,
+    html: Path | None,
+    guaranteed: bool | None,
+    explain: bool,
+    verbose: bool,
+    as_json: bool,
+) -> int:
+    """Run CASE and judge its budgets: exit status 0 if all hold, else 1."""
+    apart(record=record, html=html)
+    with running_user_code(), ExitStack() as outputs:
+        refuse_guaranteed(guaranteed)
+        changes += _as_changes(disable, fidelity or ("auto" if max_error else None))
+        loaded = load(case, list(changes))
+        length = None if seconds is None else length_given(seconds)
+        unfinished = None
+        if html is not None:
+            from ...traces.formats.atomic_write import atomic_write
+
+            unfinished = outputs.enter_context(atomic_write(html))
+        subscribe, ended_at = outputs.enter_context(if_recorded(record, loaded.recorded_modules))
+        with progress(loaded.name) as on_progress:
+            scene = Scene(loaded, subscribe, keep_values=html is not None)
+            result = scene.run(length, on_progress)
+        ended_at(scene.kernel.now, clocks_of(scene))
+        chains = _chains(scene, result, length) if explain else {}
+        if unfinished is not None:
+            from ...timing.values import values_of
+            from ..reports.html import case_report, page
+
+            values = values_of(scene.limits, scene.start)
+            per_second = scene.timebase.per_second
+            report = case_report(loaded, result, values, scene.typical(), per_second, length, changes)
+            unfinished.write_text(page([report], loaded.name, command_line()), encoding="utf-8")
+    if as_json:
+        print_json("run", _object(result, chains if explain else None))
+    else:
+        show(terminal(), result, loaded, verbose)
+        if chains:
+            from ..reports.explain.text_report import text
+
+            for chain in chains.values():
+                click.echo("\n".join(["", *text(chain)]))
+    return status(result)
+
+
+def _as_changes(disable: tuple[str, ...], fidelity: str | None) -> tuple[str, ...]:
+    """Return the options as changes of the case."""
+    names = ", ".join(f'"{name}"' for name in disable)
+    changes = (f"disable=[{names}]",) if disable else ()
+    return changes if fidelity is None else (*changes, f"fidelity={fidelity}")
+
+
+def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, Chain]:
+    from ..reports.explain.explain import explain
+
+    found = explain(scene.case, result.budgets, scene.typical(), length)
+    return {name: one.chain for name, one in found.items()}
+
+
+def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object]:
+    """Return the result as an object; with chains, `chain` in each budget, null without an instant."""
+    shown = dataclasses.asdict(result)
+    if chains is not None:
+        from ..reports.explain.text_report import as_json
+
+        for budget in shown["budgets"]:
+            chain = chains.get(budget["name"])
+            budget["chain"] = None if chain is None else as_json(chain)
+    return shown
+
+
+def status(result: Result) -> int:
+    return 0 if result.verdict == "pass" else 1

@@ -1,0 +1,22 @@
+"""`periph-sim schema`: the JSON schema of case files, which editors complete and check them by."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+SECTION = "run"
+EXAMPLE = "periph-sim schema > periph-sim.schema.json"
+
+
+@click.command()
+def schema() -> None:
+    """Print the JSON schema of case files, for editors.
+
+    A case whose first line is `#:schema ./periph-sim.schema.json` is completed and checked
+    while it is typed, by Even Better TOML in VS Code and by taplo everywhere else.
+    """
+    from ...scene.case.json_schema import case_schema
+
+    click.echo(json.dumps(case_schema(), indent=2, ensure_ascii=False))

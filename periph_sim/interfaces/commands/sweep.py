@@ -1,0 +1,221 @@
+"""`periph-sim sweep CASE --vary KEY=VALUES`: run a case with many values of its keys, print budgets at their worst."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .input_options import length_given
+from .json_output import print_json
+from .usage_error import running_user_code
+
+if TYPE_CHECKING:
+    from ..reports.sweep import BudgetColumns, Sweep
+    from .tables import PlainTable
+
+SECTION = "run"
+EXAMPLE = "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1"
+
+MAX_LISTED = 10  # runs that are listed one by one
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option(
+    "--vary",
+    multiple=True,
+    required=True,
+    metavar="KEY=VALUES",
+    help="Values of a key: '1, 2, 5' or '0 ms to 20 ms step 10 us'. With several keys, every combination.",
+)
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key in every run.")
+@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
+@click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
+@click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write a line for each run to this file.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def sweep(
+    case: Path,
+    vary: tuple[str, ...],
+    changes: tuple[str, ...],
+    seconds: str | None,
+    jobs: int | None,
+    csv_file: Path | None,
+    as_json: bool,
+) -> int:
+    """Run CASE once for each combination of values, and show for each budget the run nearest to its limit.
+
+    Exit status 0: every run passes; 1: otherwise; 2: a run could not be made (the others were), or
+    Ctrl-C or SIGTERM stopped the sweep (the finished runs are shown).
+    """
+    from ...scene.case.model import BadCase
+    from ...traces.formats.atomic_write import atomic_write
+    from ..reports.sweep import SweepStopped
+    from ..reports.sweep import sweep as swept
+    from .progress import progress
+    from .watched_files import note_inputs
+
+    with running_user_code(), ExitStack() as outputs:
+        varied = _varied(vary)
+        fixed = {key.strip(): [value.strip()] for key, value in (_parts("--set", change) for change in changes)}
+        for key in fixed.keys() & varied.keys():
+            raise click.ClickException(f"--set and --vary both name {key}; remove one of them")
+        length = None if seconds is None else length_given(seconds)
+        note_inputs([case])
+        unfinished = None if csv_file is None else outputs.enter_context(atomic_write(csv_file))
+        stopped = ""
+        with progress(case.stem) as on_progress:
+            try:
+                came = swept(case, fixed | varied, seconds=length, jobs=jobs, on_progress=on_progress)
+            except SweepStopped as error:
+                came, stopped = error.finished, str(error)
+            except BadCase as error:
+                raise click.ClickException(_as_varied(str(error), varied)) from None
+        if unfinished is not None:
+            _write_csv(came, unfinished)
+    if as_json:
+        print_json("sweep", _object(came, stopped))
+    else:
+        _show(came, list(varied), stopped)
+    if stopped:
+        click.echo(f"Error: {stopped}", err=True)
+        return 2
+    verdicts = set(came.verdict.tolist())
+    return 2 if "error" in verdicts else int(verdicts != {"pass"})
+
+
+def _parts(option: str, change: str) -> tuple[str, str]:
+    key, equals, value = change.partition("=")
+    if not equals or not key.strip() or not value.strip():
+        raise click.ClickException(f"{option} {change!r}: expected KEY=VALUE, for instance controller.period=10 ms")
+    return key.strip(), value
+
+
+def _varied(vary: tuple[str, ...]) -> dict[str, list[str]]:
+    from ..reports.sweep.values import values_of
+
+    found: dict[str, list[str]] = {}
+    for text in vary:
+        key, values = _parts("--vary", text)
+        if key in found:
+            raise click.ClickException(f"--vary {key} is given twice; give all its values at once")
+        found[key] = values_of(key, values)
+    return found
+
+
+def _as_varied(sentence: str, varied: Mapping[str, list[str]]) -> str:
+    """Rewrite an error of a case, which names --set, with the option that the user gave."""
+    for key, values in varied.items():
+        if f"--set '{key}=" in sentence:
+            sentence = sentence.replace(f"--set '{key}=", f"--vary '{key}=")
+            if len(values) == 1 and " to " in values[0]:
+                sentence += "; a range needs a step: 'FIRST to LAST step STEP'"
+    return sentence
+
+
+def _write_csv(came: Sweep, file: Path) -> None:
+    """Write a line for each run; missing values are empty."""
+    columns = came.columns()
+    with file.open("w", encoding="utf-8", newline="") as out:
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(["run", *columns])
+        for row, values in enumerate(zip(*(column.tolist() for column in columns.values()), strict=True)):
+            writer.writerow([row, *("" if value != value else value for value in values)])
+
+
+def _object(came: Sweep, stopped: str) -> dict[str, object]:
+    """Return an object for each run, with figures as in `run --json`. stopped: why runs are missing, or ""."""
+    return {
+        "case": came.case,
+        "runs": [
+            {
+                "set": {key: str(column[row]) for key, column in came.changes.items()},
+                "verdict": str(came.verdict[row]),
+                "error": str(came.error[row]),
+                "budgets": {
+                    name: {figure: _plain(column[row]) for figure, column in _figures(budget).items()}
+                    for name, budget in came.budgets.items()
+                    if budget.verdict[row]
+                },
+            }
+            for row in range(len(came))
+        ],
+        "stopped": stopped,
+        "units": {name: budget.unit for name, budget in came.budgets.items()},
+    }
+
+
+def _figures(budget: BudgetColumns) -> Mapping[str, Any]:
+    names = ("worst", "limit", "margin", "at_s", "count", "verdict")
+    return {name: getattr(budget, name) for name in names}
+
+
+def _plain(value: Any) -> object:
+    plain = value.item()
+    return None if plain != plain else plain
+
+
+def _show(came: Sweep, varied: list[str], stopped: str) -> None:
+    from .tables import say, terminal
+
+    console = terminal()
+    verdicts = came.verdict.tolist()
+    counts = ", ".join(f"{verdicts.count(word)} {word}" for word in dict.fromkeys(sorted(verdicts, reverse=True)))
+    say(console, "; ".join(filter(None, (f"{came.case}: {len(came)} runs", counts, stopped))), "bold")
+    table, shown = _table(came)
+    if shown:
+        console.print(table)
+        say(console, "nearest: in the run with the least margin, whose number is in `run`")
+    failed = [row for row, verdict in enumerate(verdicts) if verdict != "pass"]
+    listed = {*shown, *failed[:MAX_LISTED]}
+    for row in sorted(listed):
+        values = ", ".join(f"{key}={came.changes[key][row]}" for key in varied)
+        say(console, f"run {row}: {values}{_why(came, row)}")
+    more = len(set(failed) - listed)
+    if more:
+        say(console, f"{more} more do not pass; --csv or --json has all")
+
+
+def _why(came: Sweep, row: int) -> str:
+    """Return why a run does not pass."""
+    if came.error[row]:
+        return f": error: {came.error[row]}"
+    words = {name: str(budget.verdict[row]) for name, budget in came.budgets.items()}
+    return "".join(f"; {name} {word}" for name, word in words.items() if word in ("broken", "not judged"))
+
+
+def _table(came: Sweep) -> tuple[PlainTable, list[int]]:
+    """Return a table with a row for each budget, and the runs that it names."""
+    import numpy as np
+
+    from ...timing.format_value import figure, limit
+    from .tables import plain_table
+
+    table = plain_table()
+    table.add_column("budget")
+    for title in ("nearest", "limit", "run", "broken", "not\njudged"):
+        table.add_column(title, justify="right", no_wrap=True)
+    shown: dict[int, None] = {}
+    for name, budget in came.budgets.items():
+        words = budget.verdict.tolist()
+        numbers = (str(words.count("broken")), str(words.count("not judged")))
+        style = "red" if "broken" in words else ""
+        if np.isnan(budget.margin).all():
+            table.add_row(name, "-", "-", "-", *numbers, style=style)
+            continue
+        row = int(np.nanargmin(budget.margin))
+        shown[row] = None
+        values = (_of_unit(column[row], budget.unit) for column in (budget.worst, budget.limit))
+        worst, most = values
+        cells = (figure(worst, budget.unit), limit(most, budget.unit, ""), str(row))
+        table.add_row(name, *cells, *numbers, style=style)
+    return table, list(shown)
+
+
+def _of_unit(value: Any, unit: str) -> float | int:
+    """Convert a value; counts become whole numbers."""
+    return float(value) if unit in ("us", "%", "LSB") else int(value)

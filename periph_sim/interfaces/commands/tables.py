@@ -1,0 +1,124 @@
+"""The common style of tables and lines of all commands, which fit 80 columns without losing words.
+
+Tables are those of `core.text_table`, as wide as the terminal, with a style for each row. In a pipe or a file, where
+styles are not visible, the same lines are printed without rich, whose import takes longer than printing them.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+import click
+
+from ...core.text_table import WIDTH, table_rows, together
+
+if TYPE_CHECKING:
+    from rich.console import Console, ConsoleOptions
+    from rich.text import Text
+
+__all__ = ["WIDTH", "Piped", "PlainTable", "Screen", "plain_table", "say", "terminal"]
+
+STYLED = ("FORCE_COLOR", "TTY_COMPATIBLE")  # variables that make rich use styles in a pipe
+UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that rich removes
+TAB = 8
+
+
+class Piped:
+    """Standard output other than a terminal."""
+
+    def __init__(self, width: int) -> None:
+        self.width = width
+
+    def print(self, table: PlainTable) -> None:
+        for line, _ in table.lines(self.width):
+            self.say(line)
+
+    def say(self, text: str) -> None:
+        for line in text.split("\n"):
+            click.echo(line.translate(UNSEEN).expandtabs(TAB), color=True)  # True: unchanged
+
+
+Screen: TypeAlias = "Console | Piped"
+
+
+def terminal() -> Screen:
+    """Return standard output. Below 80 columns the terminal may break lines, but no table loses words."""
+    if not sys.stdout.isatty() and not any(name in os.environ for name in STYLED):
+        return Piped(max(_columns(), WIDTH))
+    from rich.console import Console
+
+    console = Console()
+    console.width = max(console.width, WIDTH)
+    return console
+
+
+def _columns() -> int:
+    """Return the width: that of COLUMNS, or of the command's terminal; 0 if there is none."""
+    said = os.environ.get("COLUMNS", "")
+    if said.isdecimal():
+        return int(said)
+    for stream in (sys.__stdin__, sys.__stdout__, sys.__stderr__):
+        try:
+            return 0 if stream is None else os.get_terminal_size(stream.fileno()).columns
+        except (ValueError, OSError):  # closed, or no terminal
+            pass
+    return 0
+
+
+class PlainTable:
+    """A table with a line under its titles and none between its rows; for `Screen.print`."""
+
+    def __init__(self) -> None:
+        self._titles: list[str] = []
+        self._right: set[int] = set()
+        self._whole: set[int] = set()  # columns whose cells are not broken
+        self._rows: list[list[str]] = []
+        self._styles: list[str] = []
+
+    def add_column(self, title: str, justify: Literal["left", "right"] = "left", no_wrap: bool = False) -> None:
+        number = len(self._titles)
+        self._titles.append(title)
+        if justify == "right":
+            self._right.add(number)
+        if no_wrap:
+            self._whole.add(number)
+
+    def add_row(self, *cells: str, style: str = "") -> None:
+        self._rows.append([together(cell) if n in self._whole else cell for n, cell in enumerate(cells)])
+        self._styles.append(style)
+
+    def lines(self, width: int) -> Iterator[tuple[str, str]]:
+        """Yield each line with its style."""
+        lowest = max(title.count("\n") for title in self._titles)
+        titles = ["\n" * (lowest - title.count("\n")) + title for title in self._titles]
+        head, *rows = table_rows(titles, self._rows, self._right, width)
+        yield "", ""
+        yield from ((line, "bold") for line in head[:-1])
+        yield head[-1], ""
+        for lines, style in zip(rows, self._styles, strict=True):
+            yield from ((line, style) for line in lines)
+        yield "", ""
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
+        from rich.text import Text
+
+        for line, style in self.lines(options.max_width):
+            yield Text(line, style=style, no_wrap=True, overflow="ignore")
+
+
+def plain_table(*columns: str) -> PlainTable:
+    table = PlainTable()
+    for title in columns:
+        table.add_column(title)
+    return table
+
+
+def say(screen: Screen, line: str, style: str = "") -> None:
+    """Print one line unchanged: unbroken, so that it can be searched for, without own colours or markup."""
+    if isinstance(screen, Piped):
+        screen.say(line)
+    else:
+        screen.print(line, style=style, highlight=False, markup=False, emoji=False, soft_wrap=True)

@@ -1,0 +1,96 @@
+"""`periph-sim terminal CASE`: run a case in real time with a terminal at its SCI."""
+
+from __future__ import annotations
+
+import codecs
+import sys
+from pathlib import Path
+from urllib.parse import urlencode
+
+import click
+
+from .input_options import pace_given
+from .usage_error import usage_errors_in_one_sentence
+
+SECTION = "run"
+EXAMPLE = "periph-sim terminal timing/uart_logger.toml --echo"
+
+SHOWN = ("default", "direct", "nocontrol", "printable", "colorize", "debug")
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--sci", default="scia", show_default=True, help="The SCI: scia, or UNIT.SCI-A.")
+@click.option("--baud", default=115_200, show_default=True, type=click.IntRange(min=1), help="Rate of the terminal.")
+@click.option("--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o or e, stop bits.")
+@click.option("--pace", default="1", show_default=True, metavar="N", help="Simulated seconds a second.")
+@click.option("--echo", is_flag=True, help="Also show typed characters.")
+@click.option(
+    "--eol", type=click.Choice(["cr", "lf", "crlf"]), default="crlf", show_default=True, help="Characters of Enter."
+)
+@click.option("--show", type=click.Choice(SHOWN), default="default", show_default=True, help="How bytes are shown.")
+@click.option(
+    "--encoding", default="UTF-8", show_default=True, help="Encoding of both directions; hexlify shows and reads hex."
+)
+@click.option("--log", type=click.Path(path_type=Path), help="Write the input from outside, for a replay.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+def terminal(
+    case: Path,
+    sci: str,
+    baud: int,
+    form: str,
+    pace: str,
+    echo: bool,
+    eol: str,
+    show: str,
+    encoding: str,
+    log: Path | None,
+    changes: tuple[str, ...],
+) -> int:
+    """Type to an SCI of CASE, which runs in real time.
+
+    pyserial's miniterm (extra live): Ctrl-] ends it, Ctrl-T Ctrl-H lists its keys, a break among them. The user
+    replaces the [host] of the case. At the end prints the verdicts of the run: exit status 0 if the
+    budgets hold, else 1.
+    """
+    try:
+        from ...outside.live.protocol_f28335 import Serial
+        from ...outside.live.terminal import Terminal
+    except ImportError:
+        raise click.ClickException("the terminal needs pyserial: pip install 'periph-sim[live]'") from None
+    from serial import SerialException
+
+    from ...outside.serial_line import parts_of_format
+
+    settings = [("port", sci), ("pace", pace), *(("set", change) for change in changes)]
+    settings += [] if log is None else [("log", str(log))]
+    url = f"f28335://{case}?{urlencode(settings)}"
+    if pace_given(pace) == 0:
+        raise click.UsageError("--pace 0: typing needs real time; give more than 0")
+    if not sys.stdin.isatty():
+        raise click.ClickException(f"standard input is no terminal; a script opens {url} with pyserial")
+    try:
+        codecs.lookup(encoding)
+    except LookupError:
+        raise click.UsageError(
+            f"--encoding {encoding!r}: Python knows no such encoding; latin1 shows every byte"
+        ) from None
+    with usage_errors_in_one_sentence():
+        try:
+            bits, parity, stop = parts_of_format(form)
+            port = Serial(url, baud, bytesize=bits, parity=parity.upper(), stopbits=stop, timeout=1)
+        except (SerialException, ValueError) as error:
+            raise click.ClickException(str(error)) from None
+        typed = Terminal(port, echo, eol, show, encoding)
+        typed.talk(f"{sci} of {case}, {baud} {form}; Ctrl-] ends it, Ctrl-T Ctrl-H helps")
+        port.close()
+    click.echo()
+    if typed.failed:
+        raise click.ClickException(typed.failed)
+    from .result_text import show as show_result
+    from .tables import terminal as standard_output
+
+    assert port.result is not None
+    show_result(standard_output(), port.result, port.case)
+    click.echo("\n".join(port.pacer.text()))
+    return 0 if port.result.verdict != "fail" else 1

@@ -1,0 +1,85 @@
+"""`periph-sim trade CASE`: cost and error of each choice that a user has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ...core.settings import duration
+from .input_options import length_given
+from .json_output import print_json
+from .progress import progress
+from .usage_error import running_user_code
+
+if TYPE_CHECKING:
+    from ...scene.case.model import Case
+
+SECTION = "understand"
+EXAMPLE = "periph-sim trade timing/imu_hil.toml --seconds 1"
+
+
+def _error_given(text: str) -> float:
+    """Return `--max-error` in seconds."""
+    try:
+        return float(duration(text))
+    except ValueError as error:
+        raise click.ClickException(f"--max-error: {error}") from None
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@click.option(
+    "--firmware",
+    "others",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="CASE",
+    help="Add the units of CASE.",
+)
+@click.option("--row", "--level", "names", multiple=True, metavar="ROW", help="Run only these rows, besides two.")
+@click.option("--max-error", metavar="TIME", help="Recommend a row within this error of times, such as '1 us'.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+def trade(
+    case: Path,
+    seconds: str | None,
+    changes: tuple[str, ...],
+    others: tuple[Path, ...],
+    names: tuple[str, ...],
+    max_error: str | None,
+    as_json: bool,
+) -> int:
+    """Run CASE with each choice that you have, and compare errors and CPU time.
+
+    Rows are firmware of other kinds, an image or C (--firmware), arithmetics of the sensor models, and recordings.
+    Errors are against the most accurate row: budgets with the same verdict, and the largest difference of the n-th
+    occurrence of a time, and of the n-th sample in a chip's answers. The case as given and the most accurate row are
+    always run.
+    """
+    from ...scene.case.load import load
+    from ..reports.trade.rows import chosen, rows_of
+    from ..reports.trade.text_report import as_json as as_dict
+    from ..reports.trade.text_report import text
+    from ..reports.trade.trade import trade as trade_of
+
+    with running_user_code():
+        bound = inf if max_error is None else _error_given(max_error)
+        loaded = load(case, list(changes))
+        length = loaded.duration if seconds is None else length_given(seconds)
+
+        def make(more: Sequence[str]) -> Case:
+            return load(case, [*changes, *more])
+
+        rows = chosen(rows_of(make, [load(other) for other in others]), names)
+        with progress(loaded.name) as on_progress:
+            found = trade_of(make, rows, length, bound, on_progress)
+    if as_json:
+        print_json("trade", as_dict(found))
+    else:
+        click.echo(text(found))
+    return 0

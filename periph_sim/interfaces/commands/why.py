@@ -1,0 +1,40 @@
+"""`periph-sim why RUN QUESTION`: why a field, wire, span or interrupt had its state at an instant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .input_options import RUN_FILE, SYSCLK, open_run
+from .json_output import print_json
+from .usage_error import usage_errors_in_one_sentence
+
+SECTION = "understand"
+EXAMPLE = "periph-sim why run.psr 'I2C-A.I2CSTR.XRDY@12.345 ms'"
+
+
+@click.command()
+@RUN_FILE
+@click.argument("question")
+@click.option(
+    "--depth", type=click.IntRange(0, 1000), default=8, show_default=True, help="Number of causes to trace back."
+)
+@SYSCLK
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
+def why(run: Path, question: str, depth: int, sysclk: str | None, as_json: bool) -> None:
+    """Explain why 'I2C-A.I2CSTR.XRDY@12.345ms' had its value in RUN.
+
+    RUN is the output of `run --record x.psr`. A question is a field, wire, span, interrupt or variable, and a time:
+    'SDA@3 us'. Variables of an image are recorded if a budget names them.
+    """
+    from ...records.cause_trace.text_report import as_json as as_dict
+    from ...records.cause_trace.text_report import text
+    from ...records.cause_trace.why import why as answer_to
+
+    with usage_errors_in_one_sentence():
+        answer = answer_to(open_run(run, sysclk), question, depth)
+    if as_json:
+        print_json("why", as_dict(answer))
+    else:
+        click.echo(text(answer))

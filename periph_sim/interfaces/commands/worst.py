@@ -1,0 +1,112 @@
+"""`periph-sim worst CASE [BUDGET]...`: explain the worst occurrence of each budget, with its picture."""
+
+from __future__ import annotations
+
+import re
+from contextlib import ExitStack
+from pathlib import Path
+from shutil import get_terminal_size
+from typing import TYPE_CHECKING
+
+import click
+
+from .input_options import length_given
+from .json_output import print_json
+from .progress import progress
+from .usage_error import running_user_code
+
+if TYPE_CHECKING:
+    from ...timing.verdict import Verdict
+    from ..reports.explain.explain import Explained
+
+MOST = 100  # columns of a picture
+
+SECTION = "understand"
+EXAMPLE = "periph-sim worst timing/imu_hil.toml response"
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.argument("budgets", nargs=-1, metavar="[BUDGET]...")
+@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@click.option("--svg", type=click.Path(path_type=Path), help="Write a picture of each to this folder: BUDGET.svg.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
+def worst(
+    case: Path, budgets: tuple[str, ...], seconds: str | None, changes: tuple[str, ...], svg: Path | None, as_json: bool
+) -> int:
+    """Explain the worst occurrence of each budget of CASE, step by step.
+
+    BUDGET selects budgets by name; the default is all. Exit status as of run: 0 if they hold, 1 if not.
+    """
+    from ...scene.case.load import load
+    from ...scene.scene import Scene
+    from ..reports.explain.explain import explain
+
+    if svg is not None and not svg.is_dir():
+        raise click.ClickException(f"--svg: {svg} is no folder; create it, or give another")
+    with running_user_code():
+        loaded = load(case, list(changes))
+        length = None if seconds is None else length_given(seconds)
+        for name in budgets:
+            _known(name, [budget.name for budget in loaded.budget], case)
+        scene = Scene(loaded)
+        with progress(loaded.name) as on_progress:
+            result = scene.run(length, on_progress)
+        verdicts = [verdict for verdict in result.budgets if not budgets or verdict.name in budgets]
+        found = explain(loaded, verdicts, scene.typical(), length)
+        if svg is not None:
+            _write(svg, found)
+    if as_json:
+        from ..reports.explain.text_report import as_json as chain_as_json
+
+        chains = {
+            verdict.name: chain_as_json(found[verdict.name].chain) for verdict in verdicts if verdict.name in found
+        }
+        print_json("worst", {"case": result.case, "budgets": chains})
+    elif not verdicts:
+        click.echo(f"{result.case}: it has no budget, so there is no worst case")
+    else:
+        click.echo("\n\n".join("\n".join(_lines(verdict, found.get(verdict.name))) for verdict in verdicts))
+    return 0 if all(verdict.passed for verdict in verdicts) else 1
+
+
+def _known(name: str, names: list[str], case: Path) -> None:
+    if name not in names:
+        from ...core.suggest import did_you_mean
+
+        raise click.ClickException(f"{case}: there is no budget {name!r}; {did_you_mean(name, names)}")
+
+
+def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
+    """Return chain and picture; one line if there is no instant."""
+    from ..reports.explain.picture import text_picture
+    from ..reports.explain.text_report import text
+
+    if one is None:
+        nothing = verdict.found or "nothing was measured"
+        said = nothing if verdict.worst is None else f"{verdict.worst}: it never happened"
+        return [f"{verdict.name}: {said}"]
+    return [*text(one.chain), "", *text_picture(one.window, _width())]
+
+
+def _width() -> int:
+    """Return the columns of a picture: those of the terminal, 80 to 100."""
+    return min(MOST, max(80, get_terminal_size().columns))
+
+
+def _write(folder: Path, found: dict[str, Explained]) -> None:
+    """Write a file for each budget, all of them or none. BadCapture if that is not possible."""
+    from ...traces.formats.atomic_write import atomic_write
+    from ..reports.explain.picture import svg_picture
+
+    names: dict[str, str] = {}
+    for name in found:
+        file = f"{re.sub(r'[^A-Za-z0-9]+', '_', name).strip('_') or 'budget'}.svg"
+        if file in names:
+            raise click.ClickException(f"--svg: budgets {names[file]!r} and {name!r} would both be {file}; rename one")
+        names[file] = name
+    with ExitStack() as together:
+        for file, name in names.items():
+            picture = svg_picture(found[name].window)
+            together.enter_context(atomic_write(folder / file)).write_text(picture, encoding="utf-8")

@@ -1,0 +1,137 @@
+"""The pytest plugin: case files as tests, fixtures for runs, figures for JUnit and a summary table.
+
+    periph_sim_cases = timing  --> one test per budget of each case file (collect.py)
+    scene(...), @mark.case     --> a run for a test (fixtures.py, runs.py)
+    figures of judged budgets --> user_properties --> JUnit XML, terminal summary (figures.py)
+
+pytest loads this wherever periph_sim is installed, so only pytest is imported here: chips,
+boards and numpy are imported with the first case. `-p no:periph-sim` turns it off.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Generator, Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from .keys import CASES, MARKER, current
+
+if TYPE_CHECKING:
+    from .fixtures import SceneFactory
+    from .runs import Run
+
+
+_in_tests: list[pytest.Item] = []  # running now; several if a test runs its own session
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addini(CASES, "folders or files of periph-sim cases (*.toml), each budget of which is a test", "paths", [])
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", MARKER)
+    for place in config.getini(CASES):
+        if not place.exists():
+            from ...core.suggest import did_you_mean
+
+            there = did_you_mean(place.name, sorted(entry.name for entry in config.rootpath.iterdir()))
+            raise pytest.UsageError(f"{CASES}: there is no folder or file {str(place)!r}; {there}")
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]:
+    """Start the separate process of a session with cases (whole_session.py) before its conftest.py."""
+    if not _in_tests and early_config.getini(CASES) and "PYTEST_XDIST_WORKER" not in os.environ:
+        from .whole_session import begin
+
+        begin(early_config)
+    return (yield)
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, int | None]:
+    """Do the same if that was too early: pytest-xdist also starts sessions that are not workers."""
+    if _in_tests:
+        return (yield)
+    if config.getini(CASES):
+        from .whole_session import begin
+
+        begin(config)
+    status = yield
+    if f"{__name__}.whole_session" in sys.modules:  # it was started
+        from .whole_session import end
+
+        return end(int(status or 0))
+    return status
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> Iterator[None]:
+    """Start the session's separate process also if a collected test uses runs."""
+    if not _in_tests and asks_for_runs(session.items):
+        from .whole_session import begin
+
+        begin(session.config)
+    return (yield)
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    if file_path.suffix != ".toml" or not parent.config.getini(CASES):
+        return None
+    from .collect import case_file
+
+    return case_file(file_path, parent)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Record the test that gets figures meanwhile: runs may come from fixtures of any scope, and outlive a test."""
+    item.config.stash[current] = item
+    _in_tests.append(item)
+    try:
+        return (yield)
+    finally:
+        _in_tests.pop()
+        del item.config.stash[current]
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    from .figures import table
+
+    reports = [report for group in terminalreporter.stats.values() for report in group]
+    lines = table(reports)
+    if lines:
+        terminalreporter.write_sep("=", "periph-sim budgets")
+        for line, good in lines:
+            terminalreporter.write_line(line, red=not good)
+
+
+@pytest.fixture(scope="session")
+def scene(pytestconfig: pytest.Config) -> SceneFactory:
+    """scene(file or firmware function, *changes, seconds=None, record=False, ...) -> Run: builds and runs a case."""
+    from .fixtures import SceneFactory
+
+    return SceneFactory(pytestconfig)
+
+
+@pytest.fixture
+def case_run(request: pytest.FixtureRequest, scene: SceneFactory) -> Run:
+    """Run the case named in the nearest mark `case`."""
+    mark = request.node.get_closest_marker("case")
+    if mark is None:
+        pytest.fail('fixture case_run: the test has no mark; add @pytest.mark.case("timing/mine.toml")', pytrace=False)
+    return scene(*mark.args, **mark.kwargs)
+
+
+def asks_for_runs(items: Iterable[pytest.Item]) -> bool:
+    """Return True if any of the tests uses a fixture of this plugin."""
+    for item in items:
+        known = getattr(getattr(item, "_fixtureinfo", None), "name2fixturedefs", {})
+        for name in ("scene", "case_run"):
+            if any(one.func.__module__ == __name__ for one in known.get(name, ())):
+                return True
+    return False

@@ -1,0 +1,117 @@
+"""Collect case files as tests: one test per budget of each TOML file in a folder of `periph_sim_cases`.
+
+    timing/mine.toml --> timing/mine.toml::hangs nowhere    nothing is stuck forever
+                         timing/mine.toml::response         the budget holds
+
+The case runs once per process, with the first of its tests; the others use the same run. A budget that the case
+lists in `breaks` is a test expected to fail, by a broken limit: one that is not judged fails all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ...scene.case.discover import is_case
+from .keys import CASES
+
+HANGS = "hangs nowhere"
+KNOWN = "known to break"
+
+
+def case_file(path: Path, parent: pytest.Collector) -> CaseFile | None:
+    """Return the collector of a case file; None if it is not a case, or outside the ini option's folders."""
+    wanted = [place.resolve() for place in parent.config.getini(CASES)]
+    if not any(path.resolve().is_relative_to(place) for place in wanted) or not is_case(path):
+        return None
+    return CaseFile.from_parent(parent, path=path)
+
+
+class CaseFile(pytest.File):
+    """Collects a case's budgets, and runs it once."""
+
+    def collect(self) -> Iterable[pytest.Item]:
+        """Return the tests. Raise CollectError in one sentence if the case cannot be built."""
+
+        try:
+            self._plan = self._planned()
+        except Exception as error:
+            if not of_the_user(error):
+                raise
+            raise self.CollectError(str(error)) from None
+        self._run: Any = None
+        self._failed: Exception | None = None
+        yield CaseItem.from_parent(self, name=HANGS, number=None, line=1)
+        for number, budget in enumerate(self._plan.case.budget):
+            line = self._plan.case.line("budget", number)
+            item = CaseItem.from_parent(self, name=budget.name, number=number, line=line)
+            if budget.name in getattr(self._plan.case, "breaks", ()):
+                item.add_marker(pytest.mark.xfail(reason=KNOWN, raises=AssertionError, strict=True))
+            yield item
+
+    def _planned(self) -> Any:
+        """Return the plan of the case, after checking that it can be built."""
+        from ...processor.user_code import output_muted
+        from ...scene.case.load import load
+        from .runs import Plan
+
+        plan = Plan(load(self.path))
+        with output_muted():
+            plan.scene()
+        return plan
+
+    def run(self) -> Any:
+        """Run the case once and return the same run for all tests; or raise its error again."""
+        from .runs import run_plan
+
+        if self._failed is not None:
+            raise self._failed
+        if self._run is None:
+            try:
+                self._run = run_plan(self._plan, lambda run, verdicts: None)
+            except Exception as error:
+                self._failed = error
+                raise
+        return self._run
+
+
+class CaseItem(pytest.Item):
+    """One budget of a case; or, without a budget, that the case does not hang."""
+
+    def __init__(self, number: int | None, line: int, **more: Any) -> None:
+        super().__init__(**more)
+        self._number = number
+        self._line = line
+
+    def runtest(self) -> None:
+        from .figures import add_properties
+
+        assert isinstance(self.parent, CaseFile)
+        run = self.parent.run()
+        if self._number is None:
+            run.assert_not_stuck()
+            return
+        verdict = run.result.budgets[self._number]
+        add_properties(self.user_properties, run.result.case, [verdict])
+        if not verdict.passed and not verdict.broken and self.get_closest_marker("xfail") is not None:
+            pytest.fail(f"{verdict.name} is not judged, so it is unknown if it breaks: {verdict.found}", pytrace=False)
+        run.assert_verdict(self._number)
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:
+        """Return what was broken, or one sentence; a traceback only for internal errors."""
+        if isinstance(excinfo.value, AssertionError) or of_the_user(excinfo.value):
+            return f"{excinfo.value}\n\n{self.nodeid.partition('::')[0]}:{self._line}"
+        return super().repr_failure(excinfo, *args, **more)
+
+    def reportinfo(self) -> tuple[Path, int, str]:
+        return self.path, self._line - 1, f"{self.path.stem}: {self.name}"
+
+
+def of_the_user(error: BaseException) -> bool:
+    """Return True if the user's input caused the error; then its text is a sentence."""
+    from ..commands.usage_error import MISTAKES
+
+    return not MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__)

@@ -1,0 +1,142 @@
+"""The fixture `scene`: runs a case file or a firmware function with changes.
+
+scene("timing/mine.toml", "controller.period=10 ms", seconds=2)  --> Run
+scene(firmware, modules=["I2C-A"], controller={...}, budget=[...], seconds=2)  --> Run
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ...core.convert import BadTable
+from ...core.settings import duration
+from ...core.suggest import did_you_mean
+from ...scene.case.error_text import explain
+from ...scene.case.load import apply, load
+from ...scene.case.model import BadCase, Case
+from ...scene.case.origin import Source
+from ...scene.firmware_loader import Firmware
+from ...timing.verdict import Verdict
+from .figures import add_properties
+from .keys import current
+from .runs import Plan, Run, run_plan
+
+Program = Callable[[Any, Any], None]
+Length = float | str | Fraction | None
+UNIT = "dsp"  # name of the unit of scenes given in Python
+
+
+class SceneFactory:
+    """Builds and runs cases for tests."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self._config = config
+
+    def __repr__(self) -> str:
+        return "<scene(file or firmware function, *changes, seconds=None, record=False, ...)>"
+
+    def __call__(
+        self,
+        what: str | Path | Program,
+        *changes: str,
+        seconds: Length = None,
+        record: bool = False,
+        modules: Sequence[str] = (),
+        settings: object = None,
+        unit: dict[str, Any] | None = None,
+        **tables: Any,
+    ) -> Run:
+        """Run a case and return its Run.
+
+        what: a case file, relative to the test's file or pytest's rootdir; or firmware as a function (dsp, settings).
+        changes: KEY=VALUE, as for `periph-sim run --set`. seconds: instead of the case's own duration; a text
+        has a unit ("500 ms"). record: keep all records and edges.
+
+        For a function only: modules, pins and other keys of a unit (`unit`), settings, which it receives unchanged,
+        and the other tables of a case (controller, host, budget, ...) under their names.
+
+        Raise BadCase in one sentence if the case cannot be run.
+        """
+        __tracebackhide__ = True
+        try:
+            if callable(what):
+                plan = _of_function(
+                    what, changes, seconds, settings, {"modules": list(modules), **(unit or {})}, tables
+                )
+            else:
+                given = {"settings": settings, "modules": modules, "unit": unit, **tables}
+                plan = self._of_file(Path(what), changes, seconds, [name for name in given if given[name]])
+            return run_plan(plan, self._add_properties, keep_edges=callable(what), record=record)
+        except BadCase as error:
+            raise error.with_traceback(None) from None  # the message is enough; the traceback is internal
+
+    def _of_file(self, path: Path, changes: Sequence[str], seconds: Length, given: Sequence[str]) -> Plan:
+        if given:
+            raise BadCase(f"{path}: {given[0]}= is for firmware given as a function; change a file by 'key=value'")
+        found = self._found(path)
+        return Plan(load(found, list(changes)), _length(seconds))
+
+    def _found(self, path: Path) -> Path:
+        """Return the case file, beside the test or under rootdir."""
+        root = self._config.rootpath
+        item = self._config.stash.get(current, None)
+        folders = [root] if item is None else [item.path.parent, root]
+        for folder in folders:
+            if (folder / path).is_file():
+                return folder / path
+        there = {
+            file.relative_to(folder).as_posix(): 0
+            for folder in folders
+            for file in sorted((folder / path).parent.glob("*.toml"))
+        }
+        raise BadCase(
+            f"{path}: there is no such case file beside the test or in {root}; {did_you_mean(path.as_posix(), there)}"
+        )
+
+    def _add_properties(self, run: Run, verdicts: Sequence[Verdict]) -> None:
+        """Add figures to the test that asserts now, which need not be the one that made the run."""
+        item = self._config.stash.get(current, None)
+        if item is not None:
+            add_properties(item.user_properties, run.result.case, verdicts)
+
+
+def _length(given: Length) -> Fraction | None:
+    """Parse a length in seconds, above 0."""
+    if given is None:
+        return None
+    try:
+        length = duration(given) if isinstance(given, str) else Fraction(str(given))
+    except ValueError as error:
+        raise BadCase(f"seconds={given!r}: {error}") from None
+    if length <= 0:
+        raise BadCase(f"seconds={given!r}: expected more than 0")
+    return length
+
+
+def _of_function(
+    program: Program,
+    changes: Sequence[str],
+    seconds: Length,
+    settings: object,
+    unit: dict[str, Any],
+    tables: dict[str, Any],
+) -> Plan:
+    length = _length(seconds)
+    name = getattr(program, "__name__", type(program).__name__)
+    if length is None and "duration" not in tables:
+        raise BadCase(f"scene({name}): its duration is missing; give seconds=")
+    tree: dict[str, Any] = {"name": name, "unit": {UNIT: {"firmware": name, **unit}}, **tables}
+    if length is not None:
+        tree["duration"] = length
+    places = tuple((change, apply(tree, change)) for change in changes)
+    source = Source(Path(f"scene({name})"), "", places)
+    try:
+        case = Case.model_validate(tree).from_source(source)
+    except BadTable as error:
+        raise BadCase(explain(source, error)) from None
+    return Plan(case, length, {UNIT: Firmware(name, lambda dsp, _: program(dsp, settings), None)})

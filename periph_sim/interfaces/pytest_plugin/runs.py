@@ -1,0 +1,226 @@
+"""A run of a case for a test.
+
+Plan (case, programs, length) --run_plan--> Run: result, budgets, transfers, edges(), records
+                                             assert_budgets(...) --> nothing, or AssertionError with a picture
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+
+from ...bus.i2c.transfer import Transfer
+from ...core.records import RECORDED, Recorder
+from ...core.suggest import did_you_mean
+from ...core.time import Timebase
+from ...processor.user_code import output_muted
+from ...replay.wire_log import WireLog
+from ...scene.case.model import Case
+from ...scene.firmware_loader import Firmware
+from ...scene.prepared import PreparedScene
+from ...scene.result import Result
+from ...scene.scene import Scene
+from ...timing.verdict import NOTHING_PROVEN, Verdict
+from ...traces.capture.capture import Capture
+from ...traces.formats.record_table import Columns, RecordTable
+from ..reports.explain.chain import Chain
+from ..reports.explain.explain import explain
+from ..reports.explain.occurrence import chain_of
+from ..reports.explain.window import Window, windows_of_edges, windows_of_table
+
+OnJudged = Callable[["Run", Sequence[Verdict]], None]
+
+
+class NoSuchBudget(KeyError):
+    """The case has no such budget; the message is one sentence."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A case with its changes, to be run.
+
+    seconds: None for the case's own duration. programs: firmware given as functions, by unit.
+    """
+
+    case: Case
+    seconds: Fraction | None = None
+    programs: Mapping[str, Firmware] = field(default_factory=dict)
+
+    def scene(self, subscribe: Callable[[Recorder, Timebase], None] | None = None) -> Scene:
+        """Return a new scene, not yet run. Raise BadCase if it cannot be built."""
+        return self._prepared.scene((), subscribe, self.programs)
+
+    @cached_property
+    def _prepared(self) -> PreparedScene:
+        """The prepared case, shared by the run and a second one for the edges of its wires."""
+        return PreparedScene(self.case)
+
+    @property
+    def length(self) -> Fraction:
+        """The length of the run in seconds."""
+        return self.case.duration if self.seconds is None else self.seconds
+
+
+class Budgets(dict[str, Verdict]):
+    """Verdicts by budget name. An unknown name raises NoSuchBudget, a KeyError, with similar names."""
+
+    def __init__(self, case: str, verdicts: Sequence[Verdict]) -> None:
+        super().__init__((verdict.name, verdict) for verdict in verdicts)
+        self._case = case
+
+    def __missing__(self, name: str) -> Verdict:
+        __tracebackhide__ = True
+        raise NoSuchBudget(f"case {self._case} has no budget {name!r}; {did_you_mean(name, self)}")
+
+
+@dataclass(repr=False)
+class Run:
+    """A finished run.
+
+    result: as shown by `periph-sim run`. budgets: verdicts by name. records: the table of all records if asked for
+    with `record=True`, else None.
+    """
+
+    plan: Plan
+    result: Result
+    budgets: Budgets
+    timebase: Timebase
+    start: int  # tick
+    records: RecordTable | None
+    hangs: tuple[str, ...]  # what is stuck forever, one sentence each
+    _transfers: list[Transfer]
+    _edges: Capture | None
+    _typical: list[Verdict]
+    _on_judged: OnJudged
+
+    def __repr__(self) -> str:
+        return f"<run of {self.result.case}, {self.result.simulated_s:g} s: {self.result.verdict}>"
+
+    @property
+    def transfers(self) -> list[Transfer]:
+        """The transfers of the case's controller, in order. LookupError if the case has no controller."""
+        __tracebackhide__ = True
+        if self.plan.case.controller is None:
+            raise LookupError(
+                f"case {self.result.case} has no controller; "
+                "periph_sim.traces.decode.i2c.transfers(run.edges()) returns the transfers on its wires"
+            )
+        return self._transfers
+
+    def edges(self) -> Capture:
+        """Return the edges of all wires; positions are ticks. The first call runs the case a second time.
+
+        Not if they were kept: with `record=True`, or if the firmware is a function of the test.
+        """
+        if self._edges is None:
+            with output_muted():
+                scene = self.plan.scene()
+                log = WireLog(*scene.wires.values())
+                scene.advance(self.end)
+            self._edges = _named(log.capture(scene.timebase, self.end), self.result.case)
+        return self._edges
+
+    @property
+    def end(self) -> int:
+        """The tick at its end."""
+        return self.start + self.timebase.ticks(self.plan.length, "nearest")
+
+    def explained(self, verdicts: Sequence[Verdict]) -> list[tuple[Window, Chain | None]]:
+        """Return window and explanation of each worst occurrence, for verdicts that have an instant.
+
+        The case is run once more for them, except firmware given as a function: its records are used if they were
+        kept; else only its wires, without Chain.
+        """
+        case = self.plan.case
+        if not self.plan.programs:
+            found = explain(case, verdicts, self._typical, self.plan.length)
+            return [(found[verdict.name].window, found[verdict.name].chain) for verdict in verdicts]
+        if self.records is not None:
+            seen = windows_of_table(case.name, self.records, verdicts, self.start)
+            return [(window, chain_of(case, window)) for window in seen]
+        return [(window, None) for window in windows_of_edges(self.edges(), self.timebase, verdicts, self.start)]
+
+    def assert_budgets(self, *names: str, guaranteed: bool = False) -> None:
+        """Raise AssertionError, with a table and a diagram, if any of these budgets does not hold.
+
+        guaranteed: fails, since nothing is proven yet. NoSuchBudget if the case has no budget of a name; ValueError if
+        no name is given.
+        """
+        __tracebackhide__ = True
+        if not names:
+            raise ValueError("assert_budgets: give at least one budget; assert_all() judges all budgets of the case")
+        for name in names:
+            if name not in self.budgets:
+                raise NoSuchBudget(
+                    f"case {self.result.case} has no budget {name!r}; {did_you_mean(name, self.budgets)}"
+                )
+        self._judge([verdict for verdict in self.result.budgets if verdict.name in names], guaranteed)
+
+    def assert_all(self, *, guaranteed: bool = False) -> None:
+        """As `assert_budgets` for all budgets, and `assert_not_stuck`. ValueError if the case has no budgets."""
+        __tracebackhide__ = True
+        if not self.budgets:
+            raise ValueError(f"case {self.result.case} has no budgets, so nothing would be judged; add some")
+        self._judge(self.result.budgets, guaranteed)
+        self.assert_not_stuck()
+
+    def assert_not_stuck(self) -> None:
+        """Raise AssertionError if a line is held forever, or firmware waits for an event that cannot come."""
+        __tracebackhide__ = True
+        if self.hangs:
+            raise AssertionError("\n".join([f"{self.result.case} hangs:", *self.hangs]))
+
+    def assert_verdict(self, number: int) -> None:
+        """As `assert_budgets` for the case's budget of this number, from 0."""
+        __tracebackhide__ = True
+        self._judge(self.result.budgets[number : number + 1])
+
+    def _judge(self, verdicts: Sequence[Verdict], guaranteed: bool = False) -> None:
+        __tracebackhide__ = True
+        self._on_judged(self, verdicts)
+        broken = [verdict for verdict in verdicts if not verdict.passed]
+        if broken:
+            from .failure import failure_text
+
+            raise AssertionError(failure_text(self, broken, len(verdicts)))
+        if guaranteed:
+            raise AssertionError(f"{self.result.case}: guaranteed=True: {NOTHING_PROVEN}; leave guaranteed out")
+
+
+def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, record: bool = False) -> Run:
+    """Build and run. on_judged: called with the verdicts that a test asserts. Raise BadCase if it cannot be built."""
+    columns = Columns()
+
+    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
+        if record:
+            recorder.subscribe(RECORDED, columns)
+
+    scene = plan.scene(subscribe)
+    log = WireLog(*scene.wires.values()) if keep_edges or record else None
+    transfers: list[Transfer] = []
+    scene.on_transfer(transfers.append)
+    result = scene.run(plan.length)
+    now, per_second = scene.kernel.now, Fraction(scene.timebase.per_second)
+    return Run(
+        plan=plan,
+        result=result,
+        budgets=Budgets(result.case, result.budgets),
+        timebase=scene.timebase,
+        start=scene.start,
+        records=columns.table(per_second, now, plan.case.recorded_modules) if record else None,
+        hangs=(*scene.deadlocks(), *(scene.stuck.sentences[-1:] if scene.stuck.hangs() else ())),
+        _transfers=transfers,
+        _edges=None if log is None else _named(log.capture(scene.timebase, now), result.case),
+        _typical=scene.typical(),
+        _on_judged=on_judged,
+    )
+
+
+def _named(capture: Capture, case: str) -> Capture:
+    return replace(capture, path=Path(case))

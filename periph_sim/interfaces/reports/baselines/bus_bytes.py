@@ -1,0 +1,38 @@
+"""Digests of the values of all bytes on the I2C bus of a run.
+
+    BUS records of addresses and bytes, with their ACKs --> BLAKE2b, one digest per PART bytes
+
+Each digest covers all bytes up to its end, so the first different one shows where two runs first differ.
+"""
+
+from __future__ import annotations
+
+from hashlib import blake2b
+
+from ....core.records import Kind, Record, Recorder
+
+PART = 64  # bytes on the bus
+DIGEST = 4  # bytes of a digest
+
+
+class BusBytes:
+    """Digests of the bytes so far, without their times."""
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._hash = blake2b(digest_size=DIGEST)
+        self._count = 0
+        self._digests: list[str] = []
+        recorder.subscribe([Kind.BUS], self._add)
+
+    def _add(self, record: Record) -> None:
+        if record.what not in ("address", "byte"):
+            return
+        self._hash.update(f"{record.what} {record.value}\n".encode())
+        self._count += 1
+        if self._count % PART == 0:
+            self._digests.append(self._hash.hexdigest())
+
+    @property
+    def digests(self) -> list[str]:
+        """Hexadecimal digests: one per whole part, one for the rest."""
+        return [*self._digests, self._hash.hexdigest()] if self._count % PART else [*self._digests]

@@ -1,0 +1,174 @@
+"""The chain of events of an occurrence, as "TICKS EVENT" lines, from a short second run.
+
+    case, wanted instants --> Scene, recorded --> records around each --> chain
+    chain of the baseline, chain now --> the event that moved most, and the first difference
+
+Reads are left out: how often a flag is polled does not matter. So are values: a
+worst case that moves to another round has other data.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+from ....core.records import Kind, Record
+from ....processor.user_code import output_muted
+from ....scene.case.model import Case
+from ....scene.scene import Scene
+from ..explain.chain import place_of
+
+LONGEST = 32  # events of a chain
+AROUND = Fraction(5, 1000)  # seconds searched for a START before and a STOP after
+KINDS = (Kind.BUS, Kind.ACCESS, Kind.IRQ, Kind.SPAN)
+COARSE = ("START", "repeated START", "STOP")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """An occurrence of a measure. at: ticks from the run's begin. length: ticks of a time, else 0."""
+
+    measure: str
+    at: int
+    length: int
+
+
+class EventLine(NamedTuple):
+    """A chain, and the firmware location of each line, or ""."""
+
+    lines: list[str]
+    places: list[str]
+
+
+@output_muted()
+def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
+    """Run the case again until the last occurrence, and return the chain of each."""
+    if not wanted:
+        return {}
+    kept: list[Record] = []
+
+    def keep(record: Record) -> None:
+        if record.kind is not Kind.ACCESS or record.what.startswith("W "):
+            kept.append(record)
+
+    scene = Scene(case, lambda recorder, _: recorder.subscribe(KINDS, keep))
+    margin = scene.timebase.ticks(AROUND)
+    ends = [one.at + one.length + margin for one in wanted.values()]
+    longest = scene.timebase.ticks(case.duration, "nearest")
+    scene.run(scene.timebase.seconds(min(max(ends), longest)))
+    return {
+        name: _chain(_around(kept, scene.start + one.at, one, margin), scene.start + one.at, one, margin)
+        for name, one in wanted.items()
+    }
+
+
+def _around(records: list[Record], at: int, wanted: Wanted, margin: int) -> list[Record]:
+    """Return the records, in time order, from which a chain can be made."""
+    begin = bisect_left(records, at - max(wanted.length, margin), key=lambda r: r.tick)
+    return records[begin : bisect_right(records, at + wanted.length + margin, key=lambda r: r.tick)]
+
+
+def _chain(records: list[Record], at: int, wanted: Wanted, margin: int) -> EventLine:
+    begin, end, coarse = at, at + wanted.length, False
+    if wanted.measure == "response":
+        starts = [r.tick for r in records if r.kind is Kind.BUS and r.what == "START" and at - margin <= r.tick <= at]
+        begin = max(starts, default=at)
+    elif wanted.measure in ("age", "model age"):  # their instant is their end
+        begin, end, coarse = at - wanted.length, at, True
+    elif wanted.measure in ("fifo high-water", "overruns"):
+        begin, end, coarse = at - margin, at, True
+    elif wanted.measure == "round":
+        coarse = True
+    elif not wanted.measure.startswith("span:"):
+        stops = [r.tick for r in records if r.kind is Kind.BUS and r.what == "STOP" and at <= r.tick <= at + margin]
+        end = min(stops, default=at + margin)
+    events = [(r.tick, description(r), _place(r)) for r in records if begin <= r.tick <= end and _counts(r, coarse)]
+    if wanted.measure == "response":
+        events = [*events[: LONGEST - 1], (end, "SCL rise of the first data bit", "")]
+    shown = events[:LONGEST]
+    return EventLine([f"{tick - begin} {event}" for tick, event, _ in shown], [place for _, _, place in shown])
+
+
+def _place(record: Record) -> str:
+    place = place_of(record.text) if record.kind is not Kind.BUS else None
+    return "" if place is None else str(place)
+
+
+def _counts(record: Record, coarse: bool) -> bool:
+    if record.kind is Kind.ACCESS:
+        return not coarse
+    return record.kind is not Kind.BUS or not coarse or record.what in COARSE
+
+
+def description(record: Record) -> str:
+    """Return an event as a phrase."""
+    if record.kind is Kind.ACCESS:
+        return f"{record.what.removeprefix('W ')} written by {record.where}"
+    if record.kind is Kind.IRQ:
+        return f"{record.what} {'entered' if record.value else 'left'} by {record.where}"
+    if record.kind is Kind.SPAN:
+        return f"{record.what} {'begun' if record.value else 'ended'} by {record.where}"
+    return f"{record.what} {record.text} on the bus".replace("  ", " ")
+
+
+def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], str]) -> str:
+    """Describe how two chains differ, as a phrase; "" if they do not. cycles: formats ticks as cycles.
+
+    First the event that moved most, then the first one that differs, if it is another: two
+    occurrences at different times may differ by a poll before they differ by what matters. The n-th
+    event of a name is compared with the n-th of that name, so an event that moves past another counts as late.
+    """
+    then_at, now_at = _times(before), _times(now)
+    apart = [key for key in {**then_at, **now_at} if then_at.get(key) != now_at.get(key)]
+    if not apart:
+        return ""
+    first = min(apart, key=lambda key: min(at[key] for at in (then_at, now_at) if key in at))
+    moved = [key for key in apart if key in then_at and key in now_at]
+    most = max(moved, key=lambda key: abs(now_at[key] - then_at[key]), default=first)
+    differences = [_moved(key[0], then_at.get(key), now_at.get(key), cycles) for key in dict.fromkeys((most, first))]
+    return "; first to differ: ".join(differences)
+
+
+def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str], tolerance: int) -> str:
+    """Describe the first event of a chain that moved by more than `tolerance` ticks, with its place; "" if none.
+
+    A new or missing event counts as moved.
+    """
+    then_at, now_at = _times(before), _times(now.lines)
+    far = [
+        key
+        for key in {**then_at, **now_at}
+        if key not in then_at or key not in now_at or abs(now_at[key] - then_at[key]) > tolerance
+    ]
+    if not far:
+        return ""
+    first = min(far, key=lambda key: min(at[key] for at in (then_at, now_at) if key in at))
+    place = now.places[list(now_at).index(first)] if first in now_at else ""
+    return f"{_moved(first[0], then_at.get(first), now_at.get(first), cycles)}{f' [{place}]' if place else ''}"
+
+
+def _moved(event: str, then: int | None, now: int | None, cycles: Callable[[int], str]) -> str:
+    if now is None:
+        return f"{event} is missing, which was after {_length(cycles(then or 0))}"
+    if then is None:
+        return f"{event} after {_length(cycles(now))}, which is new"
+    return f"{event} {_length(cycles(abs(now - then)))} {'later' if now > then else 'earlier'}"
+
+
+def _times(chain: list[str]) -> dict[tuple[str, int], int]:
+    """Return the tick of each event; the number counts events of the same name."""
+    times: dict[tuple[str, int], int] = {}
+    seen: Counter[str] = Counter()
+    for line in chain:
+        tick, _, event = line.partition(" ")
+        times[event, seen[event]] = int(tick)
+        seen[event] += 1
+    return times
+
+
+def _length(cycles: str) -> str:
+    return f"{cycles} cycle" if cycles == "1" else f"{cycles} cycles"

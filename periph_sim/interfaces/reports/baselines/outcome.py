@@ -1,0 +1,195 @@
+"""One run of a case, with an Outcome that can be sent between processes.
+
+It needs no terminal, command line or table: worker processes run this.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ....core.kernel import SimulationStuck
+from ....core.records import Recorder
+from ....core.time import Timebase
+from ....f28335.memory.memory_map import NoSuchAddress
+from ....processor.error_origin import FirmwareError
+from ....scene.case.load import load
+from ....scene.case.model import BadCase, Case
+from ....scene.outside_wires import not_run
+from ....scene.result import Result
+from ....scene.scene import Scene
+from ....timing.budgets import BudgetJudge
+from ....timing.values import Values, values_of
+from ....timing.verdict import Verdict
+from ..explain.chain import Chain
+from ..explain.explain import explain
+from .bus_bytes import BusBytes
+from .errors import BadCheck
+from .event_chain import EventLine, Wanted, chains
+from .event_digest import EventDigest
+from .figures import Baseline, Figures
+
+REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
+
+
+@dataclass
+class Outcome:
+    """The result of running a case file. lines: of budgets and their joined conditions in the file; 0 if
+    unknown.
+
+    changes: the "key=value" texts applied to the case. typical: the least critical values of its budgets.
+    trouble: sentences about firmware that waits forever. values: of each budget, if kept.
+    """
+
+    path: Path
+    figures: Baseline
+    breaks: tuple[str, ...]
+    trouble: list[str]
+    lines: dict[str, int]
+    breaks_line: int
+    name_line: int
+    changes: tuple[str, ...]
+    result: Result
+    values: list[Values | None]
+    typical: list[Verdict]
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        return self.result.budgets
+
+    @property
+    def broken(self) -> list[str]:
+        return [verdict.name for verdict in self.verdicts if verdict.broken]
+
+    @property
+    def not_passed(self) -> list[str]:
+        """Budgets that are broken or not judged."""
+        return [verdict.name for verdict in self.verdicts if not verdict.passed]
+
+
+@dataclass
+class RejectedCase:
+    """A case that cannot be run. why: one sentence for the user. outside: it needs an outside party; not an error."""
+
+    path: Path
+    why: str
+    outside: bool = False
+
+
+@dataclass
+class Chains:
+    """The chain of each budget's worst occurrence."""
+
+    path: Path
+    of: dict[str, EventLine] = field(default_factory=dict)
+
+
+def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = False) -> Outcome | RejectedCase:
+    """Run a case for its own duration."""
+    try:
+        case = load(path, list(changes))
+        if case.outside is not None and case.outside.log is None:
+            return RejectedCase(path, str(not_run(case)), outside=True)
+        return _outcome(path, case, changes, keep_values)
+    except REFUSED as error:
+        return RejectedCase(path, str(error))
+
+
+def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> Chains:
+    """Run a case again, as far as needed, and return the chains of these budgets."""
+    try:
+        return Chains(path, chains(load(path, list(changes)), wanted))
+    except REFUSED as error:  # it ran before: the file or its firmware was changed meanwhile
+        raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
+
+
+def run_explained(
+    path: Path, changes: tuple[str, ...], verdicts: list[Verdict], typical: list[Verdict]
+) -> dict[str, Chain]:
+    """Run a case again, as far as needed, and explain these worst occurrences; by budget."""
+    try:
+        return {name: one.chain for name, one in explain(load(path, list(changes)), verdicts, typical).items()}
+    except REFUSED as error:
+        raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
+
+
+def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool) -> Outcome:
+    digests: list[EventDigest] = []
+    sent: list[BusBytes] = []
+
+    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
+        digests.append(EventDigest(recorder, timebase.ticks(case.start, "nearest")))
+        sent.append(BusBytes(recorder))
+
+    scene = Scene(case, subscribe, keep_values=keep_values)
+    result = scene.run()
+    trouble = scene.deadlocks()
+    if scene.stuck.hangs() and not trouble:
+        trouble = scene.stuck.sentences[-1:]
+    figures = baseline_of(scene, result).model_copy(update={"digest": digests[0].text, "bus_bytes": sent[0].digests})
+    return Outcome(
+        path=path,
+        figures=figures,
+        breaks=case.breaks,
+        trouble=trouble,
+        lines={
+            part.budget.name: case.line("budget", entry)
+            for entry, limit in enumerate(scene.limits)
+            for part in limit.parts
+        },
+        breaks_line=case.line("breaks"),
+        name_line=case.line("name"),
+        changes=changes,
+        result=result,
+        values=values_of(scene.limits, scene.start),
+        typical=scene.typical(),
+    )
+
+
+def baseline_of(scene: Scene, result: Result) -> Baseline:
+    """Return the figures of a scene after its run, without chains, digest and bytes."""
+    case = scene.case
+    clocks = [int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()]
+    return Baseline(
+        case=case.name,
+        simulated=scene.kernel.now - scene.start,
+        ticks_per_second=scene.timebase.per_second,
+        ticks_per_cycle=scene.timebase.per_second // clocks[0] if clocks else 1,
+        events=result.events,
+        counts={
+            **result.counts,
+            "I2C bytes": result.wire_bytes,
+            "SCI bytes": result.sci_bytes,
+            **({"SCI bytes from units": result.sci_bytes_sent} if result.sci_bytes_sent else {}),
+        },
+        budgets={part.budget.name: _figures(part, scene.start) for limit in scene.limits for part in limit.parts},
+    )
+
+
+def _figures(limit: BudgetJudge, start: int) -> Figures:
+    measure = limit.measure
+    silent = measure.silent
+
+    def when(at: int) -> int | None:
+        return None if silent or at < 0 else at - start
+
+    return Figures(
+        measure=limit.budget.measure,
+        unit=measure.unit,
+        count=measure.count,
+        worst=None if silent else measure.worst,
+        worst_at=when(measure.worst_at),
+        least=None if silent else measure.least,
+        least_at=when(measure.least_at),
+        chain_of="least" if limit.budget.max is None else "worst",
+        chain=[],
+    )
+
+
+def occurrence(figures: Figures) -> Wanted | None:
+    """Return the occurrence that a budget's chain describes; None if there is none or its time is unknown."""
+    least = figures.chain_of == "least"
+    value, at = (figures.least, figures.least_at) if least else (figures.worst, figures.worst_at)
+    if value is None or at is None:
+        return None
+    return Wanted(figures.measure, at, value if figures.unit == "time" else 0)

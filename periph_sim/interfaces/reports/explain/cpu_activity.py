@@ -1,0 +1,191 @@
+"""Activities of a CPU from its records: stretches of time without gap or overlap, by the innermost activity.
+
+    SPAN, IRQ, WAIT begin and end --> a stack --> Stretch, Stretch, ...     model |SCIRXINTA| model | wait for AAS
+
+At each instant the top of the stack counts: a service routine in a span, a wait in the routine. If the stack is empty
+the firmware runs other code, between two accesses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from ....core.records import Kind, Record
+from .window import Window
+
+Doing = Literal["interrupt", "span", "wait", "code", "bus", "hardware", "unknown"]
+CODE: Doing = "code"
+UNKNOWN: Doing = "unknown"
+NOT_KEPT = "the middle, for which no records were kept"
+DOING: dict[Kind, Doing] = {Kind.IRQ: "interrupt", Kind.SPAN: "span", Kind.WAIT: "wait"}
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """An activity from `begin` to `end` (ticks). where: the place in the firmware, "" if unknown.
+
+    since: its begin, at `begin` or before.
+    """
+
+    begin: int
+    end: int
+    doing: Doing
+    what: str
+    where: str
+    since: int
+
+    @property
+    def length(self) -> int:
+        return self.end - self.begin
+
+
+def phrase(doing: Doing, what: str) -> str:
+    """Format an activity as a phrase."""
+    if doing == "wait" and what in ("IDLE", "endless loop"):
+        return what
+    if doing == "wait":
+        return f"wait for {polled(what)}"
+    return {"span": f"span {what}", "code": what or "other code", "unknown": NOT_KEPT}.get(doing, what)
+
+
+def polled(what: str) -> str:
+    """ "I2C-A.I2CSTR.XRDY and I2C-A.I2CSTR.SCD" as "I2C-A.I2CSTR.XRDY or SCD": any of them ends the wait."""
+    first, *others = what.split(" and ")
+    register = first.rpartition(".")[0]
+    return " or ".join([first, *(other.removeprefix(f"{register}.") for other in others)])
+
+
+def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
+    """Return the activities of a unit's CPU between two ticks of the window, without gaps."""
+    moves = [r for r in _relevant(window, unit) if r.tick < end]
+    stack: list[Record] = []
+    found: list[Stretch] = []
+    at = min([begin, *(r.tick for r in moves)])
+    hole, bottom = window.hole, CODE
+    for record in moves:
+        if hole is not None and record.tick >= hole.end:
+            found.append(_top(stack, at, hole.begin, CODE))
+            stack, at, hole, bottom = [], hole.begin, None, UNKNOWN
+        found.append(_top(stack, at, record.tick, bottom))
+        if record.value and record.kind is not Kind.IRQ and not stack:
+            bottom = CODE  # assumed outermost: the firmware's activity is known again
+        at = max(at, record.tick)
+        _move(stack, record)
+    found.append(_top(stack, at, end, bottom))
+    return [replace(one, begin=max(one.begin, begin)) for one in found if one.end > max(one.begin, begin)]
+
+
+def units(window: Window) -> list[str]:
+    """Return the units with firmware activity in or before the window, by name."""
+    kinds = (Kind.ACCESS, *DOING)
+    return sorted({r.where for r in (*window.before, *window.records) if r.kind in kinds})
+
+
+def open_at(window: Window, unit: str, tick: int) -> list[Record]:
+    """Return the service routines, spans and waits in progress at a tick, outermost first."""
+    stack: list[Record] = []
+    for record in _relevant(window, unit):
+        if record.tick > tick:
+            break
+        _move(stack, record)
+    return stack
+
+
+def _relevant(window: Window, unit: str) -> Iterable[Record]:
+    open_before = [r for r in window.before if r.value]
+    return [r for r in (*open_before, *window.records) if r.where == unit and r.kind in DOING]
+
+
+def _move(stack: list[Record], record: Record) -> None:
+    if record.value:
+        stack.append(record)
+        return
+    place = _begin_of(stack, record)
+    if place is not None:
+        del stack[place:]  # all above it is over, too
+
+
+def _begin_of(stack: Sequence[Record], end: Record) -> int | None:
+    """Return the place of the record that began what this one ends; None if it is not in progress."""
+    alike = (place for place, one in enumerate(stack) if one.kind is end.kind and one.what == end.what)
+    return max(alike, default=None)
+
+
+def _top(stack: Sequence[Record], begin: int, end: int, bottom: Doing) -> Stretch:
+    if not stack:
+        return Stretch(begin, end, bottom, "", "", begin)
+    top = stack[-1]
+    return Stretch(begin, end, DOING[top.kind], top.what, top.text, top.tick)
+
+
+@dataclass(frozen=True)
+class Episode:
+    """A service routine, span or wait. end: None if it was not over when the window ends.
+
+    within: the enclosing activities, outermost first.
+    """
+
+    begin: int
+    end: int | None
+    doing: Doing
+    what: str
+    where: str
+    within: tuple[Record, ...] = ()
+
+    def __str__(self) -> str:
+        return phrase(self.doing, self.what)
+
+
+def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
+    """Return service routines, spans and waits of a unit that overlap the time between two ticks, in order of begin.
+
+    Of spans in progress at the first tick only the innermost: each function of an image is one, including `main`. A
+    span that is a service routine from its begin to its end is returned as the service routine.
+    """
+    stack: list[Record] = []
+    over: list[Episode] = []
+    for record in _relevant(window, unit):
+        place = None if record.value else _begin_of(stack, record)
+        if place is not None:
+            over.append(_episode(stack[place], tuple(stack[:place]), record.tick))
+        _move(stack, record)
+    over += [_episode(one, tuple(stack[:place]), None) for place, one in enumerate(stack)]
+    there = (one for one in over if one.begin < end and (one.end is None or one.end > begin))
+    met = sorted(there, key=lambda one: (one.begin, len(one.within)))
+    under_way = [one for one in met if one.doing == "span" and one.begin < begin]
+    around = {id(one) for one in under_way[:-1]}
+    routines = {(one.begin, one.where) for one in met if one.doing == "interrupt"}
+    return [
+        one for one in met if id(one) not in around and not (one.doing == "span" and (one.begin, one.where) in routines)
+    ]
+
+
+def innermost(nested: Iterable[Episode], begin: int, end: int) -> list[Episode]:
+    """Return the stretches between two ticks in which each was the innermost. nested: ordered by begin."""
+    found: list[Episode] = []
+    stack: list[Episode] = []
+    at = begin
+
+    def up_to(tick: int) -> None:
+        nonlocal at
+        if stack and tick > at:
+            found.append(replace(stack[-1], begin=at, end=tick))
+        at = max(at, tick)
+
+    for one in nested:
+        while stack and stack[-1].end is not None and stack[-1].end <= one.begin:
+            up_to(min(stack[-1].end, end))
+            stack.pop()
+        up_to(min(max(one.begin, begin), end))
+        stack.append(one)
+    while stack:
+        last = stack[-1].end
+        up_to(end if last is None else min(last, end))
+        stack.pop()
+    return found
+
+
+def _episode(record: Record, within: tuple[Record, ...], end: int | None) -> Episode:
+    return Episode(record.tick, end, DOING[record.kind], record.what, record.text, within)

@@ -1,0 +1,392 @@
+"""Queries of a Window that all explanations use: events of the bus, a unit's firmware and its flags.
+
+Window, case --> Evidence: phases on the bus, lows of SCL, accesses, flags with their readers, Steps of these
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from itertools import islice, pairwise
+
+from ....core.records import Kind, Record
+from ....devices.targets import eeprom
+from ....records.cause_trace.causes import Step as CauseStep
+from ....records.cause_trace.causes import walk_back
+from ....records.record_text import BusByte, bus_byte, happened
+from ....records.run import Run
+from ....scene.case.model import Case
+from ....traces.capture.capture import Channel
+from ....traces.formats.record_table import Columns
+from .chain import Chain, FirmwarePlace, Part, Step, place_of
+from .cpu_activity import CODE, DOING, Episode, Stretch, episodes, open_at, phrase, timeline, units
+from .window import Window
+
+SMALL = Fraction(1, 100)  # part of an occurrence: shorter waits are omitted
+LONG = Fraction(1, 10**6)  # seconds: longer code without a name and an access is listed separately
+BACK = 16  # causes walked back from an end
+MOST = 12  # service routines, spans and waits listed for an occurrence: the longest
+
+
+@dataclass(frozen=True)
+class RecordedPhase:
+    """Activity of the controller from a START or repeated START to the next one or the STOP.
+
+    start: "START" or "repeated START".
+    answered: the tick of the SCL fall after the address's ACK slot; None if the record ends before.
+    """
+
+    name: str
+    begin: int
+    end: int
+    address: int
+    read: bool
+    acked: bool
+    answered: int | None
+    start: str
+    data: tuple[Record, ...]
+
+    def __str__(self) -> str:
+        """ "gyroscope (0x68 R)", or "0x68 R" if no name is known."""
+        asked = f"0x{self.address:02X} {'R' if self.read else 'W'}"
+        return f"{self.name} ({asked})" if self.name else asked
+
+
+class Evidence:
+    """window: of the occurrence. unit: the unit whose firmware is examined."""
+
+    def __init__(self, window: Window, case: Case, unit: str | None = None) -> None:
+        self.window = window
+        self.case = case
+        there = [name for name in case.unit if name in units(window)] or [*case.unit]
+        self.unit = unit or (there[0] if there else "")
+
+    def for_unit(self, unit: str) -> Evidence:
+        """Return the evidence about another unit."""
+        return Evidence(self.window, self.case, unit)
+
+    # Firmware ---------------------------------------------------------------------
+
+    def timeline(self, begin: int, end: int) -> list[Stretch]:
+        return [part for one in timeline(self.window, self.unit, begin, end) for part in self._between_accesses(one)]
+
+    def _between_accesses(self, one: Stretch) -> list[Stretch]:
+        """Divide code without a name: long parts without a record are named by the firmware's next activity."""
+        if one.doing != CODE or one.where:
+            return [one]
+        least = self.window.timebase.ticks(LONG, "nearest")
+        found, at = [], one.begin
+        done = self._done
+        for last, then in pairwise((None, *done, None)):
+            begin = one.begin if last is None else max(last.tick, at)
+            end = one.end if then is None else min(then.tick, one.end)
+            near = then or last
+            if near is None or end - begin <= least:
+                continue
+            access = near.kind is Kind.ACCESS
+            activity = happened(near).partition(",")[0] if access else phrase(DOING[near.kind], near.what)
+            what = f"code {'after' if then is None else 'before'} {activity}"
+            found += [replace(one, end=begin, begin=at)] if begin > at else []
+            found.append(Stretch(begin, end, CODE, what, near.text, begin))
+            at = end
+        return [*found, replace(one, begin=at)] if at < one.end else found
+
+    @cached_property
+    def _done(self) -> list[Record]:
+        """Accesses, spans and waits of the firmware with their places, except those of service routines."""
+        records = [
+            r for r in (*self.window.before, *self.window.records) if r.where == self.unit and r.kind in IN_FIRMWARE
+        ]
+        found, routines = [], 0
+        for record in sorted(records, key=in_time):
+            if record.kind is Kind.IRQ:
+                routines = max(0, routines + (1 if record.value else -1))
+            elif not routines and record.text and (record.value or record.kind is Kind.ACCESS):
+                found.append(record)
+        return found
+
+    def in_progress(self, tick: int) -> list[Record]:
+        """Return the begins of the unit's service routines, spans and waits in progress at a tick, outermost first."""
+        return open_at(self.window, self.unit, tick)
+
+    def doing_at(self, tick: int) -> str:
+        """Return the firmware's activity at a tick as a phrase with its begin."""
+        part = self.blame_at(tick)
+        return "other code" if part is None else f"{part}, begun {self.span(part.length)} before"
+
+    def doing_step(self, tick: int) -> Step:
+        """Return a step of the firmware's activity at a tick."""
+        part = self.blame_at(tick)
+        return self.say(tick, f"{self.unit}: {self.doing_at(tick)}", None, None if part is None else part.place)
+
+    def blame_at(self, tick: int) -> Part | None:
+        """Return the firmware's activity at a tick, if any, as the cause."""
+        top = next(iter(self.in_progress(tick)[-1:]), None)
+        return None if top is None else Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
+
+    def accesses(self, begin: int, end: int, way: str, module: str, *registers: str) -> list[Record]:
+        """Return reads ("R") or writes ("W") of registers between two ticks, inclusive, also before the window."""
+        names = {f"{way} {module}.{register}" for register in registers}
+        found = (*self.window.before, *self.window.records)
+        return [
+            r
+            for r in found
+            if r.kind is Kind.ACCESS and r.what in names and begin <= r.tick <= end and r.where == self.unit
+        ]
+
+    def flags(self, begin: int, end: int, module: str, *fields: str) -> list[Record]:
+        """Return changes of fields between two ticks, inclusive."""
+        where = f"{self.unit}.{module}"
+        return [r for r in self.window.between(begin, end, Kind.FLAG) if r.where == where and r.what in fields]
+
+    def episodes(self, begin: int, end: int) -> list[Episode]:
+        return episodes(self.window, self.unit, begin, end)
+
+    # Bus --------------------------------------------------------------------------
+
+    @cached_property
+    def phases(self) -> list[RecordedPhase]:
+        """All phases that begin in the window."""
+        found: list[RecordedPhase] = []
+        records = [r for r in self.window.records if r.kind is Kind.BUS]
+        starts = [i for i, r in enumerate(records) if r.what in ("START", "repeated START")]
+        for i in starts:
+            over = next((j for j in range(i + 1, len(records)) if records[j].what in ENDS), len(records))
+            inside = records[i + 1 : over]
+            address = next((r for r in inside if r.what == "address"), None)
+            sent = NO_ADDRESS if address is None else bus_byte(address) or NO_ADDRESS
+            end = records[over].tick if over < len(records) else self.window.kept[-1].end - 1
+            found.append(
+                RecordedPhase(
+                    name=self._devices.get(sent.value, records[i].text),
+                    begin=records[i].tick,
+                    end=end,
+                    address=sent.value,
+                    read=bool(sent.read),
+                    acked=sent.acked,
+                    answered=None if address is None else address.tick,
+                    start=records[i].what,
+                    data=tuple(r for r in inside if r.what == "byte"),
+                )
+            )
+        return found
+
+    def phase_at(self, tick: int) -> RecordedPhase | None:
+        """Return the phase on the bus at a tick."""
+        return next((p for p in reversed(self.phases) if p.begin <= tick <= p.end), None)
+
+    @cached_property
+    def _devices(self) -> dict[int, str]:
+        """The names of the case's devices, by address; a memory may have more than the configured one."""
+        tables = self.case.device.items()
+        names = {table.address: name for name, table in tables if table.address is not None}
+        for name, table in tables:
+            if table.model in eeprom.MODELS:
+                names |= {address: name for address in range(eeprom.FIRST, eeprom.FIRST + 8) if address not in names}
+        return names
+
+    def device_at(self, address: int) -> str:
+        """Return the name of the case's device with an address; "" if there is none."""
+        return self._devices.get(address, "")
+
+    def holder_at(self, tick: int) -> str:
+        """Return the unit or device that holds SCL low for the controller, as recorded.
+
+        If the record does not name it: the addressed device, else the unit.
+        """
+        held = [r for r in self._there if r.kind in (Kind.EDGE, Kind.HOLD) and r.where == "SCL" and r.tick <= tick]
+        names = max(held, key=in_time).text.split(", ") if held else []
+        named = [name.partition(".")[0] for name in names if name not in ("", "controller")]
+        phase = self.phase_at(tick)
+        return named[0] if named else self.unit if phase is None else self._devices.get(phase.address, self.unit)
+
+    @property
+    def _there(self) -> tuple[Record, ...]:
+        return (*self.window.before, *self.window.records)
+
+    @cached_property
+    def low(self) -> int:
+        """The controller's low time of SCL for a bit, in ticks; for a unit, the shortest low in the window.
+
+        0 if there is no SCL.
+        """
+        table = self.case.controller
+        if table is None:
+            end = self.window.kept[-1].end
+            return min((rise - fall for fall, rise in self._lows if rise < end), default=0)
+        return self.window.timebase.ticks(table.low or Fraction(1, 2) / table.rate, "nearest")
+
+    @property
+    def period(self) -> int:
+        """The period of rounds in ticks; 0 if there are no rounds."""
+        table = self.case.controller or self.case.rounds
+        return 0 if table is None else self.window.timebase.ticks(table.period, "nearest")
+
+    def stretches(self, begin: int, end: int) -> list[tuple[int, int]]:
+        """Return where SCL was held low beyond the controller's own low time, between two ticks: up to its rise."""
+        return [
+            (max(fall + self.low, begin), min(rise, end))
+            for fall, rise in self._lows
+            if fall + self.low < end and begin < rise and rise - fall > self.low > 0
+        ]
+
+    @cached_property
+    def _lows(self) -> list[tuple[int, int]]:
+        """The falls of SCL in the window, each with the rise that follows, or the end of the window."""
+        scl = self.channel("SCL")
+        if scl is None:
+            return []
+        moves = [*zip(scl.edges.tolist(), scl.levels.tolist(), strict=True), (self.window.kept[-1].end, 1)]
+        return [(fall, rise) for (fall, down), (rise, _) in pairwise(moves) if not down]
+
+    def low_since(self, wire: str, tick: int) -> int | None:
+        """Return when a wire fell that is low at a tick; None if it is high, or if there is no such wire."""
+        channel = self.channel(wire)
+        falls = [] if channel is None else channel.edges[channel.edges <= tick].tolist()
+        return falls[-1] if falls and channel is not None and not channel.initial ^ (len(falls) & 1) else None
+
+    def channel(self, name: str) -> Channel | None:
+        """Return a wire of the scene; None if it has none of this name."""
+        return next((channel for channel in self.window.edges.channels if channel.name == name), None)
+
+    # Causes -----------------------------------------------------------------------
+
+    def walk(self, record: Record, depth: int = BACK) -> Iterator[tuple[Record, CauseStep]]:
+        """Yield a record and its causes, back in time, with the links beside them (see `records.cause_trace`)."""
+        run, rows, kept = _run_of(self.window, self.case.name, tuple((n, u.modules) for n, u in self.case.unit.items()))
+        for step in walk_back(run, rows[record.number], depth):
+            yield kept[step.record.number], step
+
+    def causes(self, record: Record, since: int) -> list[Step]:
+        """Return steps of a record's causes: the last two with the links beside them, and others back to a tick.
+
+        Of a row of edges and events of the bus only the first counts.
+        """
+        steps, number, effect = [], 0, record
+        for cause, link in islice(self.walk(record), 1, None):
+            near = number < 2 or (cause.tick >= since and not link.aside)
+            if near and not (cause.kind in ON_WIRES and effect.kind in ON_WIRES):
+                steps.append(self.step(cause, f"{happened(cause)} ({link.because.partition(';')[0]})"))
+            number, effect = (number, effect) if link.aside else (number + 1, cause)
+        return steps
+
+    # Steps ------------------------------------------------------------------------
+
+    def chain(self, steps: tuple[Step, ...], parts: tuple[Part, ...] = (), blame: Part | None = None) -> Chain:
+        """Build the explanation of this occurrence. parts: none if nothing has a length."""
+        window = self.window
+        return Chain(window.verdict, window.timebase, window.end - window.begin, steps, parts, blame=blame)
+
+    def step(self, record: Record, what: str = "", length: int | None = None) -> Step:
+        """Convert a record to a Step."""
+        place = place_of(record.text) if record.kind in (*IN_FIRMWARE, Kind.FLAG) else None
+        return self.say(record.tick, what or happened(record), length, place)
+
+    def named(self, record: Record) -> str:
+        """Return the text of a record without its details; for a START that of its phase."""
+        phase = next((p for p in self.phases if (p.begin, p.start) == (record.tick, record.what)), None)
+        return happened(record).partition(",")[0] if phase is None else f"{phase.start}, {phase}"
+
+    def say(self, tick: int, what: str, length: int | None = None, place: FirmwarePlace | None = None) -> Step:
+        at = tick - self.window.begin
+        return Step(0 if abs(at) <= self.slip else at, what, length, place)
+
+    @property
+    def slip(self) -> int:
+        """The error of an instant that a verdict gives, which is rounded to 0.1 ns, in ticks."""
+        return self.window.timebase.per_second // 10**10 + 1
+
+    def episode_step(self, one: Episode, end: int) -> Step:
+        """Convert a service routine, span or wait to a Step, marked if it is not over at `end`."""
+        what = str(one)
+        if one.doing == "interrupt":
+            below = f", preempting {_of(one.within[-1])}" if one.within else ""
+            what = f"{one.what} entered{below}"
+        if one.end is None or one.end > end:
+            return self.say(one.begin, f"{what}, which goes on", None, place_of(one.where))
+        return self.say(one.begin, what, one.end - one.begin, place_of(one.where))
+
+    def story(self, begin: int, end: int, waits: bool = True) -> list[Step]:
+        """Return steps of spans, service routines and long waits between two ticks; of short routines only the first.
+
+        The first routine comes with the flag that requested it.
+        """
+        least = (end - begin) * SMALL
+        found = [one for one in self.episodes(begin, end) if waits or one.doing != "wait"]
+        routines = [one for one in found if one.doing == "interrupt"]
+        optional = [one for one in found if one.doing == "wait" or one in routines[1:]]
+        shown = [one for one in found if one not in optional or _inside(one, begin, end) > least]
+        longest = sorted(shown, key=lambda one: -_inside(one, begin, end))[:MOST]
+        requests = [step for one in routines[:1] for step in self._request(one.begin)]
+        return [*requests, *(self.episode_step(one, end) for one in shown if one in longest)]
+
+    def _request(self, tick: int) -> list[Step]:
+        """Return a step of the module's flag that requested the interrupt that is entered at a tick."""
+        walks = [self.walk(r, 2) for r in self.window.between(tick, tick, Kind.IRQ) if r.where == self.unit]
+        asked = ((cause, link) for walk in walks for cause, link in walk if cause.kind is Kind.FLAG and not link.aside)
+        of_module = ((cause, link) for cause, link in asked if not cause.where.endswith(".PIE"))
+        return [self.step(cause, f"{happened(cause)} ({link.because})") for cause, link in of_module]
+
+    def span(self, ticks: int) -> str:
+        """Format a length."""
+        return self.window.timebase.show(ticks)
+
+
+@lru_cache(maxsize=1)
+def _run_of(
+    window: Window, name: str, modules: tuple[tuple[str, tuple[str, ...]], ...]
+) -> tuple[Run, dict[int, int], dict[int, Record]]:
+    """Return the records of a window as a run, the row of each by its number, and the records by number.
+
+    Records of the table have no place in the firmware with a file; those by number do.
+    """
+    columns = Columns()
+    kept = {one.number: one for one in (*window.before, *window.records)}
+    ordered = sorted(kept.values(), key=lambda r: r.number)
+    for one in ordered:
+        columns.add(one)
+    table = columns.table(Fraction(window.timebase.per_second), window.kept[-1].end, dict(modules))
+    return Run(table, name), {one.number: row for row, one in enumerate(ordered)}, kept
+
+
+def in_time(record: Record) -> tuple[int, int]:
+    """Sort key for the order of time, and of creation within a tick."""
+    return record.tick, record.number
+
+
+IN_FIRMWARE = (Kind.ACCESS, *DOING)
+ON_WIRES = (Kind.EDGE, Kind.HOLD, Kind.BUS, Kind.FRAME)
+NO_ADDRESS = BusByte(0, acked=False, read=False)  # for a phase that ended before its address
+ENDS = ("START", "repeated START", "STOP", "arbitration lost")
+
+
+def _of(record: Record) -> str:
+    place = place_of(record.text)
+    activity = phrase(DOING[record.kind], record.what)
+    return f"{'the ' if activity.startswith('wait') else ''}{activity}{f' at {place.spot}' if place else ''}"
+
+
+def _inside(one: Episode, begin: int, end: int) -> int:
+    return min(end, end if one.end is None else one.end) - max(begin, one.begin)
+
+
+def in_order(*steps: Iterable[Step]) -> tuple[Step, ...]:
+    """Return steps of several sources in order of time, each once.
+
+    Of several steps at the same place and tick whose texts begin with the shortest of them, the longest is kept.
+    """
+    together: list[Step] = []
+    for step in (step for some in steps for step in some):
+        same = next((one for one in together if _same(one, step)), None)
+        if same is None:
+            together.append(step)
+        elif len(step.what) > len(same.what):
+            together[together.index(same)] = step
+    return tuple(sorted(together, key=lambda step: step.at))
+
+
+def _same(one: Step, other: Step) -> bool:
+    alike = one.what.startswith(other.what) or other.what.startswith(one.what)
+    return alike and (one.at, one.length, one.place) == (other.at, other.length, other.place)

@@ -1,0 +1,269 @@
+"""What the records around an instant show: a finding for each kind of record, whatever budget the instant belongs to.
+
+an address or byte that was not acknowledged --> the write of I2COAR, IRS or NACKMOD, or the missing one
+bytes of a read                              --> the write of I2CDXR of each, or the device's memory
+a round that is due, a line held low         --> the transfers before, the wait that goes on, the byte nobody read
+words in the FIFO                            --> the last read before, the next one, and the firmware in between
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from fractions import Fraction
+from itertools import groupby
+from typing import NamedTuple
+
+from ....core.records import Kind
+from ....records.record_text import bus_byte, happened, on_the_bus
+from .chain import Part, Step
+from .device_evidence import answering, bytes_of_device, note_of_device, sender
+from .ends import Ends, looks_at
+from .evidence import Evidence, RecordedPhase, in_time
+from .fault_evidence import (
+    I2C,
+    ONES,
+    bytes_sent,
+    is_master,
+    missing_condition,
+    own_address,
+    refusing,
+    stale,
+    unread,
+    waited_for,
+)
+from .window import LATE
+
+SCI = "SCI-A"
+FIFO = ("SCIFFRX.RXFFINT", "SCIFFRX.RXFFOVF", "SCIRXST.OE")  # flags that request a read, or show that it is late
+WORDS = "SCIFFRX.RXFFST"
+
+
+PROMPT = Fraction(1, 10**6)  # seconds: accesses and changes this near are beside each other
+
+
+class Finding(NamedTuple):
+    """steps: unordered. blame: the cause, if it is known; it counts before what the firmware does at the instant."""
+
+    steps: Iterable[Step] = ()
+    blame: Part | None = None
+
+
+def asked(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
+    """Return steps of the controller's request, and the bytes up to a tick."""
+    steps = [evidence.say(phase.begin, f"{phase.start}, {phase}")]
+    if phase.answered is not None:
+        which = "address" if phase.acked else f"address 0x{phase.address:02X} not"
+        steps.append(evidence.say(phase.answered, f"{which} acknowledged"))
+    return steps + [
+        evidence.step(byte, f"byte {n}: {on_the_bus(byte)}")
+        for n, byte in enumerate(phase.data, 1)
+        if byte.tick <= until
+    ]
+
+
+def transfers(evidence: Evidence, begin: int, end: int) -> list[Step]:
+    """Return a step for each phase that begins between two ticks; for several that are refused alike, one."""
+    steps = []
+    inside = [phase for phase in evidence.phases if begin <= phase.begin < end]
+    for (acked, name), alike in groupby(inside, key=lambda phase: (phase.acked, str(phase))):
+        phases = list(alike)
+        for first, last in [(phase, phase) for phase in phases] if acked else [(phases[0], phases[-1])]:
+            times = f", {len(phases)} times" if len(phases) > 1 else ""
+            text = name if acked else f"{name}, not acknowledged{times}"
+            steps.append(evidence.say(first.begin, text, min(last.end, end) - first.begin))
+    return steps
+
+
+def held(evidence: Evidence, begin: int, end: int) -> list[Step]:
+    """Return a step for each time that SCL was held low between two ticks: by whom, and what that unit did."""
+    steps = []
+    for let_go, rise in evidence.stretches(begin, end):
+        holder = evidence.holder_at(rise - 1)
+        doing = f": {evidence.for_unit(holder).doing_at(let_go)}" if holder in evidence.case.unit else ""
+        steps.append(evidence.say(let_go, f"SCL held low by {holder}{doing}", rise - let_go))
+    return steps
+
+
+def answered(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
+    """Return a step of the last access to the data of a phase up to a tick: what the bus waited for, or had in time."""
+    accesses = [
+        *evidence.accesses(phase.begin, until, "W", I2C, "I2CDXR"),
+        *evidence.accesses(phase.begin, until, "R", I2C, "I2CDRR"),
+    ]
+    last = max(accesses, key=in_time, default=None)
+    free = max((let_go for let_go, _ in evidence.stretches(phase.begin, until)), default=until)
+    if last is None:
+        return []
+    how = "for which SCL was held" if last.tick > free else f"{evidence.span(free - last.tick)} before SCL is released"
+    return [evidence.step(last, f"{happened(last)}, {how}")]
+
+
+def _refused(evidence: Evidence, ends: Ends) -> Finding:
+    """Find the refused address at an instant, or the first one after it if the instant is its round's or transfer's."""
+    at = evidence.window.begin
+    if not ends.kinds & {Kind.BUS, Kind.TRANSFER, Kind.ROUND} or ends.thing in LATE:
+        return Finding()
+    there = (p for p in evidence.phases if not p.acked and p.answered is not None and p.end > at)
+    phase = next((p for p in there if ends.thing == "refused" or p.answered == at), None)
+    if phase is None or phase.answered is None:
+        return Finding()
+    doing = evidence.doing_step(phase.answered)
+    steps = [*asked(evidence, phase, phase.answered), doing]
+    if is_master(evidence, phase.answered):
+        return Finding(steps)
+    lacks = missing_condition(evidence, phase.answered)
+    own, wrong = own_address(evidence, phase.answered, phase.address)
+    steps += [*lacks, *own, *unread(evidence, phase.answered), *stale(evidence, phase)]
+    return Finding(steps, evidence.blame_at(phase.answered) or _blamed(lacks or ([wrong] if wrong else [])))
+
+
+def _transfer(evidence: Evidence, ends: Ends) -> Finding:
+    """Find the acknowledged phase that begins at an instant."""
+    at = evidence.window.begin
+    phase = next((p for p in evidence.phases if p.begin == at and p.acked), None)
+    if Kind.TRANSFER not in ends.kinds or phase is None:
+        return Finding()
+    prompt = "SCL rises as soon as the controller releases it, everywhere in this phase"
+    free = [] if evidence.stretches(phase.begin, phase.end) else [evidence.say(at, prompt)]
+    return Finding([*asked(evidence, phase, at), *free])
+
+
+def _refused_byte(evidence: Evidence, ends: Ends) -> Finding:
+    """Find why a byte was not acknowledged."""
+    at, record = evidence.window.begin, ends.begin
+    carried = None if record is None or record.kind is not Kind.BUS or record.what == "address" else bus_byte(record)
+    phase = evidence.phase_at(at)
+    refused = record is not None and (record.what == "NACK" or (carried is not None and not carried.acked))
+    if phase is None or phase.answered == at or not refused:
+        return Finding()
+    to_blame = [] if is_master(evidence, at) else refusing(evidence, at)
+    return Finding([*asked(evidence, phase, at), *to_blame, *unread(evidence, at)], _blamed(to_blame))
+
+
+def _blamed(steps: list[Step]) -> Part | None:
+    """Return the first step with a place as the cause."""
+    step = next((step for step in steps if step.place is not None), None)
+    return None if step is None else Part("code", step.what.partition(",")[0], 0, 1, step.place)
+
+
+def _bytes(evidence: Evidence, ends: Ends) -> Finding:
+    """Find for each byte of a read the write of I2CDXR it came from, possibly for another read; or the device.
+
+    If every byte was written in time, the firmware computed the value before: its spans and service routines follow.
+    """
+    at = evidence.window.begin
+    phase = next((p for p in evidence.phases if p.begin >= at), None)
+    if Kind.DATA not in ends.kinds or phase is None:
+        return Finding()
+    if sender(evidence, phase):
+        noted, cause = note_of_device(evidence, phase)
+        return Finding([*noted, *asked(evidence, phase, at), *bytes_of_device(evidence, phase)], cause)
+    evidence = answering(evidence, phase)
+    steps = [*asked(evidence, phase, at), *stale(evidence, phase)]
+    blame: Part | None = None
+    written: Part | None = None
+    for byte, write, said in bytes_sent(evidence, phase):
+        if write is None:
+            steps.append(evidence.say(byte.tick, said))
+        else:
+            early = write.tick < phase.begin
+            which = ", before the read's START" if early else ""
+            wrote = evidence.step(write, f"I2CDXR = 0x{write.value:02X} written{which}")
+            steps += [*([wrote] if early else []), evidence.say(byte.tick, said, None, wrote.place)]
+            written = written or Part("code", "I2CDXR written", 0, 1, wrote.place)
+            blame = blame or (written if early else None)
+        lacks = missing_condition(evidence, byte.tick) if byte.value >> 1 == ONES else []
+        steps += lacks
+        blame = blame or _blamed(lacks)
+    if blame is None and all(write is not None for _, write, _ in bytes_sent(evidence, phase)):
+        before = evidence.episodes(evidence.window.kept[0].begin, at)
+        steps += [evidence.episode_step(one, at) for one in before if one.doing in ("interrupt", "span")]
+    return Finding([*steps, *unread(evidence, phase.end)], blame or written)
+
+
+def _round_before(evidence: Evidence, ends: Ends) -> Finding:
+    """Find the transfers of the period before a round that is due, and an old flag that ended a wait in them."""
+    due = evidence.window.begin
+    before = max(due - evidence.period, evidence.window.kept[0].begin)
+    if Kind.ROUND not in ends.kinds or ends.thing == "refused":
+        return Finding()
+    steps = transfers(evidence, before, due)
+    shows = next((phase for phase in evidence.phases if phase.begin == due), None)
+    begins, lacks = "a round is due", "but the one before still runs"
+    if shows is not None:
+        begins, lacks = f"{shows} begins", "and the request before it was not made"
+    else:
+        old = [step for phase in evidence.phases if before <= phase.begin < due for step in stale(evidence, phase)]
+        steps += [*held(evidence, before, due), *evidence.story(before, due, waits=False), *old[-1:]]
+    return Finding([*steps, evidence.say(due, f"{begins}, {lacks}" if ends.thing == "missed" else begins)])
+
+
+def _hung(evidence: Evidence, ends: Ends) -> Finding:
+    """Find the lines that are low, the wait that goes on, and the byte that nobody read."""
+    at = evidence.window.begin
+    if ends.thing not in LATE or any(phase.begin == at for phase in evidence.phases):
+        return Finding()
+    lines = ("SCL", "SDA") if ends.thing == "stuck" else ()
+    low = [(name, since) for name in lines if (since := evidence.low_since(name, at)) is not None]
+    falls = [evidence.say(since, f"{name} falls, and stays low", at - since) for name, since in low]
+    return Finding([*falls, *waited_for(evidence, at), *unread(evidence, at)])
+
+
+def _fifo(evidence: Evidence, ends: Ends) -> Finding:
+    """Find since when the firmware did not read the words in the FIFO, and what it did meanwhile."""
+    at = evidence.window.begin
+    if Kind.RECEIVER not in ends.kinds and (ends.begin is None or ends.begin.what not in (*FIFO, WORDS)):
+        return Finding()
+    reads = evidence.accesses(0, at, "R", SCI, "SCIRXBUF")
+    empty = [r.tick for r in evidence.flags(evidence.window.kept[0].begin, at, SCI, WORDS) if not r.value]
+    since = max([*empty, evidence.window.kept[0].begin])
+    frames = [r for r in evidence.window.between(since, at, Kind.FRAME) if r.what == "byte"]
+    steps: list[Step] = []
+    if reads:
+        last = max(reads, key=lambda r: r.tick)
+        steps.append(evidence.step(last, f"SCIRXBUF read for the last time, {evidence.span(at - last.tick)} before"))
+    if frames:
+        text = f"the host begins its first character of {len(frames)}"
+        steps.append(evidence.say(frames[0].tick, text, at - frames[0].tick))
+        since = frames[0].tick
+    steps += [evidence.step(flag) for flag in evidence.flags(since, at, SCI, *FIFO) if flag.value]
+    words = evidence.flags(at, at, SCI, WORDS)
+    steps += [evidence.say(at, f"{words[-1].value} words in the FIFO")] if words else []
+    later = evidence.accesses(at, evidence.window.kept[-1].end, "R", SCI, "SCIRXBUF")
+    steps += [evidence.step(r, f"SCIRXBUF read, {evidence.span(r.tick - at)} later") for r in later[:1]]
+    return Finding([*steps, *evidence.story(since, at, waits=False)])
+
+
+def _beside(evidence: Evidence, ends: Ends) -> Finding:
+    """Find the accesses and changes of a register beside the one at an instant, if the measure compares them."""
+    at, near = evidence.window.begin, evidence.window.timebase.ticks(PROMPT, "nearest")
+    if ends.kinds != {Kind.ACCESS, Kind.FLAG}:
+        return Finding()
+    found = [r for r in evidence.window.records if abs(r.tick - at) <= near and looks_at(ends.measure, r)]
+    return Finding([evidence.step(r) for r in found])
+
+
+def _periods(evidence: Evidence, ends: Ends) -> Finding:
+    """Find the periods before and after an event whose jitter is measured."""
+    at, record = evidence.window.begin, ends.begin
+    if record is None or evidence.window.verdict.unit != "us" or not looks_at(ends.measure, record):
+        return Finding()
+    ticks = [r.tick for r in evidence.window.records if (r[2:6]) == record[2:6]]
+    before = max((tick for tick in ticks if tick < at), default=at)
+    behind = min((tick for tick in ticks if tick > at), default=at)
+    name = evidence.step(record).what
+    steps = [evidence.say(before, f"{name}: a period of", at - before), evidence.say(at, "then one of", behind - at)]
+    return Finding([*steps, *evidence.story(before, behind)])
+
+
+FINDINGS: tuple[Callable[[Evidence, Ends], Finding], ...] = (
+    _refused,
+    _refused_byte,
+    _transfer,
+    _bytes,
+    _round_before,
+    _hung,
+    _fifo,
+    _beside,
+    _periods,
+)

@@ -1,0 +1,171 @@
+"""The explanation of a worst occurrence, which follows from its records and not from the kind of its budget.
+
+end record --causes--> ... --> begin record              steps
+begin |-- firmware --|-- SCL held --|-- hardware --| end   parts, which add up to its length (`places`)
+an instant                                               what the records around it show (`findings`)
+"""
+
+from __future__ import annotations
+
+from ....core.records import Kind, Record
+from ....scene.case.model import Case
+from ....timing.measures.watched_wire import WatchedWire
+from .chain import Chain, Part, Step, parts_of
+from .ends import DERIVED_FROM, Ends
+from .evidence import ON_WIRES, Evidence, in_order
+from .fault_evidence import waited_for
+from .findings import FINDINGS, PROMPT, answered, asked, held, transfers
+from .places import places, reached
+from .reply_evidence import wrong_characters
+from .window import Window
+
+WRITES = 6  # writes in between that are listed
+
+
+def chain_of(case: Case, window: Window) -> Chain:
+    """Return the Chain of a window."""
+    evidence = Evidence(window, case)
+    ends = Ends.of(evidence)
+    evidence = evidence.for_unit(ends.unit(case) or evidence.unit)
+    if window.verdict.unit == "%":
+        return _share(evidence)
+    if window.begin == window.end or isinstance(ends.measure, WatchedWire):
+        return _instant(evidence, ends)
+    steps = _on_the_bus(evidence, ends) if ends.on_the_bus else _between(evidence, ends)
+    request, wrong = wrong_characters(evidence)
+    blame = Part("code", wrong[0].what, 0, 1, wrong[0].place) if wrong else None
+    again = {(step.at, step.place) for step in wrong}
+    steps = [step for step in steps if (step.at, step.place) not in again]
+    stretches = [] if _between_rounds(evidence, ends) else places(evidence, ends)
+    return evidence.chain(in_order(request, steps, wrong), parts_of(stretches), blame)
+
+
+def _between(evidence: Evidence, ends: Ends) -> list[Step]:
+    """Return steps of both ends with their causes, and of the firmware's activity between them.
+
+    If the causes of the end do not lead to the firmware, its writes and waits are left out.
+    """
+    begin, end = evidence.window.begin, evidence.window.end
+    if ends.end is not None and reached(evidence, ends.end) is None:
+        unknown = evidence.say(end, f"{evidence.named(ends.end)}, whose cause is not recorded")
+        ours = [evidence.step(ends.begin)] if ends.begin is not None else []
+        return [*ours, unknown, *_older(evidence, ends), *evidence.story(begin, end, waits=False)]
+    story = evidence.story(begin, end)
+    steps: list[Step] = []
+    for record in (ends.begin, ends.end):
+        if record is not None:
+            own = evidence.step(record)
+            listed = record.value == 1 and any((one.at, one.place) == (own.at, own.place) for one in story)
+            came = [step for step in evidence.causes(record, begin) if step.at not in {early.at for early in steps}]
+            steps += came if listed else [*came, own]
+    return [*steps, *_older(evidence, ends), *story, *_writes(evidence), *_blocked(evidence, ends)]
+
+
+def _older(evidence: Evidence, ends: Ends) -> list[Step]:
+    """Return steps of earlier reads of the device whose read ends the time, if that is the age of its data."""
+    begin, end = evidence.window.begin, evidence.window.end
+    read = next((p for p in evidence.phases if p.begin == end), None)
+    if read is None or Kind.DATA not in ends.kinds:
+        return []
+    older = [p for p in evidence.phases if p.begin < end and p.end > begin and p.read and p.address == read.address]
+    return [evidence.say(p.begin, f"{p}, with older data", p.end - p.begin) for p in older]
+
+
+def _writes(evidence: Evidence) -> list[Step]:
+    """Return steps of the first writes between the ends."""
+    found = evidence.window.between(evidence.window.begin, evidence.window.end - 1, Kind.ACCESS)
+    return [evidence.step(r) for r in found if r.where == evidence.unit and r.what[0] == "W"][:WRITES]
+
+
+def _blocked(evidence: Evidence, ends: Ends) -> list[Step]:
+    """Return a step for an interrupt that was not served at once though no other routine was."""
+    begin, end = evidence.window.begin, evidence.window.end
+    kinds = [None if record is None else record.kind for record in (ends.begin, ends.end)]
+    prompt = end - begin < evidence.window.timebase.ticks(PROMPT, "nearest")
+    served = any(one.doing == "interrupt" for one in evidence.timeline(begin, end))
+    if kinds != [Kind.FLAG, Kind.IRQ] or prompt or served:
+        return []
+    return [evidence.say(begin, "the CPU does not take it, and no other routine is served: interrupts are off")]
+
+
+def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
+    """Return steps of the transfers of a time of the bus, and of holds of SCL with what ended the last one.
+
+    A time between rounds that is too short is explained by the round before it.
+    """
+    begin, end = evidence.window.begin, evidence.window.end
+    between = _between_rounds(evidence, ends)
+    since, until = (end - evidence.period, begin) if between else (begin, end)
+    made = [] if between or ends.end is None else _of_firmware(evidence, ends.end, begin)
+    phase = evidence.phase_at(begin)
+    if phase is None or between or phase.end < end:
+        steps = transfers(evidence, since, until)
+    else:
+        steps = [*asked(evidence, phase, end), *(made or answered(evidence, phase, end))]
+    if Kind.ROUND in ends.kinds and not any(p.begin == since for p in evidence.phases):
+        steps.append(evidence.say(since, "a round is due"))
+    if between:
+        steps.append(evidence.say(end, "the next round is due"))
+    steps += [*held(evidence, since, until), *evidence.story(since, until, waits=False)]
+    if ends.begin is not None:
+        steps += _of_firmware(evidence, ends.begin, begin)
+        steps += [evidence.step(ends.begin)] if ends.begin.kind is Kind.EDGE else []
+    last = ends.begin if between else ends.end
+    if last is not None:
+        steps += [*made, evidence.step(last)]
+    elif evidence.low_since("SCL", end) is not None:
+        steps += [*_stopped(evidence, end), evidence.say(end, "SCL is still low: the run ends")]
+    return steps
+
+
+def _stopped(evidence: Evidence, end: int) -> list[Step]:
+    """Return steps of a wait that goes on, of the firmware's last access before it, and of what that saw."""
+    wait = waited_for(evidence, end)
+    since = evidence.window.begin + wait[0].at if wait else end
+    accesses = [r for r in evidence.window.records if r.kind is Kind.ACCESS and r.where == evidence.unit]
+    last = next((r for r in reversed(accesses) if r.tick < since), None)
+    return wait if last is None else [*wait, *evidence.causes(last, since), evidence.step(last)]
+
+
+def _between_rounds(evidence: Evidence, ends: Ends) -> bool:
+    return Kind.ROUND in ends.kinds and evidence.window.verdict.too_little
+
+
+def _of_firmware(evidence: Evidence, record: Record, since: int) -> list[Step]:
+    """Return the causes of a record of the bus, back to the phase of a tick, if an access of the firmware made it."""
+    made_by = next((cause for cause, _ in evidence.walk(record) if cause.kind not in ON_WIRES), None)
+    if made_by is None or made_by.kind is not Kind.ACCESS:
+        return []
+    phase = evidence.phase_at(since)
+    return evidence.causes(record, since if phase is None else phase.begin)
+
+
+def _instant(evidence: Evidence, ends: Ends) -> Chain:
+    """Explain an instant by what the records around it show, its causes, and the firmware's activity."""
+    at = evidence.window.begin
+    found = [finding(evidence, ends) for finding in FINDINGS]
+    now = evidence.doing_step(at)
+    own: Part | None = None
+    steps = [step for one in found for step in one.steps]
+    if ends.begin is not None and not ends.kinds & DERIVED_FROM.keys() and not (steps and ends.begin.kind is Kind.BUS):
+        step = evidence.step(ends.begin)
+        own = None if step.place is None else Part("code", step.what, 0, 1, step.place)
+        now = step if ends.begin.kind is Kind.SPAN and ends.begin.value else now
+        steps += [*evidence.causes(ends.begin, at), step]
+    of_phase = bool(ends.kinds & DERIVED_FROM.keys()) and any(phase.begin == at for phase in evidence.phases)
+    if not of_phase and not any(step.what.startswith(f"{evidence.unit}: ") for step in steps):
+        steps.append(now)
+    blame = next((one.blame for one in found if one.blame is not None), None)
+    doing = None if of_phase else evidence.blame_at(at)
+    return evidence.chain(in_order(steps), (), own or blame or doing)
+
+
+def _share(evidence: Evidence) -> Chain:
+    """Explain a share of the time, a property of the whole run, by the firmware's activity in its last part."""
+    span = evidence.window.kept[-1]
+    parts = parts_of(evidence.timeline(span.begin, span.end - 1))
+    shares = f"the last {evidence.span(span.end - 1 - span.begin)} of the run: " + ", ".join(
+        f"{part} {evidence.span(part.length)}" for part in parts
+    )
+    blame = next((part for part in parts if part.doing in ("interrupt", "span")), None)
+    return evidence.chain((evidence.say(span.begin, shares, span.end - 1 - span.begin),), (), blame)

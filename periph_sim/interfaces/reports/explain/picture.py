@@ -1,0 +1,171 @@
+"""A window as a small timing diagram, in characters or SVG.
+
+    wires: SCL, SDA, bytes, pins that move
+    flags: those related to the measure, or named by it
+    firmware of each unit: service routines, spans, waits
+
+Time 0 of the axis is the begin of the worst occurrence.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from ....core.records import Kind, Record
+from ....records.register_maps import register_of
+from ....timing.format_value import in_words
+from ....traces.drawing.capture_lanes import wire_lanes
+from ....traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
+from ....traces.drawing.text_diagram import text_diagram
+from .cpu_activity import Episode, episodes, innermost, units
+from .window import Window, event_of
+
+ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
+RECEIVED = ("SCIFFRX.RXFFINT",)
+FLAGS: dict[str, tuple[str, ...]] = {  # related to records that a measure takes, whose name does not tell them
+    "answer": ANSWER,
+    "stretch": ANSWER,
+    "wrong bytes": (*ANSWER, "I2CDXR.DATA"),
+    "refused": ANSWER[:1],
+    "age": RECEIVED,
+    "model age": RECEIVED,
+    "words": RECEIVED,
+    "lost": RECEIVED,
+}
+COLUMNS_SVG = 160  # distinguishable bytes side by side in an SVG
+LEAST_BOX = 400  # a shorter episode is drawn as this part of the picture
+
+
+def text_picture(window: Window, width: int) -> list[str]:
+    """Return the lines of the diagram, none longer than `width`; none if there is nothing to draw."""
+    lanes = _lanes(window, width)
+    if not lanes:
+        return []
+    return text_diagram(lanes, _span(window), _marks(window), _axis(window), width)
+
+
+def svg_picture(window: Window) -> str:
+    """Return SVG text; with one empty lane if there is nothing to draw."""
+    lanes = _lanes(window, COLUMNS_SVG) or [Lane("nothing", "", GREY)]
+    verdict = window.verdict
+    title = f"{verdict.name}: worst{'' if verdict.worst is None else ' ' + _figure(window)} at {_at(window)}"
+    return timing_diagram(lanes, _span(window), _marks(window), title, _axis(window))
+
+
+def _lanes(window: Window, columns: int) -> list[Lane]:
+    lanes = wire_lanes(window.edges, window.drawn, lambda at: _seconds(window, at), columns)
+    lanes += _flag_lanes(window)
+    there = units(window)
+    for unit in there:
+        lanes += _firmware(window, unit, unit if len(there) > 1 else "firmware")
+    return lanes
+
+
+def _firmware(window: Window, unit: str, group: str) -> list[Lane]:
+    """Return a lane each for service routines, spans and waits, if any."""
+    of = episodes(window, unit, window.drawn.begin, window.drawn.end)
+    lanes = []
+    for doing, name, colour in (("interrupt", "irq", ORANGE), ("span", "span", BLUE), ("wait", "wait", GREY)):
+        alike: Iterable[Episode] = (one for one in of if one.doing == doing)
+        if doing == "span":
+            alike = innermost(alike, *window.drawn)
+        boxes = tuple(_box(window, one) for one in alike)
+        if boxes:
+            lanes.append(Lane(name, group, colour, boxes=boxes))
+    return lanes
+
+
+def _box(window: Window, one: Episode) -> Box:
+    drawn = window.drawn
+    end = drawn.end if one.end is None else min(one.end, drawn.end)
+    begin = max(one.begin, drawn.begin)
+    least = (drawn.end - drawn.begin) // LEAST_BOX
+    text = one.what if one.doing != "wait" else str(one).removeprefix("wait for ").rpartition("I2CSTR.")[2]
+    return Box(_seconds(window, begin), _seconds(window, max(end, begin + least)), text)
+
+
+def _flag_lanes(window: Window) -> list[Lane]:
+    """Return the flags as waves, those of several bits as boxes with their values."""
+    return [lane for where, what in flags_shown(window) for lane in _flag_lane(window, where, what)]
+
+
+def flags_shown(window: Window) -> list[tuple[str, str]]:
+    """Return place and field of the flags that changed within the picture and are related to the measure; and of all
+    that the chain names, changed or not."""
+    changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
+    known = {(r.where, r.what) for r in (*window.before, *window.records) if r.kind is Kind.FLAG}
+    changed |= {(where, what) for where, what in known if _is_named(window, where, what)}
+    measure, event = window.verdict.measure, event_of(window.verdict)
+    about = () if event is None else FLAGS.get(event.how, ())
+    order = {what: i for i, what in enumerate(about)}
+    chosen = [
+        (where, what)
+        for where, what in changed
+        if what in about or f"{where.partition('.')[2]}.{what}" in measure or _is_named(window, where, what)
+    ]
+    return sorted(chosen, key=lambda one: (one[0], order.get(one[1], 0), one[1]))
+
+
+def _is_named(window: Window, where: str, what: str) -> bool:
+    """True if the chain names a field, or the register that consists of it."""
+    name = _shown(where, what)
+    return any(re.search(rf"\b{name}\b(?!\.)", text) for text in window.chain_texts)
+
+
+def _shown(where: str, what: str) -> str:
+    """ "I2CSTR.SDIR"; the register alone if it consists of the field: "I2COAR"."""
+    name, _, _ = what.partition(".")
+    register = register_of(where.partition(".")[2], name)
+    return name if register is not None and len(register.fields) == 1 else what
+
+
+def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
+    changes = [r for r in (*window.before, *window.records) if (r.kind, r.where, r.what) == (Kind.FLAG, where, what)]
+    earlier = [r for r in changes if r.tick < window.drawn.begin]
+    inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
+    register, name = what.partition(".")[0], _shown(where, what).rpartition(".")[2]
+    if name != register and all(r.value in (0, 1) for r in changes):
+        initial = earlier[-1].value if earlier else 1 - changes[0].value  # the first change may be after the picture
+        edges = tuple((_seconds(window, r.tick), r.value) for r in inside)
+        return [Lane(name, "flags", BLACK, initial=initial, edges=edges)]
+    return [Lane(name, "flags", BLACK, boxes=_values(window, earlier[-1:], inside))]
+
+
+def _values(window: Window, earlier: list[Record], inside: list[Record]) -> tuple[Box, ...]:
+    marks = [*((window.drawn.begin, r.value) for r in earlier), *((r.tick, r.value) for r in inside)]
+    ends = [*(tick for tick, _ in marks[1:]), *([window.drawn.end] if marks else [])]
+    return tuple(
+        Box(_seconds(window, tick), _seconds(window, end), f"0x{value:02X}" if value > 9 else f"{value}")
+        for (tick, value), end in zip(marks, ends, strict=True)
+    )
+
+
+def _marks(window: Window) -> list[Mark]:
+    name = window.verdict.name
+    if window.begin == window.end:
+        return [Mark(0.0, name)]
+    length = (window.end - window.begin) * 1_000_000 / window.timebase.per_second
+    later = _figure(window) if window.verdict.until_s is None else in_words(length, "us")
+    end = Mark(_seconds(window, window.end), f"ends, {later} later")
+    return [Mark(0.0, f"{name}: worst begins"), end]
+
+
+def _span(window: Window) -> tuple[float, float]:
+    return _seconds(window, window.drawn.begin), _seconds(window, window.drawn.end)
+
+
+def _seconds(window: Window, tick: float) -> float:
+    return (tick - window.begin) / window.timebase.per_second
+
+
+def _figure(window: Window) -> str:
+    return in_words(window.verdict.worst or 0, window.verdict.unit)
+
+
+def _at(window: Window) -> str:
+    return f"{float(window.timebase.seconds(window.begin - window.start)):.6f} s"
+
+
+def _axis(window: Window) -> str:
+    return f"from {_at(window)} on"

@@ -1,0 +1,338 @@
+"""Windows: all records around the worst occurrence of each budget.
+
+    case, verdicts --> ranges of ticks --> one more run, everything recorded --> kept records --> Window each
+    recorded run, verdicts ------------------------------------------------------^
+
+A run is deterministic, so a second one has the same occurrence. It ends after the last range. Only records in the
+ranges are kept, plus the last record of each kind, place and thing before, which defines the state: memory does not
+grow with the run.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+
+from ....core.records import RECORDED, Kind, Record, Recorder
+from ....core.time import Timebase
+from ....processor.user_code import output_muted
+from ....scene.case.model import Case
+from ....scene.firmware_loader import Firmware
+from ....scene.scene import Scene
+from ....timing.language.events import Event
+from ....timing.language.language import measure_of
+from ....timing.measures.registry import MEASURES
+from ....timing.verdict import Verdict
+from ....traces.capture.capture import Capture, Channel, Span, channel_of
+from ....traces.drawing.capture_lanes import bit_of
+from ....traces.formats.record_table import RecordTable
+
+AROUND = Fraction(5, 1000)  # seconds kept before and after an occurrence: a transfer, a frame of the host
+WIDE = Fraction(25, 1000)  # the same if the instant alone is not sufficient: a period before and one after
+LATE = ("missed", "stuck")  # records whose instant is the end of too long a wait
+LONGEST = Fraction(1, 10)  # seconds kept of each end of a long occurrence
+LEAD = 4096  # edges of a wire kept before a range, so that a transfer in progress can be decoded
+BITS = 18  # drawn at least: two bytes with their ACKs
+BIT = Fraction(1, 100_000)  # seconds, without SCL
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """The worst occurrence of a verdict, with all that was recorded around it. Times are ticks.
+
+    begin, end: of the occurrence; equal if it is an instant.
+    drawn: the extent of a picture: the occurrence with some room on both sides.
+    kept: the ranges of `records`: one, or two if the middle of a long occurrence was not kept.
+    records: every record of these ranges, of all kinds, in order of time.
+    before: the last record of each kind, place and thing before the first range, in order of time: wire levels,
+    field values, spans and service routines (value 1: not over yet), last accesses.
+    edges: every wire of the scene; positions are ticks. Known (`Capture.known`) in `kept` and some way before it.
+    start: the tick at which the run began; `verdict.at_s` counts from there.
+    chain_texts: the steps of its chain, if there is one: a picture shows the fields that they name.
+    """
+
+    verdict: Verdict
+    begin: int
+    end: int
+    drawn: Span
+    kept: tuple[Span, ...]
+    records: tuple[Record, ...]
+    before: tuple[Record, ...]
+    edges: Capture
+    timebase: Timebase
+    start: int
+    chain_texts: tuple[str, ...] = ()
+
+    @property
+    def hole(self) -> Span | None:
+        """The middle of a long occurrence, for which no record was kept."""
+        return Span(self.kept[0].end, self.kept[1].begin) if len(self.kept) > 1 else None
+
+    def between(self, begin: int, end: int, *kinds: Kind) -> list[Record]:
+        """Return the records between two ticks, inclusive; of these kinds, or of all."""
+        return [r for r in self.records if begin <= r.tick <= end and (not kinds or r.kind in kinds)]
+
+
+@output_muted()
+def windows(
+    case: Case,
+    verdicts: Iterable[Verdict],
+    length: Fraction | None = None,
+    programs: Mapping[str, Firmware] | None = None,
+) -> list[Window]:
+    """Return a Window for each verdict that has an instant, in their order, from one more run of the case.
+
+    length: of the original run, in seconds; None: the case's duration. programs: as for the Scene of that run. Raises
+    the errors of a Scene and its run.
+    """
+    wanted = [verdict for verdict in verdicts if verdict.at_s is not None]
+    if not wanted:
+        return []
+    keepers: list[_Keeper] = []
+
+    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
+        start = timebase.ticks(case.start, "nearest")
+        end = start + timebase.ticks(case.duration if length is None else length, "nearest")
+        keepers.append(_Keeper(wanted, timebase, start, end))
+        recorder.subscribe(RECORDED, keepers[0].add)
+
+    scene = Scene(case, subscribe, programs)
+    (keeper,) = keepers
+    scene.advance(keeper.ends)
+    return keeper.windows(case.name, scene.wires)
+
+
+def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict], start: int) -> list[Window]:
+    """Return windows from a run that was recorded with every kind of record. start: the tick at which it began.
+
+    ValueError if the table's ticks are not a run's.
+    """
+    wanted = [verdict for verdict in verdicts if verdict.at_s is not None]
+    if table.per_second is None or table.per_second.denominator != 1:
+        raise ValueError(f"a table of {table.per_second} ticks a second is no recorded run")
+    keeper = _Keeper(wanted, Timebase(int(table.per_second)), start, table.end)
+    for record in table.records():
+        keeper.add(record)
+    wires = [*dict.fromkeys(table.texts("where", table.rows(Kind.EDGE)))]
+    return keeper.windows(case, wires)
+
+
+def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verdict], start: int) -> list[Window]:
+    """Return windows from the wires of a run only, whose positions are ticks: their only records are edges."""
+    wanted = [verdict for verdict in verdicts if verdict.at_s is not None]
+    keeper = _Keeper(wanted, timebase, start, edges.length - 1)
+    moves = [
+        (at, c.name, to) for c in edges.channels for at, to in zip(c.edges.tolist(), c.levels.tolist(), strict=True)
+    ]
+    for number, (at, name, to) in enumerate(sorted(moves), 1):
+        keeper.add(Record(number, at, Kind.EDGE, name, "level", to, "", 0))
+    return keeper.windows(str(edges.path), [channel.name for channel in edges.channels])
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """The place of a verdict's occurrence, and the ranges to keep."""
+
+    verdict: Verdict
+    begin: int
+    end: int
+    kept: tuple[Span, ...]
+
+
+@dataclass(frozen=True)
+class _State:
+    """The state at the begin of a range."""
+
+    last: dict[object, Record]
+    edges: dict[str, tuple[Record, ...]]
+
+
+class _Keeper:
+    """Receiver of all records of a run in order of creation, which keeps those around some verdicts."""
+
+    def __init__(self, verdicts: Sequence[Verdict], timebase: Timebase, start: int, end: int) -> None:
+        self._timebase = timebase
+        self._start, self._end = start, end
+        self._wanted = [self._want(verdict) for verdict in verdicts]
+        self._ranges = _merged([span for one in self._wanted for span in one.kept])
+        self._records: list[list[Record]] = [[] for _ in self._ranges]
+        self._states: list[_State] = []
+        self._place = 0  # index of the current or next range
+        self._seen: dict[object, Record] = {}
+        self._lead: dict[str, deque[Record]] = {}
+
+    @property
+    def ends(self) -> int:
+        """The tick after which nothing is kept."""
+        return self._ranges[-1].end - 1 if self._ranges else self._start
+
+    def _want(self, verdict: Verdict) -> _Wanted:
+        assert verdict.at_s is not None
+        per_second = self._timebase.per_second
+        at = self._start + round(verdict.at_s * per_second)
+        length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
+        if verdict.until_s is not None:
+            length = round(verdict.until_s * per_second) - (at - self._start)
+        event = event_of(verdict)  # the instant of data is the read, at the end of their age
+        of_data = event is not None and event.name == Kind.DATA.value
+        begin, end = sorted((at - length, at) if of_data else (at, at + length))
+        around = self._timebase.ticks(AROUND if _is_length(verdict) else WIDE, "nearest")
+        first, last = max(begin - around, self._start), min(end + around, self._end)
+        longest = self._timebase.ticks(LONGEST, "nearest")
+        kept: tuple[Span, ...] = (Span(first, last + 1),)
+        if end - begin > 2 * longest:
+            kept = Span(first, begin + longest), Span(end - longest, last + 1)
+        return _Wanted(verdict, begin, end, kept)
+
+    def add(self, record: Record) -> None:
+        """Add a record. They are in order of time, except that a CPU may be ahead by a few cycles."""
+        tick = record.tick
+        while self._place < len(self._ranges) and tick >= self._ranges[self._place].end:
+            self._enter()
+            self._place += 1
+        if self._place < len(self._ranges):
+            if tick >= self._ranges[self._place].begin:
+                self._enter()
+                self._records[self._place].append(record)
+            elif len(self._states) > self._place:  # late: the range has begun
+                self._states[self._place].last[record[2:5]] = record
+        self._seen[record[2:5]] = record
+        if record.kind is Kind.EDGE:
+            lead = self._lead.get(record.where)
+            if lead is None:
+                lead = self._lead[record.where] = deque(maxlen=LEAD)
+            lead.append(record)
+
+    def _enter(self) -> None:
+        """Store the state once, at the begin of a range."""
+        if len(self._states) == self._place:
+            edges = {wire: tuple(lead) for wire, lead in self._lead.items()}
+            self._states.append(_State(dict(self._seen), edges))
+
+    def windows(self, name: str, wires: Iterable[str]) -> list[Window]:
+        while self._place < len(self._ranges):  # no further records
+            self._enter()
+            self._place += 1
+        names = list(wires)
+        return [_with_stretch(self._window(one, name, names)) for one in self._wanted]
+
+    def _window(self, one: _Wanted, name: str, wires: list[str]) -> Window:
+        places = [_place(self._ranges, span) for span in one.kept]
+        records: list[Record] = []
+        for place, span in zip(places, one.kept, strict=True):
+            records += [r for r in self._records[place] if span.begin <= r.tick < span.end]
+        records.sort(key=lambda r: r.tick)
+        last = dict(self._states[places[0]].last)
+        for record in self._records[places[0]]:
+            if record.tick < one.kept[0].begin:
+                last[record[2:5]] = record
+        edges = self._edges(one, places, name, wires)
+        return Window(
+            verdict=one.verdict,
+            begin=one.begin,
+            end=one.end,
+            drawn=self._drawn(one, bit_of(edges, self._timebase.ticks(BIT, "nearest"))),
+            kept=one.kept,
+            records=tuple(records),
+            before=tuple(sorted(last.values(), key=lambda r: r.tick)),
+            edges=edges,
+            timebase=self._timebase,
+            start=self._start,
+        )
+
+    def _drawn(self, one: _Wanted, bit: int) -> Span:
+        """Return the extent of a picture: the occurrence in the middle; an instant at the first sixth, or late."""
+        begin = one.kept[0].begin if is_late(one.verdict) else one.begin
+        end = one.end
+        least, long = BITS * bit, end - begin
+        room = max((least - long) // 2 if long else least // 6, long // 10)
+        earliest, latest = one.kept[0].begin, one.kept[-1].end - 1
+        first = max(begin - room, earliest)
+        last = min(max(end + room, first + least), latest)
+        return Span(max(min(first, last - least), earliest), last + 1)
+
+    def _edges(self, one: _Wanted, places: list[int], name: str, wires: list[str]) -> Capture:
+        length = one.kept[-1].end
+        known = [self._lead_of(place) for place in places]
+        channels = tuple(self._channel(wire, i, one, places, known, length) for i, wire in enumerate(wires))
+        return Capture(Path(name), Fraction(self._timebase.per_second), length, channels, sampled=False)
+
+    def _lead_of(self, place: int) -> int:
+        """Return the tick from which all edges before a range are available."""
+        full = [lead[0].tick for lead in self._states[place].edges.values() if len(lead) == LEAD]
+        return max(full, default=self._start)
+
+    def _channel(
+        self, wire: str, index: int, one: _Wanted, places: list[int], known: list[int], length: int
+    ) -> Channel:
+        states: dict[int, int | None] = {}
+        for place, span, since in zip(places, one.kept, known, strict=True):
+            earlier = max(states, default=-1)
+            edges = [*self._states[place].edges.get(wire, ()), *_edges_of(self._records[place], wire)]
+            if since > earlier + 1 or not states:  # else the lead reaches back to the range before
+                if states:
+                    states[one.kept[0].end] = None
+                before = [r for r in edges if r.tick <= since]
+                states[since] = before[-1].value if before else (edges[0].value ^ 1 if edges else 1)
+            states |= {r.tick: r.value for r in edges if max(since, earlier) < r.tick < span.end}
+        return channel_of(wire, index, states.keys(), states.values(), length)
+
+
+def event_of(verdict: Verdict) -> Event | None:
+    """Return the event that a shipped measure takes its values of; None for other measures."""
+    sentence = MEASURES.get(verdict.measure.partition(" of ")[0])
+    return None if sentence is None else measure_of(sentence.text.format(of="")).events[-1]
+
+
+def is_late(verdict: Verdict) -> bool:
+    """Return True if the instant is the end of too long a wait."""
+    event = event_of(verdict)
+    return event is not None and event.how in LATE
+
+
+def _is_length(verdict: Verdict) -> bool:
+    """True if the value is the length of the occurrence, between two instants."""
+    return verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
+
+
+def _edges_of(records: Iterable[Record], wire: str) -> list[Record]:
+    return [r for r in records if r.kind is Kind.EDGE and r.where == wire]
+
+
+def _merged(spans: list[Span]) -> list[Span]:
+    """Merge spans that touch, in order."""
+    merged: list[Span] = []
+    for span in sorted(spans):
+        if merged and span.begin <= merged[-1].end:
+            merged[-1] = Span(merged[-1].begin, max(merged[-1].end, span.end))
+        else:
+            merged.append(span)
+    return merged
+
+
+def _place(ranges: list[Span], inside: Span) -> int:
+    return next(i for i, span in enumerate(ranges) if span.begin <= inside.begin and inside.end <= span.end)
+
+
+def _with_stretch(window: Window) -> Window:
+    """Narrow a stretch's window, given for its phase, to the longest low of SCL there."""
+    event = event_of(window.verdict)
+    if event is None or event.how != "stretch" or window.begin == window.end:
+        return window
+    starts = [r.tick for r in window.records if r.kind is Kind.BUS and r.what in ("repeated START", "STOP")]
+    over = min((tick for tick in starts if tick > window.begin), default=window.kept[-1].end)
+    scl = window.edges.channel("SCL")
+    ends = zip(scl.edges[:-1].tolist(), scl.edges[1:].tolist(), scl.levels[:-1].tolist(), strict=True)
+    falls = [(rise - fall, -fall) for fall, rise, level in ends if not level and window.begin <= fall < over]
+    if not falls:
+        return window
+    longest, fall = max(falls)
+    rise = longest - fall
+    begin = max(-fall, rise - (window.end - window.begin))
+    room = (window.drawn.end - window.drawn.begin) // 2
+    middle = (begin + rise) // 2
+    drawn = Span(max(middle - room, window.start), min(middle + room, window.kept[-1].end))
+    return replace(window, begin=begin, end=rise, drawn=drawn)

@@ -1,0 +1,100 @@
+"""The failure of a budget in sentences: the broken limit and its cause, from a Verdict, its Chain and its values.
+
+response is broken: 97.953 us, at most 50.000 us allowed (47.953 us too much), at 0.105195 s.
+3 of 1500 occurrences are beyond the limit, the first at 0.055195 s.
+Most of that time, 97.560 us, went into span frame at imu_hil.py:66 (sci_received).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ....timing.format_value import figure, in_words, instant, percentile
+from ....timing.verdict import Verdict
+from ..explain.chain import Chain, Part
+from .over_time import OverTime
+
+ALLOWED = {"max": "at most", "min": "at least", "exactly": "exactly"}
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Sentences, or "". place: the firmware location at the end of `why`."""
+
+    what: str
+    count: str = ""
+    why: str = ""
+    place: str = ""
+
+
+def failure(
+    verdict: Verdict, must_break: bool, chain: Chain | None, over: OverTime | None, per_second: int
+) -> Failure | None:
+    """Describe a budget's failure; None if it is as expected."""
+    if must_break and verdict.passed:
+        return Failure(f"holds ({in_words(verdict.worst or 0, verdict.unit)}), but the case says that it must break")
+    if must_break and verdict.broken:
+        return None
+    if verdict.broken:
+        why, place = ("", "") if chain is None else _why(verdict, chain)
+        return Failure(_what(verdict), "" if over is None else _count(verdict, over, per_second), why, place)
+    if verdict.passed:
+        return None
+    return Failure(f"is not judged: {verdict.found or f'nothing was measured by {verdict.measure!r}'}")
+
+
+def _what(verdict: Verdict) -> str:
+    if verdict.worst is None or verdict.until_s is not None:
+        at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
+        return f"is broken: {verdict.found}{at}"
+    allowed = ALLOWED.get(verdict.which) or f"for {percentile(verdict.which)} at most"
+    limit = "none" if (verdict.which, verdict.limit) == ("max", 0) else f"{allowed} {_plain(verdict.limit, verdict)}"
+    off = abs(verdict.worst - verdict.limit)
+    beyond = ""
+    if verdict.unit in ("us", "%", "LSB") and verdict.limit:
+        beyond = f" ({figure(off, verdict.unit)} {'too much' if verdict.worst > verdict.limit else 'too little'})"
+    at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
+    return f"is broken: {_plain(verdict.worst, verdict)}, {limit} allowed{beyond}{at}"
+
+
+def _plain(value: float | int, verdict: Verdict) -> str:
+    return in_words(value, verdict.unit)
+
+
+def _count(verdict: Verdict, over: OverTime, per_second: int) -> str:
+    if over.violation_count == over.count:
+        if over.count == 1:
+            return ""
+        return f"All {over.count} occurrences are beyond the limit"
+    if not over.violations:
+        return ""
+    share = f"{over.violation_count} of {over.count} occurrences"
+    first = over.violations[0][0] / per_second
+    if over.violation_count == 1:
+        return f"It is the only one of {over.count} occurrences that is beyond the limit"
+    when = "" if verdict.at_s is not None and abs(first - verdict.at_s) < 1e-9 else f", the first at {instant(first)}"
+    return f"{share} are beyond the limit{when}"
+
+
+def _why(verdict: Verdict, chain: Chain) -> tuple[str, str]:
+    part = chain.blamed
+    if part is not None and part.place is not None:
+        return f"{_blame(part, chain)} at", str(part.place)
+    if part is not None and part is chain.blame:
+        return _blame(part, chain), ""
+    if chain.parts:
+        return _blame(chain.parts[0], chain), ""
+    return "", ""
+
+
+def _blame(part: Part, chain: Chain) -> str:
+    """Describe the part as the cause, with its time if it has one."""
+    if not part.length or part is chain.blame:
+        return f"Cause: {part}"
+    length = figure(abs(float(chain.us(part.length))), "us")
+    if part in chain.more:
+        return f"{'Shorter' if part.length < 0 else 'Longer'} than typical by {length}: {part}"
+    share = Fraction(part.length, chain.length) if chain.length else Fraction(0)
+    most = "Most of that time" if share > Fraction(1, 2) else "The largest part of that time"
+    return f"{most}, {length}, went into {part}"

@@ -1,0 +1,207 @@
+"""Collect a case's report from a run's Result and Values, and one more run for the worst occurrences.
+
+case, Result, typical --explain--> timelines, explanations        --> CaseReport
+Result, Values --------------------> distributions, limits, facts --^
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+
+from ....core.counted import counted
+from ....scene.case.load import load
+from ....scene.case.model import Case
+from ....scene.case.unit_table import Unit
+from ....scene.result import SKIPPED, Result
+from ....timing.budget_schema import Budget, Condition
+from ....timing.format_value import figure, percentile
+from ....timing.values import Values
+from ....timing.verdict import Verdict
+from ..explain.explain import Explained, explain_each
+from .distribution import distribution
+from .explanation import explanation
+from .failure import failure
+from .lanes import MOST, timeline
+from .model import BudgetReport, CaseReport, Standing
+from .over_time import OverTime, over_time, shown_violations
+from .provenance import commit_of
+from .timeline import Timeline, only_chosen
+
+MOST_OF_PASSED = 3_000  # events in the timeline of a budget without failure
+MOST_OF_OTHERS = 1_500  # for each further occurrence beyond a limit
+
+
+def case_report(
+    case: Case,
+    result: Result,
+    values: Sequence[Values | None],
+    typical: Sequence[Verdict],
+    per_second: int,
+    length: Fraction | None = None,
+    changes: Sequence[str] = (),
+    findings: Sequence[str] | None = None,
+) -> CaseReport:
+    """Return the report of a case that was run for `length` seconds (None: its own duration).
+
+    result, values, typical: of that run; values in the order of its budgets, typical as `Scene.typical` gives it.
+    per_second: ticks. changes: "key=value" texts that the case was read with. findings: everything wrong,
+    if it was judged: the case passes if there are none. None uses the run's own verdict. Raises what a Scene
+    and its run may raise.
+    """
+    run = _Run(case, per_second, _ticks(result.simulated_s, per_second))
+    overs = [
+        None if kept is None else over_time(kept, verdict, run.end)
+        for verdict, kept in zip(result.budgets, values, strict=True)
+    ]
+    found = explain_each(case, [*result.budgets, *run.others(result.budgets, overs)], typical, length)
+    budgets = [
+        run.budget(budget, verdict, kept, over, [one for one in found if one.window.verdict.name == verdict.name])
+        for budget, verdict, kept, over in zip(case.budget, result.budgets, values, overs, strict=True)
+    ]
+    return CaseReport(
+        name=case.name,
+        about=case.about,
+        verdict=_verdict(result, findings),
+        standing=_standing(case, result, findings),
+        simulated_s=result.simulated_s,
+        wall_s=result.wall_s,
+        clocks=tuple((name, f"{float(_sysclk(unit) / 1_000_000):.9g} MHz") for name, unit in case.unit.items()),
+        options=tuple(result.unknowns),
+        changes=tuple(changes),
+        counts={name.replace("_", " "): count for name, count in result.counts.items() if count and name != SKIPPED}
+        | {"I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes}
+        | ({"SCI bytes from units": result.sci_bytes_sent} if result.sci_bytes_sent else {}),
+        findings=tuple(_beside_failures(_found(result) if findings is None else findings, budgets)),
+        notes=tuple(_devices_first(case, result.notes)),
+        budgets=tuple(budgets),
+        commit=commit_of(case.folder),
+    )
+
+
+def report_of_file(
+    path: Path,
+    changes: tuple[str, ...],
+    result: Result,
+    values: Sequence[Values | None],
+    typical: Sequence[Verdict],
+    per_second: int,
+    findings: Sequence[str],
+) -> CaseReport:
+    """Return the report of a case file run for its own duration; can be called in another process."""
+    return case_report(load(path, list(changes)), result, values, typical, per_second, None, changes, findings)
+
+
+def _verdict(result: Result, findings: Sequence[str] | None) -> str:
+    if findings is None:
+        return result.verdict
+    return "fail" if findings else "pass"
+
+
+def _standing(case: Case, result: Result, findings: Sequence[str] | None) -> Standing:
+    if _verdict(result, findings) == "pass":
+        return "good"
+    standing = {verdict.name for verdict in result.budgets if not verdict.passed}
+    as_said = all(verdict.broken == (verdict.name in case.breaks) for verdict in result.budgets)
+    known = findings is None and standing and standing == set(case.breaks) and as_said and not result.stuck
+    return "known" if known else "bad"
+
+
+@dataclass(frozen=True)
+class _Run:
+    """One run of a case. end: its length in ticks."""
+
+    case: Case
+    per_second: int
+    end: int
+
+    def others(self, verdicts: Sequence[Verdict], overs: Sequence[OverTime | None]) -> list[Verdict]:
+        """Return more occurrences beyond a limit, as verdicts, for failed budgets."""
+        found = []
+        for verdict, over in zip(verdicts, overs, strict=True):
+            if over is None or not verdict.broken or verdict.name in self.case.breaks or verdict.at_s is None:
+                continue
+            shown = shown_violations(over, _ticks(verdict.at_s, self.per_second))
+            found += [replace(verdict, worst=self._value(verdict, v), at_s=at / self.per_second) for at, v in shown]
+        return found
+
+    def _value(self, verdict: Verdict, value: int) -> float:
+        """Convert a value to the verdict's unit."""
+        return value * {"us": 1_000_000 / self.per_second, "LSB": 1e-6}.get(verdict.unit, 1)
+
+    def budget(
+        self, budget: Budget, verdict: Verdict, values: Values | None, over: OverTime | None, found: list[Explained]
+    ) -> BudgetReport:
+        """Return a budget's report. found: the worst occurrence, then others."""
+        must_break = verdict.name in self.case.breaks
+        worst, others = (found[0] if found else None), found[1:]
+        wrong = failure(verdict, must_break, None if worst is None else worst.chain, over, self.per_second)
+        most = MOST_OF_PASSED if wrong is None else MOST
+        return BudgetReport(
+            verdict=verdict,
+            limits=tuple(_limits(budget, verdict)),
+            source=budget.source,
+            must_break=must_break,
+            distribution=None if values is None else distribution(values, self.per_second // 10**9),
+            timeline=None if worst is None else self._timeline(worst, most),
+            explanation=None if worst is None else explanation(worst.chain),
+            failure=wrong,
+            over_time=over,
+            per_second=self.per_second,
+            others=tuple(
+                (_ticks(one.window.verdict.at_s, self.per_second), only_chosen(self._timeline(one, MOST_OF_OTHERS)))
+                for one in others
+            ),
+        )
+
+    def _timeline(self, one: Explained, most: int) -> Timeline:
+        cycles = {name: float(self.per_second / _sysclk(unit)) for name, unit in self.case.unit.items()}
+        host = self.case.host
+        bit = 0 if host is None else round(self.per_second / (Fraction(host.baud) * (1 + host.error / 100)))
+        return timeline(one.window, cycles, bit, most)
+
+
+def _ticks(seconds: float | None, per_second: int) -> int:
+    return round((seconds or 0) * per_second)
+
+
+def _limits(budget: Budget, verdict: Verdict) -> list[tuple[str, str]]:
+    """Return each limit as in the case, with the measure for joined conditions; the nearest one as compared."""
+    found = []
+    parts: list[Budget | Condition] = [budget, *budget.also]
+    for part in parts:
+        of = f"{part.measure} " if budget.also else ""
+        for key, given in part.limits().items():
+            nearest = (part.measure, key) == (verdict.measure, verdict.which)
+            text = figure(verdict.limit, verdict.unit) if nearest else f"{given}"
+            found.append((f"{of}{percentile(key)}", text))
+    return found
+
+
+def _found(result: Result) -> list[str]:
+    found = [f"{verdict.name}: {verdict.found}" for verdict in result.budgets if verdict.found]
+    found += [f"first wrong: {result.first_wrong}"] if result.first_wrong else []
+    if result.wrong:
+        found.append(
+            "wrong: " + ", ".join(f"{place} ({counted(times, 'time')})" for place, times in result.wrong.items())
+        )
+    return found + [f"stuck: {line}" for line in result.stuck]
+
+
+def _beside_failures(findings: Sequence[str], budgets: Sequence[BudgetReport]) -> list[str]:
+    """Return the findings not covered by a budget's `failure`."""
+    names = [one.verdict.name for one in budgets if one.failure is not None]
+    known = tuple(f"{name}{rest}" for name in names for rest in (" breaks: ", " is not judged: ", " holds, but ", ": "))
+    return [text for text in findings if not text.startswith(known)]
+
+
+def _devices_first(case: Case, notes: Sequence[str]) -> list[str]:
+    """Return the notes, those of chips and devices before those of units: the page shows only the first few."""
+    devices = tuple(f"{name}, " for name in (*case.chip, *case.device))
+    return sorted(notes, key=lambda note: not note.startswith(devices))
+
+
+def _sysclk(unit: Unit) -> Fraction:
+    return Fraction(unit.oscclk) * unit.pll / 2 * (1 + Fraction(unit.ppm) / 10**6)

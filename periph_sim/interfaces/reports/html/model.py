@@ -1,0 +1,71 @@
+"""The data of a case's report: plain data that can be sent between processes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ....timing.verdict import Verdict
+from .distribution import Distribution
+from .explanation import Explanation
+from .failure import Failure
+from .over_time import OverTime
+from .timeline import Timeline
+
+Standing = Literal["good", "known", "bad"]
+
+
+@dataclass(frozen=True)
+class BudgetReport:
+    """One budget. distribution: None if it has one number per run. timeline: None if it has no instant.
+
+    limits: key and text of each. must_break: from the case. explanation: how the worst value came about. failure: what
+    failed, and why. over_time: the values over the run, None if one number per run. others: more occurrences
+    beyond a limit, in order of time: instant (ticks from the run's begin) and timeline.
+    """
+
+    verdict: Verdict
+    limits: tuple[tuple[str, str], ...]
+    source: str
+    must_break: bool
+    distribution: Distribution | None
+    timeline: Timeline | None
+    explanation: Explanation | None
+    failure: Failure | None = None
+    over_time: OverTime | None = None
+    per_second: int = 10**9
+    others: tuple[tuple[int, Timeline], ...] = ()
+
+    @property
+    def as_it_should_be(self) -> bool:
+        return self.verdict.broken if self.must_break else self.verdict.passed
+
+
+@dataclass(frozen=True)
+class CaseReport:
+    """One case. standing: "known" is a failure that the case expects.
+
+    commit: of its repository, "" if there is none.
+    clocks: unit and its SYSCLKOUT as text. findings: what is wrong beyond the verdicts. options: options for
+    undocumented behaviour that the run used, UNIT.GROUP.NAME. counts: all other counts.
+    """
+
+    name: str
+    about: str
+    verdict: str  # "pass" or "fail"
+    standing: Standing
+    simulated_s: float
+    wall_s: float
+    clocks: tuple[tuple[str, str], ...]
+    options: tuple[str, ...]
+    changes: tuple[str, ...]
+    counts: dict[str, int]
+    findings: tuple[str, ...]
+    notes: tuple[str, ...]
+    budgets: tuple[BudgetReport, ...]
+    commit: str = ""
+
+    @property
+    def failed_first(self) -> list[tuple[int, BudgetReport]]:
+        """The budgets with their numbers, from 1; failed ones first."""
+        return sorted(enumerate(self.budgets, 1), key=lambda one: (one[1].as_it_should_be, one[1].verdict.passed))

@@ -1,0 +1,165 @@
+"""The HTML page with the reports of cases.
+
+    CaseReports --jinja2--> assets/report.html, with assets/*.css and assets/*.js inside
+
+Every text of a case is escaped: by the template engine in HTML, by `_data` in JSON.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from functools import cache
+from importlib.metadata import version
+from importlib.resources import files
+
+from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
+from markupsafe import Markup
+
+from ....timing.format_value import figure, in_words, instant, limit, percentile
+from ....timing.verdict import Verdict
+from .distribution import scale_of
+from .failure import ALLOWED
+from .model import BudgetReport, CaseReport
+from .over_time import OverTime
+from .plot import number, plot
+from .provenance import versions
+from .time_plot import time_plot
+
+STYLES = ("report.css", "budget.css", "timeline.css")
+SCRIPTS = (  # in order of dependency
+    "times.js",
+    "lanes.js",
+    "tooltip.js",
+    "minimap.js",
+    "protocol.js",
+    "timeline.js",
+    "overtime.js",
+    "table.js",
+    "folds.js",
+)
+STANDINGS = ("bad", "known", "good")  # in the order on the page
+MOST_FAILURES = 5  # shown at the head of the page
+
+Row = tuple[int, CaseReport, int, BudgetReport]
+
+
+def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
+    """Return HTML without references to other files. title: of the page, and of its overview if it has several cases.
+
+    command: the command line that made it."""
+    rows = _worst_first(cases)
+    return _template().render(
+        cases=cases,
+        ordered=sorted(enumerate(cases, 1), key=lambda one: STANDINGS.index(one[1].standing)),
+        rows=rows,
+        failures=[row for row in rows if row[3].failure is not None],
+        most_failures=MOST_FAILURES,
+        title=title,
+        command=command,
+        commits=list(dict.fromkeys(case.commit for case in cases if case.commit)),
+        versions=versions(),
+        version=version("periph-sim"),
+    )
+
+
+@cache
+def _template() -> Template:
+    pages = Environment(
+        loader=FunctionLoader(_text),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    pages.filters |= {"data": _data, "figure": figure, "instant": instant, "limit": limit, "share": _share}
+    pages.filters |= {"standing": _standing, "plot": _plot, "time_plot": _time_plot, "instants": _instants}
+    pages.filters |= {"gist": _gist, "allowed": _allowed}
+    pages.globals |= {"style": _joined(STYLES), "script": _joined(SCRIPTS)}
+    return pages.get_template("report.html")
+
+
+def _text(name: str) -> str:
+    text: str = (files(__package__) / "assets" / name).read_text(encoding="utf-8")
+    return text
+
+
+def _joined(names: Sequence[str]) -> Markup:
+    return Markup("\n".join(_text(name) for name in names))
+
+
+def _data(value: object) -> Markup:
+    """Return compact JSON for a script element: `<` is escaped, so it cannot end the element."""
+    return Markup(json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c"))
+
+
+def _standing(one: BudgetReport) -> str:
+    """Return the result of a budget in words."""
+    if one.must_break:
+        return "broken, as it must" if one.verdict.broken else f"{one.verdict.word}, but must break"
+    return one.verdict.word
+
+
+def _share(one: BudgetReport) -> float | None:
+    """Return the worst value in percent of a `max` limit; None if there is no such limit."""
+    verdict = one.verdict
+    if verdict.worst is None or verdict.which == "min" or verdict.limit <= 0 or verdict.worst < 0:
+        return None
+    return round(min(100 * verdict.worst / verdict.limit, 100), 1)
+
+
+def _plot(one: BudgetReport) -> object:
+    assert one.distribution is not None
+    return plot(one.distribution, least_is_worst=one.verdict.which == "min")
+
+
+def _time_plot(one: BudgetReport) -> object:
+    assert one.over_time is not None
+    return time_plot(one.over_time, *_unit(one.over_time, one.per_second), one.per_second)
+
+
+def _unit(over: OverTime, per_second: int) -> tuple[str, int]:
+    """Return the unit to show, and its size in units of the values."""
+    largest = max(max(abs(c.low), abs(c.high)) for c in over.columns)
+    unit, size, _ = scale_of(over.unit, largest, per_second // 10**9)
+    return "" if unit == "value" else unit, size
+
+
+def _instants(one: BudgetReport) -> dict[str, object]:
+    """Return instants in seconds for the script: worst value, values beyond a limit, values with waves."""
+    over, rate = one.over_time, one.per_second
+    assert over is not None
+    unit, size = _unit(over, rate)
+    worst = None if one.verdict.at_s is None else round(one.verdict.at_s * rate) / rate
+    return {
+        "end": over.end / rate,
+        "worst": worst,
+        "at": [at / rate for at, _ in over.violations],
+        "texts": [f"{number(value / size)} {unit}".rstrip() for _, value in over.violations],
+        "count": over.violation_count,
+        "waves": ([worst] if one.timeline is not None else []) + [at / rate for at, _ in one.others],
+    }
+
+
+def _gist(case: CaseReport) -> str:
+    """ "9 of 11 budgets hold; 1 must break and does"."""
+    hold = sum(one.verdict.passed and not one.must_break for one in case.budgets)
+    known = sum(one.must_break and one.as_it_should_be for one in case.budgets)
+    said = f"{hold} of {len(case.budgets)} budgets hold"
+    return f"{said}; {known} must break, and {'do' if known > 1 else 'does'}" if known else said
+
+
+def _allowed(verdict: Verdict) -> str:
+    """ "at most 60 us", "p99 at most 3.4 us"."""
+    text = limit(verdict.limit, verdict.unit, "")
+    word = ALLOWED.get(verdict.which) or f"{percentile(verdict.which)} at most"
+    return f"{word} {text if text != f'{verdict.limit}' else in_words(verdict.limit, verdict.unit)}"
+
+
+def _worst_first(cases: Sequence[CaseReport]) -> list[Row]:
+    """Return all budgets with the numbers of case and budget: failed ones first, then others that broke."""
+    rows = [
+        (place, case, number, one) for place, case in enumerate(cases, 1) for number, one in enumerate(case.budgets, 1)
+    ]
+    return sorted(rows, key=lambda row: (row[3].as_it_should_be, row[3].verdict.passed))

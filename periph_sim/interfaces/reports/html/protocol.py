@@ -1,0 +1,102 @@
+"""The protocol table around an occurrence, in the style of protocol analysers.
+
+ time    bus      what
+ 0.0 us  I2C      START 0x68 R ACK  12 ACK  34 NACK  STOP
+80.0 us  RX       01 00 7F ...                                characters without a pause between them are one row
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from ....core.records import Kind, Record
+from ....traces.decode import i2c
+from ..explain.window import Window
+
+LONGEST = 24  # bytes per row of characters
+
+
+@dataclass(frozen=True)
+class Row:
+    """at, end: ticks from the run's begin or another origin. bus: "I2C", or the wire of SCI characters.
+
+    start: "START", "Sr" (repeated), "" for characters. address: "0x68". way: "R" or "W". ack: "ACK", "NACK" or "".
+    data: each byte in hex with "ACK", "NACK" or ""; "error" for an incomplete character.
+    """
+
+    at: int
+    end: int
+    bus: str
+    start: str
+    address: str
+    way: str
+    ack: str
+    data: tuple[tuple[str, str], ...]
+    stop: bool
+
+    def json(self) -> list[Any]:
+        data = [[byte, ack] for byte, ack in self.data]
+        return [self.at, self.end, self.bus, self.start, self.address, self.way, self.ack, data, int(self.stop)]
+
+
+def rows(window: Window, seen: Callable[[int, int], bool], zero: int) -> list[Row]:
+    """Return rows in time order. seen: if a range of ticks is shown. zero: origin of their times, in ticks."""
+    names = {channel.name for channel in window.edges.channels}
+    found = [*_i2c_rows(window)] if {"SCL", "SDA"} <= names else []
+    found += _frame_rows(window)
+    kept = sorted((row for row in found if seen(row.at, row.end)), key=lambda row: (row.at, row.bus))
+    return [
+        Row(row.at - zero, row.end - zero, row.bus, row.start, row.address, row.way, row.ack, row.data, row.stop)
+        for row in kept
+    ]
+
+
+def _i2c_rows(window: Window) -> Iterator[Row]:
+    last_kept = window.kept[-1].end - 1
+    for transfer in i2c.transfers(window.edges):
+        for number, phase in enumerate(transfer.phases):
+            over = transfer.stop if number == len(transfer.phases) - 1 else transfer.phases[number + 1].start
+            whole = [byte for byte in phase.bytes if byte.value is not None]
+            head, data = whole[:1], whole[1:]
+            yield Row(
+                at=phase.start.at,
+                end=last_kept if over is None else over.at,
+                bus="I2C",
+                start="Sr" if number else "START",
+                address="" if phase.address is None else f"0x{phase.address:02X}",
+                way="" if phase.read is None else "R" if phase.read else "W",
+                ack=_ack(head[0].acked) if head else "",
+                data=tuple((f"{byte.value:02X}", _ack(byte.acked)) for byte in data),
+                stop=over is not None and over is transfer.stop,
+            )
+
+
+def _ack(acked: bool | None) -> str:
+    return "" if acked is None else "ACK" if acked else "NACK"
+
+
+def _frame_rows(window: Window) -> list[Row]:
+    """Return rows of characters of each wire; gaps shorter than a character do not start a new row."""
+    found: list[Row] = []
+    begun: dict[str, int] = {}
+    for record in window.records:
+        if record.kind is not Kind.FRAME:
+            continue
+        if record.what == "begin":
+            begun[record.where] = record.tick
+        elif record.what in ("end", "error") and record.where in begun:
+            _add(found, record, begun.pop(record.where))
+    return found
+
+
+def _add(found: list[Row], frame: Record, begin: int) -> None:
+    byte = (f"{frame.value:02X}", "error" if frame.what == "error" else "")
+    place = next((n for n in reversed(range(len(found))) if found[n].bus == frame.where), None)
+    if place is not None:
+        last = found[place]
+        if begin - last.end < frame.tick - begin and len(last.data) < LONGEST:
+            found[place] = Row(last.at, frame.tick, frame.where, "", "", "", "", (*last.data, byte), False)
+            return
+    found.append(Row(begin, frame.tick, frame.where, "", "", "", "", (byte,), False))

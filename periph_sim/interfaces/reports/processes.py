@@ -1,0 +1,76 @@
+"""Pools of worker processes that start fresh, with the package already imported.
+
+    first pool --> server, which imports the package and runs no case --fork--> fresh worker
+
+Importing takes as long as many a case. Forking this process would not work: it has run cases, and may have threads.
+Without such a server, on Windows, workers import what they need.
+
+No worker outlives its use. An error or Ctrl-C in the block of a pool ends its workers at once, `end_workers` those of
+all pools; a worker ends itself when its parent process ends, and the server ends with the last worker.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_all_start_methods, get_context, parent_process
+from signal import SIG_DFL, SIGINT, signal
+from threading import Thread
+
+SERVER = "forkserver"
+IMPORTED = ["periph_sim.interfaces.reports.baselines.outcome", "periph_sim.interfaces.reports.sweep.one_run"]
+_pools: set[ProcessPoolExecutor] = set()
+
+
+@contextmanager
+def processes(workers: int) -> Iterator[ProcessPoolExecutor]:
+    """Yield a pool of `workers` processes with the current environment."""
+    context = get_context(SERVER if SERVER in get_all_start_methods() else "spawn")
+    if context.get_start_method() == SERVER:
+        context.set_forkserver_preload(IMPORTED)
+    pool = ProcessPoolExecutor(workers, context, initializer=_begin, initargs=(dict(os.environ),))
+    _pools.add(pool)
+    try:
+        yield pool
+    except BaseException:
+        _end(pool)
+        raise
+    finally:
+        _pools.discard(pool)
+        pool.shutdown(cancel_futures=True)
+
+
+def end_workers() -> None:
+    """End the workers of all pools. Callers that wait for one of them get BrokenProcessPool."""
+    for pool in list(_pools):
+        _end(pool)
+
+
+def _end(pool: ProcessPoolExecutor) -> None:
+    for worker in list((pool._processes or {}).values()):
+        worker.kill()
+
+
+def _begin(environment: Mapping[str, str]) -> None:
+    """Set up a worker: Ctrl-C ends it without a traceback; imported objects are excluded from garbage collection.
+
+    User code prints to standard error: standard output belongs to the command.
+    """
+    signal(SIGINT, SIG_DFL)
+    sys.stdout = sys.stderr
+    Thread(target=_end_with_parent, name="periph-sim parent watch", daemon=True).start()
+    gc.freeze()
+    os.environ.clear()
+    os.environ.update(environment)
+
+
+def _end_with_parent() -> None:
+    """End this worker as soon as the process that uses it has ended, also by SIGKILL."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

@@ -1,0 +1,88 @@
+"""One run of a sweep, for worker processes: its figures, or why it could not be run.
+
+Job and Row can be sent between processes.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import lru_cache
+from pathlib import Path
+
+from ....core.kernel import SimulationStuck
+from ....f28335.memory.memory_map import NoSuchAddress
+from ....processor.error_origin import FirmwareError
+from ....scene.case.load import text_of
+from ....scene.case.model import BadCase
+from ....scene.firmware_loader import Firmware
+from ....scene.prepared import PreparedScene
+from ....timing.verdict import Verdict
+
+REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
+ERROR = "error"  # verdict of a run that failed
+
+
+@dataclass(frozen=True)
+class Job:
+    """Common data of all runs of a sweep. shown: the file as the caller named it, for messages.
+
+    length: instead of the case's own duration, in seconds.
+    """
+
+    file: str
+    shown: str
+    length: Fraction | None
+    programs: Mapping[str, Firmware]
+
+
+@dataclass
+class Row:
+    """The figures of a run, named as in a `Result`. verdict: "error" if `error` says why the run failed."""
+
+    verdict: str
+    error: str = ""
+    simulated_s: float = 0.0
+    wire_bytes: int = 0
+    sci_bytes: int = 0
+    sci_bytes_sent: int = 0
+    events: int = 0
+    budgets: list[Verdict] = field(default_factory=list)
+    counts: dict[str, int] = field(default_factory=dict)
+
+
+def rows_of(job: Job, runs: Sequence[Sequence[str]]) -> list[Row]:
+    """Return the rows of some runs, made one after the other. runs: the changes of each, as `--set` has them."""
+    return [_row(job, changes) for changes in runs]
+
+
+@lru_cache(maxsize=4)
+def _prepared(file: str, text: str) -> PreparedScene:
+    """Return a file's prepared scene, which a worker keeps for the runs to come, until the file has another text."""
+    return PreparedScene(file)
+
+
+def _row(job: Job, changes: Sequence[str]) -> Row:
+    try:
+        prepared = _prepared(job.file, text_of(Path(job.file), "case"))
+        result = prepared.scene(changes, None, job.programs).run(job.length)
+    except REFUSED as error:
+        return Row(ERROR, _as_named(job, str(error)))
+    return Row(
+        result.verdict,
+        simulated_s=result.simulated_s,
+        wire_bytes=result.wire_bytes,
+        sci_bytes=result.sci_bytes,
+        sci_bytes_sent=result.sci_bytes_sent,
+        events=result.events,
+        budgets=result.budgets,
+        counts=result.counts,
+    )
+
+
+def _as_named(job: Job, text: str) -> str:
+    """Return the message with paths as the caller wrote them."""
+    folder, shown = (str(Path(path).parent) for path in (job.file, job.shown))
+    return text.replace(job.file, job.shown).replace(f"{folder}{os.sep}", "" if shown == "." else f"{shown}{os.sep}")

@@ -1,0 +1,172 @@
+"""One run of a row, and its errors: verdicts and occurrences of budgets, and data read on the I2C bus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from fractions import Fraction
+from math import inf, isinf
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....bus.i2c.transfer import Transfer
+from ....records.if_recorded import if_recorded
+from ....scene.case.model import BadCase, Case
+from ....scene.clocks import clocks_of
+from ....scene.plugins import sensors_of
+from ....scene.scene import Scene
+from ....timing.budget_schema import Budget
+from ....timing.verdict import NOT_JUDGED
+
+SAMPLE = 6  # bytes of a read that carries a whole sample
+UNITS = ("s", 1), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)
+DIGITS = 13  # of seconds; further digits are rounding of ticks
+
+
+@dataclass(frozen=True, eq=False)
+class Observed:
+    """verdicts: of the budgets that this run can measure, by name. times: occurrences of time budgets, in seconds.
+
+    samples: codes of each chip in the controller's order, int64[n, 3]. others: bytes of other reads, by address.
+    """
+
+    verdicts: dict[str, str]
+    times: dict[str, NDArray[np.float64]]
+    samples: dict[str, NDArray[np.int64]]
+    others: dict[str, NDArray[np.int64]]
+
+    @property
+    def is_empty(self) -> bool:
+        """True if there is nothing to compare two runs by."""
+        occurred = [*self.times.values(), *self.samples.values(), *self.others.values()]
+        return not any(map(len, occurred)) and set(self.verdicts.values()) <= {NOT_JUDGED}
+
+
+@dataclass(frozen=True, order=True)
+class Error:
+    """The largest of several differences. amount: infinite if the counts differ. place: a budget or chip."""
+
+    amount: float
+    unit: str
+    place: str = ""
+
+    @property
+    def text(self) -> str:
+        """`none`, `12.3 us`, `2 LSB`, or `other count` if the numbers of occurrences differ."""
+        if not self.amount:
+            return "none"
+        if isinf(self.amount):
+            return "other count"
+        if self.unit != "s":
+            return f"{self.amount:g} {self.unit}"
+        unit, per_second = next(one for one in UNITS if one[1] * self.amount >= 1 or one is UNITS[-1])
+        return f"{float(f'{self.amount * per_second:.3g}'):g} {unit}"
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors of a run against the reference. differ: budgets judged by the reference that have another
+    verdict. value: in LSB of the chips' data; in bytes that differ if only other reads do.
+    """
+
+    judged: int
+    differ: tuple[str, ...]
+    time: Error
+    value: Error
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return the cells of a table: `20 of 21`, the error of times and that of values."""
+        return f"{self.judged - len(self.differ)} of {self.judged}", self.time.text, self.value.text
+
+
+@contextmanager
+def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterator[Scene]:
+    """Build a scene and finish its recording after its run. record: the suffix of a temporary file, "" for none."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder, f"run{record}") if record else None
+        with if_recorded(path, case.recorded_modules) as (subscribe, ended_at):
+            scene = Scene(case, subscribe, keep_values=keep_values)
+            yield scene
+            ended_at(scene.kernel.now, clocks_of(scene))
+
+
+def observe(case: Case, length: Fraction, record: str = "") -> Observed:
+    """Run `case` for `length` seconds. Raise BadCase or one of REFUSED if it cannot be run."""
+    order = () if case.controller is None else case.controller.order
+    sensors = sensors_of(case, order)
+    chips = {sensors[name].address: name for name in order}
+    samples: dict[str, list[Sequence[int]]] = {}
+    others: dict[str, list[int]] = {}
+
+    def keep(transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            name = chips.get(phase.address, "")
+            if phase.read and name and len(phase.got) == SAMPLE:
+                samples.setdefault(name, []).append(sensors[name].values(bytes(phase.got)))
+            elif phase.read:
+                others.setdefault(f"0x{phase.address:02x}", []).extend(phase.got)
+
+    with built(_measurable(case), record, keep_values=True) as scene:
+        scene.on_transfer(keep)
+        result = scene.run(length)
+    kept = {limit.budget.name: limit.measure.kept for limit in scene.limits if limit.measure.unit == "time"}
+    return Observed(
+        {verdict.name: verdict.verdict for verdict in result.budgets},
+        {name: values[0] / scene.timebase.per_second for name, values in kept.items() if values is not None},
+        {name: np.array(codes, np.int64) for name, codes in samples.items()},
+        {name: np.array(data, np.int64) for name, data in others.items()},
+    )
+
+
+def compare(reference: Observed, run: Observed) -> Errors:
+    """Compare a run with the reference: the n-th occurrence of each budget, sample and byte with the n-th."""
+    judged = {name: verdict for name, verdict in reference.verdicts.items() if verdict != NOT_JUDGED}
+    differ = tuple(name for name, verdict in judged.items() if run.verdicts.get(name) != verdict)
+    measured = {name: times for name, times in reference.times.items() if name in run.times}
+    value = _largest(reference.samples, run.samples, "LSB", _distance)
+    if not value.amount:
+        value = _largest(
+            reference.others, run.others, "bytes", lambda one, other: float(np.count_nonzero(one != other))
+        )
+    return Errors(len(judged), differ, _largest(measured, run.times, "s", _distance), value)
+
+
+def _distance(one: NDArray[Any], other: NDArray[Any]) -> float:
+    return round(float(np.abs(one - other).max(initial=0)), DIGITS)
+
+
+def _largest(
+    reference: Mapping[str, NDArray[Any]],
+    run: Mapping[str, NDArray[Any]],
+    unit: str,
+    distance: Callable[[NDArray[Any], NDArray[Any]], float],
+) -> Error:
+    errors = [
+        Error(distance(one, run[name]) if len(run.get(name, ())) == len(one) else inf, unit, name)
+        for name, one in reference.items()
+    ]
+    return max((error for error in errors if error.amount), default=Error(0.0, unit))
+
+
+def _measurable(case: Case) -> Case:
+    """Return the case with the budgets that its units can have; others belong to other firmware."""
+    try:
+        Scene(case)
+    except BadCase:
+        kept = tuple(budget for budget in case.budget if _can_have(case, budget))
+        return case.model_copy(update={"budget": kept, "breaks": ()})
+    return case
+
+
+def _can_have(case: Case, budget: Budget) -> bool:
+    try:
+        Scene(case.model_copy(update={"budget": (budget,), "breaks": ()}))
+    except BadCase:
+        return False
+    return True

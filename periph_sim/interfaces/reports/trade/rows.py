@@ -1,0 +1,101 @@
+"""The choices for a scene, one row each, the most accurate first.
+
+firmware     an image, C sources or Python with stated costs: from other cases, used in this scene
+arithmetic   number format of sensor models in Python firmware, at the cost stated in the case
+recording    none, .psr or .vcd
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from ....core.suggest import did_you_mean
+from ....scene.case.model import BadCase, Case
+from ....scene.case.unit_table import Unit
+from ....scene.firmware_loader import BadFirmware, BadSetting, load_firmware, settings_for
+
+KINDS = ("image", "C", "Python")  # of firmware: cycles of instructions, cycles estimated from C, stated cycles
+ARITHMETICS = ("float64", "float32", "q16")
+RECORDINGS = (".psr", ".vcd")
+BYTES = "bytes"  # firmware without models
+AS_GIVEN = "as given"
+Make = Callable[[Sequence[str]], Case]
+
+
+@dataclass(frozen=True)
+class Row:
+    """changes: of the case, as for `--set`. units: the case whose units are used; None: the case's own.
+
+    record: the suffix of the recording to write, "" for none.
+    """
+
+    name: str
+    changes: tuple[str, ...] = ()
+    units: Case | None = None
+    record: str = ""
+
+    def case(self, make: Make) -> Case:
+        """Return the case to run. Raise BadCase if the changes do not fit it."""
+        case = make(self.changes)
+        return case if self.units is None else case.model_copy(update={"unit": self.units.unit})
+
+
+def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
+    """Return all rows of a case. others: cases whose units give rows, too."""
+    case = make(())
+    given = Row(AS_GIVEN)
+    firmware = [(kind_of(case), [*_arithmetics(case, given)])]
+    firmware += [(kind, [Row(f"{kind} of {other.name}", units=other)]) for other in others if (kind := kind_of(other))]
+    found = [row for _, rows in sorted(firmware, key=lambda one: KINDS.index(one[0])) for row in rows]
+    return [*found, *(Row(f"record {suffix}", record=suffix) for suffix in RECORDINGS)]
+
+
+def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
+    """Return the most accurate row, the case as given and the rows of these names; all if none is named.
+
+    Raise BadCase for a name that no row has.
+    """
+    known = [row.name for row in rows]
+    for name in names:
+        if name not in known:
+            raise BadCase(f"there is no row {name!r} of this case; {did_you_mean(name, known)}")
+    return [row for row in rows if not names or row.name in (rows[0].name, AS_GIVEN, *names)]
+
+
+def kind_of(case: Case) -> str:
+    """Return the kind of a case's firmware, the least accurate one of several units."""
+    kinds = ["image" if unit.image else "C" if unit.sources else "Python" for unit in case.unit.values()]
+    return max(kinds, key=KINDS.index, default="Python")
+
+
+def _arithmetics(case: Case, given: Row) -> Iterator[Row]:
+    """Yield the case as given and with other number formats, the most accurate first."""
+    settings = {name: _settings(unit) for name, unit in case.unit.items() if unit.firmware}
+    computing = {name: one for name, one in settings.items() if getattr(one, "arithmetic", BYTES) != BYTES}
+    present = {getattr(one, "arithmetic", BYTES) for one in computing.values()}
+    first = next((arithmetic for arithmetic in ARITHMETICS if arithmetic in present), "")
+    for arithmetic in ARITHMETICS:
+        if arithmetic == first:
+            yield given
+        elif computing:
+            changes = [change for name, one in computing.items() for change in _computed_in(arithmetic, name, one)]
+            yield Row(f"arithmetic={arithmetic}", tuple(changes))
+    if not first:
+        yield given
+
+
+def _settings(unit: Unit) -> object:
+    """Return the settings of a unit's firmware; None if they are wrong, which its run reports."""
+    try:
+        return settings_for(load_firmware(unit.firmware), unit.settings)
+    except (BadFirmware, BadSetting):
+        return None
+
+
+def _computed_in(arithmetic: str, unit: str, settings: object) -> Iterator[str]:
+    """Yield the changes that replace a unit's number format but keep its models' time."""
+    yield f"unit.{unit}.settings.arithmetic={arithmetic}"
+    if getattr(settings, "model_cost", None) == "estimate":
+        yield f"unit.{unit}.settings.model_cost={getattr(settings, 'run_cost', '')}"
+        yield f"unit.{unit}.settings.beyond_estimate=0 s"

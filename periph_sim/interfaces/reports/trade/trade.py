@@ -1,0 +1,162 @@
+"""All rows of one scene: their errors against the most accurate one, CPU time, and the recommended row."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from fractions import Fraction
+from math import inf, isinf
+
+from ....core.kernel import SimulationStuck
+from ....f28335.memory.memory_map import NoSuchAddress
+from ....processor.error_origin import FirmwareError
+from ....processor.user_code import output_muted
+from ....scene.case.model import BadCase, Case
+from ....timing.format_value import duration_text
+from .cpu import Cost, costs_of
+from .observe import Errors, Observed, compare, observe
+from .rows import AS_GIVEN, Make, Row
+
+REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
+START, TIMED = Fraction(1, 10), Fraction(1)  # seconds of the scene excluded from and included in CPU time
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of a row: its errors and its cost."""
+
+    row: Row
+    errors: Errors
+    cost: Cost
+
+    def fits(self, max_error_s: float) -> bool:
+        """True if the row's verdicts equal the reference's and its errors are within the limit."""
+        within = self.errors.time.amount <= max_error_s and (isinf(max_error_s) or not self.errors.value.amount)
+        return not self.row.record and not self.errors.differ and within
+
+
+@dataclass(frozen=True)
+class Trade:
+    """Outcomes of all rows that ran, the reference first. refused: why the others cannot be run, by name.
+
+    ran_s: seconds of the scene over which errors are measured; half of them gives the same rows except `changed`.
+    start_s, timed_s: seconds of the scene excluded from CPU times, and those after them included.
+    best: the recommended row; why: the reason, as a phrase.
+    """
+
+    case: str
+    ran_s: float
+    changed: tuple[str, ...]
+    start_s: float
+    timed_s: float
+    outcomes: tuple[Outcome, ...]
+    refused: dict[str, str]
+    best: Outcome
+    why: str
+
+
+def trade(
+    make: Make,
+    rows: Sequence[Row],
+    length: Fraction,
+    max_error_s: float = inf,
+    on_progress: Callable[[float], None] | None = None,
+) -> Trade:
+    """Run all rows for half of `length` seconds, for `length` and, if that changes a row, for twice as long.
+
+    max_error_s: maximum error of the recommended row's times. Raise BadCase or one of REFUSED if the most accurate
+    row cannot be run, or nothing occurs in it.
+    """
+    runs = _Runs(make, rows)
+    changed: list[str] = []
+    ran = length / 2
+    with output_muted():
+        errors = runs.errors(ran, may_be_empty=True)
+        for step, ran in enumerate((length, 2 * length), 2):
+            if on_progress is not None:
+                on_progress(step / 5)
+            before, errors = errors, runs.errors(ran)
+            changed = [name for name, one in errors.items() if name in before and one.cells != before[name].cells]
+            if not changed:
+                break
+        start, timed = min(START, length / 2), min(TIMED, length / 2)
+        errors |= runs.errors_of_recorded(start + timed, errors[AS_GIVEN])
+        costs = costs_of({row.name: (runs.cases[row.name], row.record) for row in runs.running}, start, timed)
+    outcomes = [Outcome(row, errors[row.name], costs[row.name]) for row in runs.running]
+    best, why = _best(outcomes, max_error_s)
+    name = runs.cases[AS_GIVEN].name
+    return Trade(name, float(ran), tuple(changed), float(start), float(timed), tuple(outcomes), runs.refused, best, why)
+
+
+class _Runs:
+    """The cases of all rows. refused: why a row cannot be run, by name."""
+
+    def __init__(self, make: Make, rows: Sequence[Row]) -> None:
+        self.rows = rows
+        self.cases: dict[str, Case] = {}
+        self.refused: dict[str, str] = {}
+        for row in rows:
+            with self._refusing(row):
+                self.cases[row.name] = row.case(make)
+
+    @property
+    def running(self) -> list[Row]:
+        return [row for row in self.rows if row.name not in self.refused]
+
+    def errors(self, length: Fraction, may_be_empty: bool = False) -> dict[str, Errors]:
+        """Return the errors of all rows without a recording, by name. BadCase if nothing occurs in the first one."""
+        found: dict[str, Errors] = {}
+        reference: Observed | None = None
+        for row in self.running:
+            if not row.record:
+                with self._refusing(row):
+                    run = observe(self.cases[row.name], length)
+                    reference = reference or (run if may_be_empty else self._with_occurrences(run, length))
+                    found[row.name] = compare(reference, run)
+        return found
+
+    def errors_of_recorded(self, length: Fraction, unrecorded: Errors) -> dict[str, Errors]:
+        """Return the errors of rows with a recording: `unrecorded` if recording changes nothing in `length` seconds."""
+        found: dict[str, Errors] = {}
+        for row in self.running:
+            if row.record:
+                with self._refusing(row):
+                    alone, recorded = (observe(self.cases[row.name], length, record) for record in ("", row.record))
+                    error = compare(alone, recorded)
+                    is_same = not (error.differ or error.time.amount or error.value.amount)
+                    found[row.name] = unrecorded if is_same else error
+        return found
+
+    def _with_occurrences(self, run: Observed, length: Fraction) -> Observed:
+        if run.is_empty:
+            first = duration_text(float(length))
+            raise BadCase(
+                f"case {self.cases[AS_GIVEN].name}: nothing to compare: no budget is judged and nothing is read on I2C "
+                f"in the first {first}; simulate longer with --seconds, or add a budget"
+            )
+        return run
+
+    @contextmanager
+    def _refusing(self, row: Row) -> Iterator[None]:
+        """Record why a row cannot be run; raise for the most accurate row and the case as given."""
+        try:
+            yield
+        except REFUSED as error:
+            if row.name in (self.rows[0].name, AS_GIVEN):
+                raise
+            self.refused[row.name] = str(error)
+
+
+def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str]:
+    """Return the cheapest row that fits (of equal cost: the most accurate), and the reason."""
+    reference = outcomes[0]
+    fitting = [one for one in outcomes if one.fits(max_error_s)]
+    cheapest = min(fitting, key=lambda one: one.cost.cpu_s)
+    best = next(one for one in fitting if not cheapest.cost.is_below(one.cost))
+    if best is reference:
+        return best, "it is the most accurate row, and no row whose budgets all agree with it is cheaper"
+    errors = f"errors of times: {best.errors.time.text}, of values: {best.errors.value.text}"
+    share = best.cost.cpu_s / reference.cost.cpu_s
+    share_text = f"it takes {share:.0%} of the CPU time of {reference.row.name}"
+    return best, f"its budgets agree with the most accurate row, and {share_text}; {errors}"

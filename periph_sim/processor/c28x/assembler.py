@@ -1,0 +1,111 @@
+"""Assemble one line of source: find its form and encode its words.
+
+Every syntax of `encodings.toml` is accepted, without regard to case and spaces. If several forms fit, the shortest is
+used, as TI's assembler does: `MOV @AL,#0` has one word.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from typing import NamedTuple
+
+from ...core.suggest import did_you_mean
+from .encodings import Encoding, encodings
+from .expressions import BadExpression, Undefined, evaluate
+from .operands import parts_of
+from .syntax_part import BadOperand, Read
+
+
+class BadInstruction(ValueError):
+    """Source text is not an instruction; the message is one sentence."""
+
+
+class Parsed(NamedTuple):
+    """A form, with the text of each operand, and what reads it."""
+
+    encoding: Encoding
+    operands: tuple[tuple[Read, str], ...]
+
+    def words(self, address: int, symbols: Mapping[str, int]) -> tuple[int, ...]:
+        """Encode the instruction for an address. Raise BadInstruction if an operand does not fit."""
+        values: dict[str, int] = {}
+        try:
+            for read, text in self.operands:
+                values |= read(text, address, lambda expression: evaluate(expression, symbols, address))
+        except (BadOperand, BadExpression) as error:
+            raise BadInstruction(str(error)) from None
+        pair = self.encoding.pair(values)
+        return (pair >> 16, pair & 0xFFFF)[: self.encoding.words]
+
+    def fits(self, address: int, symbols: Mapping[str, int]) -> bool:
+        """Return True if every operand known so far fits its field."""
+        values: dict[str, int] = {}
+        for read, text in self.operands:
+            try:
+                values |= read(text, address, lambda expression: evaluate(expression, symbols, address))
+            except Undefined:
+                continue
+            except (BadOperand, BadExpression):
+                return False
+        return all(values.get(name, least) >= least for name, least in self.encoding.at_least) and all(
+            values.get(name, most) <= most for name, most in self.encoding.at_most
+        )
+
+
+def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
+    """Find the shortest form matching a source line. symbols: known so far; unknown ones are assumed to fit."""
+    text = " ".join(source.split())
+    mnemonic = text.partition(" ")[0].upper()
+    forms = _forms().get(mnemonic)
+    if forms is None:
+        raise BadInstruction(f"there is no instruction {mnemonic!r}; {did_you_mean(mnemonic, sorted(_forms()))}")
+    matched = []
+    for encoding in forms:
+        found = _pattern(encoding).fullmatch(text)
+        if found is None:
+            continue
+        reading = [part.read for part in parts_of(encoding) if part.read is not None]
+        parsed = Parsed(encoding, tuple(zip(reading, found.groups(), strict=True)))
+        if parsed.fits(address, symbols):
+            return parsed
+        matched.append(parsed)
+    if matched:  # raises with the operand that does not fit
+        matched[-1].words(address, symbols)
+    known = ", ".join(dict.fromkeys(encoding.syntax for encoding in forms))
+    raise BadInstruction(f"{text!r} has none of the operands of {mnemonic}: {known}")
+
+
+@cache
+def _forms() -> Mapping[str, tuple[Encoding, ...]]:
+    """The forms of OBJMODE 1 by mnemonic, shorter ones first; aliases after the forms they stand for.
+
+    If equal, forms with fewer operands come first: `MOVL P,ACC` rather than `MOVL loc32,ACC`.
+    """
+    forms: dict[str, list[Encoding]] = {}
+    for encoding in encodings():
+        if encoding.objmode != "0":
+            forms.setdefault(encoding.mnemonic, []).append(encoding)
+            if encoding.also:
+                also = replace(encoding, mnemonic=encoding.also.partition(" ")[0], syntax=encoding.also)
+                forms.setdefault(also.mnemonic, []).append(also)
+    return {name: tuple(sorted(rows, key=_before_others)) for name, rows in forms.items()}
+
+
+def _before_others(row: Encoding) -> tuple[int, bool, int]:
+    return row.words, bool(row.alias_of), sum(part.read is not None for part in parts_of(row))
+
+
+@cache
+def _pattern(encoding: Encoding) -> re.Pattern[str]:
+    """Return the pattern of a source line of this form, with a group per operand."""
+    pieces = [_flexible(part.literal) if part.read is None else f"({part.pattern})" for part in parts_of(encoding)]
+    return re.compile(r"\s*".join(pieces), re.IGNORECASE)
+
+
+def _flexible(literal: str) -> str:
+    """Return the pattern of a literal, with optional spaces between tokens."""
+    pieces = re.findall(r"\w+|\s+|\|\||<<|\S", literal)
+    return r"\s*".join(re.escape(piece) for piece in pieces if piece.strip())

@@ -1,0 +1,300 @@
+"""The CPU that executes an operation: its operands, memory, stack and control.
+
+    locate(field)   address of the operand, and the mode's effect on address registers, in D2
+    read16, write   the operand itself: memory at that address, or the register that the field names
+    load16, store16 memory access; a chip with a bus overrides them
+
+Values are unsigned integers of their width. Source: SPRU430F chapters 2 and 5.
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from ....core.state import State
+from ....form.c_types import CFunction
+from ..encodings import Encoding
+from .registers import CODE, HIGH16, M16, M32, IllegalOperation, Registers
+
+READS, WRITES = 1, 2
+REGISTER = -1  # in place of an address: the field names a register
+
+Execute = CFunction[["Cpu", "Operation"], None]
+
+
+class Operation:
+    """One decoded instruction, ready to execute: the values of its fields by the table's letters, -1 if absent.
+
+    next: the address after it. cycles, not_taken: from the table; repeated: of N + 1 passes, less N, 0 if not
+    repeatable. wide: its operand has 32 bits. byte: its operand is a byte. place: its address, until its words are
+    overwritten. following, goal: the operation executed after it, and its last jump target. accesses: READS, WRITES,
+    both or 0, at its operand's address. absolute: likewise at *(0:16). needs, makes: registers needed early and written
+    late, at_once: memory written in the first cycle, see `hazards`. jumps: it may branch; loops: it closes a loop by a
+    branch. late: FPU registers written one instruction later, as bits; plain: the effect alone, if `execute` models
+    that delay. waited: it is in memory with wait states. tested: the bits of its operand that it tests, if it names
+    them. block, block_end: address range of the memory block of its data accesses.
+    """
+
+    __slots__ = (
+        "absolute", "accesses", "address", "at_once", "b", "block", "block_end", "byte", "c", "cycles", "encoding",
+        "execute", "following", "g", "goal", "h", "i", "jumps", "k", "l", "late", "loops", "m", "makes", "n", "needs",
+        "next", "not_taken", "p", "place", "plain", "q", "r", "repeated", "s", "t", "tested", "u", "v", "w", "waited",
+        "wide", "x", "y", "z",
+    )  # fmt: skip
+
+    encoding: Encoding
+    execute: Execute
+    plain: Execute
+
+    def __init__(self) -> None:
+        self.b = self.c = self.g = self.h = self.i = self.k = self.l = self.m = self.n = self.p = self.q = -1
+        self.r = self.s = self.t = self.u = self.v = self.w = self.x = self.y = self.z = -1
+        self.address = self.next = self.place = self.cycles = self.not_taken = self.repeated = 0
+        self.accesses = self.absolute = self.tested = self.needs = self.makes = self.late = 0
+        self.block = self.block_end = 0
+        self.at_once = self.byte = self.jumps = self.loops = self.waited = self.wide = False
+        self.following: Operation | None = None
+        self.goal: Operation | None = None
+
+
+class Cpu(Registers):
+    """ea: address of the current operand. high_byte: it is the upper byte there.
+
+    cycles: of the current instruction; written_in: in which of them, from 1 on, its writes leave D2. repeat: repeat
+    count of the next one, -1 for none.
+    """
+
+    STATE = State("ea field high_byte cycles written_in repeat passes")
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.ea = REGISTER
+        self.field = 0
+        self.high_byte = False
+        self.cycles = self.written_in = 0
+        self.repeat = -1
+        self.passes = 0  # passes done of the current RPT
+
+    # Memory, overridden by a chip ---------------------------------------------------
+
+    def load16(self, address: int) -> int:
+        raise NotImplementedError
+
+    def store16(self, address: int, value: int) -> None:
+        raise NotImplementedError
+
+    def load32(self, address: int) -> int:
+        low = address & ~1
+        return self.load16(low) | self.load16(low + 1) << 16
+
+    def store32(self, address: int, value: int) -> None:
+        low = address & ~1
+        self.store16(low, value & M16)
+        self.store16(low + 1, value >> 16)
+
+    def program16(self, address: int) -> int:
+        """Read program space, which is the same memory."""
+        return self.load16(address & CODE)
+
+    # Operands -----------------------------------------------------------------------
+
+    def locate(self, f: Operation) -> None:  # core: C only
+        """Set `ea` from the operand field, and apply its mode's effects [SPRU430F Table 5-1]."""
+        self.field = field = f.l
+        self.high_byte = False
+        step = 2 if f.wide else 1
+        if field < 0x40:
+            self.ea = self.dp << 6 & 0x3F_FFFF | field
+        elif field < 0x80:
+            self.ea = self.sp - (field & 0x3F) & M16
+        elif field >= 0xC0:
+            self._at_xar(field & 7, field >> 3 & 7, f.byte)
+        elif field < 0xA0:
+            self._by_xar(field & 7, field >> 3 & 3, step, f.byte)
+        elif field < 0xAE:
+            self.ea = REGISTER
+        else:
+            self._by_arp(field, step)
+
+    def _at_xar(self, n: int, offset: int, byte: bool) -> None:
+        self.arp = n
+        if byte:
+            self.high_byte, offset = bool(offset & 1), offset >> 1
+        self.ea = self.xar[n] + offset & M32
+
+    def _by_xar(self, n: int, mode: int, step: int, byte: bool) -> None:
+        if mode >= 2:
+            self._at_xar(n, self.xar[mode - 2] & M16, byte)
+            return
+        self.arp = n
+        if mode == 0:
+            self.ea = self.xar[n]
+            self.xar[n] = self.ea + step & M32
+        else:
+            self.ea = self.xar[n] = self.xar[n] - step & M32
+
+    def _by_arp(self, field: int, step: int) -> None:
+        xar, n = self.xar, self.arp
+        if field < 0xBD:
+            self.ea = xar[n]
+        if field in (0xAE, 0xAF):
+            low = reversed_carry(self.ea & M16, xar[0] & M16, field == 0xAF)
+            xar[n] = self.ea & HIGH16 | low
+        elif field < 0xB8:
+            self.arp = field & 7
+        elif field in (0xB9, 0xBA):
+            xar[n] = self.ea + (step if field == 0xB9 else -step) & M32
+        elif field in (0xBB, 0xBC):
+            index = xar[0] & M16
+            xar[n] = self.ea + (index if field == 0xBB else -index) & M32
+        elif field == 0xBD:
+            self.ea = self.sp
+            self.sp = self.sp + step & M16
+        elif field == 0xBE:
+            self.ea = self.sp = self.sp - step & M16
+        elif field == 0xBF:
+            self.ea = xar[6]
+            low = self.ea & 0xFF00 if (self.ea ^ xar[1]) & 0xFF == 0 else self.ea + step & M16
+            xar[6] = self.ea & HIGH16 | low
+            self.arp = 6
+
+    def read16(self) -> int:  # core: C only
+        if self.ea >= 0:
+            return self.load16(self.ea)
+        field = self.field
+        if field < 0xA8:
+            return self.xar[field & 7] & M16
+        match field:
+            case 0xA8:
+                return self.acc >> 16
+            case 0xA9:
+                return self.acc & M16
+            case 0xAA:
+                return self.p >> 16
+            case 0xAB:
+                return self.p & M16
+            case 0xAC:
+                return self.xt >> 16
+        return self.sp
+
+    def write16(self, value: int) -> None:  # core: C only
+        if self.ea >= 0:
+            self.store16(self.ea, value)
+            return
+        field = self.field
+        if field < 0xA8:
+            self.put_ar(field & 7, value)
+        elif field in (0xA8, 0xA9):
+            self.put_ax(0xA9 - field, value)
+        elif field == 0xAA:
+            self.p = self.p & M16 | value << 16
+        elif field == 0xAB:
+            self.p = self.p & HIGH16 | value
+        elif field == 0xAC:
+            self.put_t(value)
+        else:
+            self.sp = value
+
+    def read32(self) -> int:  # core: C only
+        if self.ea >= 0:
+            return self.load32(self.ea)
+        field = self.field
+        if field < 0xA8:
+            return self.xar[field & 7]
+        return self.acc if field < 0xAA else self.p if field < 0xAC else self.xt
+
+    def write32(self, value: int) -> None:  # core: C only
+        if self.ea >= 0:
+            self.store32(self.ea, value)
+            return
+        field = self.field
+        if field < 0xA8:
+            self.xar[field & 7] = value
+        elif field < 0xAA:
+            self.acc = value
+        elif field < 0xAC:
+            self.p = value
+        else:
+            self.xt = value
+
+    def beside(self, words: int) -> int:  # core: C only
+        """Return the address `words` after the operand's."""
+        if self.ea < 0:
+            raise IllegalOperation("the operand is a register, but the instruction also writes the next address")
+        return self.ea + words & M32
+
+    def move16(self, value: int) -> None:  # core: C only
+        """Write the operand; set N and Z if it is AL or AH (nz@AX)."""
+        self.write16(value)
+        if self.ea < 0 and self.field in (0xA8, 0xA9):
+            self.nz16(value)
+
+    def move32(self, value: int) -> None:  # core: C only
+        """Write the operand; set N and Z if it is ACC (nz@ACC)."""
+        self.write32(value)
+        if self.ea < 0 and self.field in (0xA8, 0xA9):
+            self.nz32(value)
+
+    # Control, overridden by a chip with time and interrupts -------------------------
+
+    def enter(self, vector: int) -> None:
+        """Enter the service routine of a vector number, returning to `pc`."""
+        raise IllegalOperation(f"vector {vector} is entered, but this CPU has no interrupts")
+
+    def intr_clears_flag(self, bit: int) -> bool:
+        """Return True if INTR clears this bit of IFR."""
+        return True
+
+    def leave(self) -> None:
+        """Return from a service routine."""
+        raise IllegalOperation("IRET is reached, but this CPU has no interrupts")
+
+    def idle(self) -> None:
+        """Sleep until an interrupt."""
+        raise IllegalOperation("IDLE is reached, but nothing can wake this CPU")
+
+    def stop(self) -> None:
+        """Stop the program."""
+        raise IllegalOperation("ESTOP0 is reached")
+
+    # The stack ----------------------------------------------------------------------
+
+    def push16(self, value: int) -> None:  # core: C only
+        self.store16(self.sp, value)
+        self.sp = self.sp + 1 & M16
+
+    def pop16(self) -> int:  # core: C only
+        self.sp = self.sp - 1 & M16
+        return self.load16(self.sp)
+
+    def push32(self, value: int) -> None:  # core: C only
+        self.store32(self.sp, value)
+        self.sp = self.sp + 2 & M16
+
+    def pop32(self) -> int:  # core: C only
+        self.sp = self.sp - 2 & M16
+        return self.load32(self.sp)
+
+    def push_pair(self, low: int, high: int) -> None:  # core: C only
+        """Push two words at SP, for either parity."""
+        self.push16(low)
+        self.push16(high)
+
+    def pop_pair(self) -> int:  # core: C only
+        """Pop two words, for either parity of SP; the first one is the lower half."""
+        high = self.pop16()
+        return self.pop16() | high << 16
+
+
+def reversed_carry(low: int, index: int, subtract: bool) -> int:  # core: noexcept
+    """Add or subtract 16 bits with the carry propagating from bit 15 to bit 0."""
+    first, second = mirrored(low), mirrored(index)
+    return mirrored((first - second if subtract else first + second) & M16)
+
+
+def mirrored(value: int) -> int:  # core: noexcept
+    """Reverse the order of 16 bits."""
+    value = (value & 0x5555) << 1 | value >> 1 & 0x5555
+    value = (value & 0x3333) << 2 | value >> 2 & 0x3333
+    value = (value & 0x0F0F) << 4 | value >> 4 & 0x0F0F
+    return (value & 0x00FF) << 8 | value >> 8

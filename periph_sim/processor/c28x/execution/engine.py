@@ -1,0 +1,153 @@
+"""Execute C28x instructions, one pass of one instruction at a time.
+
+    fetch --decode, kept by address--> Operation --begin: operand found--> ea --finish: executed--> registers, memory
+                                                       ^--- a chip with a bus waits here for the access cycle
+
+RPT gives the next instruction several passes with no boundary between them; RPTB jumps back at a block's
+end. Overwritten code is decoded again. Source: SPRU430F chapters 4 and 6 (RPT), SPRUEO2A (RPTB).
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from ....core.state import State
+from ....form.c_types import UInt8
+from ..decoder import decode_at, other_unit
+from .control import RA, RC, RE, RSIZE
+from .cpu import Cpu, Operation
+from .operations import operation
+from .registers import CODE, IllegalOperation
+
+PAGE = 8  # bits of an address within a page of decoded instructions
+GONE = -1  # no address
+PAGES, PAGE_SIZE, IN_PAGE = CODE + 1 >> PAGE, 1 << PAGE, (1 << PAGE) - 1
+
+
+class Engine(Cpu):
+    """Executes instructions.
+
+    left: passes still to do for the instruction at `pc` after RPT; 0 between instructions.
+    keeps_decoded: decode an instruction once, and again after its words were written; else each time.
+    """
+
+    STATE = State("left")
+
+    _code: Annotated[list[UInt8], PAGES]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.left = 0
+        self.keeps_decoded = True
+        self._decoded: list[list[Operation | None] | None] = [None] * PAGES
+        self._code = [0] * PAGES  # 1 if a page has decoded instructions
+
+    def step(self) -> int:
+        """Execute one instruction, or one pass of a repeated one. Return its cycles from the manual's table."""
+        f = self.fetch()
+        self.begin(f)
+        return self.finish(f)
+
+    def fetch(self) -> Operation:
+        """Return the instruction that `pc` points at. Raise IllegalOperation if there is none."""
+        page = self._decoded[self.pc >> PAGE]
+        if page is not None and self.keeps_decoded:
+            found = page[self.pc & IN_PAGE]
+            if found is not None:
+                return found
+        return self._decode()
+
+    def after(self, f: Operation) -> Operation:
+        """Return the instruction that `pc` points at after executing f."""
+        if not self.keeps_decoded:
+            return self.fetch()
+        found = f.following
+        if found is not None and found.place == self.pc:
+            return found
+        found = f.goal
+        if found is not None and found.place == self.pc:
+            return found
+        found = self.fetch()
+        if self.pc == f.next:
+            f.following = found
+        else:
+            f.goal = found
+        return found
+
+    def begin(self, f: Operation) -> None:
+        """Find the operand, and apply its mode's effects on address registers."""
+        if f.l >= 0:
+            self.locate(f)
+
+    def finish(self, f: Operation) -> int:
+        """Execute after `begin`; then `pc` is the next instruction's, or unchanged during RPT."""
+        repeated = self.left
+        self.pc, self.cycles = f.next, f.cycles
+        self.written_in = 1 if f.at_once or self.passes else f.cycles
+        f.execute(self, f)
+        if repeated:
+            return self._pass_done(f)
+        if self.repeat >= 0:
+            self._repeat()
+        elif self.rb & RA and self.pc == f.next:
+            self._at_end_of_block(f)
+        return self.cycles
+
+    def _pass_done(self, f: Operation) -> int:
+        """Return a pass's cycles: 1; for the first pass what N + 1 passes take less N."""
+        cycles = 1 if self.passes else f.repeated or self.cycles
+        self.left -= 1
+        if self.left:
+            self.passes += 1
+            self.pc = f.address
+        else:
+            self.passes = 0
+            if self.rb & RA:
+                self._at_end_of_block(f)
+        return cycles
+
+    def _repeat(self) -> None:
+        """RPT: set the passes of the next instruction; 1 if it is not repeatable."""
+        count, self.repeat = self.repeat, -1
+        self.left = count + 1 if self.fetch().repeated else 1
+
+    def _at_end_of_block(self, f: Operation) -> None:
+        """Jump back to the first instruction after the last one of an RPTB block."""
+        if f.next - 1 & 0x7F != self.rb >> RE & 0x7F:
+            return
+        self.pc = f.next - (self.rb >> RSIZE & 0x7F) & CODE
+        self.rb -= 1
+        if not self.rb & RC:
+            self.rb &= ~RA
+
+    def _decode(self) -> Operation:
+        first, second = self.program16(self.pc), self.program16(self.pc + 1)
+        found = decode_at(self.pc, first, second)
+        if found is None:
+            other = other_unit(first)
+            raise IllegalOperation(
+                f"{first:#06x} {second:#06x} is not an instruction of the F28335{f', but of {other}' if other else ''}"
+            )
+        page = self._decoded[self.pc >> PAGE]
+        if page is None:
+            page = self._decoded[self.pc >> PAGE] = [None] * PAGE_SIZE
+        self._code[self.pc >> PAGE] = self._code[(self.pc + 1 & CODE) >> PAGE] = 1
+        made = page[self.pc & IN_PAGE] = operation(found)
+        return made
+
+    def written(self, address: int) -> None:
+        """Discard the decoded instructions of a memory word that changed."""
+        if 0 <= address <= CODE and self._code[address >> PAGE]:
+            self._forget(address)
+            if address:
+                self._forget(address - 1)
+
+    def _forget(self, address: int) -> None:
+        page = self._decoded[address >> PAGE]
+        if page is not None:
+            found: Operation | None = page[address & IN_PAGE]
+            if found is not None:
+                found.place = GONE
+                page[address & IN_PAGE] = None

@@ -1,0 +1,304 @@
+"""C sources as firmware of a unit: the unit's CPU makes their register accesses.
+
+    main() in the library --runtime.c: access, piece of code, asm--> HostFirmware --> Cpu, as for Python firmware
+                        <-- the register's value, in memory --------'
+    service routine    <-- called as its vector is taken -----------'
+
+The time between accesses is estimated: `BLOCK_CYCLES` for each basic block, besides an access's own.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import signal
+from collections.abc import Callable
+from functools import partial
+from itertools import count
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ...f28335.memory.memory_map import NoSuchAddress
+from ..dsp import Dsp
+from ..error_origin import FirmwareError, FirmwareLost
+from ..image.elsewhere import UnmappedMemory
+from ..source_location import SourceLocation
+from .build import BadSources, Sources, compiled, linked
+from .keyboard_interrupt import enter_c, kept_in_c, leave_c
+from .library import (
+    ANNOUNCED,
+    ASSEMBLY,
+    BYTES,
+    DELAY,
+    ENDS,
+    FAULT,
+    LOOPS,
+    NO_PLACE,
+    PROTECTED,
+    READ,
+    TOUCHED,
+    UNWINDS,
+    UNWOUND,
+    WRITE,
+    Library,
+)
+from .register_layout import LARGEST, WORD, BadLayout, Place, RegisterLayout
+from .register_symbols import BYTES_A_WORD, IER, IFR, VECTORS
+
+FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000  # of registers: one address for each running program
+BLOCK_CYCLES = 6  # of a basic block: about three statements with loads, operations and stores
+BLOCKS_AT_ONCE = 64  # blocks between time updates in code without any access
+LOOP_CYCLES = 1_000_000  # at once, for an empty loop; service routines may interrupt it
+DELAY_PASS, DELAY_CALL = 5, 9  # DSP28x_usDelay: cycles per pass, and of the call
+ROUTINES = 0x31_0000  # code addresses of functions whose pointers are stored as vectors
+_taken: set[int] = set()
+POINTER = 8  # bytes, on the host
+RPT_NOP = re.compile(r"rpt\s+#(\d+)\s*\|\|\s*nop", re.IGNORECASE)
+
+
+class HostFirmware:
+    """The program of a unit: each call of `main` runs it from the beginning with initialised variables."""
+
+    def __init__(self, dsp: Dsp, sources: Sources) -> None:
+        """Raise BadSources if they cannot be compiled and linked."""
+        self._dsp = dsp
+        self._folder = TemporaryDirectory(prefix="periph_sim_", ignore_cleanup_errors=True)
+        self._objects = compiled(sources, Path(self._folder.name))
+        self._begun = 0
+        library = linked(self._objects, FIRST_BASE, Path(self._folder.name) / "checked.so")
+        try:
+            self._layout = RegisterLayout(library)
+        except BadLayout as error:
+            raise BadSources(str(error)) from None
+
+    def main(self) -> None:
+        """Run main to its end. Raise FirmwareError if there is none, FirmwareLost if it cannot continue."""
+        self._begun += 1
+        base = next(base for base in count(FIRST_BASE, ROOM) if base not in _taken)
+        _taken.add(base)
+        try:
+            path = linked(self._objects, base, Path(self._folder.name) / f"{self._begun}.so")
+            _Run(self._dsp, path, base, self._layout).main()
+        finally:
+            _taken.discard(base)
+
+
+class _Run:
+    """One run. path: of a library loaded only here, so its variables are not shared."""
+
+    def __init__(self, dsp: Dsp, path: Path, base: int, layout: RegisterLayout) -> None:
+        self._dsp = dsp
+        self._layout = layout
+        self._place = 0  # host address of the current access
+        self._raised: BaseException | None = None
+        self._routines: dict[int, int] = {}  # code address by function pointer
+        self._places: list[Place] = []  # written so far; runtime.c uses their numbers, which begin after PROTECTED
+        self._numbers: dict[Place, int] = {}
+        self._stores: dict[int, tuple[int, int]] = {}  # after an announced write: `RegisterLayout.stored`, by pc
+        self._elsewhere = UnmappedMemory(dsp.core, dsp.processor.notes)
+        self._elsewhere.set_part(dsp.plan.part)
+        cpu = dsp.cpu
+        self._assembly: dict[str, Callable[[], None]] = {
+            "clrc intm": cpu.eint,
+            "setc intm": cpu.dint,
+            "eallow": cpu.eallow,
+            "edis": cpu.edis,
+            "idle": cpu.idle,
+            "nop": cpu.nop,
+            "clrc dbgm": cpu.nop,
+            "setc dbgm": cpu.nop,
+        }
+        self._library = Library(path, base, self._asked, BLOCKS_AT_ONCE)
+
+    def main(self) -> None:
+        self._dsp.cpu.program.placed = self.place
+        try:
+            main = self._library.address_of("main")
+            if main is None:
+                raise FirmwareError(f"{self._dsp.name}: no source has a function main")
+            with kept_in_c():
+                self._call(main)
+        finally:
+            self._dsp.cpu.program.placed = None
+            self._library.close(len(_taken) == 1)
+
+    def place(self) -> SourceLocation | None:
+        """Return the current statement."""
+        function, file, line = self._library.place_of(self._place)
+        if not function:
+            return None
+        found = SourceLocation(f"{function}:{line}")
+        found.path, found.line = file, line
+        return found
+
+    def _call(self, address: int) -> None:
+        """Run a function of the firmware to its end. Raise FirmwareLost for a fault of the host's processor."""
+        enter_c()
+        how = self._library.run(address)
+        raised, self._raised = self._raised, None
+        if how == UNWOUND and raised is not None:
+            raise raised
+        leave_c()
+        while how == LOOPS:
+            self._dsp.cpu.compute(LOOP_CYCLES)
+        if how == FAULT:
+            self._place = self._library.fault_pc or self._place
+            name, at = signal.strsignal(self._library.signal), self._library.fault_at
+            hint = (
+                "; access a register by its structure's name, not by its address" if at < BYTES // BYTES_A_WORD else ""
+            )
+            raise FirmwareLost(f"{self._dsp.name}: {name} at {self.place()}, the host's address {at:#x}{hint}")
+
+    # Requests of runtime.c --------------------------------------------------------------
+
+    def _asked(self, what: int, at: int, size: int, detail: int, blocks: int, pc: int) -> int:
+        """Handle a request. Return UNWINDS to leave the firmware's functions; `_call` then raises the exception."""
+        said = NO_PLACE
+        try:
+            leave_c()
+            self._place = pc
+            if blocks:
+                self._dsp.cpu.compute(BLOCK_CYCLES * blocks)
+            if what == READ:
+                self._read(at, size)
+            elif what == ANNOUNCED:
+                said = self._announced(at, size)
+            elif what == WRITE:
+                self._write(self._places[detail - PROTECTED - 1])
+            elif what == TOUCHED:
+                self._stores[pc] = at - (detail >> 8), size
+                said = self._begin_write(self._stored(detail >> 8, detail & 0xFF))
+            elif what == ASSEMBLY:
+                self._assembled((ctypes.c_char_p(detail).value or b"").decode("latin-1"))
+            elif what == DELAY:
+                self._dsp.cpu.compute(DELAY_CALL + DELAY_PASS * detail)
+            elif what == ENDS:
+                how = (ctypes.c_char_p(detail).value or b"").decode("utf-8", "replace")
+                raise FirmwareLost(f"{self._dsp.name}: {how} at {self.place()}; firmware on the chip cannot end")
+            enter_c()
+        except BaseException as raised:  # exceptions cannot pass through C: `_call` raises it
+            self._raised = raised
+            return UNWINDS
+        return said
+
+    def _read(self, at: int, size: int) -> None:
+        places = self._layout.read(at, size)
+        if not places:
+            raise self._no_member(at, size)
+        for place in places:
+            self._load(place)
+
+    def _announced(self, at: int, size: int) -> int:
+        """Return the number of the place that is written next, or PROTECTED if only the access itself shows it."""
+        if not self._layout.may_write(at, size):
+            raise self._no_member(at, size)
+        place = self._layout.announced(at, size)
+        if place is None:
+            return self._begin_write(self._stored(at, size)) if self._place in self._stores else PROTECTED
+        number = self._begin_write(place)
+        if not place.partial:
+            self._library.write_as_announced(at, size, number)
+        return number
+
+    def _stored(self, at: int, size: int) -> Place:
+        """Return the place written by the store after an announced write."""
+        further, stored = self._stores[self._place]
+        if stored > LARGEST:
+            raise FirmwareLost(
+                f"{self._dsp.name}: the store at {self.place()} is an instruction that the host cannot follow; write "
+                "the whole register"
+            )
+        place = self._layout.stored((at, size), at + further, stored)
+        if place is None:
+            raise self._no_member(at, size)
+        return place
+
+    def _begin_write(self, place: Place) -> int:
+        """Return the number of the place written next. For a bit field, read its word first."""
+        if place.partial:
+            self._load(place)
+        number = self._numbers.get(place)
+        if number is None:
+            self._places.append(place)
+            number = self._numbers[place] = PROTECTED + len(self._places)
+        return number
+
+    def _no_member(self, at: int, size: int) -> FirmwareLost:
+        return FirmwareLost(
+            f"{self._dsp.name}: an access of {size} bytes at {self.place()} is not a register's, {at % BYTES_A_WORD} "
+            f"bytes into word {at // BYTES_A_WORD:#06x}; access a register by the member of its structure"
+        )
+
+    def _load(self, place: Place) -> None:
+        """Read a register into its place in memory."""
+        cpu, core, word = self._dsp.cpu, self._dsp.core, place.word
+        if word in VECTORS:
+            return  # memory has it, as a pointer of the host
+        if word in (IER, IFR):
+            value = core.ier if word == IER else core.ifr
+        else:
+            try:
+                value = cpu.load(word, place.width)
+            except NoSuchAddress:
+                cpu.nop()
+                value = self._elsewhere.read(cpu.cycle, word)
+                if place.width > WORD:
+                    value |= self._elsewhere.read(cpu.cycle, word + 1) << WORD
+        if place.signed and value >> place.width - 1:
+            value -= 1 << place.width
+        value &= (1 << 8 * place.size) - 1
+        self._library.memory[place.at : place.at + place.size] = value.to_bytes(place.size, "little")
+
+    def _write(self, place: Place) -> None:
+        """Write the register of a place written in memory."""
+        cpu, word = self._dsp.cpu, place.word
+        value = int.from_bytes(self._library.memory[place.at : place.at + place.size], "little")
+        if word in VECTORS:
+            self._vector(place, value)
+            return
+        value &= (1 << place.width) - 1
+        if word in (IER, IFR):
+            self._status(word, value)
+            return
+        try:
+            cpu.store(word, value, place.width)
+        except NoSuchAddress:
+            cpu.nop()
+            for index in range(place.width // WORD):
+                self._elsewhere.write(cpu.cycle, word + index, value >> WORD * index & 0xFFFF)
+
+    def _status(self, word: int, value: int) -> None:
+        cpu, core = self._dsp.cpu, self._dsp.core
+        if word == IER:
+            cpu.and_ier(value)
+            cpu.or_ier(value)
+        else:
+            core.and_ifr(cpu.cycle, value)
+            cpu.nop()
+
+    def _vector(self, place: Place, pointer: int) -> None:
+        """Store a code address for a function pointer in the CPU's vector table."""
+        program = self._dsp.cpu.program
+        if place.size != POINTER or place.width != 2 * WORD:
+            raise FirmwareLost(f"{self._dsp.name}: {self.place()} stores a vector that is not a function pointer")
+        code = self._routines.get(pointer)
+        if code is None and pointer:
+            code = self._routines[pointer] = ROUTINES + len(self._routines)
+            program.routine(code, partial(self._call, pointer))
+        self._dsp.cpu.store(place.word, code or 0, 2 * WORD)
+
+    def _assembled(self, text: str) -> None:
+        """Execute asm("...") of the sources. Raise FirmwareLost if it is unknown."""
+        said = " ".join(text.lower().split())
+        repeated = RPT_NOP.fullmatch(said)
+        if repeated:
+            self._dsp.cpu.compute(int(repeated[1]) + 2)
+        elif said.startswith("estop0"):
+            raise FirmwareLost(f"{self._dsp.name}: ESTOP0 is reached at {self.place()}")
+        elif said.split(",")[0] in self._assembly:
+            self._assembly[said.split(",")[0]]()
+        else:
+            known = ", ".join(sorted(self._assembly))
+            raise FirmwareLost(
+                f"{self._dsp.name}: asm({text!r}) is not known on the host, which has {known}, rpt || nop"
+            )

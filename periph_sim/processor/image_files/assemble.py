@@ -1,0 +1,306 @@
+"""An assembler for C28x source text; the source gives the address of each section.
+
+            .sect   ".text", 0x8000      ; name, address; a third number: where it is loaded, if not there
+    _main:  MOVW    DP, #0x7900 >> 6
+            MOV     @0x7909, #0x4600     ; of an address the operand uses the offset in the data page
+    wait:   TBIT    @0x7902, #4
+            SB      wait, NTC
+            RPT     #9 || NOP
+            LRETR
+            .reserve ".stack", 0x400, 0x300
+
+.word and .long store numbers, .string characters, .space zero words; NAME .set EXPRESSION names a number; .align 2
+aligns to an even address; .entry NAME sets the entry point, else `_c_int00`. .global NAME makes a label a function or a
+variable; other labels are local to their function. .include "FILE" inserts the lines of a file in the same folder
+or of a shipped one. The first pass assigns addresses, the second emits words.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+from ...core.examples import EXAMPLES
+from ...core.input_files import read_input
+from ..c28x.assembler import BadInstruction, Parsed, parse
+from ..c28x.expressions import BadExpression, Undefined, evaluate
+from .load import parse as parse_image
+from .model import BadImage, Image, Section, Symbol
+from .write_coff2 import write
+from .write_dwarf import Row, debug_sections
+
+ENTRY = "_c_int00"
+MOST_INCLUDES = 8  # nesting depth
+LABEL = re.compile(r"([A-Za-z_$][\w.$]*)\s*:\s*(.*)")
+SETS = re.compile(r"([A-Za-z_$][\w.$]*)\s+\.set\s+(.+)", re.IGNORECASE)
+INCLUDES = re.compile(r'\s*\.include\s+"([^"]+)"', re.IGNORECASE)
+SHIPPED = EXAMPLES / "firmware" / "c28x"
+NOP = 0x7700
+MOST_WORDS = 0x40_0000  # per section: the size of program space
+
+
+class _Place(NamedTuple):
+    """A source line. included: the file's name in .include, "" for the main source. path: the file's path."""
+
+    path: str
+    line: int
+    included: str
+
+    def __str__(self) -> str:
+        return f"{self.included}, line {self.line}".removeprefix(", ")
+
+
+NOWHERE = _Place("", 0, "")
+
+
+@dataclass
+class _Block:
+    """A section being assembled. pieces: functions that emit words at an address, with their source lines."""
+
+    name: str
+    address: int
+    load: int
+    at: int
+    pieces: list[tuple[_Place, int, Callable[[int, Mapping[str, int]], tuple[int, ...]]]] = field(default_factory=list)
+    has_code: bool = False
+
+    def rows(self) -> tuple[list[Row], int]:
+        """Return the address, file and line of each piece, and the end address of the section."""
+        return [(at, place.path, place.line) for place, at, _ in self.pieces], self.at
+
+
+class _Source:
+    """The first pass: collect sections with their pieces, and symbols, from source lines.
+
+    globals: the line of each .global name. entry_line: the line of .entry, NOWHERE if there is none.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folders = [folder]  # of the files being read, the innermost last
+        self._place = NOWHERE
+        self.blocks: list[_Block] = []
+        self.reserved: list[Section] = []
+        self.symbols: dict[str, int] = {}
+        self.sections: dict[str, str] = {}  # section of each symbol, "" for numbers
+        self.globals: dict[str, _Place] = {}
+        self.entry = ENTRY
+        self.entry_line = NOWHERE
+
+    @property
+    def here(self) -> _Block:
+        if not self.blocks:
+            raise BadInstruction("no section is open; write .sect NAME, ADDRESS first")
+        return self.blocks[-1]
+
+    def define(self, name: str, value: int, section: str) -> None:
+        if name in self.symbols:
+            raise BadInstruction(f"{name!r} is defined twice")
+        self.symbols[name] = value
+        self.sections[name] = section
+
+    def number(self, text: str) -> int:
+        return evaluate(text, self.symbols, self.blocks[-1].at if self.blocks else 0)
+
+    def text(self, text: str, path: str, included: str = "") -> None:
+        """Process all lines of a file. included: its name in the .include of another file."""
+        for number, line in enumerate(text.splitlines(), 1):
+            outer, self._place = self._place, _Place(path, number, included)
+            with _Line(self._place):
+                self._line(_without_comment(line).strip())
+            self._place = outer
+
+    def _line(self, text: str) -> None:
+        sets = SETS.fullmatch(text)
+        if sets:
+            self.define(sets[1], self.number(sets[2]), "")
+            return
+        labelled = LABEL.fullmatch(text)
+        if labelled:
+            self.define(labelled[1], self.here.at, self.here.name)
+            text = labelled[2]
+        text = text.removeprefix("||").strip()
+        if text.startswith("."):
+            directive, _, rest = text.partition(" ")
+            self._directive(directive.lower(), rest.strip())
+        elif text:
+            self._instructions(text)
+
+    def _instructions(self, text: str) -> None:
+        repeat, bars, repeated = text.partition("||")
+        for one in (repeat, repeated) if bars and repeat.upper().startswith("RPT ") else (text,):
+            parsed: Parsed = parse(one, self.here.at, self.symbols)
+            self._put(parsed.encoding.words, parsed.words)
+            self.here.has_code = True
+
+    def _put(self, words: int, put: Callable[[int, Mapping[str, int]], tuple[int, ...]]) -> None:
+        block = self.here
+        block.pieces.append((self._place, block.at, put))
+        block.at += words
+        if block.at - block.address > MOST_WORDS:
+            raise BadInstruction(f"section {block.name!r} has more than {MOST_WORDS} words")
+
+    def _directive(self, directive: str, rest: str) -> None:
+        if directive in (".sect", ".reserve"):
+            name, *numbers = _operands(rest)
+            places = [self.number(one) for one in numbers]
+            wanted = (1, 2) if directive == ".sect" else (2,)
+            if not re.fullmatch(r'"[^"]+"', name) or len(places) not in wanted or min(places) < 0:
+                usage = (
+                    '.sect "NAME", ADDRESS [, LOAD ADDRESS]' if wanted[0] == 1 else '.reserve "NAME", ADDRESS, WORDS'
+                )
+                raise BadInstruction(f"{directive} {rest} is not {usage}")
+            self._section(directive, name.strip('"'), places)
+        elif directive == ".entry":
+            self.entry, self.entry_line = rest, self._place
+        elif directive == ".include":
+            self._include(rest)
+        elif directive in (".word", ".long", ".string"):
+            self._data(directive, rest)
+        elif directive == ".space":
+            self._put((count := self._count(rest)), lambda at, symbols: (0,) * count)
+        elif directive == ".align":
+            size = max(1, self._count(rest))
+            fill = -self.here.at % size
+            self._put(fill, lambda at, symbols: (NOP,) * fill)
+        elif directive in (".global", ".def"):
+            self.globals |= dict.fromkeys(_operands(rest), self._place)
+        else:
+            raise BadInstruction(f"there is no directive {directive!r}")
+
+    def _include(self, rest: str) -> None:
+        if not re.fullmatch(r'"[^"]+"', rest):
+            raise BadInstruction(f'.include {rest} is not .include "FILE"')
+        if len(self._folders) > MOST_INCLUDES:
+            raise BadInstruction(f"{rest}: .include is nested more than {MOST_INCLUDES} deep")
+        path = included(rest.strip('"'), self._folders[-1])
+        text = text_of(path)
+        self._folders.append(path.parent)
+        self.text(text, str(path), path.name)
+        self._folders.pop()
+
+    def _count(self, rest: str) -> int:
+        count = self.number(rest)
+        if not 0 <= count <= MOST_WORDS:
+            raise BadInstruction(f"{rest!r} is {count}, which is not a valid number of words")
+        return count
+
+    def _section(self, directive: str, name: str, places: list[int]) -> None:
+        if any(block.name == name for block in self.blocks) or any(one.name == name for one in self.reserved):
+            raise BadInstruction(f"section {name!r} is defined twice")
+        if directive == ".sect":
+            self.blocks.append(_Block(name, places[0], places[-1], places[0]))
+        else:
+            self.reserved.append(Section(name, places[0], places[0], places[1]))
+
+    def _data(self, directive: str, rest: str) -> None:
+        for operand in _operands(rest):
+            if directive == ".string":
+                if not re.fullmatch(r'"[^"]*"', operand):
+                    raise BadInstruction(f"{operand} is not a text in double quotes")
+                characters = tuple(operand[1:-1].encode("latin-1", "replace"))
+                self._put(len(characters), lambda at, symbols, put=characters: put)  # type: ignore[misc]
+            else:
+                count = 2 if directive == ".long" else 1
+                self._put(count, _number_of(operand, count))
+
+
+def _number_of(operand: str, count: int) -> Callable[[int, Mapping[str, int]], tuple[int, ...]]:
+    def put(at: int, symbols: Mapping[str, int]) -> tuple[int, ...]:
+        value = evaluate(operand, symbols, at)
+        if not -(1 << 16 * count - 1) <= value < 1 << 16 * count:
+            raise BadInstruction(f"{operand!r} is {value}, which does not fit {16 * count} bits")
+        return (value & 0xFFFF, value >> 16 & 0xFFFF)[:count]
+
+    return put
+
+
+def _operands(text: str) -> list[str]:
+    """Split a text at commas outside of quotes."""
+    return [one.strip() for one in re.findall(r'(?:"[^"]*"|[^,"])+', text)] or [""]
+
+
+def assemble(text: str, path: Path | None = None) -> Image:
+    """Assemble a program. Raise BadImage with the source line if it is invalid.
+
+    path: of the source, named in debug data; included files are searched beside it. None: no debug data.
+    """
+    source = _Source(Path() if path is None else path.parent)
+    source.text(text, str(path))
+    sections = []
+    for block in source.blocks:
+        words: list[int] = []
+        for place, at, put in block.pieces:
+            with _Line(place):
+                words += put(at, source.symbols)
+        sections.append(Section(block.name, block.load, block.address, len(words), tuple(words), code=block.has_code))
+    if source.entry not in source.symbols:
+        if source.entry_line is not NOWHERE:
+            raise BadImage(f"{source.entry_line}: the entry {source.entry!r} is not defined")
+        raise BadImage(f"its entry {source.entry!r} is not defined; define it, or set another one with .entry")
+    for name, place in source.globals.items():
+        if name not in source.symbols:
+            raise BadImage(f"{place}: {name!r} is .global, but not defined")
+    named = {*source.globals, source.entry}
+    symbols = tuple(
+        Symbol(name, address, source.sections[name], name in named, bool(source.sections[name]) and name not in named)
+        for name, address in source.symbols.items()
+    )
+    debug = (
+        {} if path is None else debug_sections(str(path), [block.rows() for block in source.blocks if block.has_code])
+    )
+    return Image("assembled", source.symbols[source.entry], (*sections, *source.reserved), symbols, debug=debug)
+
+
+def _without_comment(line: str) -> str:
+    return re.sub(r'((?:"[^"]*"|\'.\'|[^;"])*);.*', r"\1", line)
+
+
+def sources_of(path: Path) -> list[Path]:
+    """List a source file and all files it includes. Raise BadImage if one is missing."""
+    found = [path]
+    for source in found:
+        names = (match[1] for match in map(INCLUDES.match, text_of(source).splitlines()) if match)
+        found += [one for one in (included(name, source.parent) for name in names) if one not in found]
+    return found
+
+
+class _Line:
+    """Context manager that adds the source line to errors."""
+
+    def __init__(self, place: _Place) -> None:
+        self._place = place
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, BadInstruction | BadExpression | Undefined):
+            raise BadImage(f"{self._place}: {error}") from None
+
+
+def included(name: str, folder: Path) -> Path:
+    """Return the path that .include names: in the source's folder, else a shipped file."""
+    shipped = SHIPPED / name
+    return shipped if not (folder / name).exists() and shipped.is_file() else folder / name
+
+
+def text_of(path: Path) -> str:
+    try:
+        return read_input(path).decode("utf-8-sig")
+    except OSError as error:
+        raise BadImage(f"{path}: {error.strerror}; give a source in assembly") from None
+    except UnicodeDecodeError:
+        raise BadImage(f"{path}: it is not UTF-8 text") from None
+
+
+def assemble_file(path: Path) -> tuple[Image, bytes]:
+    """Return the image of a source file and the bytes of its .out. Raise BadImage naming the file if it is invalid."""
+    text = text_of(path)
+    try:
+        data = write(assemble(text, path))
+        return parse_image(data), data
+    except BadImage as error:
+        raise BadImage(f"{path}: {error}") from None

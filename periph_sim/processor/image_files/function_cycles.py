@@ -1,0 +1,132 @@
+"""Cycles of each instruction of a function, with reasons.
+
+Instructions are taken in address order, no conditional branch taken; the cost of a taken branch is shown beside it.
+Counted are stalls that the registers and words of earlier instructions cause; data behind pointers, registers of the
+chip and wait states of memory are known only in a run.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ...core.suggest import did_you_mean
+from ..c28x.decoder import Instruction, decode_at
+from ..c28x.execution.operations import operation
+from ..c28x.flow import UNC, goes_on
+from ..c28x.hazards import DP, SP, hazards
+from ..c28x.pipeline import Pipeline
+from .debug_info import DebugInfo
+from .inspection import Function, functions_of
+from .model import BadImage, Image
+
+WAITED = range(0xC000, 0x1_0000)  # L4 to L7: a fetch of 32 bits takes 2 cycles
+OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}
+UNC_BRANCH = "B_off16_COND"
+
+
+class Row(NamedTuple):
+    """published: from the table; "7/4" is taken/not taken. stall: cycles by rule. why: their reasons, and options."""
+
+    address: int
+    text: str
+    published: str
+    stall: int
+    why: str
+    line: str
+
+
+class FunctionCycles(NamedTuple):
+    """least: total cycles of all rows, no condition true."""
+
+    function: Function
+    rows: tuple[Row, ...]
+    least: int
+
+
+def function_cycles(image: Image, name: str) -> FunctionCycles:
+    """Return the cycles of a function. Raise BadImage if no function has this name."""
+    debug = DebugInfo(image)
+    functions = {function.name: function for function in functions_of(image, debug)}
+    if name not in functions:
+        raise BadImage(f"there is no function {name!r}; {did_you_mean(name, functions)}")
+    function = functions[name]
+    reader = _Reader(image, debug)
+    address = function.address
+    while address < function.address + function.size:
+        address += reader.read(address)
+    return FunctionCycles(function, tuple(reader.rows), reader.least)
+
+
+class _Reader:
+    """Reads a function and models its pipeline."""
+
+    def __init__(self, image: Image, debug: DebugInfo) -> None:
+        self.rows: list[Row] = []
+        self.least = 0
+        self._debug = debug
+        self._pipeline = Pipeline()
+        self._words = {
+            section.run + offset: word for section in image.code for offset, word in enumerate(section.words)
+        }
+        self._pages = {DP: 0, SP: 0}  # how often each changed; between changes an operand is the same word
+
+    def read(self, address: int) -> int:
+        """Add the row of an instruction. Return its number of words."""
+        first, second = self._words.get(address, 0), self._words.get(address + 1, 0)
+        found = decode_at(address, first, second)
+        if found is None:
+            self.rows.append(Row(address, f".word {first:#06x}", "", 0, "not an instruction", ""))
+            return 1
+        f, pipeline = operation(found), self._pipeline
+        f.needs, f.makes = hazards(found.encoding, f.l, f.n, f.m)
+        before = pipeline.pending
+        registers = pipeline.stall(f, 0)
+        why = [f"waits for {_names(f.needs, before)}"] if registers else []
+        words = self._word(found, f.wide)
+        late = pipeline.read(words[0], words[1]) if words and "r" in found.encoding.accesses else 0
+        if late:
+            why.append("reads what was just written")
+        if words and "w" in found.encoding.accesses:
+            pipeline.wrote(words[0], words[1], 1 if f.at_once else f.cycles)
+        always = "k" in found.values and f.k == UNC
+        taken = f.cycles
+        cycles = taken if always else f.not_taken
+        pipeline.issued(f, cycles)
+        if address in WAITED:
+            why.append("fetched with 1 wait state")
+        option = "b_unc_cycles" if always and found.encoding.id == UNC_BRANCH else OPEN.get(found.text, "")
+        if option:
+            why.append(f"open: {option}")
+        source = self._debug.line_at(address)
+        published = str(cycles) if cycles == taken else f"{taken}/{cycles}"
+        self.rows.append(
+            Row(address, found.text, published, registers + late, ", ".join(why), str(source.line) if source else "")
+        )
+        self.least += cycles + registers + late
+        if not goes_on(found):
+            pipeline.drain()
+        for register in self._pages:
+            self._pages[register] += (f.makes | _written_early(found)) & register > 0
+        return found.words
+
+    def _word(self, found: Instruction, wide: bool) -> tuple[int, int] | None:
+        """Return (key, words) of an operand relative to DP or SP; None for others. Equal keys are equal addresses."""
+        field = found.values.get("l", 0xFF)
+        if field >= 0x80:
+            return None
+        place = 0x40 - (field & 0x3F) if field >= 0x40 else field
+        page = self._pages[SP if field >= 0x40 else DP] * 4 + (field >= 0x40)
+        return page << 8 | place & ~wide, 1 + wide
+
+
+def _written_early(found: Instruction) -> int:
+    """Return DP and SP as bits, if the instruction writes them in D2."""
+    writes = {place.partition("@")[0] for place in found.encoding.writes}
+    moved = SP if found.values.get("l", 0) in (0xBD, 0xBE) else 0
+    return (DP if "DP" in writes else 0) | (SP if "SP" in writes else 0) | moved
+
+
+def _names(needs: int, pending: int) -> str:
+    late = needs & (pending | pending >> 10 | pending >> 20)
+    names = [*(f"XAR{n}" for n in range(8)), "DP", "SP"]
+    return " and ".join(name for bit, name in enumerate(names) if late >> bit & 1)

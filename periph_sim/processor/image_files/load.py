@@ -1,0 +1,79 @@
+"""Load a linker's output file as an image that fits the F28335, or raise BadImage with the reason.
+
+Checked: no two loaded sections overlap, each is in loadable memory, the entry is in loaded code.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+from ...core.input_files import read_input
+from ...f28335.descriptor import Part
+from ...f28335.memory.address_space import not_loadable
+from ...f28335.parts.f28335 import PART
+from . import coff2
+from .model import BadImage, Image, quoted
+
+OTHER_PARTS = {"Cla1": "a part with a CLA (F2803x, F2806x or F2837x)"}  # by prefix of section names
+ELF_MAGIC = b"\x7fELF"
+WAY_OUT = "give the linker's .out file, or assembly (.asm)"
+LARGEST = 1 << 28  # bytes of a file; most are debug symbols
+
+
+def load(path: Path) -> Image:
+    """Load an image from a file. Raise BadImage naming the file if it is not an F28335 image."""
+    try:
+        data = read_input(path, LARGEST)
+    except OSError as error:
+        raise BadImage(f"{path}: {error.strerror}; {WAY_OUT}") from None
+    try:
+        return parse(data)
+    except BadImage as error:
+        raise BadImage(f"{path}: {error}") from None
+
+
+def parse(data: bytes) -> Image:
+    """Parse an image from a file's bytes. Raise BadImage if it is not an F28335 image."""
+    if coff2.is_coff(data):
+        image = coff2.read(data)
+    elif data.startswith(ELF_MAGIC):
+        from . import elf  # its library is imported for files of that format only
+
+        image = elf.read(data)
+    else:
+        raise BadImage(f"it is neither TI COFF nor ELF; {WAY_OUT}")
+    _check(image)
+    return image
+
+
+def _check(image: Image) -> None:
+    for section in image.sections:
+        for beginning, part in OTHER_PARTS.items():
+            if section.name.startswith(beginning) and section.size:
+                raise BadImage(f"section {quoted(section.name)} belongs to {part}, not to the F28335")
+    loaded = sorted(image.loaded, key=lambda section: section.address)
+    if not loaded:
+        raise BadImage("it has no loaded section, so there is nothing to run")
+    require_loadable(image, PART)
+    for before, after in pairwise(loaded):
+        if after.address < before.end:
+            raise BadImage(
+                f"sections {quoted(before.name)} and {quoted(after.name)} overlap at {after.address:#08x}; "
+                "each word can be loaded once"
+            )
+    if not any(section.address <= image.entry < section.end for section in image.code):
+        raise BadImage(f"its entry {image.entry:#08x} is not in a loaded code section; link it with an entry point")
+
+
+def require_loadable(image: Image, part: Part) -> None:
+    """Raise BadImage if the image needs memory that this part does not have, or that cannot be loaded."""
+    for section in image.loaded:
+        for address in {section.address, section.run}:
+            why = not_loadable(address, section.size, part)
+            if why:
+                raise BadImage(f"section {quoted(section.name)} lies {why}")
+    for address, words in image.initial:
+        why = not_loadable(address, len(words), part)
+        if why:
+            raise BadImage(f".cinit initialises {len(words)} words {why}")

@@ -1,0 +1,129 @@
+"""Every measure that there is, with a limit that it cannot keep: told, drawn and explained by all commands."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from periph_sim.timing.budget_schema import SPAN
+from periph_sim.timing.language.language import FORMS
+from periph_sim.timing.measures.registry import MEASURES
+from tests.interfaces.commands.conftest import Came, Run
+
+BROKEN = {  # of what cannot be less: more than that
+    "time": '"1 ns"',
+    "count": "0",
+    "%": '"0.001 %"',
+}
+NEVER = ("missed rounds", "nacked rounds", "nacked", "wrong bytes", "overruns", "stuck", "lost flags")
+MEASURED = {
+    "response": "time",
+    "round": "time",
+    "age": "time",
+    "model age": "time",
+    "fifo high-water": "count",
+    "span:model": "time",
+    "from flag I2C-A.I2CSTR.XRDY rise to access W I2C-A.I2CDXR": "time",
+    "from bus START to bus STOP, same round": "time",
+    "period of edge SCL rise": "time",
+    "jitter of bus START": "time",
+    "jitter of age": "time",
+    "from last frame RX end of burst to edge MODEL rise": "time",
+    "count of bus byte from bus START to bus STOP": "count",
+    "sum of record receiver received": "count",
+    "value of record receiver words": "count",
+    "level of SCI-A.SCIFFRX.RXFFST at interrupt SCIRXINTA enter": "count",
+    "interrupt latency SCIRXINTA to first access": "time",
+    "reaction": "time",
+    "gap between rounds": "time",
+    "margin of I2CDXR": "time",
+    "SCL held per transfer": "time",
+    "cpu load per 10 ms": "%",
+    "bus load per 10 ms": "%",
+    "age of magnetometer": "time",
+    "model age of gyroscope": "time",
+    "count of bus address read": "count",
+    "level of SCI-A.SCIFFRX.RXFFST": "count",
+    "interrupt latency SCIRXINTA": "time",
+    "time in wire MODEL high": "time",
+    "each time in flag I2C-A.I2CSTR.AAS = 1": "time",
+    "each time in bus free": "time",
+    "cpu load": "%",
+    "bus load": "%",
+    "slack": "time",
+    "race I2C-A.I2CSTR.RRDY": "count",
+    "cleared along I2C-A.I2CSTR.RRDY": "count",
+    "value error of gyroscope": "count",
+}
+CASE = """\
+name = "all"
+duration = "30 ms"
+
+[unit.dsp]
+firmware = "imu_hil"
+modules = ["I2C-A", "SCI-A", "GPIO"]
+pins = { MODEL = 34 }
+
+[controller]
+order = ["gyroscope", "accelerometer", "magnetometer"]
+check = "host"
+
+[host]
+"""
+
+
+def limit(measure: str) -> str:
+    if measure in NEVER:
+        return "min = 1"
+    if measure in ("stretch", "SCL held per transfer"):
+        return 'min = "1 us"'
+    return f"max = {BROKEN[MEASURED[measure]]}"
+
+
+ALL = ("stretch", *NEVER, *MEASURED)
+OF_IMAGES = {"calls", "stack"}  # of what Python firmware does not have: tests/scene/test_image_budgets.py
+
+
+def test_these_are_all_measures_and_forms():
+    forms = {measure.split(" ")[0] for measure in ALL} & set(FORMS)
+    assert {m for m in ALL if m in MEASURES or m.startswith(SPAN)} == {*MEASURES, f"{SPAN}model"}
+    assert forms == set(FORMS) - OF_IMAGES
+
+
+@pytest.fixture
+def case(desk: Path) -> str:
+    budgets = [f'[[budget]]\nname = "{measure}"\nmeasure = "{measure}"\n{limit(measure)}\n' for measure in ALL]
+    (desk / "all.toml").write_text(CASE + "\n".join(budgets), encoding="utf-8")
+    return "all.toml"
+
+
+def fails(came: Came) -> Came:
+    assert (came.status, came.err) == (1, "")
+    return came
+
+
+def test_worst_tells_of_each_what_led_to_it(periph_sim: Run, case: str, desk: Path):
+    (desk / "out").mkdir()
+    lines = fails(periph_sim("worst", case, "--svg", "out")).out.splitlines()
+    for measure in ALL:
+        if measure in NEVER:
+            assert f"{measure}: 0: it never happened" in lines
+        else:
+            head = next(n for n, line in enumerate(lines) if line.startswith(f"{measure} ") and " allowed, at " in line)
+            assert lines[head + 1].startswith("    "), measure
+    assert len([*(desk / "out").iterdir()]) == len(ALL) - len(NEVER)
+
+
+def test_check_finds_and_explains_each(periph_sim: Run, case: str, desk: Path):
+    found = json.loads(fails(periph_sim("check", case, "--json", "--jobs", "1", "--junit", "all.xml")).out)["cases"][0]
+    assert found["broken"] == [*ALL] and set(found["causes"]) == set(ALL) - set(NEVER)
+    assert all(found["causes"][measure]["steps"] for measure in MEASURED)
+    assert (desk / "all.xml").read_text(encoding="utf-8").count("<failure") >= len(ALL)
+
+
+def test_the_report_draws_each(periph_sim: Run, case: str, desk: Path):
+    fails(periph_sim("run", case, "--html", "all.html"))
+    page = (desk / "all.html").read_text(encoding="utf-8")
+    assert all(f'data-name="{measure}"' in page or f">{measure}<" in page for measure in ALL)

@@ -1,0 +1,259 @@
+"""`periph-sim check`: exit status, table, JSON, JUnit file, annotations, and what is said of mistakes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree as xml
+
+import pytest
+
+from periph_sim.timing.verdict import NOTHING_PROVEN
+from tests.interfaces.commands.conftest import Run
+from tests.interfaces.reports.baselines.desk import put
+
+ROOT = Path(__file__).parents[3]
+TIMING = ROOT / "timing"
+LONG = ("imu_hil", "imu_hil_published", "two_dsps")  # seconds each
+
+
+@pytest.fixture
+def cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder `timing`, which is what `check` takes by itself, with one case and no baseline."""
+    monkeypatch.chdir(tmp_path)
+    put(Path("timing"))
+    return Path("timing")
+
+
+def test_from_no_baseline_to_a_change_and_its_explanation(periph_sim: Run, cases: Path):
+    came = periph_sim("check", "--jobs", "1")
+    assert (came.status, came.err) == (1, "")
+    assert "check: 0 of 1 as they should be" in came.out and "missing" in came.out
+    missing = "it has no baseline timing/baselines/small.json; write one with --update-baseline"
+    assert f"timing/small.toml, line 1: {missing}" in came.out
+    came = periph_sim("check", "--jobs", "1", "--update-baseline")
+    assert (came.status, came.err) == (0, "") and "\nwritten: timing/baselines/small.json\n" in came.out
+    came = periph_sim("check", "--jobs", "1")
+    assert (came.status, came.err) == (0, "") and "equal" in came.out
+    put(cases, wait=3000)
+    came = periph_sim("check", "--jobs", "1")
+    assert (came.status, came.err) == (1, "")
+    moved = "response worst 750 -> 1543 cycles: I2C-A.I2CDXR written by dsp 3000 cycles later"
+    assert f"timing/small.toml, line 19: {moved}\n" in came.out
+    came = periph_sim("check", "--jobs", "1", "--update-baseline")
+    assert came.status == 0
+    assert f"small: {moved}\n" in came.out and '\n-      "worst": 15000,\n' in came.out
+
+
+def test_a_case_that_breaks_what_it_must_passes_and_run_still_fails(periph_sim: Run, cases: Path):
+    put(cases, sdir_wait=False, breaks='breaks = ["wrong bytes"]\n')
+    assert periph_sim("check", "--jobs", "1", "--update-baseline").status == 0
+    assert periph_sim("check", "--jobs", "1").status == 0
+    assert periph_sim("run", "timing/small.toml").status == 1
+    put(cases, breaks='breaks = ["wrong bytes"]\n')
+    came = periph_sim("check", "--jobs", "1", "--update-baseline")
+    assert came.status == 1
+    assert "timing/small.toml, line 1: wrong bytes holds, but is listed in breaks; remove it" in came.out
+
+
+def test_the_table_counts_budgets_by_verdict_and_its_columns_are_explained(periph_sim: Run, cases: Path):
+    put(cases, "mute", sdir_wait=False, breaks='breaks = ["wrong bytes"]\n')
+    text = (cases / "mute.toml").read_text(encoding="utf-8")
+    never = '[[budget]]\nname = "never"\nmeasure = "period of bus address 0x11 read"\nmax = "1 s"\n'
+    (cases / "mute.toml").write_text(text + never, encoding="utf-8")
+    lines = periph_sim("check", "--jobs", "1").out.splitlines()
+    at = lines.index("                         not   must")
+    assert [line.split() for line in lines[at + 1 : at + 5]] == [
+        ["case", "seen", "broken", "judged", "break", "baseline"],
+        ["─" * len(lines[at + 2].strip())],
+        ["mute", "2", "1", "1", "1", "missing", "fail"],
+        ["small", "3", "0", "0", "0", "missing", "fail"],
+    ]
+    legend = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
+    assert lines[at + 6] == legend and max(map(len, lines[: at + 7])) <= 80
+
+
+def test_json_of_equal_runs_is_equal_byte_for_byte_in_any_number_of_processes(periph_sim: Run, cases: Path):
+    put(cases, "other", wait=3000)
+    one = periph_sim("check", "--jobs", "1", "--json")
+    two = periph_sim("check", "--jobs", "2", "--json")
+    assert one == two and one.status == 1
+    told = json.loads(one.out)
+    assert told["verdict"] == "fail"
+    other, small = told["cases"]
+    assert (other["case"], small["case"]) == ("other", "small")
+    assert small["baseline"] == {"file": "timing/baselines/small.json", "state": "missing"}
+    assert small["figures"]["budgets"]["response"]["worst"] == 15000
+
+
+def test_json_says_what_changed(periph_sim: Run, cases: Path):
+    periph_sim("check", "--jobs", "1", "--update-baseline")
+    put(cases, wait=3000)
+    (case,) = json.loads(periph_sim("check", "--jobs", "1", "--json").out)["cases"]
+    change = next(change for change in case["changes"] if change["figure"] == "worst")
+    assert change == {
+        "budget": "response",
+        "figure": "worst",
+        "before": 15000,
+        "now": 30860,
+        "note": False,
+        "text": "response worst 750 -> 1543 cycles",
+        "why": "I2C-A.I2CDXR written by dsp 3000 cycles later",
+    }
+
+
+def test_junit_is_written_and_annotations_follow_the_table(periph_sim: Run, cases: Path):
+    came = periph_sim("check", "--jobs", "1", "--junit", "out.xml", "--annotations", "github")
+    assert came.status == 1
+    assert came.out.splitlines()[-1].startswith("::error file=timing/small.toml,line=1,title=")
+    root = xml.parse("out.xml").getroot()
+    assert (root.get("tests"), root.get("failures")) == ("4", "1")
+
+
+def test_annotations_leave_json_alone(periph_sim: Run, cases: Path):
+    came = periph_sim("check", "--jobs", "1", "--json", "--annotations", "github")
+    assert json.loads(came.out)["verdict"] == "fail"
+    assert came.err.startswith("::error file=timing/small.toml,line=1,title=")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["nowhere"], "nowhere: there is no such file or folder; give case files, or folders of them"),
+        (["timing/small_firmware.py"], "timing/small_firmware.py: it is not TOML: "),
+        (["--junit", "no/out.xml"], "no/out.xml, its place: found no such file or directory, expected a place that"),
+        (["--tolerance", "-1"], "Invalid value for '--tolerance': -1 is not in the range x>=0."),
+        (["--set", "duration=1 ms"], "--update-baseline with --set: a baseline is of the unchanged case; remove one"),
+        (["--jobs", "0"], "Invalid value for '--jobs': 0 is not in the range x>=1."),
+        (["--annotations", "gitlab"], "Invalid value for '--annotations': 'gitlab' is not 'github'."),
+    ],
+)
+def test_bad_input_is_told_with_status_2(periph_sim: Run, cases: Path, arguments: list[str], sentence: str):
+    came = periph_sim("check", "--update-baseline", *([] if "--jobs" in arguments else ["--jobs", "1"]), *arguments)
+    assert (came.status, came.out) == (2, "")
+    assert f"Error: {sentence}" in came.err and "Traceback" not in came.err
+    assert not (cases / "baselines").exists()
+
+
+def test_a_pyproject_says_where_cases_and_baselines_are_and_what_is_the_default(
+    periph_sim: Run, cases: Path, monkeypatch: pytest.MonkeyPatch
+):
+    put(Path("bench"), "other")
+    table = '[tool.periph-sim]\ncases = ["bench"]\nbaselines = "ci/figures"\nguaranteed = true\njobs = 1\n'
+    Path("pyproject.toml").write_text(table, encoding="utf-8")
+    came = periph_sim("check", "--update-baseline", "--no-guaranteed")
+    assert (came.status, came.err) == (0, "") and "\nwritten: ci/figures/other.json\n" in came.out
+    monkeypatch.chdir("timing")
+    for command in (("check",), ("run", "../bench/other.toml")):
+        came = periph_sim(*command)
+        assert (came.status, came.out) == (2, "")
+        told = f"pyproject.toml, line 4: guaranteed: {NOTHING_PROVEN}; remove it or use --no-guaranteed\n"
+        assert came.err.startswith("Error: ") and came.err.endswith(told)
+    came = periph_sim("check", "--no-guaranteed")
+    assert came.status == 0 and "small" not in came.out
+    assert periph_sim("run", "../bench/other.toml", "--no-guaranteed").status == 0
+    Path("../pyproject.toml").write_text("[tool.periph-sim]\ntolerence = 1\n", encoding="utf-8")
+    for command in (("check",), ("run", "small.toml")):
+        came = periph_sim(*command)
+        assert (came.status, came.out) == (2, "")
+        assert "pyproject.toml, line 2: there is no key 'tool.periph-sim.tolerence'; did you mean tolerance" in came.err
+
+
+def test_without_a_folder_timing_the_present_one_is_searched(periph_sim: Run, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    put(Path("bench"))
+    assert "\nbench/small.toml, line 1: it has no baseline bench/baselines/small.json" in periph_sim("check").out
+
+
+def test_every_case_that_cannot_run_is_told_in_a_line(periph_sim: Run, cases: Path):
+    for name in ("a", "b"):
+        put(cases, name, does="raise ValueError('boom')")
+    came = periph_sim("check", "--jobs", "1", "--update-baseline")
+    assert came.status == 2 and came.err.count("ValueError at line") == 2 and len(came.err.splitlines()) == 2
+
+
+def test_a_bad_case_is_a_row_an_error_and_status_2_and_the_others_are_judged(periph_sim: Run, cases: Path):
+    assert periph_sim("check", "--jobs", "1", "--update-baseline").status == 0
+    put(cases, "bad", does="raise ValueError('boom')")
+    came = periph_sim("check", "--jobs", "1", "--junit", "out.xml", "--annotations", "github")
+    assert came.status == 2 and "Traceback" not in came.out + came.err
+    assert "check: 1 of 2 as they should be" in came.out
+    assert "\nError: dsp: ValueError at line " in came.out
+    assert "::error file=timing/bad.toml,line=1," in came.out
+    suites = {suite.get("name"): suite for suite in xml.parse("out.xml").getroot()}
+    assert (suites["bad"].get("errors"), suites["small"].get("errors")) == ("1", "0")
+    assert suites["small"].get("failures") == "0"
+    came = periph_sim("check", "--jobs", "1", "--json")
+    told = json.loads(came.out)
+    assert came.status == 2 and told["verdict"] == "fail"
+    assert [one["file"] for one in told["refused"]] == ["timing/bad.toml"] and len(told["cases"]) == 1
+
+
+def test_a_case_that_others_drive_is_named_and_left_out(periph_sim: Run, cases: Path):
+    put(cases, "theirs")
+    theirs = cases / "theirs.toml"
+    theirs.write_text(theirs.read_text().replace("[controller]", '[outside]\nwires = ["SDA"]\n\n[controller]', 1))
+    came = periph_sim("check", "--jobs", "1", "--update-baseline")
+    assert (came.status, came.err) == (0, "") and not (cases / "baselines" / "theirs.json").exists()
+    assert "check: 1 of 1 as they should be" in came.out
+    assert "\ntiming/theirs.toml: driven from outside, so not run here\n" in came.out
+    told = json.loads(periph_sim("check", "--jobs", "1", "--json").out)
+    assert told["verdict"] == "pass" and [one["file"] for one in told["driven_from_outside"]] == ["timing/theirs.toml"]
+    alone = periph_sim("check", "--jobs", "1", str(theirs))
+    assert alone.status == 2 and "there is nothing to check: timing/theirs.toml, line" in alone.err.replace("\n", " ")
+
+
+def test_a_run_needs_nothing_of_a_terminal(cases: Path):
+    """In a process as a worker is: nothing of the command line or of tables is imported."""
+    code = (
+        "import sys; from pathlib import Path; from periph_sim.interfaces.reports.baselines.outcome import run_case\n"
+        "print(run_case(Path('timing/small.toml')).broken)\n"
+        "print(sorted({'click', 'rich', 'periph_sim.cli'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], env={"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[]\n[]\n"
+
+
+def test_every_case_of_the_repository_has_a_baseline():
+    stems = [
+        sorted(path.stem for path in folder.glob(f"*.{end}"))
+        for folder, end in ((TIMING, "toml"), (TIMING / "baselines", "json"))
+    ]
+    assert stems[0] == stems[1]
+
+
+SHORT = sorted(
+    str(path.relative_to(TIMING))
+    for folder in (TIMING, TIMING / "variants")
+    for path in folder.glob("*.toml")
+    if path.stem not in LONG
+)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("case", SHORT)
+def test_the_short_cases_of_the_repository_are_as_their_baselines_say(
+    periph_sim: Run, monkeypatch: pytest.MonkeyPatch, case: str
+):
+    monkeypatch.chdir(ROOT)
+    came = periph_sim("check", "--jobs", "1", f"timing/{case}")
+    assert came.status == 0, came.out
+
+
+def test_guaranteed_is_refused_since_nothing_is_proven(periph_sim: Run, cases: Path):
+    came = periph_sim("check", "--jobs", "1", "--update-baseline", "--guaranteed")
+    assert (came.status, came.out) == (2, "") and not (cases / "baselines").exists()
+    assert came.err == f"Error: --guaranteed: {NOTHING_PROVEN}; remove the option\n"
+
+
+def test_json_and_table_claim_nothing_for_other_timings(periph_sim: Run, cases: Path):
+    assert periph_sim("check", "--jobs", "1", "--update-baseline").status == 0
+    (one,) = json.loads(periph_sim("check", "--jobs", "1", "--json").out)["cases"]
+    assert "proofs" not in one
+    assert [line.split() for line in periph_sim("check", "--jobs", "1").out.splitlines() if "small" in line] == [
+        ["small", "3", "0", "0", "0", "equal", "pass"]
+    ]

@@ -1,0 +1,180 @@
+"""The command line itself: commands are files, help imports none of them, one command does not load the others."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import json
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from periph_sim import form
+from periph_sim.cli import OTHER, PACKAGES, ROOT, SECTIONS, cli, run_command
+from periph_sim.interfaces.commands.json_output import VERSION
+from periph_sim.interfaces.commands.usage_error import MISTAKES
+from tests.interfaces.commands.conftest import Run
+
+TRACE = str(Path(__file__).resolve().parents[3] / "traces" / "host_frames.sr")
+HEAVY = (
+    "pydantic",
+    "rich",
+    "greenlet",
+    "periph_sim.scene",
+    "periph_sim.scene.case",
+    "periph_sim.f28335",
+    "periph_sim.bus",
+)
+
+
+def imported_by(*arguments: str) -> list[str]:
+    """The modules that a fresh `periph-sim` has loaded when it ends."""
+    code = "import sys, periph_sim.cli as c\ntry: c.run_command()\nfinally: print('\\nloaded', *sys.modules)"
+    came = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False)
+    return came.stdout.rpartition("\nloaded ")[2].split()
+
+
+def test_every_file_with_a_click_command_is_a_command_of_its_name():
+    names = cli.list_commands(None)  # type: ignore[arg-type]
+    assert {"decode", "regs", "replay", "run"} <= set(names)
+    for name in names:
+        command = cli.get_command(None, name)  # type: ignore[arg-type]
+        assert command is not None and command.name == name
+    files = [file for package in PACKAGES for file in ROOT.joinpath(*package.split(".")).glob("*.py")]
+    assert len(names) < len(files), "helpers beside the commands are none"
+
+
+def test_help_shows_the_first_sentence_of_each(periph_sim: Run):
+    came = periph_sim("--help")
+    assert came.status == 0
+    assert " ".join(came.out.split()).find("run Run CASE and judge its budgets") > 0
+
+
+UNUSED = (  # by a short run of imu_hil: arrays pay off in longer ones
+    "asyncio",
+    "numpy",
+    "pydantic",
+    "rich",
+    "periph_sim.records.races",
+    "periph_sim.imu.motion.flight",
+)
+
+
+def test_a_run_imports_what_it_uses():
+    case = Path(__file__).parents[3] / "timing" / "imu_hil.toml"
+    loaded = imported_by("run", str(case), "--seconds", "20 ms")
+    assert {"periph_sim.imu.motion.sines", "periph_sim.imu.near_gaussian"} <= set(loaded)
+    assert not set(UNUSED) & set(loaded)
+
+
+COMMANDS = cli.list_commands(None)  # type: ignore[arg-type]
+
+
+def test_help_lists_every_command_in_a_section(periph_sim: Run):
+    came = periph_sim("--help")
+    titles = [line for line in came.out.splitlines() if line.endswith(":") and not line.startswith(" ")]
+    assert titles == ["Options:", *(f"{title}:" for section, title in SECTIONS.items() if section != OTHER)]
+    run, understand = (came.out.index(f"\n{SECTIONS[section]}:") for section in ("run", "understand"))
+    assert run < came.out.index("\n  check ") < understand < came.out.index("\n  worst ")
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_help_of_a_command_begins_with_an_example_that_it_takes_and_fits_80_columns(
+    periph_sim: Run, monkeypatch: pytest.MonkeyPatch, name: str
+):
+    came = periph_sim(name, "--help")
+    usage, _, rest = came.out.partition("\n\n")
+    assert usage.startswith("Usage: ") and rest.startswith(f"  $ periph-sim {name}")
+    assert max(map(len, came.out.splitlines())) <= 80
+    shown = rest.partition("\n")[0].partition(" > ")[0]
+    program, *arguments = shlex.split(shown.strip().removeprefix("$ "))
+    command = cli.get_command(None, name)  # type: ignore[arg-type]
+    assert command is not None and program == "periph-sim"
+    command.make_context(name, arguments[1:])
+
+
+@pytest.mark.parametrize("name", sorted({*COMMANDS} - {"decode"}))
+def test_json_of_every_command_says_its_schema(name: str):
+    """Whoever has the option prints by the one function; decode prints an object a line, perhaps millions."""
+    command = cli.get_command(None, name)  # type: ignore[arg-type]
+    assert command is not None and command.callback is not None
+    if any("--json" in option.opts for option in command.params):
+        assert f'print_json("{name}", ' in inspect.getsource(command.callback)
+
+
+def test_a_json_object_begins_with_schema_and_version_and_ends_with_the_form(periph_sim: Run):
+    told = json.loads(periph_sim("diff", TRACE, TRACE, "--uart", "rx=RX,baud=115200,format=8n1", "--json").out)
+    assert list(told)[:2] == ["schema", "schema_version"]
+    assert list(told)[-1] == "form" and told["form"] == form.running
+    assert (told["schema"], told["schema_version"]) == ("periph-sim diff", VERSION)
+
+
+@pytest.mark.parametrize(
+    ("words", "completed"),
+    [
+        (["ch"], ["check"]),
+        (["check", "--up"], ["--update-baseline"]),
+        (["new", "s"], ["sci-protocol", "sensor"]),
+        (["new", "--example", "two"], ["two_dsps"]),
+    ],
+)
+def test_the_shell_completes_commands_options_and_kinds(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], completed: list[str]
+):
+    """As the function does that `_PERIPH_SIM_COMPLETE=bash_source periph-sim` prints."""
+    monkeypatch.setattr(sys, "argv", ["periph-sim"])
+    monkeypatch.setattr(sys.modules["__main__"], "__package__", "", raising=False)  # not pytest
+    monkeypatch.setenv("_PERIPH_SIM_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", "\n".join(["periph-sim", *words]))
+    monkeypatch.setenv("COMP_CWORD", str(len(words)))
+    with pytest.raises(SystemExit):
+        run_command()
+    assert capsys.readouterr().out.splitlines() == [f"plain,{word}" for word in completed]
+
+
+def test_a_misspelt_command_is_told_the_nearest(periph_sim: Run):
+    came = periph_sim("rgs")
+    assert came.status == 2
+    assert "there is no command 'rgs'; did you mean regs?" in came.err
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("decode", "--help"), ("decode", TRACE, "--format", "csv")])
+def test_what_needs_no_chips_loads_none(arguments: tuple[str, ...]):
+    loaded = imported_by(*arguments)
+    assert "periph_sim.cli" in loaded
+    assert [name for name in loaded if name.startswith(HEAVY)] == []
+
+
+@pytest.mark.parametrize("name", sorted(MISTAKES))
+def test_every_mistake_is_an_error_there_is(name: str):
+    module, _, error = name.rpartition(".")
+    assert issubclass(getattr(importlib.import_module(module), error), Exception)
+
+
+def started(*arguments: str, stdout: object) -> subprocess.CompletedProcess[str]:
+    code = "import periph_sim.cli; periph_sim.cli.run_command()"
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments], stdout=stdout, stderr=subprocess.PIPE, text=True, check=False
+    )
+
+
+def test_a_full_disk_behind_standard_output_is_one_sentence():
+    if not Path("/dev/full").is_char_device():
+        pytest.skip("there is no /dev/full")
+    with open("/dev/full", "w") as full:
+        came = started("schema", stdout=full)
+    said = "Error: standard output: found no space left on device, expected room for the output"
+    assert came.stderr == f"{said}; make room, or redirect it\n"
+    assert came.returncode == 2
+
+
+def test_a_closed_pipe_is_neither_a_verdict_nor_a_message():
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "w") as closed:
+        came = started("schema", stdout=closed)
+    assert (came.returncode, came.stderr) == (141, "")

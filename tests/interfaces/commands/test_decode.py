@@ -1,0 +1,363 @@
+"""`periph-sim decode` as its user meets it: on the traces of the repository, and with every mistake one can make."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from periph_sim.traces import formats
+from periph_sim.traces.decode import i2c
+from tests.interfaces.commands.conftest import Run
+from tests.traces.formats.make_traces import read_registers
+from tests.traces.formats.writers import I2cWave, frame_bits, metadata, sr_bytes, uart_wave, zip_bytes
+
+TRACES = Path(__file__).resolve().parents[3] / "traces"
+NACK = TRACES / "nack.sr"
+FRAMES = TRACES / "host_frames.sr"
+
+
+def both(folder: Path) -> Path:
+    """An I2C read and, beginning within it, two serial frames; the channels have other names."""
+    bus = I2cWave(20, 5)
+    bus.idle(100)
+    read_registers(bus, 0x53, 0x00, (0xE5,))
+    bus.idle(400)
+    line = uart_wave(
+        [(Fraction(200), frame_bits(0x41)), (Fraction(800), frame_bits(0xF3))], Fraction(40), len(bus.samples)
+    )
+    samples = bytes(a | b << 2 for a, b in zip(bus.samples, line, strict=True))
+    path = folder / "both.sr"
+    path.write_bytes(sr_bytes(["clock", "data", "out, host"], "4 MHz", samples))
+    return path
+
+
+def test_an_idle_serial_line_beside_an_i2c_bus_is_a_note(periph_sim: Run, tmp_path: Path):
+    """As in a recording of an I2C-only case of ours, whose RX never moves."""
+    bus = I2cWave(20, 5)
+    bus.idle(100)
+    read_registers(bus, 0x53, 0x00, (0xE5,))
+    bus.idle(40)
+    path = tmp_path / "run.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA", "RX"], "4 MHz", bytes(sample | 4 for sample in bus.samples)))
+    came = periph_sim("decode", str(path), "--transfers")
+    assert came.status == 0 and came.err == "note: RX is high throughout: nothing to decode\n"
+    assert came.out.splitlines() == ["    time_s  transfer", "0.00002500  S 53 W A 00 A Sr 53 R A E5 N P"]
+    alone = periph_sim("decode", str(path), "--uart", "rx=RX,baud=auto")
+    assert alone.status == 0 and alone.err == came.err and alone.out.split() == ["time_s", "event", "value"]
+
+
+def test_a_serial_line_that_cannot_be_guessed_does_not_stop_the_others(periph_sim: Run, tmp_path: Path):
+    frames = [(Fraction(10 + 100 * n), frame_bits(0x41 + n)) for n in range(8)]
+    line = uart_wave(frames, Fraction(10), 900)
+    path = tmp_path / "two.sr"
+    path.write_bytes(sr_bytes(["RX", "TX"], "1 MHz", bytes(bit | (n < 300) << 1 for n, bit in enumerate(line))))
+    came = periph_sim("decode", str(path))
+    assert came.status == 0 and "0x41 'A'" in came.out
+    assert "note: TX is not decoded: " in came.err and "describe it with --uart" in came.err
+
+
+def test_a_guess_in_doubt_is_taken_on_request_only(periph_sim: Run, tmp_path: Path):
+    """One byte, which most rates and frames would fit."""
+    path = tmp_path / "one.sr"
+    path.write_bytes(sr_bytes(["RX"], "1 MHz", uart_wave([(Fraction(10), frame_bits(0x41))], Fraction(10), 400)))
+    came = periph_sim("decode", str(path))
+    assert came.status == 2 and came.out == ""
+    assert came.err.startswith("Error: RX is not decoded: in doubt, guessed 100000 baud, 8n1 (")
+    assert "12% sure), which baud=auto would use; describe it with --uart" in came.err
+    came = periph_sim("decode", str(path), "--uart", "rx=RX,baud=auto")
+    assert came.status == 0 and "0x41 'A'" in came.out
+    assert came.err.endswith("12% sure); in doubt, so better state them\n")
+
+
+def test_buses_of_one_capture_are_told_apart_by_their_names(periph_sim: Run, tmp_path: Path):
+    bus, other = I2cWave(20, 5), I2cWave(20, 5)
+    bus.idle(100)
+    read_registers(bus, 0x53, 0x00, (0xE5,))
+    other.idle(160)
+    read_registers(other, 0x50, 0x10, (0x77,))
+    for wave in (bus, other):
+        wave.idle(2400 - len(wave.samples))
+    samples = bytes(a | b << 2 for a, b in zip(bus.samples, other.samples, strict=True))
+    path = tmp_path / "two.sr"
+    names = ["Sensor SCL", "Sensor SDA", "24LC515 SCL", "24LC515 SDA", "SDA_X"]
+    path.write_bytes(sr_bytes(names, "4 MHz", samples))
+    came = periph_sim("decode", str(path), "--transfers")
+    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()] == [
+        "bus                          transfer",
+        "i2c Sensor SCL/Sensor SDA    S 53 W A 00 A Sr 53 R A E5 N P",
+        "i2c 24LC515 SCL/24LC515 SDA  S 50 W A 10 A Sr 50 R A 77 N P",
+    ]
+    assert came.err == ("note: SDA_X is not decoded: which SCL belongs to it? give --i2c scl=CHANNEL,sda=CHANNEL\n")
+
+
+def test_what_nobody_recorded_and_a_rate_that_cannot_be_true_are_notes(periph_sim: Run, tmp_path: Path):
+    (tmp_path / "gap.csv").write_text("Time [s],SCL,SDA\n0.0,1,1\n0.001,X,1\n0.002,1,1\n0.003,1,1\n")
+    came = periph_sim("decode", str(tmp_path / "gap.csv"))
+    assert came.status == 0
+    assert came.err.startswith("note: SCL and SDA: 1 span was not recorded, 0.001000000 s in all, 0.001000000 s to ")
+    came = periph_sim("decode", str(NACK), "--rate", "1 Hz")
+    assert came.status == 0 and "start" in came.out
+    assert "SCL would run at 0.025 Hz; expected 100 Hz to 5 MHz; then all times are wrong; state" in came.err
+
+
+def test_a_glitch_in_samples_of_time_stamps_is_counted_on_their_grid(periph_sim: Run, tmp_path: Path):
+    """125 MHz exported in nanoseconds: ten samples are 80 ns."""
+    rows = [(0, 1), (80, 0), (160, 1), (800, 0), (808, 1), (9_000, 1)]
+    text = "".join(f"{at / 1e9:.9f},1,{sda}\n" for at, sda in rows)
+    (tmp_path / "spikes.csv").write_text("Time [s],SCL,SDA\n" + text)
+
+    def starts(glitch: str) -> int:
+        return periph_sim("decode", str(tmp_path / "spikes.csv"), "--glitch", glitch).out.count("start")
+
+    assert [starts(glitch) for glitch in ("1", "2", "10", "11")] == [2, 1, 1, 0]
+    assert [starts(glitch) for glitch in ("8ns", "9ns", "80ns", "81ns")] == [2, 1, 1, 0]
+
+
+def test_events_one_a_line(periph_sim: Run):
+    came = periph_sim("decode", str(NACK))
+    assert came.status == 0 and came.err == ""
+    assert came.out.splitlines()[:8] == [
+        "    time_s  event           value",
+        "0.00010000  start",
+        "0.00011000  address         0x53      write",
+        "0.00019000  nack",
+        "0.00020500  stop",
+        "0.00041000  start",
+        "0.00042000  address         0x53      write",
+        "0.00050000  nack",
+    ]
+
+
+def test_transfers_one_a_line(periph_sim: Run):
+    assert periph_sim("decode", str(NACK), "--transfers").out.splitlines() == [
+        "    time_s  transfer",
+        "0.00010000  S 53 W N P",
+        "0.00041000  S 53 W N P",
+        "0.00072000  S 53 W A 00 A Sr 53 R A E5 N P",
+    ]
+
+
+def test_times_are_exact_and_ends_are_shown(periph_sim: Run):
+    lines = periph_sim("decode", str(NACK), "--times").out.splitlines()
+    assert lines[0].split() == ["time_s", "end_s", "position", "end", "event", "value"]
+    assert lines[2].split() == ["0.00011000", "0.00018500", "440", "740", "address", "0x53", "write"]
+
+
+def test_serial_frames_and_a_guessed_rate(periph_sim: Run):
+    came = periph_sim("decode", str(FRAMES))
+    assert came.err.startswith("note: RX: guessed 115200 baud, 8n1 (")
+    assert came.out.splitlines()[3].split(maxsplit=2) == ["0.000474", "frame", "0x69 'i'"]
+    stated = periph_sim("decode", str(FRAMES), "--uart", "rx=RX,baud=115200")
+    assert stated.out == came.out and stated.err == ""
+
+
+def test_bursts_of_frames(periph_sim: Run):
+    assert periph_sim("decode", str(FRAMES), "--uart", "rx=RX,baud=115200", "--transfers").out.splitlines() == [
+        "  time_s  transfer",
+        "0.000300  00 00 69 03 2F F9 00 00 00 00 18 FC",
+        "0.005300  11 00 7A 03 40 F9 0C 00 F7 FF 15 FC",
+    ]
+
+
+def test_json_lines_hold_what_the_decoder_found(periph_sim: Run):
+    came = periph_sim("decode", str(NACK), "--format", "json")
+    objects = [json.loads(line) for line in came.out.splitlines()]
+    events = i2c.events(formats.read(NACK))
+    assert [found["position"] for found in objects] == [event.at for event in events]
+    assert [found["value"] for found in objects if found["value"] is not None] == [
+        event.value for event in events if isinstance(event, i2c.Address | i2c.Data)
+    ]
+    assert objects[1] == {
+        "time_s": 0.00011,
+        "end_s": 0.000185,
+        "position": 440,
+        "end": 740,
+        "bus": "i2c SCL/SDA",
+        "event": "address",
+        "value": 0x53,
+        "bits": 8,
+        "detail": "write",
+    }
+
+
+def test_several_buses_stand_in_order_of_time(periph_sim: Run, tmp_path: Path):
+    options = ("--i2c", "scl=clock,sda=data", "--uart", "rx=2,baud=100000")
+    came = periph_sim("decode", str(both(tmp_path)), *options, "--format", "csv")
+    rows = list(csv.DictReader(io.StringIO(came.out)))
+    times = [Fraction(row["time_s"]) for row in rows]
+    assert times == sorted(times)
+    assert [(row["bus"], row["value"]) for row in rows if row["value"]] == [
+        ("i2c clock/data", str(0x53)),
+        ("uart out, host", str(0x41)),
+        ("i2c clock/data", "0"),
+        ("uart out, host", str(0xF3)),
+        ("i2c clock/data", str(0x53)),
+        ("i2c clock/data", str(0xE5)),
+    ]
+    came = periph_sim("decode", str(both(tmp_path)), *options, "--transfers")
+    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()] == [
+        "bus             transfer",
+        "i2c clock/data  S 53 W A 00 A Sr 53 R A E5 N P",
+        "uart out, host  41 F3",
+    ]
+    for style in ("csv", "json"):
+        came = periph_sim("decode", str(both(tmp_path)), *options, "--transfers", "--format", style)
+        read = csv.DictReader(io.StringIO(came.out)) if style == "csv" else map(json.loads, came.out.splitlines())
+        assert [row["transfer"] for row in read] == ["S 53 W A 00 A Sr 53 R A E5 N P", "41 F3"]
+
+
+def test_errors_and_cut_frames_are_said(periph_sim: Run, tmp_path: Path):
+    frames = [
+        (Fraction(50), [*frame_bits(0x31, 8, "odd")[:-1], 0]),
+        (Fraction(400), [0] * 14),
+        (Fraction(700), [0, 1, 0]),
+    ]
+    path = tmp_path / "line.sr"
+    path.write_bytes(sr_bytes(["RX"], "1 MHz", uart_wave(frames, Fraction(10), 738)))
+    came = periph_sim("decode", str(path), "--uart", "rx=RX,baud=100000,format=8e1")
+    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()[1:]] == [
+        "frame           0x31 '1'  parity error, frame error",
+        "frame           0x00      frame error",
+        "break",
+        "cut             101b",
+    ]
+
+
+@pytest.fixture
+def spike(tmp_path: Path) -> str:
+    """4B at 100 kbaud; a spike of a sample in the middle of its first bit, and one before it."""
+    samples = bytearray(uart_wave([(Fraction(250), frame_bits(0x4B))], Fraction(40), 800))
+    samples[250 + 60] ^= 1
+    samples[100] ^= 1
+    path = tmp_path / "spike.sr"
+    path.write_bytes(sr_bytes(["RX"], "4 MHz", bytes(samples)))
+    return str(path)
+
+
+def test_glitched_frames_and_rejected_starts_are_marked(periph_sim: Run, spike: str):
+    assert periph_sim("decode", spike, "--uart", "rx=RX,baud=100000").out.splitlines()[1:] == [
+        "0.00002500  rejected start",
+        "0.00006250  frame           0x4A 'J'  glitch",
+    ]
+    asked = ("decode", spike, "--uart", "rx=RX,baud=100000", "--transfers")
+    assert periph_sim(*asked).out.splitlines()[1:] == ["0.00002500  rejected start 4A(glitch)"]
+
+
+def test_a_vote_of_three_looks_reads_over_a_glitch(periph_sim: Run, spike: str):
+    came = periph_sim("decode", spike, "--uart", "rx=RX,baud=100000,vote")
+    assert came.out.splitlines()[-1] == "0.00006250  frame           0x4B 'K'  glitch"
+    came = periph_sim("decode", spike, "--uart", "rx=RX,baud=100000,vote=3")
+    assert came.status == 2 and "vote=3; expected vote without a value" in came.err
+
+
+def test_glitches_are_left_out_on_request(periph_sim: Run, spike: str):
+    asked = ("decode", spike, "--uart", "rx=RX,baud=100000", "--transfers")
+    for shortest in ("2", "300ns", "0.26us"):
+        assert periph_sim(*asked, "--glitch", shortest).out.splitlines()[1:] == ["0.00006250  4B"]
+    assert periph_sim(*asked, "--glitch", "250ns").out.split()[-1] == "4A(glitch)"
+
+
+def test_without_a_rate_positions_are_shown(periph_sim: Run, tmp_path: Path):
+    path = tmp_path / "no_rate.sr"
+    bus = I2cWave(4, 1)
+    bus.idle(10)
+    read_registers(bus, 0x53, 0x00, (0xE5,))
+    unsaid = metadata(["SCL", "SDA"], "").replace(b"samplerate=\n", b"")
+    path.write_bytes(zip_bytes({"version": b"2", "metadata": unsaid, "logic-1-1": bytes(bus.samples)}))
+    came = periph_sim("decode", str(path), "--transfers")
+    assert came.out.splitlines() == ["position  transfer", "      10  S 53 W A 00 A Sr 53 R A E5 N P"]
+    assert periph_sim("decode", str(path), "--transfers", "--rate", "1 MHz").out.split()[2] == "0.000010"
+    assert "states no rate" in periph_sim("decode", str(path), "--glitch", "50ns").err
+
+
+def test_nothing_on_the_bus_is_no_mistake(periph_sim: Run, tmp_path: Path):
+    path = tmp_path / "idle.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", bytes([3]) * 100))
+    for more in ((), ("--transfers",), ("--times",)):
+        came = periph_sim("decode", str(path), *more)
+        assert came.status == 0 and len(came.out.splitlines()) == 1
+    assert periph_sim("decode", str(path), "--format", "json").out == ""
+    assert periph_sim("decode", str(path), "--format", "json", "--transfers").out == ""
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (("--i2c", "scl=SCL"), "--i2c scl=SCL: sda is missing; expected scl=CHANNEL,sda=CHANNEL"),
+        (("--i2c", "scl=SCL,sda=SCL"), "--i2c scl=SCL,sda=SCL: both are channel SCL; expected two channels"),
+        (("--i2c", "scl=SCL,sad=SDA"), "--i2c scl=SCL,sad=SDA: there is no 'sad'; did you mean sda?"),
+        (("--i2c", "scl=SCK,sda=SDA"), "there is no channel 'SCK'; did you mean SCL?"),
+        (("--uart", "baud=9600"), "--uart baud=9600: rx or tx is missing; expected rx=CHANNEL,baud=RATE"),
+        (("--uart", "rx=SDA,baud=fast"), "'fast' is no baud rate; expected a number, or auto"),
+        (("--uart", "rx=SDA,baud=0"), "baud is 0; expected more than 0"),
+        (
+            ("--uart", "rx=SDA,baud=9600,format=8x1"),
+            "'8x1' is no frame; expected data bits, one of n, o, e, m, s, and stop",
+        ),
+        (("--uart", "rx=SDA,baud=9600,format=77n1"), "77 data bits; expected 1 to 16"),
+        (("--uart", "rx=SDA,baud=9600,invert=yes"), "invert=yes; expected invert without a value"),
+        (("--uart", "rx=SDA,rx=SCL,baud=9600"), "rx is given twice; expected once"),
+        (("--uart", "rx=,baud=9600"), "rx has no value; expected rx=..."),
+        (("--uart", "rx=SDA,baud=9000000"), "0.44 samples a bit at 9000000 baud; expected at least 2"),
+        (
+            ("--glitch", "50 parsecs"),
+            "--glitch: '50 parsecs' is no time; expected one such as 50ns, 1.5us, or whole samples",
+        ),
+        (("--glitch", "1.5"), "--glitch: '1.5' is no time"),
+        (("--rate", "quick"), "--rate: 'quick' is no sample rate"),
+        (("--format", "xml"), "'xml' is not one of"),
+        (("--format", "csv", "--json"), "--json and --format csv are two formats; give one of them"),
+    ],
+)
+def test_a_mistake_gets_one_sentence(periph_sim: Run, options: tuple[str, ...], sentence: str):
+    came = periph_sim("decode", str(NACK), *options)
+    assert came.status == 2 and came.out == ""
+    assert sentence in came.err and "Traceback" not in came.err
+
+
+def test_channels_that_say_nothing_must_be_named(periph_sim: Run, tmp_path: Path):
+    path = tmp_path / "plain.sr"
+    path.write_bytes(sr_bytes(["0", "1"], "1 MHz", bytes([3]) * 100))
+    came = periph_sim("decode", str(path))
+    assert came.status == 2
+    assert "no channels are named scl and sda, rx or tx, it has 0 (index 0), 1 (index 1)" in came.err
+
+
+def test_a_file_that_is_not_there(periph_sim: Run, tmp_path: Path):
+    came = periph_sim("decode", str(tmp_path / "gone.sr"))
+    assert came.status == 2 and "gone.sr, the file: found no such file or directory" in came.err
+
+
+def test_a_reader_that_goes_away_is_no_fault(tmp_path: Path):
+    bus = I2cWave(2, 1)
+    bus.start()
+    for _ in range(20_000):
+        bus.byte(0x55)
+    path = tmp_path / "long.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", bytes(bus.samples)))
+    with subprocess.Popen(
+        [sys.executable, "-m", "periph_sim", "decode", str(path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as running:
+        assert running.stdout is not None and running.stderr is not None
+        running.stdout.readline()
+        running.stdout.close()
+        assert running.stderr.read() == b""
+        assert running.wait(timeout=60) == 0
+
+
+def test_a_damaged_file_is_read_up_to_the_damage_on_request(periph_sim: Run, tmp_path: Path):
+    path = tmp_path / "short.sr"
+    path.write_bytes((TRACES / "imu_round.sr").read_bytes()[:6000])
+    refused = periph_sim("decode", str(path))
+    assert refused.status == 2 and refused.out == "" and "--salvage" in refused.err
+    came = periph_sim("decode", str(path), "--salvage", "--transfers")
+    assert came.status == 0 and "note: " in came.err and "are dropped" in came.err
+    assert came.out.splitlines()[1].endswith("S 68 W A 1D A Sr 68 R A 00 A 12 A FF A F3 A 00 A 05 N P")
+    assert came.out.splitlines()[2].endswith("FB A [111111]")

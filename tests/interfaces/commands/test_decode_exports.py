@@ -1,0 +1,128 @@
+"""Decoded buses for other tools, as those tools read them: tshark and text2pcap, sigrok-cli."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from tests.interfaces.commands.conftest import Run
+from tests.traces.formats.sigrok import sigrok_says
+from tests.traces.formats.writers import I2cWave, frame_bits, metadata, sr_bytes, uart_wave, zip_bytes
+
+TRACES = Path(__file__).resolve().parents[3] / "traces"
+needs_tshark = pytest.mark.skipif(
+    shutil.which("tshark") is None or shutil.which("text2pcap") is None, reason="tshark and text2pcap are not installed"
+)
+needs_sigrok = pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="sigrok-cli is not installed")
+
+
+@pytest.fixture
+def mixed(tmp_path: Path) -> Path:
+    """10-bit address 0x2A5 written and read again with a repeated START, a general call nobody answers, two frames."""
+    bus = I2cWave(20, 5)
+    bus.idle(100)
+    bus.start()
+    for byte in (0xF4, 0xA5, 0x11):
+        bus.byte(byte)
+    bus.again()
+    bus.byte(0xF5)
+    bus.byte(0x22, ack=False)
+    bus.stop()
+    bus.idle(100)
+    bus.start()
+    bus.byte(0x00, ack=False)
+    bus.stop()
+    bus.idle(400)
+    frames = [(Fraction(200 + 400 * n), frame_bits(0x41 + n)) for n in range(2)]
+    line = uart_wave(frames, Fraction(40), len(bus.samples))
+    path = tmp_path / "mixed.sr"
+    samples = bytes(a | b << 2 for a, b in zip(bus.samples, line, strict=True))
+    path.write_bytes(sr_bytes(["SCL", "SDA", "RX"], "4 MHz", samples))
+    return path
+
+
+I2C, UART = ("--i2c", "scl=SCL,sda=SDA"), ("--uart", "rx=RX,baud=100000")
+
+
+def written(path: Path, style: str, *options: str) -> Path:
+    """What the command writes, beside the capture."""
+    out = path.with_suffix(f".{style}")
+    command = [sys.executable, "-m", "periph_sim", "decode", str(path), "--format", style]
+    with out.open("wb") as file:
+        subprocess.run([*command, *options], stdout=file, check=True)
+    return out
+
+
+def tshark(path: Path, *fields: str) -> list[list[str]]:
+    command = ["tshark", "-r", str(path), "-T", "fields", *(word for field in fields for word in ("-e", field))]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    return [line.split("\t") for line in said.splitlines()]
+
+
+@needs_tshark
+def test_tshark_reads_messages_and_frames_from_pcapng(mixed: Path):
+    path = written(mixed, "pcapng", *I2C, *UART)
+    shown = tshark(
+        path, "frame.time_epoch", "frame.interface_name", "i2c.addr", "i2c.flags", "data.data", "frame.comment"
+    )
+    assert shown == [
+        ["0.000025000", "i2c SCL/SDA", "0x7a", "0x00000010", "f4a511", "S 7A W(10-bit) A 2A5 A 11 A"],
+        ["0.000050000", "uart RX", "", "", "4142", "41 42"],
+        ["0.000310000", "i2c SCL/SDA", "0x7a", "0x00000011", "f522", "Sr 2A5 R(10-bit) A 22 N P"],
+        ["0.000535000", "i2c SCL/SDA", "0x00", "0x00000000", "00", "S 00 W(general call) N P"],
+    ]
+
+
+@needs_tshark
+@pytest.mark.parametrize(
+    ("options", "link_type", "times", "packets"),
+    [
+        (I2C, "209", ["0.000025000", "0.000310000", "0.000535000"], ["f4a511", "f522", "00"]),
+        (UART, "147", ["0.000050000"], ["4142"]),
+    ],
+)
+def test_text2pcap_makes_packets_of_a_hex_dump(
+    mixed: Path, options: tuple[str, ...], link_type: str, times: list[str], packets: list[str]
+):
+    dump, made = written(mixed, "hexdump", *options), mixed.with_suffix(".made")
+    subprocess.run(["text2pcap", "-q", "-l", link_type, "-t", "%s.%f", str(dump), str(made)], check=True)
+    assert tshark(made, "frame.time_epoch", "data.data") == [list(pair) for pair in zip(times, packets, strict=True)]
+
+
+@needs_sigrok
+@pytest.mark.parametrize("name", ["imu_round", "nack", "i2c_eeprom_busy"])
+def test_events_have_the_lines_of_sigrok(name: str, tmp_path: Path):
+    path = TRACES / f"{name}.sr"
+    shutil.copy(path, tmp_path)
+    ours = written(tmp_path / path.name, "sigrok", *I2C).read_text().splitlines()
+    theirs = sigrok_says(path, "i2c:scl=SCL:sda=SDA").splitlines()
+
+    def beginnings(lines: list[str]) -> set[tuple[str, str]]:
+        split = (line.split(" ", 1) for line in lines)
+        return {(span.partition("-")[0], said) for span, said in split}
+
+    bits_and_ways = {said for _, said in beginnings(theirs)} & {f"i2c-1: {w}" for w in ("0", "1", "Write", "Read")}
+    ours = [line for line in ours if "Cut" not in line]  # of bits that belong to no byte sigrok says nothing
+    assert beginnings(ours) == {one for one in beginnings(theirs) if one[1] not in bits_and_ways} and len(ours) > 10
+
+
+def test_a_hex_dump_holds_one_kind_of_bus(periph_sim: Run, mixed: Path):
+    came = periph_sim("decode", str(mixed), *I2C, *UART, "--format", "hexdump")
+    assert (came.status, came.out) == (2, "")
+    assert came.err == (
+        "Error: a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng\n"
+    )
+
+
+def test_packets_need_times(periph_sim: Run, tmp_path: Path):
+    path = tmp_path / "x.sr"
+    unsaid = metadata(["SCL", "SDA"], "").replace(b"samplerate=\n", b"")
+    path.write_bytes(zip_bytes({"version": b"2", "metadata": unsaid, "logic-1-1": bytes([3, 1, 3])}))
+    came = periph_sim("decode", str(path), "--format", "pcapng")
+    assert came.status == 2 and came.err.endswith("x.sr states no rate; packets have times, state --rate\n")
+    assert periph_sim("decode", str(path), "--format", "sigrok").out == "1-1 i2c-1: Start\n2-2 i2c-1: Stop\n"

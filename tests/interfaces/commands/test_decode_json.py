@@ -1,0 +1,157 @@
+"""`periph-sim decode --json`: transfers and bursts as objects, and what reserved addresses are for."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from tests.interfaces.commands.conftest import Run
+from tests.traces.formats.writers import I2cWave, frame_bits, sr_bytes, uart_wave
+
+NACK = Path(__file__).resolve().parents[3] / "traces" / "nack.sr"
+
+
+def test_json_has_a_transfer_as_an_object(periph_sim: Run):
+    came = periph_sim("decode", str(NACK), "--json")
+    objects = [json.loads(line) for line in came.out.splitlines()]
+    assert periph_sim("decode", str(NACK), "--transfers", "--format", "json").out == came.out
+    assert [found["transfer"] for found in objects] == [
+        line.split(maxsplit=1)[1] for line in periph_sim("decode", str(NACK), "--transfers").out.splitlines()[1:]
+    ]
+    plain = {"address_bits": 7, "reserved": None, "cut": None, "stretches": []}
+    assert objects[2] == {
+        "time_s": 0.00072,
+        "end_s": 0.00111,
+        "position": 2880,
+        "end": 4440,
+        "bus": "i2c SCL/SDA",
+        "transfer": "S 53 W A 00 A Sr 53 R A E5 N P",
+        "messages": [
+            {
+                "time_s": 0.00072,
+                "position": 2880,
+                "address": 0x53,
+                "direction": "write",
+                "acked": True,
+                "bytes": [{"time_s": 0.00082, "position": 3280, "value": 0, "acked": True}],
+                **plain,
+            },
+            {
+                "time_s": 0.000915,
+                "position": 3660,
+                "address": 0x53,
+                "direction": "read",
+                "acked": True,
+                "bytes": [{"time_s": 0.001015, "position": 4060, "value": 0xE5, "acked": False}],
+                **plain,
+            },
+        ],
+        "ended": "stop",
+    }
+    assert objects[0]["messages"][0]["acked"] is False
+
+
+def test_json_has_a_burst_of_frames_as_an_object(periph_sim: Run, tmp_path: Path):
+    """4B at 100 kbaud; a spike of a sample in the middle of its first bit, and one before it."""
+    samples = bytearray(uart_wave([(Fraction(250), frame_bits(0x4B))], Fraction(40), 800))
+    for at in (310, 100):
+        samples[at] ^= 1
+    path = tmp_path / "spike.sr"
+    path.write_bytes(sr_bytes(["RX"], "4 MHz", bytes(samples)))
+    came = periph_sim("decode", str(path), "--uart", "rx=RX,baud=100000", "--json")
+    assert json.loads(came.out)["frames"] == [
+        {"time_s": 0.000025, "position": 100, "event": "rejected start", "value": None, "bits": 0, "faults": []},
+        {"time_s": 0.0000625, "position": 250, "event": "frame", "value": 0x4A, "bits": 8, "faults": ["glitch"]},
+    ]
+
+
+def wave(tmp_path: Path, *steps: str) -> Path:
+    """A bus in steps: S, Sr, P, a byte with its answer (`A5 A`, `A5 N`), `1` a bit, `~` 400 samples more of low SCL."""
+    bus = I2cWave(20, 5)
+    bus.idle(100)
+    for step in " ".join(steps).split():
+        if step == "~":
+            bus.samples += bytes([bus.samples[-1] & 2]) * 400  # SDA as it is
+        elif step in ("S", "Sr", "P"):
+            {"S": bus.start, "Sr": bus.again, "P": bus.stop}[step]()
+        elif step in ("A", "N", "1"):
+            bus.bit(step != "A")
+        else:
+            for place in range(7, -1, -1):
+                bus.bit(int(step, 16) >> place & 1)
+    bus.idle(60)
+    path = tmp_path / "wave.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(bus.samples)))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("steps", "said", "told"),
+    [
+        (("S", "00 A", "06 A", "P"), "S 00 W(general call) A 06 A P", [(0, 7, "write", "general call")]),
+        (
+            ("S", "01 N", "Sr", "A6 A", "P"),
+            "S 00 R(START byte) N Sr 53 W A P",
+            [(0, 7, "read", "START byte"), (0x53, 7, "write", None)],
+        ),
+        (
+            ("S", "09 N", "Sr", "A7 A", "12 N", "P"),
+            "S 04 R(Hs-mode controller code) N Sr 53 R A 12 N P",
+            [(4, 7, "read", "Hs-mode controller code"), (0x53, 7, "read", None)],
+        ),
+        (
+            ("S", "F8 A", "A6 A", "Sr", "F9 A", "11 A", "22 A", "33 N", "P"),
+            "S 7C W(device ID) A A6 A Sr 7C R(device ID) A 11 A 22 A 33 N P",
+            [(0x7C, 7, "write", "device ID"), (0x7C, 7, "read", "device ID")],
+        ),
+        (
+            ("S", "F4 A", "A5 A", "Sr", "F5 A", "12 N", "P"),
+            "S 7A W(10-bit) A 2A5 A Sr 2A5 R(10-bit) A 12 N P",
+            [(0x2A5, 10, "write", "10-bit"), (0x2A5, 10, "read", "10-bit")],
+        ),
+        (  # asked again after a STOP, or with other high bits: nobody knows the lower half
+            ("S", "F4 A", "A5 A", "Sr", "F3 A", "12 N", "P"),
+            "S 7A W(10-bit) A 2A5 A Sr 79 R(10-bit) A 12 N P",
+            [(0x2A5, 10, "write", "10-bit"), (0x79, 7, "read", "10-bit")],
+        ),
+    ],
+)
+def test_reserved_addresses_are_named(
+    periph_sim: Run, tmp_path: Path, steps: tuple[str, ...], said: str, told: list[tuple[int, int, str, str | None]]
+):
+    path = str(wave(tmp_path, *steps))
+    found = json.loads(periph_sim("decode", path, "--json").out)
+    assert found["transfer"] == said
+    keys = ("address", "address_bits", "direction", "reserved")
+    assert [tuple(message[key] for key in keys) for message in found["messages"]] == told
+    first = periph_sim("decode", path).out.splitlines()[2].split(maxsplit=3)
+    assert first[1] == "address" and first[3] == f"{told[0][2]}, {told[0][3]}"
+
+
+def test_ten_bits_are_not_known_again_behind_a_stop(periph_sim: Run, tmp_path: Path):
+    path = wave(tmp_path, "S", "F4 A", "A5 A", "P", "S", "F5 A", "12 N", "P")
+    came = periph_sim("decode", str(path), "--transfers").out.splitlines()
+    assert [line.split(maxsplit=1)[1] for line in came[1:]] == [
+        "S 7A W(10-bit) A 2A5 A P",
+        "S 7A R(10-bit) A 12 N P",
+    ]
+
+
+def test_json_says_how_long_scl_was_held_low_and_where(periph_sim: Run, tmp_path: Path):
+    """In the ACK slot of the address, and before the second data byte. Before a STOP there is no bit of a byte."""
+    path = wave(tmp_path, "S A6 ~ A 11 A ~ 22 A ~ P")
+    (message,) = json.loads(periph_sim("decode", str(path), "--json").out)["messages"]
+    first, second = message["stretches"]
+    assert (first["byte"], first["bit"], second["byte"], second["bit"]) == (0, 9, 2, 1)
+    for held in (first, second):
+        assert (held["low"], held["low_s"]) == (420, 0.000105)
+    assert second["position"] + second["low"] == message["bytes"][1]["position"]
+
+
+def test_json_says_what_was_cut_off(periph_sim: Run, tmp_path: Path):
+    found = json.loads(periph_sim("decode", str(wave(tmp_path, "S", "A6 A 1 1")), "--json").out)
+    assert found["ended"] == "cut off" and found["messages"][0]["cut"] == "11"
+    assert found["messages"][0]["acked"] is True and found["messages"][0]["bytes"] == []

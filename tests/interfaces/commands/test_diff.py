@@ -1,0 +1,168 @@
+"""`periph-sim diff`: exit status, text, JSON, two rates, UART, our own runs, and what is said of mistakes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.interfaces.commands.conftest import Run
+from tests.traces.formats.writers import I2cWave, sr_bytes
+
+ROOT = Path(__file__).parents[3]
+IMU_ROUND = str(ROOT / "traces" / "imu_round.sr")
+NACK = str(ROOT / "traces" / "nack.sr")
+HOST_FRAMES = str(ROOT / "traces" / "host_frames.sr")
+
+
+def wave(path: Path, *, rate: str = "4 MHz", half: int = 20, lead: int = 50, pause: int = 100, last: int = 0x22) -> str:
+    """Two transfers; `pause` samples between them, the last byte as given."""
+    drawn = I2cWave(half, half // 5)
+    drawn.idle(lead)
+    for number in range(2):
+        drawn.start()
+        for value in (0xA6, 0x11, last if number else 0x33):
+            drawn.byte(value)
+        drawn.stop()
+        drawn.idle(pause)
+    path.write_bytes(sr_bytes(["SCL", "SDA"], rate, bytes(drawn.samples)))
+    return str(path)
+
+
+def test_a_capture_and_itself_are_equal(periph_sim: Run):
+    came = periph_sim("diff", IMU_ROUND, IMU_ROUND)
+    assert (came.status, came.err) == (0, "")
+    assert came.out.splitlines()[-1] == "EQUAL: 63 events, all within 500 ns"
+
+
+def test_another_rate_and_another_begin_are_no_difference(periph_sim: Run, tmp_path: Path):
+    a = wave(tmp_path / "a.sr")
+    b = wave(tmp_path / "b.sr", rate="8 MHz", half=40, lead=7_000, pause=200)
+    came = periph_sim("diff", a, b)
+    assert came.status == 0 and "EQUAL: 16 events" in came.out
+    assert "offset +862.500 us: B's time" in came.out
+
+
+def test_a_later_transfer_is_one_change_of_lateness(periph_sim: Run, tmp_path: Path):
+    """12 samples of 250 ns: 3 us."""
+    a, b = wave(tmp_path / "a.sr"), wave(tmp_path / "b.sr", pause=112)
+    came = periph_sim("diff", a, b)
+    assert came.status == 1
+    assert "lateness changes: 1\n  +3.000 us from event 8: START, +3.000 us, " in came.out
+    assert "first difference: event 8: START, +3.000 us, " in came.out and "after STOP" in came.out
+    assert came.out.splitlines()[-1] == (
+        "DIFFERENT: 0 missing, 0 inserted, 0 changed, 8 of 16 off by more than 500 ns, 1 change of lateness"
+    )
+    assert periph_sim("diff", a, b, "--tolerance", "3us").status == 0
+
+
+def test_a_changed_byte_is_told_with_both_values(periph_sim: Run, tmp_path: Path):
+    a, b = wave(tmp_path / "a.sr"), wave(tmp_path / "b.sr", last=0x23)
+    came = periph_sim("diff", a, b)
+    assert came.status == 1 and "event 13: byte 22 changed to byte 23, +0.000 us" in came.out
+    assert "every event" not in came.out
+    assert "every event: 16" in periph_sim("diff", a, b, "--all").out
+
+
+def test_a_missing_transfer_is_one_line(periph_sim: Run):
+    """Reads of three devices, and two refusals before a shorter read of the second."""
+    came = periph_sim("diff", IMU_ROUND, NACK)
+    assert came.status == 1
+    assert (
+        "  events 0 to 20: START, address 68 W, ACK, byte 1D, ACK, repeated START, address 68 R, ACK, ...: "
+        "missing in B, at A 0.000100000 s\n"
+        "  events 21 to 28: START, address 53 W, NACK, STOP, START, address 53 W, NACK, STOP: inserted in B, at B "
+    ) in came.out
+    assert "event 37: byte FB changed to byte E5" in came.out
+
+
+def test_json_lists_what_differs_or_all(periph_sim: Run, tmp_path: Path):
+    a, b = wave(tmp_path / "a.sr"), wave(tmp_path / "b.sr", pause=112)
+    found = json.loads(periph_sim("diff", a, b, "--json").out)
+    assert (found["equal"], found["events"], found["late"], len(found["entries"])) == (False, 16, 8, 8)
+    (point,) = found["change_points"]
+    assert (point["number"], point["after"], point["a"], point["step_s"]) == (8, 7, "START", 3e-6)
+    assert len(json.loads(periph_sim("diff", a, b, "--json", "--all").out)["entries"]) == 16
+
+
+def test_channels_of_other_names_in_b(periph_sim: Run, tmp_path: Path):
+    a = wave(tmp_path / "a.sr")
+    renamed = tmp_path / "b.sr"
+    drawn = I2cWave(20, 4)
+    drawn.idle(9)
+    drawn.start()
+    drawn.byte(0xA6)
+    drawn.stop()
+    renamed.write_bytes(sr_bytes(["clock", "data"], "4 MHz", bytes(drawn.samples)))
+    assert periph_sim("diff", a, str(renamed)).status == 2
+    came = periph_sim("diff", a, str(renamed), "--map-b", "scl=clock,sda=data")
+    assert came.status == 1 and "12 missing, 0 inserted" in came.out
+
+
+def test_uart_frames(periph_sim: Run):
+    came = periph_sim("diff", HOST_FRAMES, HOST_FRAMES, "--uart", "rx=RX,baud=115200,format=8n1")
+    assert came.status == 0 and "EQUAL: 24 events" in came.out
+    came = periph_sim("diff", HOST_FRAMES, HOST_FRAMES, "--uart", "baud=115200")
+    assert came.status == 0 and "frame" in came.out
+
+
+def test_our_own_run_with_requests_three_microseconds_apart_more(
+    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Each request's START is 3 us later than the one before; nothing else is news."""
+    monkeypatch.chdir(ROOT)
+    a, b = str(tmp_path / "a.vcd"), str(tmp_path / "b.vcd")
+    run = ("run", "timing/responder.toml", "--seconds", "14 ms", "--record")
+    assert periph_sim(*run, a).status == 0
+    assert periph_sim("diff", a, a).status == 0
+    assert periph_sim(*run, b, "--set", "controller.period=5003 us").status == 0
+    found = json.loads(periph_sim("diff", a, b, "--json").out)
+    assert (found["missing"], found["inserted"], found["changed"]) == (0, 0, 0)
+    assert [(point["a"], point["step_s"]) for point in found["change_points"]] == [("START", 3e-6)] * 2
+    assert found["late"] == 2 * found["events"] // 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ([IMU_ROUND], "Missing argument 'B'"),
+        ([IMU_ROUND, "none.sr"], "none.sr, the file: found no such file or directory"),
+        ([IMU_ROUND, HOST_FRAMES], "host_frames.sr: the lines found are rx; give --uart baud=RATE"),
+        (
+            [IMU_ROUND, IMU_ROUND, "--uart", "baud=9600"],
+            "imu_round.sr: the lines found are scl and sda; map the channel",
+        ),
+        ([IMU_ROUND, NACK, "--tolerance", "3"], "--tolerance: '3' has no unit"),
+        ([IMU_ROUND, NACK, "--tolerance", "-1us"], "--tolerance: '-1us' is negative"),
+        ([IMU_ROUND, NACK, "--map", "scl=9,sda=1"], "has no single channel '9'"),
+        ([IMU_ROUND, NACK, "--rate-b", "x"], "--rate-b: 'x' is no sample rate"),
+        ([HOST_FRAMES, HOST_FRAMES, "--uart", "baud=fast"], "expected baud=RATE with a whole number above 0"),
+        ([HOST_FRAMES, HOST_FRAMES, "--uart", "rx=RX"], "expected baud=RATE with a whole number above 0"),
+        ([HOST_FRAMES, HOST_FRAMES, "--uart", "bauds=9600"], "there is no 'bauds'; did you mean baud?"),
+        ([HOST_FRAMES, HOST_FRAMES, "--uart", "baud=9600,format=8x1"], "'8x1' is no line format"),
+        ([HOST_FRAMES, HOST_FRAMES, "--uart", "rx"], "expected rx=CHANNEL,baud=RATE,format=8n1"),
+        ([HOST_FRAMES, HOST_FRAMES, "--uart", "baud=900000"], "samples a bit at 900000 baud; expected at least 2"),
+        ([HOST_FRAMES, HOST_FRAMES, "--uart", "rx=RX,baud=9600", "--map", "rx=0"], "both name the channel of rx"),
+    ],
+)
+def test_mistakes_are_one_sentence_and_status_2(periph_sim: Run, arguments: list[str], said: str):
+    came = periph_sim("diff", *arguments)
+    assert (came.status, came.out) == (2, "")
+    assert said in came.err and "Traceback" not in came.err
+
+
+def test_two_captures_with_nothing_on_them(periph_sim: Run, tmp_path: Path):
+    quiet = tmp_path / "quiet.sr"
+    quiet.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", b"\x03" * 100))
+    came = periph_sim("diff", str(quiet), str(quiet))
+    assert came.status == 2 and "no I2C transfer in either" in came.err
+
+
+@pytest.mark.parametrize("command", [("diff", IMU_ROUND), ("compliance", "--mode", "fast")])
+def test_a_file_that_states_no_rate(periph_sim: Run, tmp_path: Path, command: tuple[str, ...]):
+    rateless = wave(tmp_path / "rateless.sr", rate="0")
+    came = periph_sim(*command, rateless)
+    assert came.status == 2 and "rateless.sr: " in came.err and "the file states no" in came.err
+    option = "--rate-b" if command[0] == "diff" else "--rate"
+    assert periph_sim(*command, rateless, option, "1 MHz").status in (0, 1)

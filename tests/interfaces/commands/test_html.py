@@ -1,0 +1,69 @@
+"""`--html` of run and check: one file, whole or not at all, whatever the verdicts are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.interfaces.commands.conftest import CASE, Run
+
+
+def test_run_writes_a_report_beside_its_table(periph_sim: Run, desk: Path) -> None:
+    plain = periph_sim("run", "small.toml")
+    came = periph_sim("run", "small.toml", "--html", "out.html")
+    assert (came.status, came.out, came.err) == (plain.status, plain.out, plain.err)
+    text = Path("out.html").read_text(encoding="utf-8")
+    assert text.startswith("<!DOCTYPE html>") and "rounds in time" in text
+    assert [file.name for file in desk.iterdir() if file.suffix == ".html"] == ["out.html"]
+
+
+def test_a_report_is_of_the_changed_case_and_the_shorter_run(periph_sim: Run, desk: Path) -> None:
+    change = "budget.rounds in time.max=6 ns"
+    assert periph_sim("run", "small.toml", "--seconds", "0.02", "--set", change, "--html", "out.html").status == 1
+    text = Path("out.html").read_text(encoding="utf-8")
+    assert f"<code>{change}</code>" in text and "0.02 s" in text
+
+
+def test_run_writes_recording_and_report_at_once(periph_sim: Run, desk: Path) -> None:
+    periph_sim("run", "small.toml", "--record", "out.psr", "--html", "out.html", "--json")
+    assert Path("out.psr").stat().st_size and Path("out.html").stat().st_size
+
+
+def test_check_writes_one_report_of_all_cases(periph_sim: Run, desk: Path) -> None:
+    Path("timing").mkdir()
+    for name in ("one", "two"):
+        text = CASE.format(firmware=(desk / "still.py").as_posix()).replace("small", name)
+        Path("timing", f"{name}.toml").write_text(text, encoding="utf-8")
+    came = periph_sim("check", "--jobs", "1", "--html", "out.html")
+    assert came.status == 1  # nothing was measured, and there are no baselines
+    text = Path("out.html").read_text(encoding="utf-8")
+    assert text.count("<article") == 2 and "it has no baseline" in text
+    assert "0 of 2 pass" in text
+
+
+@pytest.mark.parametrize("command", ["run", "check"])
+def test_a_place_that_cannot_be_written_to_is_told_before_anything_runs(
+    periph_sim: Run, desk: Path, command: str
+) -> None:
+    came = periph_sim(command, "small.toml", "--html", "no/such/out.html")
+    assert came.status == 2 and came.out == ""
+    assert came.err == (
+        "Error: no/such/out.html, its place: found no such file or directory, expected a place that can be written to; "
+        "give another path\n"
+    )
+
+
+def test_a_case_that_cannot_be_run_leaves_the_old_report(periph_sim: Run, desk: Path) -> None:
+    Path("out.html").write_text("old", encoding="utf-8")
+    came = periph_sim("run", "small.toml", "--set", "unit.dsp.firmware=nobody.py", "--html", "out.html")
+    assert came.status == 2 and came.err.startswith("Error: ")
+    assert Path("out.html").read_text(encoding="utf-8") == "old"
+    assert sorted(file.name for file in desk.iterdir() if "html" in file.name) == ["out.html"]
+
+
+def test_two_outputs_into_one_file_are_refused_before_the_run(periph_sim: Run, desk: Path):
+    for command in (("run", "--record", "./a.psr"), ("check", "--junit", "a.psr")):
+        came = periph_sim(*command, "--html", "a.psr", "small.toml")
+        assert came.status == 2 and f"{command[1]} and --html both name a.psr; give each its own file" in came.err
+    assert not (desk / "a.psr").exists()

@@ -1,0 +1,89 @@
+"""`periph-sim new --live`: what was live is a case of its own, with budgets; and what is no log of such a case."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from periph_sim.interfaces.commands.live_case import toml
+from periph_sim.outside import Session
+from periph_sim.outside.live.case_for_line import case_for_line
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from tests.interfaces.commands.conftest import Run
+from tests.outside.live.echo import written
+from tests.outside.sessions import Records
+
+ROOT = Path(__file__).parents[3]
+
+
+def live(case: Path, log: Path, data: bytes, changes: tuple[str, ...] = ()) -> Records:
+    records = Records()
+    session = Session(case_for_line(case, "scia", changes), log=log, subscribe=records.subscribe)
+    line = session.serial("scia")
+    session.advance(session.ticks("1 ms"))
+    line.write(data)
+    session.advance(session.ticks("7 ms") + 1)
+    records.events = session.finish().events - line.received  # one a frame that came back: to read it for the client
+    return records
+
+
+def test_what_was_live_is_a_case_with_equal_records(periph_sim: Run, tmp_path: Path) -> None:
+    for folder in ("cases", "logs", "new"):
+        (tmp_path / folder).mkdir()
+    log = tmp_path / "logs" / "live.jsonl"
+    records = live(written(tmp_path / "cases"), log, b"hello", ("seed=7",))
+    came = periph_sim("new", "--live", str(log), str(tmp_path / "new" / "again"))
+    case = tmp_path / "new" / "again.toml"
+    assert came.status == 0 and came.out.startswith(f"written: {case}\nrun it: ")
+    again = Records()
+    made = load(case)
+    scene = Scene(made, again.subscribe)
+    result = scene.run()
+    assert again.kept == records.kept and len(records.kept) > 50
+    assert result.events == records.events
+    assert (made.seed, result.sci_bytes, result.verdict) == (7, 5, "pass")
+    assert {budget.name: budget.max for budget in made.budget} == {"overruns": 0}
+    assert periph_sim("run", str(case)).status == 0
+    assert "exists already" in periph_sim("new", "--live", str(log), str(tmp_path / "new" / "again.toml")).err
+
+
+def test_a_case_keeps_its_budgets_but_those_of_its_host(periph_sim: Run, tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    live(ROOT / "timing" / "imu_hil.toml", log, bytes(24))
+    assert periph_sim("new", "--live", str(log), str(tmp_path / "mine")).status == 0
+    before, after = load(ROOT / "timing" / "imu_hil.toml"), load(tmp_path / "mine.toml")
+    left_out = {"wrong bytes", "data age"}
+    assert after.budget == tuple(budget for budget in before.budget if budget.name not in left_out)
+    assert (after.host, after.controller) == (None, before.controller.model_copy(update={"check": "expect"}))
+    assert after.unit == before.unit
+    assert after.outside is not None and after.outside.wires == ("RX",)
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / "timing").glob("*.toml")), ids=lambda file: file.stem)
+def test_a_tree_is_written_as_it_is_read(file: Path) -> None:
+    tree = tomllib.loads(file.read_text(encoding="utf-8")) | {
+        "odd key": {"": [], "a.b": [{}, {"c": [[1, "\u00e9\n"]]}]}
+    }
+    assert tomllib.loads(toml(tree)) == tree
+
+
+def test_what_is_no_log_of_a_case_in_a_file(periph_sim: Run, tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    for text, sentence in (
+        (None, "No such file or directory; give the log of a session"),
+        ("hello\n", "line 1: found no head"),
+        ('{"format": "periph-sim outside", "version": 1, "case": "x", "ticks_per_second": 3, "wires": []}\n',
+         "its case, x, came from no file; replay it with Python's replay()"),
+        ('{"format": "periph-sim outside", "version": 1, "case": "x", "ticks_per_second": 3, "wires": [], '
+         '"file": "gone.toml"}\n[1, {}]\n', "gone.toml: cannot be read"),
+        ('{"format": "periph-sim outside", "version": 1, "case": "x", "ticks_per_second": 3, "wires": [], '
+         '"file": "gone.toml"}\n', "line 2: found nothing after the head, expected what a session did"),
+    ):  # fmt: skip
+        if text is not None:
+            log.write_text(text)
+        came = periph_sim("new", "--live", str(log))
+        assert came.status == 2 and sentence in came.err.replace("\n", " ")
+    assert "--live takes at most the name" in periph_sim("new", "--live", str(log), "a", "b").err

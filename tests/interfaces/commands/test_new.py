@@ -1,0 +1,169 @@
+"""`periph-sim new`: every kind is green as it is, one line of its firmware breaks the budget that it names."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click import ClickException
+
+from periph_sim.interfaces.commands.new_files import TEMPLATES, write
+from periph_sim.interfaces.reports.baselines.outcome import Outcome, run_case
+from tests.interfaces.commands.conftest import Run
+
+KINDS = sorted(file.stem for file in TEMPLATES.glob("*.toml"))
+TRACES = Path(__file__).parents[3] / "traces"
+LINE = re.compile(r'^( *)# (.*?)  # remove the "#": .* and "(.*)" breaks$', re.MULTILINE)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def words(case: Path) -> dict[str, str]:
+    came = run_case(case)
+    assert isinstance(came, Outcome), came
+    return {verdict.name: verdict.verdict for verdict in came.verdicts}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_kind_runs_as_it_is_and_the_line_that_it_names_breaks_the_budget_that_it_names(
+    periph_sim: Run, here: Path, kind: str
+):
+    came = periph_sim("new", kind.replace("_", "-"), "bench/mine")
+    assert (came.status, came.err) == (0, "")
+    assert "\nrun it:           periph-sim run bench/mine.toml\n" in came.out
+    case, firmware = Path("bench/mine.toml"), Path("bench/mine.py")
+    assert {path.name for path in Path("bench").iterdir()} == {
+        f"mine{file.suffix}" for file in TEMPLATES.glob(f"{kind}.*")
+    }
+    good = words(case)
+    assert good and set(good.values()) == {"pass"}
+    text = firmware.read_text(encoding="utf-8")
+    (line,) = LINE.finditer(text)
+    firmware.write_text(text.replace(line[0], f"{line[1]}{line[2]}"), encoding="utf-8")
+    broken = [name for name, verdict in words(case).items() if verdict == "fail"]
+    assert broken == [line[3]]
+
+
+def test_every_kind_that_the_help_lists_is_there(periph_sim: Run):
+    listed = re.findall(r"^  ([a-z0-9-]+) {2,}\S", periph_sim("new", "--help").out, re.MULTILINE)
+    assert sorted(kind.replace("-", "_") for kind in listed) == KINDS
+
+
+def test_a_replay_without_a_capture_has_a_small_one(periph_sim: Run, here: Path):
+    command = next(line for line in periph_sim("new", "replay").out.splitlines() if line.startswith("replay: "))
+    arguments = ("replay", "replay.vcd", "--case", "replay.toml", "--tolerance", "2 us")
+    assert command.split(None, 1)[1] == "periph-sim replay replay.vcd --case replay.toml --tolerance '2 us'"
+    assert periph_sim(*arguments).status == 0
+    text = Path("replay.py").read_text(encoding="utf-8")
+    Path("replay.py").write_text(text.replace("# dsp.compute", "dsp.compute"), encoding="utf-8")
+    assert periph_sim(*arguments).status == 1
+
+
+def test_a_replay_of_a_given_capture_stands_in_for_its_busiest_target(periph_sim: Run, here: Path):
+    capture = str(TRACES / "imu_round.sr")
+    assert periph_sim("new", "replay", "--from", capture).status == 0
+    assert sorted(path.name for path in here.iterdir()) == ["replay.py", "replay.toml"]
+    text = Path("replay.toml").read_text(encoding="utf-8")
+    assert text.count("address = 0x68") == 2 and "count = 6" in text
+    assert periph_sim("replay", capture, "--case", "replay.toml", "--tolerance", "2 us").status == 0
+    assert set(words(Path("replay.toml")).values()) == {"pass"}
+
+
+@pytest.mark.parametrize("capture", ["i2c_slow_slave.csv", "i2c_eeprom_busy.sr", "nack.sr", "imu_session.sr"])
+def test_a_replay_is_green_whatever_the_captured_target_refuses_and_whoever_else_is_asked(
+    periph_sim: Run, here: Path, capture: str
+):
+    assert periph_sim("new", "replay", "mine", "--from", str(TRACES / capture)).status == 0
+    came = periph_sim("replay", str(TRACES / capture), "--case", "mine.toml", "--tolerance", "2 us")
+    assert came.status == 0, came.out
+    assert set(words(Path("mine.toml")).values()) == {"pass"}
+
+
+def test_a_stop_between_pointer_and_read_does_no_harm(periph_sim: Run, here: Path):
+    """It sets SCD, which the read that follows must not take for its own end."""
+    assert periph_sim("new", "i2c-slave").status == 0
+    assert periph_sim("run", "i2c_slave.toml", "--set", "controller.pointer_by=STOP").status == 0
+
+
+def test_an_example_runs_where_it_lands_with_all_firmware_that_it_needs(periph_sim: Run, here: Path):
+    assert periph_sim("new", "--example", "two_dsps", "copy").status == 0
+    names = {"two_dsps.toml", "sensor_head.py", "imu_hil.py", "imu_models.py"}
+    assert {path.name for path in Path("copy").iterdir()} == names
+    assert periph_sim("run", "copy/two_dsps.toml", "--seconds", "0.03").out.startswith("two_dsps: PASS")
+    text = Path("copy/imu_hil.py").read_text(encoding="utf-8")
+    Path("copy/imu_hil.py").write_text(f"{text}\nraise ValueError('the copy is what runs')\n", encoding="utf-8")
+    came = periph_sim("run", "copy/two_dsps.toml", "--seconds", "0.03")
+    assert came.status == 2 and "the copy is what runs" in came.err
+
+
+@pytest.mark.parametrize("name", ["imu_hil.toml", "imu_hil.py"])
+def test_nothing_is_written_over_and_nothing_half_done(periph_sim: Run, here: Path, name: str):
+    Path(name).write_text("mine", encoding="utf-8")
+    came = periph_sim("new", "--example", "imu_hil")
+    assert (came.status, came.out) == (2, "")
+    assert came.err == f"Error: {name}: exists already, and nothing was written; give another name\n"
+    assert [path.name for path in here.iterdir()] == [name] and Path(name).read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["sensr"], "there is no kind 'sensr'; did you mean sensor?"),
+        ([], "give a kind: i2c-master, i2c-slave,"),
+        (["sensor", "a b"], "'a b' is no name for files; expected letters, digits, '_' and '-'"),
+        (["--example", "imu_hl"], "there is no example 'imu_hl'; did you mean imu_hil or"),
+        (["--example", "imu_hil", "a", "b"], "--example takes at most the folder that the copy goes to"),
+        (["sensor", "--from", "x.sr"], "--from is for replay, not for sensor"),
+        (["replay", "--from", "x.sr"], "x.sr, the file: found no such file or directory"),
+        (
+            ["replay", "--from", str(TRACES / "host_frames.sr")],
+            "is a UART capture; periph-sim new --example uart_logger",
+        ),
+        (["replay", "--from", str(TRACES / "imu_round.sr"), "--map", "scl=5,sda=1"], "has no single channel '5'"),
+    ],
+)
+def test_a_mistake_is_one_sentence(periph_sim: Run, here: Path, arguments: list[str], sentence: str):
+    came = periph_sim("new", *arguments)
+    assert came.status == 2 and sentence in came.err and "Traceback" not in came.err
+    assert not list(here.iterdir())
+
+
+def test_an_example_with_an_image_comes_with_its_source_and_all_that_it_includes(periph_sim: Run, here: Path):
+    assert periph_sim("new", "--example", "imu_hil_image", "bench").status == 0
+    assert {path.name for path in Path("bench").iterdir()} == {
+        "imu_hil_image.toml", "imu_hil.asm", "f28335.inc", "start.inc"
+    }  # fmt: skip
+    assert 'image = "imu_hil.asm"' in Path("bench/imu_hil_image.toml").read_text(encoding="utf-8")
+    assert periph_sim("run", "bench/imu_hil_image.toml", "--seconds", "0.001").status in (0, 1)
+
+
+def test_an_example_in_c_comes_with_its_sources_and_their_headers(periph_sim: Run, here: Path):
+    assert periph_sim("new", "--example", "imu_hil_c", "bench").status == 0
+    assert {path.name for path in Path("bench").iterdir()} == {"imu_hil_c.toml", "imu_hil.c", "f28335.h"}
+    assert 'sources = ["imu_hil.c"]' in Path("bench/imu_hil_c.toml").read_text(encoding="utf-8")
+
+
+def test_a_disk_that_fills_up_leaves_no_half_of_a_pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    opened = Path.open
+
+    def full(path: Path, *arguments: Any, **names: Any) -> Any:
+        file = opened(path, *arguments, **names)
+        if path.suffix == ".toml":
+            monkeypatch.setattr(file, "write", no_room, raising=False)
+        return file
+
+    def no_room(text: str) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "open", full)
+    with pytest.raises(ClickException, match=r"one\.toml: cannot be written \(No space left on device\)"):
+        write({tmp_path / "one.py": "main", tmp_path / "one.toml": "name"})
+    assert list(tmp_path.iterdir()) == []

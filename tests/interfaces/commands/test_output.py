@@ -1,0 +1,117 @@
+"""What `run` prints: a table within 80 columns, a legend that applies, with -v assumptions and polls."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from periph_sim.interfaces.commands.result_text import budget_table, legend, rounded
+from periph_sim.interfaces.commands.tables import terminal
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from periph_sim.timing.verdict import FAIL, NOT_JUDGED, PASS, Verdict, Word
+from tests.interfaces.commands.conftest import Run
+from tests.scene.runs import TIMING
+
+CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
+
+
+def verdict(name: str, word: Word) -> Verdict:
+    value = 2.0 if word == FAIL else 0.5
+    return Verdict(name, "response", "us", value, 1.0, 1.0 - value, 7, word, 0.25)
+
+
+def shown(budgets: list[Verdict], width: int) -> list[str]:
+    console = Console(width=width)
+    with console.capture() as captured:
+        console.print(budget_table(budgets))
+    return captured.get().splitlines()
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_table_and_legend_of_every_shipped_case_fit_80_columns(name: str):
+    """A run of two rounds, with the numbers of measurements that the baseline of the whole run has."""
+    case = load(TIMING / f"{name}.toml")
+    result = Scene(case).run(min(Fraction(1, 20), Fraction(case.duration)))
+    whole = json.loads((TIMING / "baselines" / f"{name}.json").read_text(encoding="utf-8"))["budgets"]
+    for budget in result.budgets:
+        budget.count = whole[budget.name]["count"]
+    lines = shown(result.budgets, 80)
+    assert len(lines) == 4 + len(result.budgets), "a row takes two lines"
+    assert max(map(len, lines)) <= 80 and "…" not in "".join(lines)
+    broken = sum(budget.broken and budget.worst is not None for budget in result.budgets)
+    assert all(len(line) <= 80 for line in legend(result.budgets)[broken:])
+
+
+def test_a_long_name_takes_two_lines_and_loses_no_word():
+    name = "from the last bit of the frame to the first pulse of the answer on the other bus"
+    one = verdict(name, PASS)
+    assert set(name.split()) <= set(" ".join(shown([one], 80)).split())
+
+
+@pytest.mark.parametrize("columns", ["20", "80", "120"])
+def test_the_terminal_is_never_taken_for_less_than_80_columns(monkeypatch: pytest.MonkeyPatch, columns: str):
+    monkeypatch.setenv("COLUMNS", columns)
+    assert terminal().width == max(80, int(columns))
+
+
+held = verdict("held", PASS)
+broken = verdict("broken", FAIL)
+scarce = verdict("scarce", NOT_JUDGED)
+
+SEEN = "count: occurrences; seen: held in this run, other timings are not covered"
+
+
+@pytest.mark.parametrize(
+    ("budgets", "lines"),
+    [
+        ([], []),
+        ([held], [SEEN]),
+        ([broken], ["broken: 2.000 us is over its limit of 1.000 us, at 0.250000 s", "count: occurrences"]),
+        ([scarce], ["count: occurrences", "not judged: too little was measured; no pass"]),
+        ([held, scarce], [SEEN, "not judged: too little was measured; no pass"]),
+    ],
+)
+def test_the_legend_says_what_stands_in_this_table_and_no_more(budgets: list[Verdict], lines: list[str]):
+    assert legend(budgets) == lines
+
+
+def test_what_a_run_assumes_is_a_number_and_with_v_a_line_each(periph_sim: Run):
+    short = ("run", str(TIMING / "wrong_order.toml"), "--seconds", "0.01")
+    names = json.loads(periph_sim(*short, "--json").out)["unknowns"]
+    assert periph_sim(*short).out.endswith(f"\nassumes {len(names)} undocumented behaviours (-v lists them)\n")
+    option = ("--set", "unit.dsp.options.i2c.noise_filter_cycles=2")
+    told = periph_sim(*short, "-v", *option).out.splitlines()
+    at = told.index(f"assumes {len(names)} undocumented behaviours; docs/options.md has the question of each:")
+    assert [line.split()[0] for line in told[at + 1 :]] == names
+    assert "  dsp.i2c.noise_filter_cycles = 2; the default is 1" in told
+    assert "  dsp.i2c.aas_sdir_point = fall8, the default" in told
+
+
+def test_a_run_that_assumes_nothing_says_nothing_of_it(periph_sim: Run, desk: Path):
+    assert "undocumented" not in periph_sim("run", "small.toml", "-v").out
+
+
+def test_what_a_chip_on_the_bus_assumes_is_listed_by_its_name(periph_sim: Run):
+    reserved = ("--set", "chip.gyroscope.registers.DLPF_FS=0")
+    told = periph_sim("run", str(TIMING / "imu_chips.toml"), "--seconds", "0.01", "--verbose", *reserved).out
+    assert "\n  gyroscope.fs_sel_other = as_3, the default\n" in told
+
+
+def test_polls_that_were_skipped_are_told_with_v_rounded(periph_sim: Run):
+    short = ("run", str(TIMING / "wrong_order.toml"), "--seconds", "0.01")
+    exact = json.loads(periph_sim(*short, "--json").out)["counts"]["polls_skipped"]
+    assert 1_000 <= exact < 1_000_000
+    assert "polls" not in periph_sim(*short).out
+    assert f"\nskipped {exact / 1000:.1f} k polls\n" in periph_sim(*short, "-v").out
+
+
+@pytest.mark.parametrize(
+    ("count", "text"), [(142_688_792, "142.7 M"), (161_830, "161.8 k"), (1000, "1.0 k"), (999, "999")]
+)
+def test_a_count_of_which_only_the_size_matters(count: int, text: str):
+    assert rounded(count) == text

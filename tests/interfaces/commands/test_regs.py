@@ -1,0 +1,61 @@
+"""`periph-sim regs`: the register maps and the open questions as tables."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from periph_sim.interfaces.commands.regs import MAPS, OPTIONS
+from tests.interfaces.commands.conftest import Run
+
+
+def test_all_modules(periph_sim: Run):
+    came = periph_sim("regs")
+    assert came.status == 0
+    assert all(module in came.out for module in MAPS)
+
+
+@pytest.mark.parametrize("module", MAPS)
+def test_every_register_of_a_module_with_its_address(periph_sim: Run, module: str):
+    came = periph_sim("regs", module)
+    base, registers = MAPS[module]
+    assert came.status == 0
+    for register in registers:
+        assert f"{base + register.offset:#06x}" in came.out and register.name in came.out
+
+
+def test_one_register_with_its_fields(periph_sim: Run):
+    came = periph_sim("regs", "I2C-A.I2CSTR")
+    assert came.status == 0
+    assert came.out.startswith("I2C-A.I2CSTR  0x7902  reset 0x0410  [SPRUG03B")
+    assert all(name in came.out for name in ("SDIR", "NACKSNT", "BB", "RSFULL", "XSMT", "AAS", "AD0", "SCD", "XRDY"))
+
+
+@pytest.mark.parametrize("group", OPTIONS)
+def test_every_option_with_its_question(periph_sim: Run, group: str):
+    came = periph_sim("regs", "--options", group)
+    assert came.status == 0
+    text = " ".join(came.out.split())
+    for option in dataclasses.fields(OPTIONS[group]):
+        assert f"{group}.{option.name}: " in came.out and option.metadata["question"] in text
+    assert max(map(len, came.out.splitlines())) <= 80
+
+
+def test_all_options(periph_sim: Run):
+    came = periph_sim("regs", "--options")
+    assert all(f"{group}." in came.out for group in OPTIONS)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["I2C"], "there is no module 'I2C'; did you mean I2C-A?"),
+        (["I2C-A.I2CST"], "I2C-A has no register 'I2CST'; did you mean I2CSTR"),
+        (["--options", "i2"], "there are no options for 'i2'; did you mean i2c?"),
+    ],
+)
+def test_a_wrong_name_is_one_sentence_and_2(periph_sim: Run, arguments: list[str], sentence: str):
+    came = periph_sim("regs", *arguments)
+    assert (came.status, came.out) == (2, "")
+    assert came.err.startswith(f"Error: {sentence}") and came.err.count("\n") == 1

@@ -1,0 +1,151 @@
+"""`periph-sim serve`: a case as a serial port of this computer, from the first line to what it came to."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from periph_sim.interfaces.commands.serve import _slower
+from tests.interfaces.commands.conftest import Run
+from tests.outside.live import registers
+from tests.outside.live.echo import written
+
+serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
+
+
+def serve(*arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "periph_sim", "serve", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_a_plain_script_talks_to_it_until_ctrl_c(tmp_path: Path) -> None:
+    link, log = tmp_path / "dsp", tmp_path / "live.jsonl"
+    served = serve(str(written(tmp_path)), "--pty", str(link), "--log", str(log), "--warm-up", "5 ms")
+    assert served.stdout is not None
+    assert served.stdout.readline().startswith("/dev/")
+    for data, answer in ((b"hello", b"ifmmp"), (b"abc", b"bcd")):
+        with serial.Serial(str(link), 115_200, timeout=30) as port:
+            port.write(data)
+            assert port.read(len(data)) == answer
+    served.send_signal(signal.SIGINT)
+    said, mistakes = served.communicate(timeout=60)
+    assert served.returncode == 0, mistakes
+    assert "echo: NOT JUDGED" in said and "8 SCI bytes" in said and "lateness: 99 % of " in said
+    assert not link.is_symlink()
+    end = json.loads(log.read_text().splitlines()[-1])
+    assert end["end"] > 0
+
+
+def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
+    ours, port = os.openpty()  # as a cable to another computer
+    served = serve(str(written(tmp_path)), "--port", os.ttyname(port), "--json")
+    assert served.stderr is not None
+    assert served.stderr.readline().strip() == os.ttyname(port)
+    time.sleep(0.1)
+    os.write(ours, b"hello")
+    got = b""
+    while len(got) < 5:
+        got += os.read(ours, 100)
+    assert got == b"ifmmp"
+    served.send_signal(signal.SIGINT)
+    said, _ = served.communicate(timeout=60)
+    told = json.loads(said)
+    assert told["verdict"] == "not judged" and set(told["lateness"]) == {"worst_s", "p99_s", "late", "slips"}
+
+
+def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    i2cdriver = pytest.importorskip("i2cdriver", reason="i2cdriver is not installed: the extra drivers has it")
+    opened = i2cdriver.serial.Serial
+    monkeypatch.setattr(i2cdriver.serial, "Serial", lambda port, baud, timeout: opened(port, baud, timeout=120))
+    link = tmp_path / "i2c"
+    served = serve(str(registers.written(tmp_path)), "--i2cdriver", str(link), "--json")
+    assert served.stderr is not None
+    assert served.stderr.readline() == "SDA and SCL are driven from outside, in place of [controller]\n"
+    assert served.stderr.readline().startswith("/dev/")
+    driver = i2cdriver.I2CDriver(str(link))
+    assert driver.scan(silent=True) == [0x50]
+    assert driver.regwr(0x50, 4, [1, 2]) and driver.regrd(0x50, 2, 4) == b"\x33\x44\x01\x02"
+    driver.ser.close()
+    served.send_signal(signal.SIGINT)
+    said, mistakes = served.communicate(timeout=60)
+    told = json.loads(said)
+    assert served.returncode == 1 and not link.is_symlink(), mistakes
+    assert told["verdict"] == "fail" and told["wire_bytes"] >= 112 + 4 + 7
+    verdicts = [(one["name"], one["verdict"]) for one in told["budgets"]]
+    assert verdicts == [("all rounds", "fail"), ("work", "pass")]  # the program does not ask every millisecond
+
+
+@pytest.mark.parametrize(
+    ("more", "status", "sentence"),
+    [
+        ((), 2, "give one of --pty, --rfc2217, --port and --i2cdriver as the place of the port"),
+        (
+            ("--i2cdriver", "--sci", "scia", "--format", "8e1"),
+            2,
+            "--sci and --format: for serial ports only; --i2cdriver",
+        ),
+        (("--pty", "{taken}", "--port", "/dev/ttyS0"), 2, "give one of --pty, --rfc2217, --port"),
+        (("--i2cdriver",), 2, "there is no wire 'SDA'"),
+        (("--rfc2217", "localhost"), 2, "--rfc2217 'localhost': expected a port up to 65535, or ADDRESS:PORT"),
+        (("--port", "/dev/none"), 2, "/dev/none"),
+        (("--pty", "{taken}"), 2, "File exists; give the link another name"),
+        (("--pty", "--pace", "fast"), 2, "--pace 'fast': expected a number, as in 1 or 0.5"),
+        (("--pty", "--for", "10 parsec"), 2, "--for: '10 parsec'"),
+        (("--pty", "--sci", "scib"), 2, "there is no SCI 'SCI-B'; it has dsp.SCI-A"),
+        (("--pty", "--format", "9n1"), 2, "format '9n1': expected data bits 5 to 8"),
+        (("--pty", "--view"), 2, "--view needs a terminal; --browser shows the same on a page"),
+        (("--pty", "--browser", "all"), 2, "--browser 'all': expected a port up to 65535, or ADDRESS:PORT"),
+        (("--rfc2217", "0", "--browser", "--pace", "0", "--for", "10 ms"), 0, ""),
+    ],
+)
+def test_what_it_refuses(more: tuple[str, ...], status: int, sentence: str, tmp_path: Path, periph_sim: Run) -> None:
+    taken = tmp_path / "taken"
+    taken.touch()
+    came = periph_sim("serve", str(written(tmp_path)), *(part.format(taken=taken) for part in more))
+    assert came.status == status, came.err
+    assert sentence in came.err.replace("\n", " ") and "Traceback" not in came.err
+
+
+def test_the_host_of_a_case_gives_way_with_its_budgets() -> None:
+    case = Path(__file__).parents[3] / "timing" / "imu_hil.toml"
+    said, mistakes = serve(str(case), "--pty", "--pace", "0", "--for", "30 ms").communicate(timeout=60)
+    replaced = "RX is driven from outside, in place of [host]; left out, since nothing else can judge them:"
+    assert f"{replaced} 'wrong bytes', 'data age'" in mistakes
+    assert replaced in said.replace("\n", " ") and " wrong bytes  " not in said
+
+
+def test_why_simulated_time_fell_behind_is_told() -> None:
+    result = SimpleNamespace(wall_s=3.0, simulated_s=1.5)
+    case = SimpleNamespace(unit={"dsp": SimpleNamespace(image=None)})
+    said = "a simulated second takes 2.0 s of this computer's time"
+    assert _slower(case, result) == f"{said}; it keeps --pace 0.4"
+    case.unit["dsp"].image = "firmware.out"
+    why = "dsp runs an image, instruction by instruction, its polls included"
+    assert _slower(case, result) == f"{said}: {why}; it keeps --pace 0.4"
+
+
+def test_the_log_of_a_session_that_is_refused_and_the_case_stay_as_they_were(tmp_path: Path) -> None:
+    case, taken, log = written(tmp_path), tmp_path / "taken", tmp_path / "live.jsonl"
+    taken.touch()
+    log.write_text("the last session\n")
+    text = case.read_text()
+    for more, sentence in (
+        (("--pty", "--log", str(case)), f"{case}: the session reads this file; give the log another place"),
+        (("--pty", str(taken), "--log", str(log)), f"{taken}: File exists; give the link another name"),
+    ):
+        served = serve(str(case), *more)
+        _, mistakes = served.communicate(timeout=60)
+        assert served.returncode == 2 and sentence in mistakes.replace("\n", " ")
+    assert (case.read_text(), log.read_text()) == (text, "the last session\n")

@@ -1,0 +1,71 @@
+"""`periph-sim terminal`: typed to on a pseudo-terminal, from the first line to the verdict; and what it refuses."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.interfaces.commands.conftest import Run
+from tests.outside.live.echo import written
+
+pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
+
+
+def test_one_types_and_the_sci_answers(tmp_path: Path) -> None:
+    mine, its = os.openpty()
+    log = tmp_path / "live.jsonl"
+    command = [sys.executable, "-m", "periph_sim", "terminal", str(written(tmp_path)), "--log", str(log)]
+    typed = subprocess.Popen(command, stdin=its, stdout=its, stderr=its)
+    os.close(its)
+
+    def until(end: str) -> str:
+        shown = ""
+        while end not in shown:
+            shown += os.read(mine, 1000).decode()
+        return shown
+
+    assert "scia of " in until("115200 8n1; Ctrl-] ends it, Ctrl-T Ctrl-H helps")
+    for key, answer in ((b"a", "b"), (b"x", "y")):
+        os.write(mine, key)
+        assert key.decode() not in until(answer)
+    os.write(mine, b"\x1d")
+    shown = until("lateness: 99 % of")
+    assert typed.wait(60) == 0
+    assert "echo: NOT JUDGED" in shown and "2 SCI bytes" in shown
+    assert log.stat().st_size > 200
+    os.close(mine)
+
+
+def test_a_session_that_ends_by_itself_says_so_and_why(tmp_path: Path) -> None:
+    mine, its = os.openpty()
+    case = written(tmp_path)
+    (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
+    command = [sys.executable, "-m", "periph_sim", "terminal", str(case)]
+    typed = subprocess.Popen(command, stdin=its, stdout=its, stderr=its)
+    os.close(its)
+    shown = ""
+    while "the session has ended; press a key" not in shown:
+        shown += os.read(mine, 1000).decode()
+    os.write(mine, b"a")
+    while "ZeroDivisionError" not in shown:
+        shown += os.read(mine, 1000).decode()
+    assert typed.wait(60) == 2
+    os.close(mine)
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        ((), "standard input is no terminal; a script opens f28335://{case}?port=scia&pace=1 with pyserial"),
+        (("--pace", "0"), "--pace 0: typing needs real time"),
+        (("--pace", "x"), "--pace 'x': expected a number"),
+    ],
+)
+def test_what_it_refuses(periph_sim: Run, tmp_path: Path, more: tuple[str, ...], sentence: str) -> None:
+    case = written(tmp_path)
+    came = periph_sim("terminal", str(case), *more)
+    assert came.status == 2 and sentence.format(case=case) in came.err.replace("\n", " ")

@@ -1,0 +1,75 @@
+"""`periph-sim trade`: one screen, JSON, and what is said of mistakes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.interfaces.commands.conftest import Run
+
+TIMING = Path(__file__).resolve().parents[3] / "timing"
+RESPONDER = str(TIMING / "responder.toml")
+QUICK = ("trade", RESPONDER, "--seconds", "0.02", "--row", "record .psr")
+
+
+def test_a_trade_is_one_screen_and_its_last_line_recommends_a_row(periph_sim: Run):
+    came = periph_sim("trade", str(TIMING / "imu_hil_published.toml"), "--seconds", "0.05")
+    assert (came.status, came.err) == (0, "")
+    lines = came.out.splitlines()
+    assert len(lines) <= 24 and max(map(len, lines)) <= 80
+    said = " ".join(came.out.split())
+    assert said.startswith("imu_hil_published: 50 ms, n-th occurrence and value against n-th of as given; ")
+    assert "runs of 25 ms after the first 25 ms" in said
+    rows = ["as given", "record .psr", "record .vcd"]
+    assert [line.strip()[: len(row)] for row, line in zip(rows, lines[6:], strict=False)] == rows
+    assert " recommended: " in said and said.index(" recommended: ") > said.rindex(" record .vcd ")
+
+
+def test_one_json_object_with_every_row(periph_sim: Run):
+    told = json.loads(periph_sim(*QUICK, "--json").out)
+    assert [row["name"] for row in told["rows"]] == ["as given", "record .psr"]
+    assert told["rows"][1]["time_error"] == {"amount": 0.0, "unit": "s", "place": ""}
+    assert all(row["cost"]["cpu_s"] > 0 and row["cost"]["runs"] >= 5 for row in told["rows"])
+    assert told["recommended"] == "as given" and (told["start_s"], told["timed_s"]) == (0.01, 0.01)
+
+
+def test_rows_may_be_named_by_the_old_option(periph_sim: Run):
+    told = json.loads(periph_sim("trade", RESPONDER, "--seconds", "0.02", "--level", "record .psr", "--json").out)
+    assert [row["name"] for row in told["rows"]] == ["as given", "record .psr"]
+
+
+def test_firmware_of_another_case_is_a_row(periph_sim: Run):
+    published, image = (str(TIMING / f"imu_hil_{name}.toml") for name in ("published", "image"))
+    came = periph_sim(
+        "trade", image, "--firmware", published, "--seconds", "0.04", "--row", "Python of imu_hil_published"
+    )
+    assert came.status == 0 and "\n Python of imu_hil_published " in came.out
+    assert "largest errors of times: Python of imu_hil_published in model execution" in " ".join(came.out.split())
+
+
+def test_a_row_that_is_off_by_more_than_allowed_is_not_recommended(periph_sim: Run):
+    published, image = (str(TIMING / f"imu_hil_{name}.toml") for name in ("published", "image"))
+    row = ("--row", "Python of imu_hil_published", "--seconds", "0.04", "--json")
+    came = json.loads(periph_sim("trade", image, "--firmware", published, "--max-error", "1 us", *row).out)
+    assert came["rows"][1]["time_error"]["amount"] > 1e-6 and came["recommended"] == "as given"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((RESPONDER, "--max-error", "1"), "--max-error: '1' has no unit; write for instance"),
+        ((RESPONDER, "--max-error", "-1 us"), "--max-error: '-1 us' is negative"),
+        ((RESPONDER, "--row", "as givn"), "there is no row 'as givn' of this case; did you mean as given?"),
+        ((RESPONDER, "--firmware", "nowhere.toml"), "nowhere.toml"),
+        ((RESPONDER, "--seconds", "long"), "--seconds: "),
+        ((RESPONDER, "--seconds", "0"), "nothing to compare: no budget is judged and nothing is read on I2C"),
+        ((RESPONDER, "--set", "duraton=1 s"), "duraton"),
+        (("nowhere.toml",), "nowhere.toml"),
+    ],
+)
+def test_mistakes_are_one_sentence_and_status_2(periph_sim: Run, desk: Path, arguments: tuple[str, ...], message: str):
+    came = periph_sim("trade", *arguments)
+    assert (came.status, came.out) == (2, "") and came.err.count("\n") == 1
+    assert message in came.err and "Traceback" not in came.err

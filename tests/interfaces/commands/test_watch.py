@@ -1,0 +1,88 @@
+"""`periph-sim watch`: a run a change of the case's files, and what it changed. Sleeping is where a user would type."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from periph_sim.interfaces.commands.watched_files import files_of
+from tests.interfaces.commands.conftest import Run
+from tests.interfaces.reports.baselines.desk import put
+
+Step = Callable[[], object]
+
+
+@pytest.fixture
+def typing(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Makes the next pauses of `watch` do these things; then Ctrl-C."""
+
+    def plan(*steps: Step) -> None:
+        waiting = iter(steps)
+
+        def sleep(seconds: float) -> None:
+            step = next(waiting, None)
+            if step is None:
+                raise KeyboardInterrupt
+            step()
+
+        monkeypatch.setattr("time.sleep", sleep)
+
+    return plan
+
+
+@pytest.fixture
+def cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    put(Path("timing"))
+    return Path("timing")
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    """As an editor does, at another time, however coarse the file system's clock is."""
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    later = path.stat().st_mtime_ns + 10**9
+    os.utime(path, ns=(later, later))
+
+
+def test_each_change_is_a_run_and_says_what_changed(periph_sim: Run, typing: Callable[..., None], cases: Path):
+    firmware, case = cases / "small_firmware.py", cases / "small.toml"
+    typing(
+        lambda: None,
+        lambda: edit(firmware, "dsp.compute(0)", "dsp.compute(3000)"),
+        lambda: edit(firmware, "dsp.compute(3000)", "dsp.compute(30000)"),
+        lambda: edit(case, "duration", "duraton"),
+        lambda: edit(case, "duraton", "duration"),
+        lambda: edit(case, "60 us", "300 us"),
+    )
+    came = periph_sim("watch", "timing/small.toml")
+    assert (came.status, came.err) == (0, "")
+    lines = [line.rstrip() for line in came.out.splitlines()]
+    titles = [line for line in lines if line.startswith(("small: ", "Error: "))]
+    held = "small: PASS, as seen in this run"
+    assert titles[:3] == [held, held, "small: FAIL"] and titles[4:] == ["small: FAIL", held]
+    assert "there is no key 'duraton'; did you mean duration?" in titles[3]
+    assert sum(" budget " in line for line in lines) == 1, "the table is told once"
+    assert "  response worst 750 -> 1543 cycles" in lines
+    assert sum(line.startswith("  response: ") and "over its limit of 60.000 us" in line for line in lines) == 2
+    assert lines.count("  no figure changed") == 2
+
+
+def test_the_baseline_is_looked_at_too(periph_sim: Run, typing: Callable[..., None], cases: Path):
+    assert periph_sim("check", "--jobs", "1", "--update-baseline").status == 0
+    typing(lambda: (cases / "baselines" / "small.json").write_text("{", encoding="utf-8"))
+    out = periph_sim("watch", "timing/small.toml").out
+    assert "\n  baseline: equal\n" in out and "small.json: it is not JSON" in out
+
+
+def test_files_of_a_case_are_what_it_names_and_what_its_firmware_may_import(cases: Path):
+    (cases / "small.toml").write_text('[unit.dsp]\nfirmware = "fw/a.py"\nsettings = { sensors = "set.toml" }\n')
+    for name in ("fw/a.py", "fw/b.py", "set.toml", "other.toml"):
+        (cases / name).parent.mkdir(exist_ok=True)
+        (cases / name).touch()
+    there = {file.as_posix() for file in files_of(cases / "small.toml") if file.exists()}
+    assert there == {"timing/small.toml", "timing/fw/a.py", "timing/fw/b.py", "timing/set.toml"}

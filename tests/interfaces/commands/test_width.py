@@ -1,0 +1,148 @@
+"""Every command that prints a table, at 80 columns: no line is longer, and no word is lost.
+
+Sentences that tell one finding stay whole, so that `grep` finds them; a terminal breaks them. `SENTENCES` names these.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+import pytest
+
+from periph_sim.cli import cli
+from periph_sim.processor.image_files.assemble import assemble_file
+from periph_sim.processor.image_files.write_coff2 import write
+from tests.interfaces.commands.conftest import Run
+from tests.processor.image_files.own_images import image
+
+ROOT = Path(__file__).resolve().parents[3]
+ROUND, NACK, FRAMES, SESSION = (
+    str(ROOT / "traces" / f"{name}.sr") for name in ("imu_round", "nack", "host_frames", "imu_session")
+)
+
+SENTENCES = {
+    r"run \d+: ": "a run of a sweep with its values",
+    r"\w+: PASS, .*; cycles between accesses of \w+ are estimated": "the verdict of C sources",
+    r"stuck: ": "what hangs, since when and why",
+    r"note: (?!polls of|reads: |A read that)": "a note of this run or capture; those that explain a table are broken",
+    r"\S+ at [\d.]+ ms: .* before": "the answer of `why`",
+    r"\S+: I2C limits of mode ": "the title of `compliance`, behind the capture's path",
+    r"first difference: |  .* at [AB] [\d.]+ s": "events that differ, of `diff`",
+    r"first wrong: ": "the bytes that came and those that were expected",
+    r"[\w .]+: .* is (over|under) its limit of ": "a broken budget with its instant",
+    r"(dsp|unit) \S+: .* \[.*\]$": "a finding of a lint, in the form of a compiler's messages",
+    r"DIFFERENT: |EQUAL: |UNDECIDABLE at ": "the verdict of diff and compliance",
+    r"[\w .]+: '.*' still waited for .* when the run ended": "a budget that was not judged to the end, with its events",
+    r"[\w ]+: .* \(max .*\); ": "the parts of a budget of several measures",
+    r"\S+, \S+: (PASS|FAIL)": "the verdict of a replay, behind the capture's path",
+    r"[\d.]+  S .* P$": "a transfer of `decode --transfers` is one line, however long",
+}
+
+PRINTS_NO_TABLE = {
+    "assemble": "a line of the file written",
+    "convert": "a line that names the file written",
+    "host-unit": "how many frames went out, and how late",
+    "new": "a line a file, and what to do next",
+    "schema": "JSON",
+    "terminal": "what is typed and answered, then what `run` prints",
+    "watch": "what `run` prints, again and again",
+}
+
+
+def case(name: str) -> str:
+    return str(ROOT / "timing" / f"{name}.toml")
+
+
+CASES = sorted(path.stem for path in (ROOT / "timing").glob("*.toml"))
+SHORT = ("--seconds", "0.1")
+ROWS = ("--row", "record .psr", "--max-error", "1 us")
+RECORDED = ("run", case("imu_hil_published"), *SHORT, "--record", "run.psr")
+COMMANDS = [
+    *(
+        ("run", str(path), *SHORT, "-v")
+        for path in sorted((ROOT / "timing").glob("*.toml"))
+        if path.stem != "imu_hil_c"
+    ),
+    ("run", case("imu_hil_c"), "-v"),
+    ("run", case("late_model"), "--seconds", "0.2"),
+    ("check", case("responder"), case("uart_logger")),
+    ("sweep", case("imu_hil_no_sdir"), *SHORT, "--jobs", "1", "--vary", "controller.rate=50 kHz, 100 kHz"),
+    ("worst", case("imu_hil_no_sdir"), *SHORT),
+    ("worst", case("imu_hil_drift"), "--seconds", "0.43", "--set", "unit.dsp.settings.frame_cost=200 us"),
+    ("trade", case("imu_hil"), "--seconds", "0.04", *ROWS),
+    ("trade", case("uart_logger"), "--seconds", "0.01", *ROWS),
+    ("serve", case("uart_logger"), "--pty", "--pace", "0", "--for", "100 ms"),
+    ("races", "run.psr"),
+    ("races", "run.psr", "--register", "I2C-A.I2CSTR"),
+    ("why", "run.psr", "I2C-A.I2CDXR.DATA@33.3ms"),
+    ("why", "run.psr", "I2C-A.I2CSTR.SDIR@33.3ms"),
+    ("why", "run.psr", "SCL@33.3ms"),
+    ("lint", "run.psr"),
+    ("regs",),
+    ("image", "own.out"),
+    ("image", "own.out", "-v"),
+    ("image", "--cycles", "echo.out", "_echo"),
+    ("profile", "echo.toml"),
+    ("regs", "I2C-A"),
+    ("regs", "I2C-A.I2CSTR"),
+    ("regs", "--options"),
+    ("decode", ROUND),
+    ("decode", ROUND, "--times"),
+    ("decode", ROUND, "--transfers"),
+    ("decode", FRAMES, "--uart", "rx=RX,baud=auto"),
+    *(("compliance", ROUND, "--mode", mode) for mode in ("standard", "fast", "fast-plus")),
+    ("compliance", SESSION, "--mode", "fast-plus"),
+    ("diff", ROUND, NACK, "--all"),
+    ("diff", ROUND, ROUND),
+    ("replay", ROUND, "--case", case("responder"), "--map", "scl=SCL,sda=SDA"),
+    ("replay", ROUND, "--case", case("responder"), "--address", "0x53"),
+    ("replay", ROUND, "--case", case("imu_hil_published"), "--loop", "open", "--first", "1"),
+    ("replay", FRAMES, "--case", case("uart_logger"), "--map", "rx=RX"),
+    ("imu-table", "--samples", "1000", "--write", "rest.csv"),
+    ("imu-table", "--turn"),
+    ("identify", "rest.csv", "--slow-terms"),
+    ("extremes", "--samples", "200", "--only", "roll rate beyond frames", "--only", "clocks"),
+    ("moving", case("imu_moving"), "--direct", "--seconds", "0.6"),
+]
+
+
+def test_every_command_is_measured_or_prints_no_table():
+    assert {command[0] for command in COMMANDS} | set(PRINTS_NO_TABLE) == set(cli.list_commands(click.Context(cli)))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where `run.psr` and `rest.csv` are left for the commands that read them; `own.out` and `echo.toml` are there."""
+    folder = tmp_path_factory.mktemp("width")
+    (folder / "own.out").write_bytes(write(image()))
+    (folder / "echo.out").write_bytes(assemble_file(ROOT / "firmware" / "c28x" / "sci_echo.asm")[1])
+    (folder / "echo.toml").write_text(
+        'name = "echo"\nduration = "1 ms"\n[unit.dsp]\nimage = "echo.out"\nmodules = ["SCI-A"]\n'
+    )
+    return folder
+
+
+def made(periph_sim: Run, wanted: tuple[str, ...]) -> None:
+    for name, maker in (("run.psr", RECORDED), ("rest.csv", ("imu-table", "--samples", "4000", "--write", "rest.csv"))):
+        if name in wanted and maker != wanted and not Path(name).exists():
+            periph_sim(*maker)
+
+
+def identity(command: tuple[str, ...]) -> str:
+    return " ".join(part.removeprefix(f"{ROOT}/") for part in command)
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=identity)
+def test_lines_of_at_most_80_columns(
+    periph_sim: Run, folder: Path, monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...]
+):
+    monkeypatch.chdir(folder)
+    made(periph_sim, command)
+    came = periph_sim(*command)
+    assert came.status in (0, 1) and came.out, came.err
+    told = [line.replace(f"{ROOT}/", "") for line in came.out.splitlines()]
+    long = [line for line in told if len(line) > 80]
+    assert [line for line in long if not any(re.match(begin, line) for begin in SENTENCES)] == []
+    assert "…" not in came.out

@@ -1,0 +1,106 @@
+"""`periph-sim worst` and `run --explain`: text, JSON, pictures, exit status, and what is said of mistakes."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from xml.etree import ElementTree as xml
+
+import pytest
+
+from tests.interfaces.commands.conftest import Run
+
+LATE = ("--seconds", "130 ms", "--set", "unit.dsp.settings.frame_cost=200 us", "--set", "host.first=4.24 ms")
+
+
+@pytest.fixture
+def case(desk: Path) -> str:
+    """The emulator's case, in the folder to work in."""
+    text = (Path(__file__).parents[3] / "timing" / "imu_hil_published.toml").read_text(encoding="utf-8")
+    (desk / "imu_hil.toml").write_text(text, encoding="utf-8")
+    return "imu_hil.toml"
+
+
+def test_all_budgets_are_explained_and_drawn(periph_sim: Run, case: str):
+    came = periph_sim("worst", case, *LATE)
+    assert (came.status, came.err) == (1, "")
+    assert re.search(r"^stretch 9\d\.\d{3} us, at most 50\.000 us allowed, at 0\.\d{6} s$", came.out, re.MULTILINE)
+    assert "v stretch: worst begins" in came.out and "span    [" in came.out
+    assert "nacked rounds: 0: it never happened\n" in came.out
+    assert max(map(len, came.out.splitlines())) < 160
+
+
+def test_named_budgets_only_and_their_verdict(periph_sim: Run, case: str):
+    came = periph_sim("worst", case, "response", *LATE)
+    assert came.status == 0 and came.out.startswith("response 5.000 us, ") and "stretch 9" not in came.out
+    assert periph_sim("worst", case, "response", "stretch", *LATE).status == 1
+
+
+def test_json_has_a_chain_a_budget(periph_sim: Run, case: str):
+    told = json.loads(periph_sim("worst", case, "stretch", "nacked rounds", "--json", *LATE).out)
+    assert [*told["budgets"]] == ["stretch"]
+    chain = told["budgets"]["stretch"]
+    assert chain["length_us"] == pytest.approx(98, abs=2) and chain["steps"][0]["what"].startswith("repeated START")
+
+
+def test_run_has_chains_only_if_asked(periph_sim: Run, case: str):
+    plain = json.loads(periph_sim("run", case, "--json", *LATE).out)
+    asked = json.loads(periph_sim("run", case, "--json", "--explain", *LATE).out)
+    assert not any("chain" in budget for budget in plain["budgets"])
+    by_name = {budget["name"]: budget["chain"] for budget in asked["budgets"]}
+    assert by_name["nacked rounds"] is None and by_name["stretch"]["length_us"] == pytest.approx(98, abs=2)
+    assert "I2CDXR written, for which SCL was held" in periph_sim("run", case, "--explain", *LATE).out
+
+
+def test_pictures_are_svg_with_lanes_of_wires_flags_and_firmware(periph_sim: Run, case: str, desk: Path):
+    (desk / "out").mkdir()
+    assert periph_sim("worst", case, "--svg", "out", *LATE).status == 1
+    files = sorted(file.name for file in (desk / "out").iterdir())
+    assert files == sorted(
+        f"{name}.svg"
+        for name in (
+            *("model_execution", "response", "stretch", "round_complete"),
+            *("schedule_slack", "data_age", "SCI_FIFO_high_water"),
+        )
+    )
+    tree = xml.parse(desk / "out" / "stretch.svg").getroot()
+    words = {element.text for element in tree.iter() if element.tag.endswith("text")}
+    assert {"SCL", "SDA", "bytes", "XRDY", "irq", "span", "wait", "SCIRXINTA", "frame", "0x00"} <= words
+    assert any(re.fullmatch(r"stretch: worst 9\d\.\d{3} us at 0\.\d{6} s", word or "") for word in words)
+
+
+def test_pictures_appear_together_or_not_at_all(periph_sim: Run, case: str, desk: Path):
+    (desk / "out").mkdir()
+    (desk / "out" / "response.svg").mkdir()  # where a file cannot take its place
+    came = periph_sim("worst", case, "--svg", "out", *LATE)
+    assert came.status == 2 and "response.svg" in came.err
+    left = [file.name for file in (desk / "out").iterdir() if file.is_file()]
+    assert not any(name.startswith(".") for name in left)
+
+
+MISTAKES = {
+    ("respons",): "imu_hil.toml: there is no budget 'respons'; did you mean response?",
+    ("--svg", "nowhere"): "--svg: nowhere is no folder; create it, or give another",
+    ("--seconds", "ten"): "--seconds: 'ten': unit 'ten' is none of ns, us, ms, s, min, h, d",
+    ("--set", "sed=1"): "imu_hil.toml, --set 'sed=1': there is no key 'sed'; did you mean seed?",
+}
+
+
+@pytest.mark.parametrize(("arguments", "sentence"), MISTAKES.items())
+def test_a_mistake_is_one_sentence(periph_sim: Run, case: str, arguments: tuple[str, ...], sentence: str):
+    came = periph_sim("worst", case, *arguments)
+    assert (came.status, came.out, came.err.strip()) == (2, "", f"Error: {sentence}")
+
+
+def test_budgets_whose_pictures_would_share_a_file_are_refused(periph_sim: Run, case: str, desk: Path):
+    text = Path(case).read_text(encoding="utf-8").replace('name = "stretch"', 'name = "response!"')
+    Path(case).write_text(text, encoding="utf-8")
+    came = periph_sim("worst", case, "--seconds", "10 ms", "--svg", ".")
+    assert came.status == 2 and "budgets 'response' and 'response!' would both be response.svg" in came.err
+    assert not list(desk.glob("*.svg"))
+
+
+def test_nothing_measured_is_said(periph_sim: Run, case: str):
+    came = periph_sim("worst", case, "response", "--seconds", "1 ms")
+    assert came.status == 1 and came.out.startswith("response: nothing was measured")

@@ -1,0 +1,33 @@
+"""pytest starts with the plugin in every project: that costs nothing, and it can be turned off."""
+
+from __future__ import annotations
+
+import pytest
+
+LIGHT = """
+import sys
+
+def test_start():
+    ours = {name.removeprefix("periph_sim") for name in sys.modules if name.startswith("periph_sim")}
+    # form: which core is to run. keys: names that pytest is told
+    plugin = ".interfaces.pytest_plugin"
+    assert ours == {"", ".form", ".interfaces", plugin, f"{plugin}.keys"}
+    assert not {"pydantic", "numpy", "greenlet", "rich", "click", "drawsvg"} & set(sys.modules)
+"""
+
+
+def test_nothing_heavy_is_imported_before_it_is_used(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(LIGHT)
+    result = pytester.runpytest_subprocess("-p", "no:hypothesispytest", "-p", "no:cov", "-p", "no:cacheprovider")
+    result.assert_outcomes(passed=1)
+
+
+def test_it_can_be_turned_off(project: pytest.Pytester) -> None:
+    result = project.runpytest_subprocess("-p", "no:periph-sim")
+    assert result.ret == pytest.ExitCode.NO_TESTS_COLLECTED
+    assert "periph-sim budgets" not in result.stdout.str()
+
+
+def test_our_marker_is_known_and_told(pytester: pytest.Pytester) -> None:
+    result = pytester.runpytest_inprocess("--markers")
+    result.stdout.fnmatch_lines(["@pytest.mark.case(file, *changes, seconds=None, record=False):*"])

@@ -1,0 +1,273 @@
+"""What a figure that changed is told as: two baselines of one budget go in, the sentence comes out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from periph_sim.interfaces.reports.baselines.bus_bytes import PART
+from periph_sim.interfaces.reports.baselines.compare import compare, explain, moved_accesses
+from periph_sim.interfaces.reports.baselines.event_chain import EventLine, Wanted
+from periph_sim.interfaces.reports.baselines.figures import Baseline, Figures
+from periph_sim.interfaces.reports.baselines.outcome import occurrence
+
+
+def baseline(unit: str, worst: int) -> Baseline:
+    """One budget, of which `worst` is the only number; a cycle is 20 ticks."""
+    figures = Figures(
+        measure="it", unit=unit, count=1, worst=worst, worst_at=60, least=worst, least_at=60, chain_of="worst", chain=[]
+    )
+    return Baseline(
+        case="one", simulated=6000, ticks_per_second=3_000_000_000, ticks_per_cycle=20, events=1, counts={},
+        budgets={"b": figures},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("unit", "was", "came", "told"),
+    [
+        ("time", 200, 300, "b worst 10 -> 15 cycles"),
+        ("count", 2, 3, "b worst 2 -> 3"),
+        ("words", 2, 3, "b worst 2 -> 3 words"),
+        ("%", 1255, 1452, "b worst 0.1255 -> 0.1452 %"),
+        ("LSB", 1_500_000, 2_000_000, "b worst 1.500000 -> 2.000000 LSB"),
+    ],
+)
+def test_a_changed_value_is_told_with_its_unit(unit: str, was: int, came: int, told: str):
+    changes = compare(baseline(unit, was), baseline(unit, came))
+    assert changes[0].text == told
+
+
+MS = 3_000_000  # ticks
+CHAIN = ["0 START", "100 W"]
+
+
+def case(budgets: dict[str, dict[str, Any]], **more: Any) -> Baseline:
+    """Budgets of a time with a worst and a least occurrence, each with these figures in place of the usual ones."""
+    usual = {"measure": "it", "unit": "time", "count": 3, "worst": 200, "worst_at": 60, "least": 100, "least_at": 90}
+    figures = {name: Figures(**{**usual, "chain_of": "worst", "chain": [], **given}) for name, given in budgets.items()}
+    one = {"case": "one", "simulated": 6000, "ticks_per_second": 3_000_000_000, "ticks_per_cycle": 20, "events": 1}
+    return Baseline(**{**one, "counts": {}, "budgets": figures, **more})
+
+
+def changed(before: Baseline, now: Baseline, tolerance: int = 0) -> list[str]:
+    return [f"{change.text}{' (note)' if change.note else ''}" for change in compare(before, now, tolerance)]
+
+
+def of_one(tolerance: int = 0, /, *, before: dict[str, Any] | None = None, **now: Any) -> list[str]:
+    return changed(case({"b": before or {}}), case({"b": now}), tolerance)
+
+
+@pytest.mark.parametrize(
+    ("figure", "now", "told"),
+    [
+        ("case", "two", "case one -> two"),
+        ("simulated", 6001, "simulated 6000 -> 6001"),
+        ("ticks_per_second", 1, "ticks_per_second 3000000000 -> 1"),
+        ("ticks_per_cycle", 10, "ticks_per_cycle 20 -> 10"),
+        ("events", 2, "events 1 -> 2 (note)"),
+        ("counts", {"sci_bytes": 5}, "sci bytes 0 -> 5"),
+        ("counts", {"polls_skipped": 5}, "polls skipped 0 -> 5 (note)"),
+    ],
+)
+def test_figures_of_the_case(figure: str, now: Any, told: str):
+    assert changed(case({}), case({}, **{figure: now})) == [told]
+
+
+def test_a_count_that_is_gone_is_0_now():
+    assert changed(case({}, counts={"nacks": 2, "starts": 1}), case({}, counts={"starts": 1})) == ["nacks 2 -> 0"]
+
+
+def test_budgets_that_came_and_went():
+    told = ["new: a new budget, not in the baseline", "gone: in the baseline, but not a budget of the case"]
+    assert changed(case({"gone": {}, "same": {}}), case({"new": {}, "same": {}})) == told
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "told"),
+    [
+        ([], [], []),
+        (["a", "b"], ["a", "b"], []),
+        (["a", "b"], ["a", "c"], f"first among bytes {PART + 1} to {2 * PART} of the run"),
+        (["a", "b"], ["c", "d"], f"first among bytes 1 to {PART} of the run"),
+        (["a"], ["a", "b"], f"first among bytes {PART + 1} to {2 * PART} of the run"),
+        (["a", "b"], ["a"], f"first among bytes {PART + 1} to {2 * PART} of the run"),
+        ([], ["a", "b"], "--update-baseline adds them (note)"),
+    ],
+)
+def test_bytes_of_the_bus(before: list[str], now: list[str], told: str):
+    found = changed(case({}, bus_bytes=before), case({}, bus_bytes=now))
+    assert [text.endswith(told) for text in found] == [True] * bool(told)
+
+
+def test_digests_of_bytes_that_differ_are_kept():
+    (change,) = compare(case({}, bus_bytes=["a", "b"]), case({}, bus_bytes=["a"]))
+    assert (change.before, change.now) == ("b", "none")
+    (change,) = compare(case({}, bus_bytes=[]), case({}, bus_bytes=["a", "b"]))
+    assert (change.before, change.now) == (None, "a")
+
+
+@pytest.mark.parametrize(
+    ("now", "tolerance", "told"),
+    [
+        ({}, 0, []),
+        ({"measure": "that"}, 0, ["b measure it -> that"]),
+        ({"unit": "words"}, 0, ["b unit time -> words"]),
+        ({"worst": 220, "count": 4}, 0, ["b worst 10 -> 11 cycles", "b count 3 -> 4"]),
+        ({"worst": 220}, 1, []),
+        ({"worst": 221}, 1, ["b worst 10 -> 11.05 cycles"]),
+        ({"worst": 180}, 1, []),
+        ({"worst": 179}, 1, ["b worst 10 -> 8.95 cycles"]),
+        ({"worst": 240}, 1, ["b worst 10 -> 12 cycles"]),
+        ({"worst_at": 80}, 0, ["b worst at 3 -> 4 cycles"]),
+        ({"worst_at": 8000}, 1, []),
+        ({"worst": None}, 1, ["b worst 10 cycles -> nothing measured"]),
+        ({"worst_at": None}, 0, ["b worst at 3 cycles -> never"]),
+        ({"count": 4}, 1, ["b count 3 -> 4"]),
+    ],
+)
+def test_figures_of_a_budget_and_their_tolerance(now: dict[str, Any], tolerance: int, told: list[str]):
+    assert of_one(tolerance, **now) == told
+
+
+NUMBER = {"unit": "words", "count": 7, "worst": 7, "worst_at": 60, "least": 7, "least_at": 60}
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "told"),
+    [
+        ({}, {"count": 8, "worst": 8, "least": 8}, "worst"),  # a count is its only number
+        ({}, {"worst": 8, "least": 8}, "worst"),
+        ({}, {"count": 8}, "count"),
+        ({"count": 2}, {"count": 8, "worst": 8, "least": 8}, "worst, count"),
+        ({}, {"count": 8, "worst": 8}, "worst, count"),
+        ({}, {"count": 8, "worst": 8, "least": 8, "least_at": 90}, "worst, least, least at, count"),
+        ({"least": 5}, {"count": 8, "worst": 8, "least": 8}, "worst, least, count"),
+        ({"unit": "time"}, {"unit": "time", "count": 8, "worst": 8, "least": 8}, "worst, least, count"),
+    ],
+)
+def test_a_budget_of_one_number_tells_it_once(before: dict[str, Any], now: dict[str, Any], told: str):
+    changes = compare(case({"b": NUMBER | before}), case({"b": NUMBER | now}))
+    assert ", ".join(change.figure.replace("_", " ") for change in changes) == told
+
+
+def why(before: dict[str, Any], now: dict[str, Any], first_wrong: str = "") -> dict[str, str]:
+    """Explanations by figure."""
+    then, came = case({"b": before}), case({"b": now})
+    changes = compare(then, came)
+    explain(changes, then, came, first_wrong)
+    return {change.figure: change.why for change in changes}
+
+
+LATER, MOVED = ["0 START", "140 W"], "W 2 cycles later"
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "told"),
+    [
+        ({"chain": CHAIN}, {"worst": 240, "least": 80, "chain": LATER}, {"worst": MOVED, "least": ""}),
+        ({"chain": CHAIN}, {"worst": 240, "chain": CHAIN}, {"worst": "no event of its chain moved"}),
+        (
+            {"chain": CHAIN, "chain_of": "least"},
+            {"worst": 240, "least": 80, "chain": LATER, "chain_of": "least"},
+            {"worst": "", "least": MOVED},
+        ),
+        ({"chain": CHAIN, "chain_of": "least"}, {"worst": 240, "chain": LATER}, {"worst": ""}),
+        ({"chain": CHAIN}, {"worst": 240}, {"worst": ""}),
+        ({}, {"worst": 240, "chain": CHAIN}, {"worst": "first at 0.000020 ms; in the baseline there was none"}),
+        (
+            {"chain_of": "least"},
+            {"least": 80, "chain": CHAIN, "chain_of": "least"},
+            {"least": "first at 0.000030 ms; in the baseline there was none"},
+        ),
+        ({"worst_at": None}, {"worst": 240, "worst_at": None, "chain": CHAIN}, {"worst": ""}),
+    ],
+)
+def test_a_worst_value_is_explained_by_its_chain(before: dict[str, Any], now: dict[str, Any], told: dict[str, str]):
+    assert why(before, now) == told
+
+
+def test_the_first_wrong_byte_explains_wrong_bytes_where_there_were_none():
+    wrong = {"measure": "wrong bytes", "unit": "bytes", "least": 200, "least_at": 60, "chain": CHAIN}
+    now = wrong | {"worst": 3, "least": 3}
+    assert why(wrong | {"worst": 0, "least": 0}, now, "byte 7")["worst"] == "byte 7"
+    assert why(wrong | {"worst": 0, "least": 0}, now)["worst"] == "no event of its chain moved"
+    assert why(wrong | {"worst": 1, "least": 1}, now, "byte 7")["worst"] == "no event of its chain moved"
+    other = {"measure": "errors"}
+    assert (
+        why(wrong | other | {"worst": 0, "least": 0}, now | other, "byte 7")["worst"] == "no event of its chain moved"
+    )
+
+
+def test_changes_of_budgets_that_came_or_went_and_of_the_case_are_not_explained():
+    then, now = case({"gone": {"chain": CHAIN}}), case({"new": {"chain": LATER}}, events=2)
+    changes = compare(then, now)
+    explain(changes, then, now, "byte 7")
+    assert [change.why for change in changes] == [""] * 3
+    assert str(changes[-1]) == "events 1 -> 2"
+    changes[-1].why = "it is so"
+    assert str(changes[-1]) == "events 1 -> 2: it is so"
+
+
+def moved(before: dict[str, Any], now: dict[str, Any], tolerance: int = 0, lines: list[str] = LATER) -> list[str]:
+    chain = {"b": EventLine(lines, [""] * len(lines))}
+    return [str(one) for one in moved_accesses(case({"b": before}), case({"b": now}), chain, tolerance)]
+
+
+HOLDS = [f"b holds, but an access moved: {MOVED}"]
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "told"),
+    [
+        ({"chain": CHAIN}, {}, HOLDS),
+        ({}, {}, []),
+        ({"chain": CHAIN}, {"measure": "that"}, []),
+        ({"chain": CHAIN}, {"chain_of": "least"}, []),
+        ({"chain": CHAIN}, {"worst_at": None}, []),
+        ({"chain": CHAIN, "worst_at": None}, {}, []),
+        ({"chain": CHAIN}, {"worst_at": 60 + 3 * MS - 1}, []),
+        ({"chain": CHAIN}, {"worst_at": 60 + MS - 1}, HOLDS),  # the same, if it moved by less than a millisecond
+        ({"chain": CHAIN, "worst_at": 60 + MS - 1}, {}, HOLDS),
+        ({"chain": CHAIN}, {"worst_at": 60 + MS}, []),
+        ({"chain": CHAIN, "chain_of": "least"}, {"chain_of": "least", "worst_at": 3 * MS}, HOLDS),
+    ],
+)
+def test_an_access_moved_though_the_figures_hold(before: dict[str, Any], now: dict[str, Any], told: list[str]):
+    assert moved(before, now) == told
+
+
+@pytest.mark.parametrize(("tolerance", "told"), [(0, HOLDS), (1, HOLDS), (2, [])])
+def test_an_access_may_move_by_the_tolerance(tolerance: int, told: list[str]):
+    assert moved({"chain": CHAIN}, {}, tolerance) == told
+
+
+def test_each_moved_access_is_told_once_and_three_of_a_case():
+    def chains(*later: int) -> dict[str, EventLine]:
+        return {f"b{n}": EventLine(["0 START", f"{100 + 20 * by} W"], ["", ""]) for n, by in enumerate(later)}
+
+    budgets = case({f"b{n}": {"chain": CHAIN} for n in range(6)})
+    told = moved_accesses(budgets, budgets, chains(1, 1, 2, 0, 3, 4))
+    assert [(one.budget, one.text.rpartition("W ")[2]) for one in told] == [
+        ("b0", "1 cycle later"),
+        ("b2", "2 cycles later"),
+        ("b4", "3 cycles later"),
+    ]
+    unknown = case({"b1": {}})
+    assert moved_accesses(budgets, unknown, chains(1)) == moved_accesses(unknown, budgets, chains(1)) == []
+
+
+@pytest.mark.parametrize(
+    ("figures", "wanted"),
+    [
+        ({}, Wanted("it", 60, 200)),
+        ({"chain_of": "least"}, Wanted("it", 90, 100)),
+        ({"unit": "words"}, Wanted("it", 60, 0)),
+        ({"worst": None}, None),
+        ({"worst_at": None}, None),
+        ({"chain_of": "least", "worst": None, "worst_at": None}, Wanted("it", 90, 100)),
+    ],
+)
+def test_a_chain_is_wanted_of_the_occurrence_that_its_limit_is_about(figures: dict[str, Any], wanted: Wanted | None):
+    assert occurrence(case({"b": figures}).budgets["b"]) == wanted

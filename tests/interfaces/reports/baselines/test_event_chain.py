@@ -1,0 +1,127 @@
+"""The chain of an occurrence: which records belong to it, by its measure, and how each is named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.core.time import Timebase
+from periph_sim.interfaces.reports.baselines import event_chain
+from periph_sim.interfaces.reports.baselines.event_chain import Wanted, chains
+
+TIMEBASE = Timebase()
+US = TIMEBASE.ticks(Fraction(1, 10**6), "nearest")
+BEGIN = 7 * US  # of the run
+CASE: Any = SimpleNamespace(duration=Fraction(30, 1000))
+
+#            S   byte  W I  F   i  R  P   S   P   S           P       microseconds behind the run's begin
+# ___________|___|_____|_|__|___|__|__|___|___|___|___________|____
+#            100 150   160  180 190   200 300 400 500         20000
+RECORDS = [
+    (100, Kind.BUS, "head", "START", 0, ""),
+    (150, Kind.BUS, "head", "byte", 5, "53"),
+    (160, Kind.ACCESS, "dsp", "W I2C-A.I2CDXR", 5, "answer:12"),
+    (170, Kind.IRQ, "dsp", "SCIRXINTA", 1, ""),
+    (180, Kind.SPAN, "dsp", "model", 1, ""),
+    (190, Kind.IRQ, "dsp", "SCIRXINTA", 0, ""),
+    (195, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 5, "wait:3"),
+    (200, Kind.BUS, "head", "STOP", 0, ""),
+    (300, Kind.BUS, "head", "START", 0, ""),
+    (400, Kind.BUS, "head", "STOP", 0, ""),
+    (500, Kind.BUS, "head", "START", 0, ""),
+    (20_000, Kind.BUS, "head", "STOP", 0, ""),
+]
+SHORT = {
+    "START on the bus": "S",
+    "byte 53 on the bus": "b",
+    "I2C-A.I2CDXR written by dsp": "W",
+    "SCIRXINTA entered by dsp": "I",
+    "SCIRXINTA left by dsp": "i",
+    "model begun by dsp": "F",
+    "STOP on the bus": "P",
+    "SCL rise of the first data bit": "r",
+}
+
+
+@pytest.fixture
+def lengths(monkeypatch: pytest.MonkeyPatch) -> list[Fraction]:
+    """Lengths of the runs, whose records are those above."""
+    ran: list[Fraction] = []
+
+    class RecordedScene:
+        timebase, start = TIMEBASE, BEGIN
+
+        def __init__(self, case: object, subscribe: Callable[[Any, Timebase], None]) -> None:
+            def kept(kinds: tuple[Kind, ...], keep: Callable[[Record], None]) -> None:
+                assert {record[1] for record in RECORDS} <= {*kinds}
+                self.keep = keep
+
+            subscribe(SimpleNamespace(subscribe=kept), TIMEBASE)
+
+        def run(self, length: Fraction) -> None:
+            ran.append(length)
+            for number, (at, *rest) in enumerate(RECORDS, 1):
+                self.keep(Record(number, BEGIN + at * US, *rest, 0))
+
+    monkeypatch.setattr(event_chain, "Scene", RecordedScene)
+    return ran
+
+
+def chain(measure: str, at: int, length: int) -> str:
+    (found,) = chains(CASE, {"it": Wanted(measure, at * US, length * US)}).values()
+    lines = [line.partition(" ") for line in found.lines]
+    return " ".join(f"{SHORT[event]}{int(ticks) / US:g}" for ticks, _, event in lines)
+
+
+@pytest.mark.parametrize(
+    ("measure", "at", "length", "drawn"),
+    [
+        ("response", 150, 35, "S0 b50 W60 I70 F80 r85"),  # from the last START before it
+        ("response", 90, 20, "S10 r20"),  # where none is before it, from its instant
+        ("response", 300, 5, "S0 r5"),
+        ("response", 350, 5, "S0 r55"),
+        ("response", 5500, 10, "S0 r5010"),
+        ("response", 5501, 10, "r10"),  # the last START is more than 5 ms before it
+        ("age", 200, 100, "S0 I70 F80 i90 P100"),  # its instant is its end
+        ("model age", 200, 30, "I0 F10 i20 P30"),
+        ("fifo high-water", 200, 0, "S4900 I4970 F4980 i4990 P5000"),
+        ("overruns", 5170, 0, "I0 F10 i20 P30 S130 P230 S330"),
+        ("round", 100, 100, "S0 I70 F80 i90 P100"),
+        ("round", 190, 19_810, "i0 P10 S110 P210 S310 P19810"),
+        ("span: model", 160, 25, "W0 I10 F20"),
+        ("stretch", 150, 5, "b0 W10 I20 F30 i40 P50"),  # to the STOP behind it
+        ("stretch", 200, 5, "P0"),
+        ("stretch", 450, 5, "S50"),  # or 5 ms, where there is none
+    ],
+)
+def test_a_chain_has_the_events_of_its_occurrence(
+    lengths: list[Fraction], measure: str, at: int, length: int, drawn: str
+):
+    assert chain(measure, at, length) == drawn
+
+
+def test_places_in_firmware_stand_beside_what_it_did(lengths: list[Fraction]):
+    (found,) = chains(CASE, {"it": Wanted("span: model", 150 * US, 25 * US)}).values()
+    assert [place.partition(" ")[0] for place in found.places] == ["", "answer:12", ""]
+
+
+@pytest.mark.parametrize(("at", "run"), [(150, "5.19"), (22_000, "27.04"), (27_000, "30")])
+def test_the_run_ends_5_ms_behind_the_last_occurrence_or_with_the_case(lengths: list[Fraction], at: int, run: str):
+    chains(CASE, {"first": Wanted("round", 10 * US, 20 * US), "last": Wanted("response", at * US, 40 * US)})
+    assert lengths == [Fraction(run) / 1000]
+
+
+def test_nothing_is_run_where_no_chain_is_wanted(lengths: list[Fraction]):
+    assert chains(CASE, {}) == {} and lengths == []
+
+
+def test_a_chain_has_32_events_at_most_and_a_response_its_end(lengths: list[Fraction], monkeypatch: pytest.MonkeyPatch):
+    many = [(100 + n, Kind.IRQ, "dsp", "SCIRXINTA", 1, "") for n in range(50)]
+    monkeypatch.setitem(globals(), "RECORDS", many)
+    assert chain("round", 100, 100).split() == [f"I{n}" for n in range(32)]
+    assert chain("response", 100, 100).split() == [*(f"I{n}" for n in range(31)), "r100"]

@@ -1,0 +1,81 @@
+"""A check that is stopped or that contains cases which cannot be compared: what is judged, what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from periph_sim.interfaces.reports.baselines import BadCheck, RejectedCase, check, path_for
+from periph_sim.interfaces.reports.baselines.check import STOPPED
+from tests.interfaces.reports.baselines.desk import put
+
+
+def stops_after(wanted: float) -> Callable[[float], None]:
+    def told(part: float) -> None:
+        assert part == wanted
+        raise KeyboardInterrupt
+
+    return told
+
+
+def drives(path: Path) -> Path:
+    """The case with a bus that others drive."""
+    path.write_text(path.read_text() + '[outside]\nwires = ["SDA", "SCL"]\n', encoding="utf-8")
+    return path
+
+
+def test_the_part_done_is_told_after_each_case(cases: Path):
+    for name in ("y", "z"):
+        put(cases, name)
+    parts: list[float] = []
+    check([cases], jobs=1, on_progress=parts.append, update=True)
+    assert parts == [1 / 3, 2 / 3, 1]
+
+
+def test_cases_that_ran_before_a_check_was_stopped_are_judged_without_second_runs(cases: Path):
+    """No reason beside the figures and no chain of causes: both take another run."""
+    put(cases, sdir_wait=False)
+    late = put(cases, "z")
+    refused: list[RejectedCase] = []
+    (one,) = check([cases], jobs=1, on_progress=stops_after(1 / 2), on_refused=refused.append)
+    assert (one.outcome.path, one.state, one.causes) == (cases / "small.toml", "changed", {})
+    assert "wrong bytes worst 0 -> 12 bytes" in [finding.text for finding in one.findings]
+    assert refused == [RejectedCase(late, f"{late}: {STOPPED}")]
+
+
+@pytest.mark.parametrize("update", [False, True])
+def test_a_check_without_reports_of_single_cases_and_an_update_stop_at_once(cases: Path, update: bool):
+    before = path_for(put(cases, wait=3000)).read_bytes()
+    for on_refused in (None, pytest.fail) if update else (None,):
+        with pytest.raises(KeyboardInterrupt):
+            check([cases], jobs=1, on_progress=stops_after(1), update=update, on_refused=on_refused)
+    assert path_for(cases / "small.toml").read_bytes() == before
+
+
+def test_a_case_that_others_drive_is_passed_over_where_refused_cases_are_reported(cases: Path):
+    driven = drives(put(cases, "driven"))
+    for update in (False, True):
+        refused: list[RejectedCase] = []
+        (one,) = check([cases], jobs=1, update=update, on_refused=refused.append)
+        assert one.outcome.path == cases / "small.toml" and one.passed
+        assert [(case.path, case.outside) for case in refused] == [(driven, True)]
+        with pytest.raises(BadCheck, match="driven"):
+            check([cases], jobs=1, update=update)
+    assert not path_for(driven).exists()
+
+
+def test_a_case_that_cannot_run_stops_an_update_though_refused_cases_are_reported(cases: Path):
+    before = path_for(put(cases, wait=3000)).read_bytes()
+    put(cases, "zz", does="raise ValueError('boom')")
+    with pytest.raises(BadCheck, match="boom"):
+        check([cases], jobs=1, update=True, on_refused=pytest.fail)
+    assert path_for(cases / "small.toml").read_bytes() == before
+
+
+def test_a_case_without_a_readable_baseline_is_not_judged(cases: Path):
+    path_for(cases / "small.toml").write_text("{", encoding="utf-8")
+    refused: list[RejectedCase] = []
+    assert check([cases], jobs=1, on_refused=refused.append) == []
+    assert [case.path for case in refused] == [cases / "small.toml"]

@@ -1,0 +1,67 @@
+"""One run of a case: what its figures hold, and what is told of firmware that holds the bus."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from periph_sim.interfaces.reports.baselines.outcome import Outcome, baseline_of, run_case
+from tests.interfaces.reports.baselines.desk import put
+
+BUS = """\
+name = "bus"
+duration = "12 ms"
+[controller]
+period = "10 ms"
+[[controller.request]]
+chip = "gyroscope"
+[[budget]]
+name = "nacks"
+measure = "nacked rounds"
+max = 9
+"""
+
+
+def outcome(path: Path, *changes: str) -> Outcome:
+    ran = run_case(path, changes)
+    assert isinstance(ran, Outcome)
+    return ran
+
+
+def test_a_case_without_units_counts_ticks_and_keeps_no_values(tmp_path: Path):
+    (tmp_path / "bus.toml").write_text(BUS, encoding="utf-8")
+    ran = outcome(tmp_path / "bus.toml")
+    assert (ran.figures.ticks_per_cycle, ran.values) == (1, [None])
+
+
+@pytest.mark.parametrize(("end", "held_since"), [("85 ms", ""), ("115 ms", "110.295 ms")])
+def test_firmware_that_holds_scl_when_the_run_ends_is_told_by_its_last_report(
+    tmp_path: Path, end: str, held_since: str
+):
+    """It computes for 33 ms before it answers, in each of the rounds at 5, 45 and 85 ms; a report takes 25 ms."""
+    ran = outcome(put(tmp_path, wait=5_000_000), f"duration={end}")
+    held = f"SCL is held low by dsp.GPIO33 at {held_since}: dsp computes at line 110 of small_firmware.py"
+    assert ran.trouble == ([held] if held_since else [])
+    assert ran.figures.counts["stuck"] == (3 if held_since else 2)
+
+
+@pytest.mark.parametrize(
+    ("silent", "at", "start", "told"),
+    [(False, 0, 0, 0), (False, 7, 4, 3), (False, -1, 0, None), (True, 7, 4, None), (True, -1, 0, None)],
+)
+def test_instants_count_from_the_begin_of_the_run(silent: bool, at: int, start: int, told: int | None):
+    measure = SimpleNamespace(silent=silent, unit="time", count=1, worst=5, worst_at=at, least=3, least_at=at)
+    part = SimpleNamespace(budget=SimpleNamespace(name="b", measure="it", max=9), measure=measure)
+    scene: Any = SimpleNamespace(
+        case=SimpleNamespace(name="c", unit={}), kernel=SimpleNamespace(now=10), start=start,
+        timebase=SimpleNamespace(per_second=1), limits=[SimpleNamespace(parts=[part])],
+    )  # fmt: skip
+    result: Any = SimpleNamespace(events=1, counts={}, wire_bytes=0, sci_bytes=0, sci_bytes_sent=0)
+    found = baseline_of(scene, result)
+    assert found.simulated == 10 - start
+    figures = found.budgets["b"]
+    assert (figures.worst_at, figures.least_at) == (told, told)
+    assert (figures.worst, figures.least) == ((None, None) if silent else (5, 3))

@@ -1,0 +1,105 @@
+"""Calls in processes of their own: how many at a time, and what happens to the others when one fails."""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+import weakref
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from periph_sim.interfaces.reports.baselines import check
+from periph_sim.interfaces.reports.baselines.check import workers
+
+MODULE = sys.modules[check.__module__]
+
+
+class Threads:
+    """In place of ThreadPoolExecutor: notes what it is asked for, and makes each call at once."""
+
+    asked: list[Any] = []
+
+    def __init__(self, count: int) -> None:
+        Threads.asked = [count]
+
+    def __enter__(self) -> Threads:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def submit(self, work: Callable[[], Any]) -> Future[Any]:
+        done: Future[Any] = Future()
+        done.set_result(work())
+        return done
+
+    def shutdown(self, **how: bool) -> None:
+        Threads.asked.append(how)
+
+
+@contextmanager
+def processes(count: int) -> Iterator[Threads]:
+    """In place of a pool of processes."""
+    threads = SimpleNamespace(submit=lambda work, *with_: Threads.submit(threads, lambda: (count, work(*with_))))
+    yield threads  # type: ignore[misc]
+
+
+@pytest.fixture(autouse=True)
+def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(MODULE, "ThreadPoolExecutor", Threads)
+    monkeypatch.setattr(MODULE, "processes", processes)
+    monkeypatch.setattr(MODULE, "end_workers", lambda: Threads.asked.append("workers ended"))
+
+
+def name(path: Path, ending: str) -> str:
+    return path.name + ending
+
+
+@pytest.mark.parametrize(
+    ("jobs", "calls", "cores", "at_a_time"),
+    [(None, 9, 4, 4), (None, 3, 4, 3), (None, 9, None, 1), (3, 9, 4, 3), (3, 2, 4, 2), (5, 9, 4, 5)],
+)
+def test_so_many_calls_are_made_at_a_time_each_in_one_process(
+    monkeypatch: pytest.MonkeyPatch, jobs: int | None, calls: int, cores: int | None, at_a_time: int
+):
+    monkeypatch.setattr(os, "cpu_count", lambda: cores)
+    with workers(jobs, calls) as start:
+        assert start(name, Path("a"), "b")() == (1, "ab")
+    assert Threads.asked == [at_a_time]
+
+
+@pytest.mark.parametrize(("jobs", "calls"), [(1, 9), (None, 1), (4, 1)])
+def test_one_job_or_one_call_is_made_in_this_process(jobs: int | None, calls: int):
+    Threads.asked = []
+    with workers(jobs, calls) as start:
+        assert start(name, Path("a"), "b")() == "ab"
+    assert Threads.asked == []
+
+
+def test_after_an_error_or_ctrl_c_no_other_call_is_begun_and_those_under_way_are_ended():
+    for error in (KeyboardInterrupt, ValueError):
+        with pytest.raises(error), workers(2, 9):
+            raise error
+        assert Threads.asked == [2, {"wait": False, "cancel_futures": True}, "workers ended"]
+
+
+def test_garbage_of_earlier_runs_is_collected_by_this_thread_before_others_begin():
+    class Ring:
+        pass
+
+    ring: Any = Ring()
+    ring.itself, gone = ring, weakref.ref(ring)
+    gc.disable()
+    try:
+        del ring
+        with workers(2, 2):
+            assert gone() is None
+    finally:
+        gc.enable()

@@ -1,0 +1,46 @@
+"""Windows made by hand: what a CPU did, drawn as text, goes in; a Window comes out.
+
+drawn("span model 0 100", "irq SCIRXINTA 20 30")      name, begin, end in ticks; end "-" for one that goes on
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.core.time import Timebase
+from periph_sim.interfaces.reports.explain.window import Window
+from periph_sim.timing.verdict import Verdict
+from periph_sim.traces.capture.capture import Capture, Span
+
+KINDS = {"span": Kind.SPAN, "irq": Kind.IRQ, "wait": Kind.WAIT}
+TIMEBASE = Timebase(150_000_000)
+
+
+def drawn(*episodes: str, begin: int = 0, end: int = 100, kept: tuple[Span, ...] = (Span(-50, 150),)) -> Window:
+    """A window of unit "dsp"; what began before it is kept is in `before`."""
+    moves: list[tuple[int, Kind, str]] = []
+    for text in episodes:
+        kind, name, first, last = text.split()
+        moves += [(int(tick), KINDS[kind], name) for tick in (first, last) if tick != "-"]
+    moves.sort(key=lambda move: move[0])
+    made = [Record(n, tick, kind, "dsp", name, 0, "f:1", 0) for n, (tick, kind, name) in enumerate(moves, 1)]
+    begun: set[tuple[Kind, str]] = set()
+    records = []
+    for record in made:
+        key = record.kind, record.what
+        records.append(record._replace(value=int(key not in begun)))
+        begun ^= {key}
+    return Window(
+        verdict=Verdict("made", "span:model", "us", 1.0, 1.0, 0.0, 1, "pass", 0.0),
+        begin=begin,
+        end=end,
+        drawn=kept[0],
+        kept=kept,
+        records=tuple(r for r in records if any(span.begin <= r.tick < span.end for span in kept)),
+        before=tuple(r for r in records if r.tick < kept[0].begin),
+        edges=Capture(Path("made"), Fraction(TIMEBASE.per_second), kept[-1].end, (), sampled=False),
+        timebase=TIMEBASE,
+        start=0,
+    )

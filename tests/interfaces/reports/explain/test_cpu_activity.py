@@ -1,0 +1,150 @@
+"""What a CPU did when, from episodes drawn by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.interfaces.reports.explain.chain import difference, parts_of
+from periph_sim.interfaces.reports.explain.cpu_activity import episodes, innermost, open_at, phrase, timeline, units
+from periph_sim.traces.capture.capture import Span
+from tests.interfaces.reports.explain.made import drawn
+
+
+def told(window, begin=0, end=100):
+    return " ".join(f"{one.begin}:{one.what or one.doing}" for one in timeline(window, "dsp", begin, end))
+
+
+@pytest.mark.parametrize(
+    ("episodes", "line"),
+    [
+        ([], "0:code"),
+        (["span model 10 60"], "0:code 10:model 60:code"),
+        (["span model 10 60", "irq SCI 20 30"], "0:code 10:model 20:SCI 30:model 60:code"),
+        (["wait AAS 0 100", "irq SCI 20 50", "span frame 25 40"], "0:AAS 20:SCI 25:frame 40:SCI 50:AAS"),
+        (["span model -40 40"], "0:model 40:code"),
+        (["span model -90 40"], "0:model 40:code"),  # begun before anything was kept
+        (["wait AAS 80 -"], "0:code 80:AAS"),
+        (["span model 10 20", "span model 30 40"], "0:code 10:model 20:code 30:model 40:code"),
+    ],
+)
+def test_the_innermost_counts(episodes, line):
+    assert told(drawn(*episodes)) == line
+
+
+def test_of_what_was_not_kept_nothing_is_said():
+    window = drawn("span model 10 90", "irq SCI 70 80", kept=(Span(-50, 30), Span(60, 150)))
+    assert told(window) == "0:code 10:model 30:unknown 70:SCI 80:unknown 90:unknown"
+    assert window.hole == Span(30, 60)
+    again = drawn("wait AAS 10 90", "wait AAS 95 -", kept=(Span(-50, 30), Span(60, 150)))
+    assert told(again) == "0:code 10:AAS 30:unknown 90:unknown 95:AAS"
+
+
+@pytest.mark.parametrize(
+    ("kind", "counts"),
+    [
+        (Kind.ACCESS, True),
+        (Kind.SPAN, True),
+        (Kind.IRQ, True),
+        (Kind.WAIT, True),
+        (Kind.FLAG, False),
+        (Kind.EDGE, False),
+        (Kind.HOLD, False),
+    ],
+)
+def test_units_are_those_whose_firmware_did_something(kind: Kind, counts: bool):
+    done = Record(9, 20, kind, "a unit", "what", 1, "f:1", 0)
+    window = drawn("wait AAS 10 30")
+    others = ["a unit"] if counts else []
+    assert units(window) == ["dsp"]
+    assert units(replace(window, records=(*window.records, done))) == [*others, "dsp"]
+    assert units(replace(window, before=(done,))) == [*others, "dsp"]
+
+
+def test_what_is_open_at_a_tick_is_told_from_outside_in():
+    window = drawn("wait AAS -90 100", "irq SCI 20 50", "span frame 25 40")
+    assert [r.what for r in open_at(window, "dsp", 30)] == ["AAS", "SCI", "frame"]
+    assert [r.what for r in open_at(window, "dsp", 45)] == ["AAS", "SCI"]
+    assert open_at(window, "other", 45) == []
+
+
+def test_episodes_know_what_they_preempt():
+    window = drawn("wait AAS -90 100", "irq SCI 20 50", "span frame 25 -")
+    found = {one.what: one for one in episodes(window, "dsp", 0, 60)}
+    assert [r.what for r in found["SCI"].within] == ["AAS"]
+    assert (found["SCI"].begin, found["SCI"].end, found["AAS"].begin) == (20, 50, -90)
+    assert "AAS" not in {one.what for one in episodes(window, "dsp", 100, 120)}
+    assert [one.what for one in episodes(window, "dsp", 0, 20)] == ["AAS"]  # SCI begins as they end
+
+
+TICKS = st.integers(-60, 140)
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from(["span a", "irq b", "wait c"]), TICKS, st.integers(1, 60)), max_size=6), TICKS
+)
+def test_stretches_leave_no_gap_and_parts_add_up(made, begin):
+    """Whatever the records say, also such as no CPU could have made."""
+    window = drawn(*(f"{name} {first} {first + length}" for name, first, length in made))
+    end = max(begin, 100)
+    line = timeline(window, "dsp", begin, end)
+    assert [one.begin for one in line] == [begin, *(one.end for one in line[:-1])] or begin == end
+    assert sum(part.length for part in parts_of(line)) == end - begin
+    assert all(one.length > 0 for one in line)
+
+
+def test_differences_are_of_equal_things():
+    here, there = (
+        parts_of(timeline(drawn(*made), "dsp", 0, 100))
+        for made in (["span model 0 50", "irq SCI 10 30"], ["span model 0 50", "wait AAS 60 70"])
+    )
+    assert [(p.what or p.doing, p.length) for p in difference(here, there)] == [
+        ("SCI", 20),
+        ("code", 10),
+        ("AAS", -10),
+        ("model", -20),
+    ]
+
+
+NESTED = ("span _c_int00 -40 70", "span _main -30 60", "span _serve -20 30", "irq SCI 10 20", "span _model 40 50")
+
+
+def names(found) -> list[tuple[str, int, int | None]]:
+    return [(one.what, one.begin, one.end) for one in found]
+
+
+def test_of_nested_spans_under_way_the_innermost_is_told():
+    assert names(episodes(drawn(*NESTED), "dsp", 0, 100)) == [("_serve", -20, 30), ("SCI", 10, 20), ("_model", 40, 50)]
+    assert names(episodes(drawn(*NESTED), "dsp", -50, 100))[:2] == [("_c_int00", -40, 70), ("_main", -30, 60)]
+
+
+def test_the_span_of_a_service_routine_is_told_as_the_routine():
+    """All places of these windows are alike: so the span that begins with the routine is the routine's function."""
+    found = episodes(drawn("irq SCI 10 20", "span _isr 10 19", "span _inner 12 15"), "dsp", 0, 100)
+    assert names(found) == [("SCI", 10, 20), ("_inner", 12, 15)]
+
+
+@pytest.mark.parametrize(
+    ("spans", "line"),
+    [
+        (("span a 10 20", "span b 30 -"), [("a", 10, 20), ("b", 30, 100)]),
+        (("span a -40 -", "span b 10 40", "span c 20 30"),
+         [("a", 0, 10), ("b", 10, 20), ("c", 20, 30), ("b", 30, 40), ("a", 40, 100)]),
+        (("span a 10 50", "span b 10 49"), [("b", 10, 49), ("a", 49, 50)]),
+        (("span a -40 -", "span b -20 120"), [("b", 0, 100)]),
+    ],
+)  # fmt: skip
+def test_a_picture_shows_the_innermost_span(spans: tuple[str, ...], line: list[tuple[str, int, int]]):
+    every = episodes(drawn(*spans), "dsp", -50, 100)
+    assert names(innermost(every, 0, 100)) == line
+
+
+@pytest.mark.parametrize(
+    ("what", "said"), [("IDLE", "IDLE"), ("endless loop", "endless loop"), ("SDIR", "wait for SDIR")]
+)
+def test_what_is_no_wait_for_a_register_is_told_as_it_is(what: str, said: str):
+    assert phrase("wait", what) == said

@@ -1,0 +1,377 @@
+"""The write, or the missing read, behind a wrong byte, ones on the bus, a hang; and the picture that shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.firmware import start_i2c
+from periph_sim.interfaces.reports.explain.device_evidence import answering
+from periph_sim.interfaces.reports.explain.evidence import Evidence, RecordedPhase
+from periph_sim.interfaces.reports.explain.explain import Explained, explain
+from periph_sim.interfaces.reports.explain.fault_evidence import bytes_sent
+from periph_sim.interfaces.reports.explain.picture import text_picture
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.case.load import load
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.scene import Scene
+from periph_sim.traces.capture.capture import channel_of_edges
+from tests.interfaces.reports.explain.made import drawn
+from tests.records.scenes import line_of
+from tests.scene.runs import TIMING
+from tests.scene.small import case
+
+READ = {"address": 0x50, "count": 2, "expect": "01 02"}
+
+
+def explained(
+    serve: Callable[[Any, Dsp], None],
+    measure: str,
+    request: dict[str, Any],
+    start: bool = True,
+    limit: str | int = 0,
+    **controller: Any,
+) -> Explained:
+    """The one budget of a scene in which `serve` is a slave at 0x50. start: it finds the module set up."""
+
+    def main(dsp: Dsp, settings: object) -> None:
+        i2c = dsp.module("I2C-A")
+        if start:
+            start_i2c(dsp, own_address=0x50)
+            i2c.I2CMDR.IRS = 1
+        serve(i2c, dsp)
+
+    programs = {"dsp": Firmware("slave", main, None)}
+    head = {"first": "1 ms", "period": "3 ms", "request": [request], **controller}
+    made = case(
+        "8 ms",
+        unit={"dsp": {"firmware": "slave", "modules": ["I2C-A"]}},
+        controller=head,
+        budget=[{"name": "b", "measure": measure, "max": limit}],
+    )
+    result = Scene(made, programs=programs).run()
+    return explain(made, result.budgets, programs=programs)["b"]
+
+
+def said(one: Explained) -> list[str]:
+    return [step.what for step in one.chain.steps]
+
+
+def place_of(one: Explained, words: str) -> str:
+    """Where the firmware did what a step says."""
+    place = next(step.place for step in one.chain.steps if words in step.what)
+    return f"{place.function}:{place.line}" if place else ""
+
+
+# NACK ------------------------------------------------------------------------------
+
+
+def other_address(i2c: Any, dsp: Dsp) -> None:
+    dsp.compute(30_000)
+    i2c.I2COAR.all = 0x51
+    dsp.compute(1_000_000)
+
+
+def address_too_late(i2c: Any, dsp: Dsp) -> None:
+    """The address is 95 us long, and begins 1 ms after main."""
+    i2c.I2COAR.all = 0x51
+    dsp.compute(165_000)
+    i2c.I2COAR.all = 0x50
+    dsp.compute(1_000_000)
+
+
+def reset_before(i2c: Any, dsp: Dsp) -> None:
+    dsp.compute(100_000)
+    i2c.I2CMDR.IRS = 0
+    dsp.compute(1_000_000)
+
+
+@pytest.mark.parametrize("measure", ["nacked", "nacked rounds", "count of bus NACK", "count of bus NACK address"])
+@pytest.mark.parametrize(
+    ("serve", "words", "below", "written_us"),
+    [
+        (other_address, "I2COAR = 0x51 written,", 2, -800),
+        (address_too_late, "I2COAR = 0x50 written, 5.", 4, 100),
+        (reset_before, "I2CMDR.IRS cleared, so the module releases SDA", 2, -333),
+    ],
+)
+def test_a_refused_address_goes_back_to_the_write_behind_it(
+    serve: Callable[[Any, Dsp], None], words: str, below: int, written_us: int, measure: str
+):
+    """written_us: from the START of the request to the write."""
+    one = explained(serve, measure, READ)
+    step = next(step for step in one.chain.steps if words in step.what)
+    start = next(step for step in one.chain.steps if step.what.startswith("START, "))
+    assert place_of(one, words) == line_of(serve, below)
+    assert round(one.chain.us(step.at - start.at)) == pytest.approx(written_us, abs=1)
+    assert one.chain.blamed is not None and one.chain.blamed.place == step.place
+    assert any(what == "address 0x50 not acknowledged" for what in said(one))
+
+
+def no_address(i2c: Any, dsp: Dsp) -> None:
+    start_i2c(dsp)  # it writes I2COAR = 0
+    i2c.I2CMDR.IRS = 1
+    dsp.compute(1_000_000)
+
+
+def no_release(i2c: Any, dsp: Dsp) -> None:
+    start_i2c(dsp, own_address=0x50)
+    dsp.compute(1_000_000)
+
+
+def no_clock(i2c: Any, dsp: Dsp) -> None:
+    i2c.I2COAR.all = 0x50
+    i2c.I2CMDR.IRS = 1
+    dsp.compute(1_000_000)
+
+
+def never_addressed(i2c: Any, dsp: Dsp) -> None:
+    dsp.eallow()
+    dsp.module("SYS").PCLKCR0.I2CAENCLK = 1
+    dsp.edis()
+    dsp.compute(10)
+    i2c.I2CMDR.IRS = 1
+    dsp.compute(1_000_000)
+
+
+@pytest.mark.parametrize(
+    ("serve", "told"),
+    [
+        (no_address, "I2COAR = 0x00 written, "),
+        (no_release, "I2CMDR.IRS = 0, so the module releases SDA: the firmware has never set it"),
+        (no_clock, "PCLKCR0.I2CAENCLK = 0, so the module has no clock: the firmware has never set it"),
+        (never_addressed, "I2COAR = 0x00: the firmware has never written it"),
+    ],
+)
+def test_a_refused_address_goes_back_to_the_write_that_is_missing(serve: Callable[[Any, Dsp], None], told: str):
+    assert any(what.startswith(told) for what in said(explained(serve, "nacked", READ, start=False)))
+
+
+def refuse_byte(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+    i2c.I2CMDR.NACKMOD = 1
+    dsp.compute(1_000_000)
+
+
+def reset_in_byte(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+    dsp.compute(6000)
+    i2c.I2CMDR.IRS = 0
+    dsp.compute(1_000_000)
+
+
+@pytest.mark.parametrize(
+    ("serve", "words", "below"),
+    [
+        (refuse_byte, "I2CMDR.NACKMOD set, so the module refuses the next byte, 99.", 2),
+        (reset_in_byte, "I2CMDR.IRS cleared, so the module releases SDA, 59.", 3),
+    ],
+)
+def test_a_refused_byte_goes_back_to_the_write_behind_it(serve: Callable[[Any, Dsp], None], words: str, below: int):
+    one = explained(serve, "count of bus NACK byte", {"address": 0x50, "write": "01 02"})
+    assert place_of(one, words) == line_of(serve, below)
+    assert one.chain.blamed is not None and str(one.chain.blamed) == words.partition(",")[0]
+    assert "byte 1: 0x01 NACK" in said(one)
+
+
+def test_an_acknowledge_that_a_chip_refuses_to_the_firmware_is_not_put_down_to_its_own_address():
+    """The firmware is the master; nobody is at 0x51."""
+    run = case(
+        "2 ms",
+        unit={"dsp": {"firmware": "master", "modules": ["I2C-A"]}},
+        budget=[{"name": "b", "measure": "count of bus NACK", "max": 0}],
+    )
+
+    def main(dsp: Dsp, settings: object) -> None:
+        start_i2c(dsp, own_address=0x50)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CSAR.all = 0x51
+        i2c.I2CMDR.all = 0x2E20  # STT, STP, MST, TRX, IRS
+        dsp.spin(lambda: i2c.I2CSTR.NACK == 1)
+
+    programs = {"dsp": Firmware("master", main, None)}
+    one = explain(run, Scene(run, programs=programs).run().budgets, programs=programs)["b"]
+    assert "address 0x51 not acknowledged" in said(one)
+    assert not any("I2COAR" in what or "IRS" in what for what in said(one))
+
+
+# Bytes and hangs ---------------------------------------------------------------------
+
+
+def answer_late(i2c: Any, dsp: Dsp) -> None:
+    """The byte of the second read is written when its first byte is over: it goes out with the third."""
+    i2c.I2CEMDR.BCM = 0
+    while True:
+        dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+        for byte in (1, 3):
+            i2c.I2CDXR.all = byte
+            dsp.spin(lambda: i2c.I2CSTR.XRDY == 1 or i2c.I2CSTR.SCD == 1)
+        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+        i2c.I2CSTR.all = 0x4020
+
+
+def test_a_wrong_byte_is_told_with_the_line_that_wrote_it_and_when():
+    one = explained(answer_late, "wrong bytes", READ)
+    (told,) = [step for step in one.chain.steps if step.what.startswith("byte 2: 0x03")]
+    assert "written" in told.what and told.place is not None
+    assert f"{told.place.function}:{told.place.line}" == line_of(answer_late, 6)
+
+
+def test_a_byte_of_another_transfer_is_told_as_one():
+    run = load(TIMING / "imu_hil_no_sdir.toml", [])
+    scene = Scene(run)
+    result = scene.run(Fraction(12, 1000))
+    one = explain(run, result.budgets, length=Fraction(12, 1000))["wrong bytes"]
+    assert any(
+        what.startswith("byte 1: 0x12 ACK, written") and what.endswith("for gyroscope (0x68 W)") for what in said(one)
+    )
+    assert one.chain.blamed is not None and one.chain.blamed.place is not None
+
+
+def reset_in_read(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+    i2c.I2CDXR.all = 1
+    dsp.compute(12_000)
+    i2c.I2CMDR.IRS = 0
+
+
+def test_ones_on_the_bus_go_back_to_the_reset_of_the_module():
+    one = explained(reset_in_read, "wrong bytes", READ)
+    assert place_of(one, "I2CMDR.IRS cleared, so the module releases SDA") == line_of(reset_in_read, 4)
+    assert str(one.chain.blamed) == "I2CMDR.IRS cleared"
+
+
+def read_nothing(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+    assert i2c.I2CDRR.all == 1
+    dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+
+
+def test_a_hang_goes_back_to_the_receive_register_that_nobody_read():
+    one = explained(read_nothing, "missed rounds", {"address": 0x50, "write": "01 02 03 04"})
+    assert "I2CSTR.RSFULL set: a second byte is in, and I2CDRR is unread" in said(one)
+    assert place_of(one, "I2CDRR read for the last time") == line_of(read_nothing, 2)
+
+
+def trust_old_stop(i2c: Any, dsp: Dsp) -> None:
+    """The wait for XRDY or SCD ends by the SCD of the transfer before."""
+    while True:
+        dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+        for byte in (1, 2, 3):
+            i2c.I2CDXR.all = byte
+            if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
+                break
+        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+        dsp.spin(lambda: i2c.I2CSTR.BB == 0)
+        i2c.I2CSTR.all = 0x4000  # SDIR alone: SCD stays
+
+
+def test_a_wait_that_an_old_flag_ended_is_told():
+    one = explained(trust_old_stop, "missed rounds", {**READ, "count": 3, "expect": "01 02 03"}, period="2 ms")
+    assert [what.partition(",")[0] for what in said(one)] == [
+        "0x50 (0x50 R)",
+        "I2C-A.I2CSTR.BB set",
+        "the firmware sees I2CSTR.SCD",
+        "wait for I2C-A.I2CSTR.BB begins",
+        "SCL held low by dsp: wait for I2C-A.I2CSTR.BB",
+        "a round is due",
+        "dsp: wait for I2C-A.I2CSTR.BB",
+    ]
+    assert said(one)[2] == "the firmware sees I2CSTR.SCD, which rose 1624.900 us before this transfer began"
+
+
+def test_the_picture_reaches_the_evidence_and_has_the_lane_that_the_chain_names():
+    one = explained(reset_in_read, "wrong bytes", READ)
+    window = one.window
+    ticks = [window.begin + step.at for step in one.chain.steps]
+    assert window.drawn.begin <= min(ticks) and max(ticks) <= window.drawn.end
+    lanes = [line.split(" ")[0] for line in text_picture(window, 120)]
+    assert "I2CDXR" in lanes and "IRS" in lanes
+
+
+@pytest.mark.parametrize(
+    ("serve", "measure", "request_", "lane"),
+    [
+        (address_too_late, "nacked", READ, "I2COAR"),
+        (other_address, "nacked", READ, "I2COAR"),  # which does not change in the picture
+        (refuse_byte, "count of bus NACK byte", {"address": 0x50, "write": "01 02"}, "NACKMOD"),
+        (read_nothing, "missed rounds", {"address": 0x50, "write": "01 02 03 04"}, "RSFULL"),
+        (answer_late, "wrong bytes", READ, "I2CDXR"),
+    ],
+)
+def test_the_picture_has_the_lane_that_the_chain_names(
+    serve: Callable[[Any, Dsp], None], measure: str, request_: dict[str, Any], lane: str
+):
+    window = explained(serve, measure, request_).window
+    lanes = [line.split(" ")[0] for line in text_picture(window, 120)]
+    assert lane in lanes and any(lane in told for told in window.chain_texts)
+
+
+def test_a_byte_came_of_what_was_written_before_its_first_bit():
+    """
+    I2CDXR   w11          w11              the second one is for the byte behind
+    SCL      ____|‾‾|_|‾ ... |_  byte
+             20  30       40     90
+    """
+    window = drawn("wait AAS -10 200")
+    byte = Record(9, 90, Kind.BUS, "controller", "byte", 0x11 << 1, "", 0)
+    writes = [Record(n, at, Kind.ACCESS, "dsp", "W I2C-A.I2CDXR", 0x11, "f:1", 0) for n, at in ((7, 20), (8, 40))]
+    channels = (
+        channel_of_edges("SDA", 0, 1, np.array([85])),
+        channel_of_edges("SCL", 1, 0, np.array([30, 35, 45, 50])),
+    )
+    window = replace(window, records=(*window.records, *writes, byte), edges=replace(window.edges, channels=channels))
+    phase = RecordedPhase("", 0, 99, 0x50, True, True, 15, "START", (byte,))
+    evidence = Evidence(window, case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}))
+    ((_, write, said_of_it),) = bytes_sent(evidence, phase)
+    assert write == writes[0] and said_of_it == "byte 1: 0x11 ACK, written 0.023 us before its end"
+
+
+def test_a_round_that_lacks_a_request_is_explained_by_the_start_in_its_place():
+    """A firmware as master asks 0x50 and 0x51; in its second round it leaves 0x51 out."""
+    made = case(
+        "4 ms",
+        unit={
+            "dsp": {
+                "firmware": "captured_master",
+                "modules": ["I2C-A"],
+                "settings": {"script": ["50 W", "51 W", "50 W", "50 W", "51 W"], "pauses": ["500 us"] * 5},
+            }
+        },
+        rounds={"period": "1.2 ms", "request": [{"address": 0x50, "count": 0}, {"address": 0x51, "count": 0}]},
+        budget=[{"name": "b", "measure": "missed rounds", "max": 0}],
+    )
+    result = Scene(made).run()
+    assert (result.budgets[0].worst, result.budgets[0].verdict) == (1, "fail")
+    one = explain(made, result.budgets)["b"]
+    assert said(one)[-1] == "0x50 W begins, and the request before it was not made"
+    assert said(one)[:-1] == ["0x50 W, not acknowledged"], "of the period before"
+
+
+# The unit ---------------------------------------------------------------------------------
+
+UNIT = {"firmware": "given", "modules": ["I2C-A"]}
+BOTH = case(unit={"head": UNIT, "dsp": UNIT})
+
+
+def test_it_is_about_the_first_unit_whose_firmware_did_something_else_about_the_first():
+    assert Evidence(drawn("wait AAS 0 100"), BOTH).unit == "dsp"
+    assert Evidence(drawn(), BOTH).unit == "head"
+    assert Evidence(drawn("wait AAS 0 100"), BOTH, "head").unit == "head"
+    assert Evidence(drawn(), case()).unit == ""
+
+
+def test_a_read_is_told_of_the_unit_that_has_its_address_unless_a_device_has():
+    wrote = Record(9, 5, Kind.ACCESS, "dsp", "W I2C-A.I2COAR", 0x50, "f:1", 0)
+    window = drawn("wait AAS 0 100")
+    window = replace(window, records=(*window.records, wrote))
+    read = RecordedPhase("", 10, 90, 0x50, True, True, 20, "START", ())
+    assert answering(Evidence(window, BOTH, "head"), read).unit == "dsp"
+    memory = BOTH.model_copy(update={"device": case(device={"memory": {"model": "24lc64"}}, rounds=None).device})
+    assert answering(Evidence(window, memory, "head"), read).unit == "head"

@@ -1,0 +1,98 @@
+"""Why a reply was wrong: the picture reaches from what asks for it to what is wrong in it, whose writes are told.
+
+RX  |-a-|                 at 100 us, 115200 baud
+CPU      w(E) w(R)        OK is expected
+TX       |-E-|-R-|
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.core.records import Kind
+from periph_sim.interfaces.reports.explain.explain import Explained, explain
+from periph_sim.interfaces.reports.explain.picture import text_picture
+from periph_sim.interfaces.reports.html.failure import failure
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.scene import Scene
+from periph_sim.timing.verdict import Verdict
+from tests.scene.serial.programs import answers, says, unit
+from tests.scene.small import case
+
+
+def explained(
+    replies: dict[bytes, bytes], ask: str = "a", text: str = "OK", duration: str = "2 ms", bits: int = 8
+) -> tuple[Verdict, Explained]:
+    program = answers("SCI-A", replies, sciccr=bits - 1)
+    programs = {"dsp": Firmware("dsp", lambda dsp, settings: program(dsp), None)}
+    table = {
+        "bits": bits,
+        "send": [{"to": "SCI-A", "name": "ask", "at": "100 us", "text": ask}],
+        "expect": [{"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", "text": text}],
+    }
+    small = case(unit={"dsp": unit("SCI-A")}, serial=table, duration=duration)
+    (verdict,) = Scene(small, None, programs).run().budgets
+    return verdict, explain(small, [verdict], programs=programs)["told"]
+
+
+def test_a_wrong_reply_is_shown_up_to_its_end_with_the_writes_of_its_wrong_characters():
+    verdict, told = explained({b"a": b"ER"})
+    window, steps = told.window, [step.what for step in told.chain.steps]
+    ends = [r.tick for r in window.records if (r.kind, r.where, r.what) == (Kind.FRAME, "TX", "end")]
+    assert window.end == pytest.approx(ends[1], abs=30_000)  # 10 us: the reader has the nominal rate
+    assert steps[0] == "RX: the last character of what asks for it"
+    assert [step for step in steps if "SCITXBUF" in step] == [
+        "dsp: SCITXBUF written, 0x45: character 0 of the reply, not 0x4f",
+        "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b",
+    ]
+    assert {step.place.function for step in told.chain.steps if step.place and "SCITXBUF" in step.what} == {"send"}
+    lanes = {line.split(" ")[0] for line in text_picture(window, 100)}
+    assert {"RX", "TX"} <= lanes
+    said = failure(verdict, False, told.chain, None, window.timebase.per_second)
+    assert said is not None and said.what.startswith("is broken: 'OK' was expected from SCI-A, but 'ER' came")
+    assert "SCITXBUF written, 0x45" in said.why and "programs.py" in said.place
+
+
+def test_only_the_wrong_characters_of_an_echo_are_told():
+    """RX |a|b|c|   TX  |a|b|X|: the first two begin before the reply's time does."""
+    _, told = explained({b"a": b"a", b"b": b"b", b"c": b"X"}, "abc", "abc")
+    assert [step.what for step in told.chain.steps if "SCITXBUF" in step.what] == [
+        "dsp: SCITXBUF written, 0x58: character 2 of the reply, not 0x63"
+    ]
+
+
+def test_a_wrong_reply_to_a_send_that_began_long_before_is_told_too():
+    """The window keeps 5 ms before; 60 characters take 5.2 ms."""
+    _, told = explained({b"x" * 60: b"ER"}, "x" * 60, duration="8 ms")
+    assert len([step for step in told.chain.steps if "of the reply, not" in step.what]) == 2
+
+
+def test_bits_that_do_not_go_out_are_not_wrong():
+    _, told = explained({b"a": b"\xcfR"}, bits=7)
+    assert [step.what for step in told.chain.steps if "of the reply" in step.what] == [
+        "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
+    ]
+
+
+def test_a_reply_cut_short_is_shown_up_to_its_limit():
+    verdict, told = explained({b"a": b"O"})
+    assert verdict.broken and told.window.end - told.window.begin >= told.window.timebase.per_second // 1000
+    assert not [step for step in told.chain.steps if "character" in step.what and "SCITXBUF" in step.what]
+
+
+def test_a_reply_that_follows_a_time_has_no_character_that_asks_for_it():
+    programs = {"dsp": Firmware("dsp", lambda dsp, settings: says("SCI-A", b"OR")(dsp), None)}
+    booted = {"name": "told", "from": "SCI-A", "at": "1 us", "within": "1 ms", "text": "OK"}
+    small = case(unit={"dsp": unit("SCI-A")}, serial={"expect": [booted]}, duration="2 ms")
+    (verdict,) = Scene(small, None, programs).run().budgets
+    steps = [step.what for step in explain(small, [verdict], programs=programs)["told"].chain.steps]
+    assert [step for step in steps if "character" in step] == [
+        "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
+    ]
+
+
+def test_where_earlier_characters_may_be_of_the_reply_too_none_is_told_as_wrong():
+    """The begin of what asks is not kept, and something was written since: nobody knows which is the first."""
+    _, told = explained({b"x" * 30: b"O"}, "x" * 60, duration="8 ms")  # O in mid send, O behind it
+    steps = [step.what for step in told.chain.steps]
+    assert "RX: the last character of what asks for it" in steps and "of the reply" not in " ".join(steps)

@@ -1,0 +1,278 @@
+"""The page in a real browser: what an engineer does with it, with mouse, keyboard, a narrow window, on paper."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from playwright.sync_api import Locator, Page
+
+from periph_sim.interfaces.reports.html import CaseReport
+from tests.interfaces.reports.html.conftest import Open
+from tests.interfaces.reports.html.made import US, budget, drawn, report
+
+
+class Shown:
+    """A timeline of a page. Places are given as a lane's name and microseconds."""
+
+    def __init__(self, page: Page, number: int = 0, within: str = "body") -> None:
+        self.page = page
+        self.figure = page.locator(f"{within} .timeline").nth(number)
+        self.svg = self.figure.locator(".stage > svg")
+        self.tip = self.figure.locator(".tip")
+        self.svg.scroll_into_view_if_needed()
+
+    def view(self) -> tuple[float, float]:
+        """What is in view, in microseconds."""
+        first, last = self.figure.evaluate("figure => [figure.timeline.from, figure.timeline.to]")
+        return round(first / US, 4), round(last / US, 4)
+
+    def place(self, lane: str, us: float) -> tuple[float, float]:
+        """Where on the screen: found by the axis' own marks and the lane's name, as a person would."""
+        numbers = "(text) => [parseFloat(text.textContent), +text.getAttribute('x')]"
+        marks = self.svg.evaluate(f"svg => [...svg.querySelectorAll('text.axis')].map({numbers})")
+        (first, x0), (last, x1) = marks[0], marks[-1]
+        box = self.svg.bounding_box()
+        name = self.svg.locator("text.name", has_text=lane).bounding_box()
+        assert box is not None and name is not None
+        return box["x"] + x0 + (us - first) * (x1 - x0) / (last - first), name["y"] + name["height"] / 2
+
+    def hover(self, lane: str, us: float) -> str:
+        self.page.mouse.move(*self.place(lane, us))
+        return self.tip.inner_text() if self.tip.is_visible() else ""
+
+    def click(self, lane: str, us: float) -> None:
+        self.page.mouse.click(*self.place(lane, us))
+
+    def below(self) -> str:
+        return self.figure.locator(".range").inner_text()
+
+    def press(self, *keys: str) -> None:
+        for key in keys:
+            self.svg.press(key)
+
+
+@pytest.fixture
+def shown(opened: Open) -> Shown:
+    return Shown(opened(report(budget("late", 5.0, timeline=drawn()))))
+
+
+def names(table: Locator) -> list[str]:
+    return [row.inner_text() for row in table.locator("td[data-name=budget]").all() if row.is_visible()]
+
+
+def test_a_run_shows_its_verdicts_plots_and_timelines_and_asks_for_nothing(small: CaseReport, opened: Open) -> None:
+    page = opened(small)
+    assert page.locator("tbody tr").count() >= 6
+    assert names(page.locator(".verdicts"))[:2] == ["<script>alert(1)</script>", "misspelt"]  # broken ones first
+    assert page.locator(".plot svg .bar").count() > 5
+    assert page.locator(".timeline").count() == 4
+    for number in range(4):
+        assert page.locator(".timeline").nth(number).locator("path.wave").count() >= 2
+    assert page.locator("#c1b5 .none").inner_text() == "No occurrence, so there is no timeline."
+    assert "no event matched 'span modle begin'; did you mean model?" in page.locator("#c1b6").inner_text()
+
+
+def test_several_cases_have_an_index_that_leads_to_each(small: CaseReport, opened: Open) -> None:
+    page = opened(small, report(budget("own", 2.0, timeline=drawn())))
+    assert page.locator("article").count() == 2
+    row = page.locator("tr", has_text="by hand")
+    row.get_by_role("link", name="own").click()
+    assert page.locator("#c2b1:target h3").inner_text() == "own seen"
+
+
+def test_the_table_sorts_by_a_click_and_turns_round_by_another(opened: Open) -> None:
+    page = opened(report(*(budget(name, worst) for name, worst in (("b", 9.0), ("c", 10.5), ("a", 2.0)))))
+    table = page.locator(".verdicts")
+    assert names(table) == ["c", "b", "a"]  # the broken one first
+    title = table.locator("th").get_by_role("button", name="seen")
+    title.click()
+    assert names(table) == ["a", "b", "c"]
+    title.click()
+    assert names(table) == ["c", "b", "a"]
+    table.get_by_role("button", name="budget").click()
+    assert names(table) == ["a", "b", "c"]
+    assert table.locator("th[aria-sort]").count() == 1
+
+
+def test_the_table_filters_by_verdict_and_by_a_word(opened: Open) -> None:
+    page = opened(report(*(budget(name, worst) for name, worst in (("b", 9.0), ("c", 10.5), ("a", 2.0)))))
+    table = page.locator(".verdicts")
+    table.get_by_role("button", name="broken 1").click()
+    assert names(table) == ["c"]
+    table.get_by_role("button", name="all 3").click()
+    table.locator("input").fill("why a")
+    assert names(table) == ["a"]
+    table.locator("input").fill("no such thing")
+    assert names(table) == [] and table.locator(".none").is_visible()
+
+
+def test_hovering_tells_what_it_is_and_exactly_when(shown: Shown) -> None:
+    said = shown.hover("LINE", -10)
+    assert "LINE fell" in said and "held low by dsp" in said
+    assert "12.335000 ms" in said  # 10 us before 12.345 ms
+    assert "-10.000 us, 1500 cycles before" in said
+    assert "15.000 us (2250 cycles)" in said  # to the next edge
+    said = shown.hover("REG", 2)
+    assert "write of REG" in said and "at main:4" in said and "12.347000 ms" in said and "300 cycles" in said
+    said = shown.hover("RXFFST", 20)
+    assert "RXFFST became 4" in said and "195.000 us (29250 cycles)" in said
+    said = shown.hover("LINE", 8)
+    assert "LINE high" in said and "10.000 us (1500 cycles)" in said
+    assert "span work at main:7" in said  # what the firmware is at meanwhile
+    assert shown.hover("REG", 20) == ""
+
+
+def test_wheel_buttons_and_keys_change_what_is_in_view(shown: Shown) -> None:
+    assert shown.view() == (-20, 30)
+    shown.figure.get_by_role("button", name="zoom in").click()
+    assert shown.view() == (-7.5, 17.5)
+    shown.figure.get_by_role("button", name="reset").click()
+    x, y = shown.place("LINE", 0)
+    shown.page.mouse.move(x, y)
+    shown.page.keyboard.down("Control")
+    shown.page.mouse.wheel(0, -100)
+    shown.page.keyboard.up("Control")
+    first, last = shown.view()
+    assert (round(last - first), round(first, 1)) == (40, -16)  # four fifths, around the pointer
+    shown.press("0", "-")
+    assert shown.view() == (-45, 55)
+    shown.press("9")
+    assert shown.view() == (-100, 200)
+    shown.press("-", "-")
+    assert shown.view() == (-100, 200)  # there is no more
+    assert "12.245000 ms to 12.545000 ms, 300.000 us" in shown.below()
+
+
+def test_the_wheel_alone_scrolls_the_page_until_the_timeline_was_clicked(opened: Open) -> None:
+    shown = Shown(opened(report(*(budget(name, 5.0, timeline=drawn()) for name in "abcd"))))
+    shown.page.mouse.move(*shown.place("LINE", 0))
+    before = shown.page.evaluate("scrollY")
+    shown.page.mouse.wheel(0, 100)
+    shown.page.wait_for_function(f"scrollY > {before}")
+    assert shown.view() == (-20, 30)
+    shown.svg.scroll_into_view_if_needed()
+    shown.click("LINE", 0)
+    shown.page.mouse.wheel(0, -100)
+    first, last = shown.view()
+    assert round(last - first) == 40
+
+
+def test_dragging_moves_the_view_by_what_the_pointer_moved(shown: Shown) -> None:
+    shown.page.mouse.move(*shown.place("LINE", 10))
+    shown.page.mouse.down()
+    shown.page.mouse.move(*shown.place("LINE", 0))
+    shown.page.mouse.up()
+    first, last = shown.view()
+    assert first == pytest.approx(-10, abs=0.2) and last - first == pytest.approx(50)
+    assert "A " not in shown.below()  # a drag is no click
+
+
+def test_two_clicks_measure_the_distance_between_the_events_beside_them(shown: Shown) -> None:
+    shown.click("LINE", -9.9)
+    shown.click("LINE", 5.1)
+    said = shown.below()
+    assert "A 12.335000 ms (-10.000 us)" in said
+    assert "B 12.350000 ms (5.000 us)" in said
+    assert "B - A 15.000 us (2250 cycles, 66.667 kHz)" in said
+    assert shown.svg.locator("line.cursor").count() == 2
+    shown.click("LINE", 15)  # moves the nearer one
+    assert "B - A 25.000 us (3750 cycles, 40.000 kHz)" in shown.below()
+    shown.figure.get_by_role("button", name="no cursors").click()
+    assert shown.svg.locator("line.cursor").count() == 0
+
+
+def test_everything_is_to_be_had_by_keyboard(shown: Shown) -> None:
+    shown.press("ArrowDown")  # the first lane, its event nearest to the middle
+    assert "moved" in shown.tip.inner_text() and "12.350000 ms" in shown.tip.inner_text()
+    shown.press("a", "ArrowRight", "b")
+    assert "B - A 10.000 us (1500 cycles" in shown.below()
+    shown.press("ArrowDown", "ArrowDown", "ArrowDown")
+    assert "write of REG" in shown.tip.inner_text()
+    shown.press("Shift+ArrowRight")
+    assert shown.view() == (-7.5, 42.5)
+
+
+def test_escape_takes_away_the_text_and_then_the_cursors(shown: Shown) -> None:
+    shown.press("ArrowDown", "a", "ArrowRight", "b")
+    shown.press("Escape")
+    assert not shown.tip.is_visible() and shown.svg.locator("line.cursor").count() == 2
+    shown.press("Escape")
+    assert shown.svg.locator("line.cursor").count() == 0
+
+
+def test_groups_of_lanes_can_be_put_away(shown: Shown) -> None:
+    lanes = shown.svg.locator("text.name")
+    assert lanes.count() == 4
+    shown.figure.get_by_role("button", name="accesses").click()
+    assert lanes.count() == 3 and "REG" not in shown.svg.text_content()
+
+
+def test_labels_are_text_whatever_is_in_them(shown: Shown) -> None:
+    shown.figure.get_by_role("button", name="zoom in").click()
+    assert shown.svg.locator("text", has_text="<b>").count() == 1
+    assert shown.svg.locator("b").count() == 0
+
+
+def test_the_measured_response_is_as_long_as_its_verdict_says(small: CaseReport, opened: Open) -> None:
+    """End to end: the edges of SCL beside the shaded occurrence are as far apart as the budget measured."""
+    shown = Shown(opened(small), within="#c1b1")
+    shown.click("SCL", 0)
+    shown.click("SCL", 5)
+    response = next(one for one in small.budgets if one.verdict.name == "response")
+    assert response.verdict.worst == 5.0
+    assert "B - A 5.000 us (750 cycles, 200.000 kHz)" in shown.below()
+
+
+def test_a_step_of_the_explanation_sets_a_cursor_in_the_timeline(small: CaseReport, opened: Open) -> None:
+    shown = Shown(opened(small), within="#c1b1")
+    step = small.budgets[0].explanation.steps[0]
+    shown.page.locator("#c1b1 [data-go]").first.click()
+    assert f"({step.at})" in shown.below()
+
+
+def test_a_narrow_window_needs_no_sideways_scrolling(small: CaseReport, opened: Open) -> None:
+    width = 400
+    page = opened(small, width=width)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    shown = Shown(page)
+    assert "SCL" in shown.hover("SCL", 0)
+    tip = shown.tip.bounding_box()
+    assert tip is not None and tip["x"] >= 0 and tip["x"] + tip["width"] <= width
+    page.locator(".verdicts th").get_by_role("button", name="seen").click()
+    assert names(page.locator(".verdicts"))[0] == "misspelt"  # never measured
+
+
+@pytest.mark.parametrize("width", [700, 961, 1000, 1190, 1241])
+def test_a_table_with_all_columns_fits_its_window(opened: Open, width: int) -> None:
+    one = budget("model execution in the worst of all cases", 123456.789)
+    verdict = replace(one.verdict, why="computation of three sensor models, from one edge of a pin to the other")
+    told = report(
+        replace(one, verdict=verdict, source="dissertation section 5.4: about 250 us"), name="captured_master"
+    )
+    page = opened(told, told, width=width)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_dark_and_light_follow_the_reader_and_paper_is_always_light(small: CaseReport, opened: Open) -> None:
+    def paper(page: Page) -> str:
+        return page.evaluate("getComputedStyle(document.body).backgroundColor")
+
+    assert paper(opened(small, color_scheme="light")) == "rgb(255, 255, 255)"
+    page = opened(small, color_scheme="dark")
+    assert paper(page) != "rgb(255, 255, 255)"
+    page.emulate_media(media="print", color_scheme="dark")
+    assert paper(page) == "rgb(255, 255, 255)"
+    assert not page.locator(".timeline .tools").first.is_visible()
+    assert page.locator(".timeline path.wave").first.is_visible()
+
+
+def test_the_text_beside_an_event_is_within_the_window(opened: Open) -> None:
+    shown = Shown(opened(report(*(budget(name, 5.0, timeline=drawn()) for name in "ab"))), 1)
+    shown.page.set_viewport_size({"width": 700, "height": 500})
+    shown.svg.scroll_into_view_if_needed()
+    for us in (-10, 0, 29):
+        assert shown.hover("RXFFST", us)
+        tip, stage = shown.tip.bounding_box(), shown.figure.locator(".stage").bounding_box()
+        assert tip is not None and stage is not None
+        assert stage["x"] - 1 <= tip["x"] and tip["x"] + tip["width"] <= stage["x"] + stage["width"] + 1

@@ -1,0 +1,97 @@
+"""The sentence that says what failed and why: verdicts and chains made by hand, and every word of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from periph_sim.core.time import Timebase
+from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part
+from periph_sim.interfaces.reports.html.failure import Failure, failure
+from periph_sim.timing.verdict import Verdict
+from tests.interfaces.reports.html.made import US, budget, run_of
+
+LATE = budget("response", 12.0).verdict  # at most 10 us
+PLACE = FirmwarePlace("batch_read", 98, Path("/home/somebody/imu_hil.py"))
+RATE = 1_000_000 * US
+
+
+def chain(*parts: Part, more: tuple[Part, ...] = (), blame: Part | None = None, length: int = 12 * US) -> Chain:
+    return Chain(LATE, Timebase(RATE), length, (), parts, more=more, blame=blame)
+
+
+def told(verdict: Verdict, of: Chain | None = None, *numbers: int) -> Failure:
+    found = failure(verdict, False, of, run_of(list(numbers), max=10) if numbers else None, RATE)
+    assert found is not None
+    return found
+
+
+def test_measure_limit_and_instant_are_told() -> None:
+    assert told(LATE).what == "is broken: 12.000 us, at most 10.000 us allowed (2.000 us too much), at 0.012345 s"
+    least = replace(LATE, which="min", limit=15.0, at_s=None)
+    assert told(least).what == "is broken: 12.000 us, at least 15.000 us allowed (3.000 us too little)"
+    share = replace(LATE, which="p99_9", at_s=None)
+    assert told(share).what == "is broken: 12.000 us, for p99.9 at most 10.000 us allowed (2.000 us too much)"
+    words = replace(LATE, unit="words", worst=14, limit=13, at_s=None)
+    assert told(words).what == "is broken: 14 words, at most 13 words allowed"
+    none = replace(LATE, unit="count", worst=3, limit=0, at_s=None)
+    assert told(none).what == "is broken: 3, none allowed"
+
+
+@pytest.mark.parametrize(
+    ("numbers", "count"),
+    [
+        ([12, 11], "All 2 occurrences are beyond the limit"),
+        ([12], ""),
+        ([5, 12, 5], "It is the only one of 3 occurrences that is beyond the limit"),
+        ([5, 11, 12], "2 of 3 occurrences are beyond the limit, the first at 0.002000 s"),
+        ([5, 6], ""),  # a percentile: no value is beyond it alone
+    ],
+)
+def test_how_often_it_happens_is_told(numbers: list[int], count: str) -> None:
+    assert told(LATE, None, *numbers).count == count
+
+
+def test_the_cause_is_the_place_that_the_chain_blames() -> None:
+    most = chain(Part("bus", "SCL low by the controller", 5 * US), Part("interrupt", "SCIRXINTA", 7 * US, 1, PLACE))
+    found = told(LATE, most)
+    assert (found.why, found.place) == (
+        "Most of that time, 7.000 us, went into SCIRXINTA at",
+        "imu_hil.py:98 (batch_read)",
+    )
+    less = chain(Part("bus", "bits", 7 * US), Part("wait", "AAS", 5 * US, 1, PLACE))
+    assert told(LATE, less).why == "The largest part of that time, 5.000 us, went into wait for AAS at"
+    extra = Part("span", "frame", 3 * US, 1, PLACE)
+    assert (
+        told(LATE, chain(Part("bus", "bits", 12 * US), more=(extra,))).why
+        == "Longer than typical by 3.000 us: span frame at"
+    )
+    blame = Part("code", "I2CDXR written", 0, 1, PLACE)
+    assert told(LATE, chain(blame=blame, length=0)).why == "Cause: I2CDXR written at"
+
+
+def test_a_cause_outside_of_the_firmware_is_told_without_a_place() -> None:
+    blame = Part("code", "memory: the write at 0x001f went beyond its page's end", 0)
+    found = told(LATE, chain(blame=blame, length=0))
+    assert (found.why, found.place) == ("Cause: memory: the write at 0x001f went beyond its page's end", "")
+
+
+def test_without_a_place_in_the_firmware_the_longest_part_is_told() -> None:
+    found = told(LATE, chain(Part("bus", "SCL low by the controller", 12 * US)))
+    assert (found.why, found.place) == ("Most of that time, 12.000 us, went into SCL low by the controller", "")
+    assert (told(LATE, chain()).why, told(LATE, chain()).place) == ("", "")
+
+
+def test_what_is_as_it_should_be_has_no_sentence() -> None:
+    assert failure(budget("a", 2.0).verdict, False, None, None, RATE) is None
+    assert failure(LATE, True, None, None, RATE) is None  # a known bug
+
+
+def test_a_known_bug_that_is_gone_and_a_budget_that_was_not_judged_are_told() -> None:
+    gone = failure(budget("a", 2.0).verdict, True, None, None, RATE)
+    assert gone == Failure("holds (2.000 us), but the case says that it must break")
+    unjudged = replace(budget("a", 2.0).verdict, verdict="not judged")
+    assert told(unjudged).what == "is not judged: nothing was measured by 'response'"
+    assert told(replace(unjudged, found="no event matched 'x'")).what == "is not judged: no event matched 'x'"

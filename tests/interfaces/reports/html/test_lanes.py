@@ -1,0 +1,217 @@
+"""Lanes: what the timeline draws is what was recorded, held against the records of a run of its own."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from pathlib import Path
+
+import pytest
+
+from periph_sim.core.records import RECORDED, Kind, Record
+from periph_sim.interfaces.reports.html import CaseReport, gather
+from periph_sim.interfaces.reports.html.timeline import Boxes, Lane, Marks, Timeline, Wave, only_chosen
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from tests.interfaces.reports.html.made import CASE, report_of
+
+IMAGE = """
+name = "image"
+duration = "100 us"
+
+[unit.dsp]
+image = "image.asm"
+modules = ["GPIO"]
+
+[[budget]]
+name = "depth"
+measure = "stack high-water"
+max = 1
+
+[[budget]]
+name = "count"
+measure = "level of variable _count"
+max = 1
+"""
+COUNTS = """
+          .reserve ".stack", 0x400, 64
+          .sect ".data", 0x8800
+_count:   .word 0
+          .sect ".text", 0x9000
+          .global _c_int00, _step, _count
+_c_int00: MOV   SP,#0x400
+          LCR   _step
+          LCR   _step
+          ESTOP0
+_step:    MOVW  DP,#_count >> 6
+          INC   @_count
+          LRETR
+"""
+
+
+@pytest.fixture(scope="module")
+def records(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
+    """Everything that happens in the small case."""
+    path = tmp_path_factory.mktemp("records") / "small.toml"
+    path.write_text(CASE, encoding="utf-8")
+    found: list[Record] = []
+    Scene(load(path, []), lambda recorder, _: recorder.subscribe(RECORDED, found.append)).run()
+    return sorted(found, key=lambda record: record.tick)
+
+
+@pytest.fixture(scope="module")
+def response(small: CaseReport) -> Timeline:
+    found = small.budgets[0].timeline
+    assert found is not None
+    return found
+
+
+def lane(timeline: Timeline, group: str, name: str) -> Lane:
+    return next(one for title, lanes in timeline.groups for one in lanes if (title, one.name) == (group, name))
+
+
+def within(timeline: Timeline, records: list[Record]) -> list[Record]:
+    ((first, last),) = timeline.kept
+    return [r for r in records if first <= r.tick - timeline.origin <= last]
+
+
+def test_waves_turn_over_where_the_wires_did(response: Timeline, records: list[Record]) -> None:
+    for group, wire in (("I2C bus", "SCL"), ("I2C bus", "SDA"), ("UART", "RX")):
+        wave = lane(response, group, wire)
+        edges = [r for r in within(response, records) if r.kind is Kind.EDGE and r.where == wire]
+        assert isinstance(wave, Wave) and len(edges) > 10
+        assert wave.at == [r.tick - response.origin for r in edges]
+        assert wave.initial == 1 - edges[0].value
+
+
+def test_a_flag_is_drawn_as_it_changed_and_says_what_it_means(response: Timeline, records: list[Record]) -> None:
+    wave = lane(response, "flags", "I2CSTR.XRDY")
+    changes = [r for r in within(response, records) if r.kind is Kind.FLAG and r.what == "I2CSTR.XRDY"]
+    assert isinstance(wave, Wave)
+    assert wave.at == [r.tick - response.origin for r in changes]
+    said = [response.says[place] for place in wave.says]
+    assert all(
+        f"I2C-A.I2CSTR.XRDY {'rose' if r.value else 'fell'}" in text for r, text in zip(changes, said, strict=True)
+    )
+    assert any("by the write of I2C-A.I2CDXR at batch_read:" in text for text in said)
+    assert "[SPRUG03B table 10]" in said[0]
+
+
+def test_a_field_of_several_bits_is_boxes_that_follow_each_other(small: CaseReport, records: list[Record]) -> None:
+    timeline = small.budgets[3].timeline
+    assert timeline is not None
+    boxes = lane(timeline, "flags", "SCIFFRX.RXFFST")
+    changes = [r for r in within(timeline, records) if r.kind is Kind.FLAG and r.what == "SCIFFRX.RXFFST"]
+    assert isinstance(boxes, Boxes)
+    assert boxes.at == [timeline.kept[0][0], *(r.tick - timeline.origin for r in changes)]
+    assert boxes.end[:-1] == boxes.at[1:]
+    assert [timeline.says[place] for place in boxes.labels[1:]] == [
+        str(r.value) if r.value < 10 else f"{r.value:#x}" for r in changes
+    ]
+
+
+def test_accesses_have_value_and_place(response: Timeline, records: list[Record]) -> None:
+    marks = lane(response, "accesses", "I2CDXR")
+    writes = [r for r in within(response, records) if r.kind is Kind.ACCESS and r.what == "W I2C-A.I2CDXR"]
+    assert isinstance(marks, Marks) and marks.strong == [1] * len(writes)
+    assert marks.at == [r.tick - response.origin for r in writes]
+    assert [response.says[place] for place in marks.places] == [r.text for r in writes]
+    assert response.says[marks.says[0]].startswith("write of I2C-A I2CDXR=")
+
+
+def test_bytes_are_those_that_the_controller_put_on_the_wire(response: Timeline, records: list[Record]) -> None:
+    boxes = lane(response, "I2C bus", "bytes")
+    assert isinstance(boxes, Boxes)
+    said = [response.says[place] for place in boxes.labels]
+    whole = [r for r in within(response, records) if r.kind is Kind.BUS]
+    assert said.count("S") == sum(r.what == "START" for r in whole)
+    assert said.count("P") == sum(r.what == "STOP" for r in whole)
+    addresses = [f"0x{r.value >> 1 >> 1:02X} {'R' if r.value >> 1 & 1 else 'W'}" for r in whole if r.what == "address"]
+    assert [text for text in said if text.endswith((" R", " W"))] == addresses
+    data = [f"0x{r.value >> 1:02X}" for r in whole if r.what == "byte"]
+    assert [text for text in said if len(text) == 4] == data
+
+
+def test_frames_last_ten_bits_within_which_rx_moves(small: CaseReport, records: list[Record]) -> None:
+    timeline = small.budgets[3].timeline
+    assert timeline is not None
+    boxes, wave = lane(timeline, "UART", "frames"), lane(timeline, "UART", "RX")
+    assert isinstance(boxes, Boxes) and isinstance(wave, Wave)
+    sent = [r for r in within(timeline, records) if r.kind is Kind.FRAME and r.what == "byte"]
+    assert [timeline.says[place] for place in boxes.labels] == [f"{r.value:02X}" for r in sent]
+    for begin, end in zip(boxes.at, boxes.end, strict=True):
+        assert begin in wave.at  # the start bit falls
+        assert abs((end - begin) / timeline.per_second - 10 / 115_200) < 1e-7
+    assert all(any(b <= at < e for b, e in zip(boxes.at, boxes.end, strict=True)) for at in wave.at)
+
+
+def test_transfers_last_from_start_to_stop(response: Timeline, records: list[Record]) -> None:
+    boxes = lane(response, "I2C bus", "transfer")
+    bus = [r for r in within(response, records) if r.kind is Kind.BUS]
+    assert isinstance(boxes, Boxes)
+    assert boxes.at == [r.tick - response.origin for r in bus if r.what == "START"]
+    assert boxes.end == [r.tick - response.origin for r in bus if r.what == "STOP"]
+
+
+def test_service_routines_and_waits_last_from_their_begin_to_their_end(
+    small: CaseReport, records: list[Record]
+) -> None:
+    timeline = small.budgets[3].timeline
+    assert timeline is not None
+    for kind, name in ((Kind.IRQ, "interrupt"), (Kind.WAIT, "wait")):
+        boxes = lane(timeline, "firmware", name)
+        assert isinstance(boxes, Boxes)
+        begins = [r.tick - timeline.origin for r in within(timeline, records) if r.kind is kind and r.value]
+        ends = [r.tick - timeline.origin for r in within(timeline, records) if r.kind is kind and not r.value]
+        assert set(begins) <= set(boxes.at) and set(ends) <= set(boxes.end)
+
+
+def test_the_json_gives_back_every_instant(response: Timeline) -> None:
+    for (_, lanes_), group in zip(response.groups, response.json()["groups"], strict=True):
+        for one, packed in zip(lanes_, group["lanes"], strict=True):
+            assert list(accumulate(packed["at"])) == one.at
+            assert all(0 <= place < len(response.says) for place in packed["says"])
+
+
+def test_a_window_with_too_much_in_it_is_cut_around_the_occurrence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from tests.interfaces.reports.html.made import small_report
+
+    monkeypatch.setattr(gather, "MOST_OF_PASSED", 120)
+    found = small_report(tmp_path).budgets[0].timeline
+    assert found is not None
+    assert found.kept[0][0] < found.begin and found.end < found.kept[0][1]
+    events = sum(len(one.at) for _, lanes_ in found.groups for one in lanes_ if not isinstance(one, Boxes))
+    assert 60 < events <= 120
+
+
+def test_lanes_of_an_answer_are_those_that_its_explanation_is_about(response: Timeline) -> None:
+    chosen = {one.name for _, lanes_ in response.groups for one in lanes_ if one.chosen}
+    assert {"SCL", "SDA", "bytes", "I2CSTR.XRDY", "I2CSTR.SDIR", "wait", "I2CDXR"} <= chosen
+    assert not chosen & {"RX", "frames", "MODEL", "SCIFFRX.RXFFST", "I2CSTR.NACK"}
+    assert len(chosen) < sum(len(lanes_) for _, lanes_ in response.groups) / 2
+
+
+def test_lanes_of_a_full_fifo_are_those_of_the_host(small: CaseReport) -> None:
+    timeline = small.budgets[3].timeline
+    assert timeline is not None
+    chosen = {one.name for _, lanes_ in timeline.groups for one in lanes_ if one.chosen}
+    assert {"RX", "frames", "SCIFFRX.RXFFINT"} <= chosen and not chosen & {"SCL", "SDA"}
+
+
+def test_without_the_other_lanes_each_event_still_says_the_same(response: Timeline) -> None:
+    cut = only_chosen(response)
+    kept = [one for _, lanes_ in response.groups for one in lanes_ if one.chosen]
+    left = [one for _, lanes_ in cut.groups for one in lanes_]
+    assert [one.name for one in left] == [one.name for one in kept] and len(cut.says) < len(response.says)
+    for here, there in zip(left, kept, strict=True):
+        assert [cut.says[n] for n in here.says] == [response.says[n] for n in there.says]
+
+
+def test_the_stack_and_the_variables_of_an_image_are_lanes(tmp_path: Path) -> None:
+    (tmp_path / "image.toml").write_text(IMAGE, encoding="utf-8")
+    (tmp_path / "image.asm").write_text(COUNTS, encoding="utf-8")
+    of_image = report_of(tmp_path / "image.toml")
+    timelines = [one.timeline for one in of_image.budgets if one.timeline is not None]
+    drawn = {one.name for timeline in timelines for _, lanes in timeline.groups for one in lanes}
+    assert {"stack", "_count"} <= drawn

@@ -1,0 +1,224 @@
+"""The page as text: it parses, it needs nothing else, it says all that was measured, and nothing breaks out of it."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import html5lib
+import pytest
+
+from periph_sim.interfaces.reports.html import CaseReport, case_report, page
+from periph_sim.interfaces.reports.html.failure import Failure
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from periph_sim.timing.values import values_of
+from tests.interfaces.reports.html.made import budget, drawn, report, run_of, small_report
+
+ROOT = Path(__file__).parents[4]
+MOST = 5_000_000  # bytes, for 10 s
+COUNTED = ("missed rounds", "nacked rounds", "wrong bytes", "overruns")  # one number a run
+
+
+def parsed(text: str) -> Element:
+    """The page as a browser reads it; an error of HTML is an error here."""
+    return html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(text)
+
+
+def said(element: Element) -> str:
+    return " ".join(" ".join(element.itertext()).split())
+
+
+@pytest.fixture(scope="module")
+def imu_hil() -> tuple[CaseReport, str]:
+    """The report of the reference case, all ten seconds of it."""
+    case = load(ROOT / "timing" / "imu_hil_published.toml", [])
+    scene = Scene(case, keep_values=True)
+    result = scene.run()
+    found = case_report(case, result, values_of(scene.limits, scene.start), scene.typical(), scene.timebase.per_second)
+    return found, page([found], case.name)
+
+
+@pytest.mark.long
+def test_ten_seconds_are_a_page_of_less_than_five_megabytes(imu_hil: tuple[CaseReport, str]) -> None:
+    report, text = imu_hil
+    assert report.simulated_s == 10
+    assert len(text.encode()) < MOST
+    parsed(text)
+
+
+@pytest.mark.long
+def test_every_value_that_was_measured_is_in_a_plot(imu_hil: tuple[CaseReport, str]) -> None:
+    report, text = imu_hil
+    tree = parsed(text)
+    plots = 0
+    for number, one in enumerate(report.budgets, 1):
+        section = tree.find(f".//section[@id='c1b{number}']")
+        assert section is not None
+        bars = section.findall(".//{http://www.w3.org/2000/svg}rect[@class='bar']")
+        counts = [int(re.search(r": (\d+) values?$", said(bar))[1]) for bar in bars]
+        if one.distribution is not None:
+            plots += 1
+            assert sum(counts) == one.verdict.count > 0
+        else:
+            assert one.verdict.measure in COUNTED and not counts
+    assert plots == sum(one.verdict.measure not in COUNTED for one in report.budgets) >= 6
+
+
+@pytest.mark.long
+def test_all_budgets_are_there_with_figures_reason_and_source(imu_hil: tuple[CaseReport, str]) -> None:
+    report, text = imu_hil
+    rows = parsed(text).findall(".//div[@class='verdicts']//tbody/tr")
+    assert [said(row.find("td")) for row in rows] == [one.verdict.name for one in report.budgets]
+    one = report.budgets[1].verdict
+    response = said(rows[1])
+    for part in ("response", one.word, f"{one.worst:.3f} us", "10 us", f"{one.margin:.3f} us", one.why):
+        assert part in response
+    assert f"{one.at_s:.6f} s" in response and str(one.count) in response and one.count == 1500
+    assert "dissertation section 5.4: about 250 us" in said(rows[0])
+
+
+@pytest.mark.long
+def test_the_head_says_what_was_run(imu_hil: tuple[CaseReport, str]) -> None:
+    head = said(parsed(imu_hil[1]).find(".//header"))
+    for part in ("imu_hil_published pass", "10 s", "SYSCLKOUT of dsp 150 MHz", "dsp.i2c.xrdy_w1c"):
+        assert part in head
+
+
+def test_broken_budgets_come_first_and_known_bugs_behind_them(small: CaseReport) -> None:
+    rows = parsed(page([small], "small")).findall(".//div[@class='verdicts']//tbody/tr")
+    names = ["<script>alert(1)</script>", "misspelt", "known bug", "response", "words", "nothing"]
+    assert [said(row.find("td")) for row in rows] == names
+    assert [row.get("data-verdict") for row in rows] == ["broken", "not judged", "broken"] + ["seen"] * 3
+    assert "broken, as it must" in said(rows[2])
+
+
+def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> None:
+    evil = "</script><script>alert(3)</script>\"'><img src=x onerror=alert(4)>&amp;"
+    timeline = replace(drawn(), says=(evil, *drawn().says[1:]))
+    one = replace(
+        budget(evil, 1.0, timeline=timeline),
+        source=evil,
+        limits=((evil, evil),),
+        failure=Failure(evil, evil, evil, evil),
+        over_time=run_of([1, 2, 30], max=10),
+    )
+    case = replace(
+        report(one, name=evil),
+        about=evil,
+        findings=(evil,),
+        notes=(evil,),
+        changes=(evil,),
+        options=(evil,),
+        commit=evil,
+    )
+    tree = parsed(page([case, small], evil, evil))
+    scripts = tree.findall(".//script")
+    plots = [one for of in (case, small) for one in of.budgets if one.over_time is not None]
+    timelines = [one for of in (case, small) for one in of.budgets if one.timeline is not None]
+    assert len(scripts) == 1 + len(plots) + sum(1 + len(one.others) for one in timelines)
+    assert tree.findall(".//img") == []
+    data = [json.loads(script.text) for script in scripts if script.get("type") == "application/json"]
+    assert sum(one["says"][0] == evil for one in data if "says" in one) == 1
+    for place in (".//section//h3", ".//h1", ".//ul[@class='failures']", ".//dl[@class='provenance']"):
+        assert any(evil in "".join(found.itertext()) for found in tree.findall(place)), place
+
+
+SEEN = "Seen: held in this run, other timings are not covered."
+UNJUDGED = "Not judged: too little was measured; no pass."
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, [SEEN]),
+        ({"verdict": "not judged"}, [UNJUDGED]),
+        ({"verdict": "fail"}, []),
+    ],
+)
+def test_the_verdicts_have_a_legend_of_what_stands_there(changes: dict[str, object], words: list[str]) -> None:
+    one = budget("a", 2.0)
+    text = page([report(replace(one, verdict=replace(one.verdict, **changes)))], "a report")  # type: ignore[arg-type]
+    legend = re.search(r'<p class="quiet legend">(.*?)</p>', text, re.DOTALL)
+    assert legend is not None and " ".join(legend[1].split()) == " ".join([*words, "Count: times measured."])
+
+
+def test_assumptions_have_their_number_in_the_head() -> None:
+    one = replace(report(budget("a", 2.0)), options=("dsp.i2c.bcm_reset",))
+    assert "<summary>Assumes 1 undocumented behaviour</summary>" in page([one], "a report")
+    both = replace(one, options=(*one.options, "dsp.i2c.rrdy_point"))
+    assert "<summary>Assumes 2 undocumented behaviours</summary>" in page([both], "a report")
+
+
+def test_notes_stand_open_on_the_page_and_only_those_from_the_fourth_on_are_folded() -> None:
+    notes = ("eeprom: a page overrun", "b", "c", "d")
+    tree = parsed(page([replace(report(budget("a", 2.0)), options=("x",), notes=notes)], "a report"))
+    (shown,) = (e for e in tree.iter("ul") if e.get("class") == "notes")
+    assert [one.text for one in shown.findall("li")[:3]] == ["note: eeprom: a page overrun", "note: b", "note: c"]
+    (folded,) = shown.iter("details")
+    assert [one.text for one in folded.iter("li")] == ["note: d"]
+
+
+@pytest.mark.long
+def test_a_page_refers_to_nothing_outside_of_it(imu_hil: tuple[CaseReport, str]) -> None:
+    tree = parsed(imu_hil[1])
+    for element in tree.iter():
+        for name, value in element.attrib.items():
+            if name in ("src", "href", "action", "data", "srcset"):
+                assert value.startswith(("#", "data:,")), (element.tag, value)
+    for style in tree.findall(".//style"):
+        assert "url(" not in style.text and "@import" not in style.text
+    addresses = set(re.findall(r"https?://[^\s\"'<]*", imu_hil[1]))
+    assert addresses == {"http://www.w3.org/2000/svg"}  # a name, which nobody fetches
+
+
+def test_nothing_tells_on_which_machine_it_was_made(tmp_path: Path) -> None:
+    text = page([small_report(tmp_path)], "small")
+    for path in (str(tmp_path), str(ROOT), str(Path.home()), "/tmp/"):
+        assert path not in text
+
+
+def test_equal_runs_make_equal_pages_but_for_the_wall_time(small: CaseReport, tmp_path: Path) -> None:
+    again = small_report(tmp_path)
+    assert page([again], "x") == page([small], "x")
+    slower = page([replace(small, wall_s=7.5)], "x")
+    assert slower != page([small], "x")
+
+    def cut(text: str) -> str:
+        return re.sub(r'<dd class="wall">.*?</dd>', "", text)
+
+    assert cut(slower) == cut(page([small], "x"))
+
+
+def test_a_case_without_budgets_is_a_page(tmp_path: Path) -> None:
+    tree = parsed(page([report()], "empty"))
+    assert "by hand" not in said(tree.find(".//h1")) and "empty pass" in said(tree.find(".//h1"))
+
+
+def test_an_overview_counts_cases_and_marks_findings(small: CaseReport) -> None:
+    broken = replace(report(budget("b", 11.0)), findings=("b breaks: 11.000 us is over its limit",))
+    tree = parsed(page([report(budget("a", 1.0)), broken], "all"))
+    assert said(tree.find(".//h1")) == "all 1 of 2 pass"
+    assert said(tree.find(".//h1/span")) and tree.find(".//h1/span").get("class") == "chip bad"
+    assert [said(item) for item in tree.findall(".//article//ul[@class='findings']/li")] == list(broken.findings)
+
+
+def test_joined_conditions_stand_among_the_limits(tmp_path: Path) -> None:
+    text = (ROOT / "timing" / "imu_hil_published.toml").read_text(encoding="utf-8").split("[[budget]]")[0]
+    joined = 'and = [{ measure = "value error of gyroscope", max = "2 LSB" }]'
+    path = tmp_path / "joined.toml"
+    path.write_text(
+        f'{text}[[budget]]\nname = "b"\nmeasure = "age of gyroscope"\nmax = "25 ms"\nafter = "20 ms"\n{joined}\n',
+        encoding="utf-8",
+    )
+    case = load(path, [])
+    scene = Scene(case, keep_values=True)
+    result = scene.run(Fraction(1, 10))
+    values = values_of(scene.limits, 0)
+    (one,) = case_report(case, result, values, scene.typical(), scene.timebase.per_second, Fraction(1, 10)).budgets
+    assert one.limits == (("age of gyroscope max", "25 ms"), ("value error of gyroscope max", "2.000 LSB"))
+    assert one.distribution is not None and (one.distribution.unit, one.distribution.worst) == ("LSB", 5.82375)

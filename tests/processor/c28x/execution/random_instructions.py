@@ -1,0 +1,135 @@
+"""Random instructions of every form, from states that lead from one to the next: a count goes in; a digest comes out.
+
+python -m tests.processor.c28x.execution.random_instructions COUNT [SEED] [FROM TO]
+
+The digest is of registers, what was written to memory, cycles or the refusal, after each pass of each instruction. A
+line for each BLOCK of them; with FROM and TO, all of it for these instructions, to see where two runs part.
+"""
+
+from __future__ import annotations
+
+import random
+import sys
+from collections.abc import Iterator, Sequence
+from hashlib import blake2b
+
+from periph_sim import form
+from periph_sim.processor.c28x.decoder import decode
+from periph_sim.processor.c28x.encodings import Encoding, encodings
+from periph_sim.processor.c28x.execution.engine import Engine
+from periph_sim.processor.c28x.execution.registers import IllegalOperation
+
+AT = 0x8000
+BLOCK = 1000
+ENDS = (0, 1, 0x7FFF, 0x8000, 0xFFFF, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF)
+FLOATS = (0, 0x8000_0000, 0x3F80_0000, 0x7F80_0000, 0xFF80_0001, 0x0080_0000, 0x0000_0001, 0x7F7F_FFFF, 0xC2F6_E979)
+FORMS = [row for row in encodings() if row.objmode != "0" and not row.alias_of]
+
+
+class Scattered(Engine):
+    """Memory that nobody wrote has a word that its address tells."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.memory: dict[int, int] = {}
+        self.stores: list[tuple[int, int]] = []
+
+    def load16(self, address: int) -> int:
+        return self.memory.get(address, address * 0x9E37 >> 3 & 0xFFFF)
+
+    def store16(self, address: int, value: int) -> None:
+        self.memory[address] = value
+        self.stores.append((address, value))
+        self.written(address)
+
+    def stop(self) -> None:
+        """It goes on."""
+
+
+def pair_of(row: Encoding, draw: random.Random) -> int:
+    """Two words that are an instruction of this form."""
+    while True:
+        pair = row.value | draw.getrandbits(32) & ~row.mask
+        if decode(pair >> 16, pair & 0xFFFF) is row:
+            return pair
+
+
+def number(draw: random.Random) -> int:
+    return draw.choice(ENDS) if draw.random() < 0.3 else draw.getrandbits(32)
+
+
+def float_bits(draw: random.Random) -> int:
+    """One of the ends, one near 1, so that sums are rounded and have a fraction, or any."""
+    near = draw.getrandbits(1) << 31 | draw.randrange(112, 142) << 23 | draw.getrandbits(23)
+    return draw.choice((draw.choice(FLOATS), near, draw.getrandbits(32)))
+
+
+def stir(cpu: Scattered, draw: random.Random) -> None:
+    """Some registers anew, so that what one instruction made does not decide all that follow."""
+    cpu.acc, cpu.p, cpu.xt = number(draw), number(draw), number(draw)
+    cpu.xar = [number(draw) for _ in range(8)]
+    cpu.r = [float_bits(draw) for _ in range(8)]
+    cpu.put_st0(draw.getrandbits(16))
+    cpu.sp, cpu.dp, cpu.rpc = draw.randrange(0x400, 0x7F00), draw.getrandbits(16), draw.getrandbits(22)
+    cpu.stf = cpu.stf & 1 << 31 | draw.getrandbits(10) & 0x27F
+    cpu.memory.clear()
+
+
+def passes(count: int, seed: int | str, forms: Sequence[Encoding] = FORMS) -> Iterator[str]:
+    """What is there after each pass of so many instructions, every form in turn."""
+    draw, cpu = random.Random(seed), Scattered()
+    order: list[Encoding] = []
+    for at in range(count):
+        if not order:
+            order = list(forms)
+            draw.shuffle(order)
+        if at % 4 == 0:
+            stir(cpu, draw)
+        row = order.pop()
+        pair = pair_of(row, draw)
+        cpu.pc, cpu.repeat, cpu.passes = AT, -1, 0
+        cpu.memory[AT], cpu.memory[AT + 1] = pair >> 16, pair & 0xFFFF
+        cpu.written(AT)
+        cpu.written(AT + 1)
+        cpu.left = 3 if row.repeated and draw.random() < 0.25 else 0
+        cpu.rb = draw.getrandbits(32) if draw.random() < 0.1 else 0
+        while True:
+            cpu.stores.clear()
+            try:
+                taken: int | str = cpu.step()
+            except IllegalOperation as refused:
+                taken, cpu.left = str(refused), 0
+            yield (
+                f"{at} {row.id} {pair:08x} {taken} {cpu.acc:x} {cpu.p:x} {cpu.xt:x} {list(cpu.xar)} {cpu.dp:x} "
+                f"{cpu.sp:x} {cpu.rpc:x} {cpu.pc:x} {cpu.st0():x} {cpu.whole_st1():x} {cpu.ier:x} {cpu.ifr:x} "
+                f"{cpu.dbgier:x} {list(cpu.r)} {cpu.stf:x} {cpu.rb:x} {cpu.repeat} {cpu.left} {cpu.ea} {cpu.stores}"
+            )
+            if not cpu.left or cpu.pc != AT:
+                break
+
+
+def digests(count: int, seed: int = 1) -> list[str]:
+    """The form that runs, then a digest of all up to each BLOCK instructions."""
+    digest, lines, begun = blake2b(digest_size=12), [form.running], 0
+    for line in passes(count, seed):
+        at = int(line.split(" ", 1)[0])
+        if at // BLOCK > begun:
+            lines.append(f"{begun * BLOCK} {digest.hexdigest()}")
+            begun = at // BLOCK
+        digest.update(line.encode())
+    return [*lines, f"{begun * BLOCK} {digest.hexdigest()}"]
+
+
+def main() -> None:
+    numbers = [int(text) for text in sys.argv[1:]]
+    count, seed = numbers[0], numbers[1] if len(numbers) > 1 else 1
+    if len(numbers) == 4:
+        print(
+            *(line for line in passes(count, seed) if numbers[2] <= int(line.split(" ", 1)[0]) < numbers[3]), sep="\n"
+        )
+    else:
+        print(*digests(count, seed), sep="\n")
+
+
+if __name__ == "__main__":
+    main()

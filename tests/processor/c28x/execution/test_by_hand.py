@@ -1,0 +1,351 @@
+"""What the table says in prose: shifts, compares, branches, the stack, repeats, bytes, division; cycles."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from typing import NamedTuple
+
+import pytest
+
+from periph_sim.processor.c28x.encodings import Encoding, encodings
+from periph_sim.processor.c28x.execution.registers import IllegalOperation
+from tests.processor.c28x.execution.flat import Flat, loaded, ran
+
+DRAW = random.Random(13)
+WORDS32 = [0, 1, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF, *(DRAW.getrandbits(32) for _ in range(8))]
+WORDS16 = [0, 1, 0x7FFF, 0x8000, 0xFFFF, *(DRAW.getrandbits(16) for _ in range(4))]
+
+
+def signed(value: int, bits: int) -> int:
+    return value - (1 << bits) if value >> bits - 1 else value
+
+
+class Shift(NamedTuple):
+    """mask: of T, where the count is there. kind: L left, A arithmetic, R logical, S as SXM says."""
+
+    source: str
+    bits: int
+    kind: str
+    mask: int = 0
+
+
+WIDE_SHIFTS = (("LSL64", "L"), ("LSR64", "R"), ("ASR64", "A"))
+SHIFTS = [
+    *(Shift(f"LSL ACC,#{n}", 32, "L") for n in (1, 16)),
+    *(Shift(f"SFR ACC,#{n}", 32, "S") for n in (1, 16)),
+    Shift("LSL ACC,T", 32, "L", 15),
+    Shift("LSLL ACC,T", 32, "L", 31),
+    Shift("SFR ACC,T", 32, "S", 15),
+    Shift("ASRL ACC,T", 32, "A", 31),
+    Shift("LSRL ACC,T", 32, "R", 31),
+    *(Shift(f"{name} ACC:P,#{n}", 64, kind) for name, kind in WIDE_SHIFTS for n in (1, 16)),
+    *(Shift(f"{name} ACC:P,T", 64, kind, 63) for name, kind in WIDE_SHIFTS),
+    *(Shift(f"{name} AH,#{n}", 16, kind) for name, kind in (("LSL", "L"), ("LSR", "R"), ("ASR", "A")) for n in (1, 16)),
+    *(Shift(f"{name} AH,T", 16, kind, 15) for name, kind in (("LSL", "L"), ("LSR", "R"), ("ASR", "A"))),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("shift", SHIFTS, ids=[shift.source for shift in SHIFTS])
+@pytest.mark.parametrize("sxm", [0, 1])
+def test_shifts(shift: Shift, sxm: int):
+    for acc in WORDS32:
+        t = DRAW.choice((0, 1, 15, 31, 63, DRAW.getrandbits(16)))
+        cpu, _ = ran(shift.source, acc=acc, p=0x8765_4321, xt=t << 16, sxm=sxm)
+        value = {16: acc >> 16, 32: acc, 64: acc << 32 | 0x8765_4321}[shift.bits]
+        count = t & shift.mask if shift.mask else int(shift.source.rpartition("#")[2])
+        arithmetic = shift.kind == "A" or (shift.kind == "S" and sxm)
+        wide = signed(value, shift.bits) if arithmetic else value
+        expected = (wide << count if shift.kind == "L" else wide >> count) & (1 << shift.bits) - 1
+        last = wide >> shift.bits - count if shift.kind == "L" else wide >> count - 1 if count else 0
+        seen = {16: cpu.acc >> 16, 32: cpu.acc, 64: cpu.acc_p() & (1 << 64) - 1}[shift.bits]
+        assert (seen, cpu.c) == (expected, last & 1 if count else 0), (acc, t)
+        assert (cpu.n, cpu.z) == (expected >> shift.bits - 1, int(expected == 0))
+
+
+@pytest.mark.parametrize(
+    ("source", "bits"), [("CMPL ACC,@XT", 32), ("CMP AL,@T", 16), ("CMP @T,#0x8000", 16), ("CMPB AL,#255", 16)]
+)
+def test_compares_have_the_sign_of_the_exact_difference(source: str, bits: int):
+    for a in WORDS32 if bits == 32 else WORDS16:
+        for b in WORDS32 if bits == 32 else WORDS16:
+            cpu, _ = ran(source, acc=a, xt=b if bits == 32 else b << 16)
+            first, second = {"CMP @T,#0x8000": (b, 0x8000), "CMPB AL,#255": (a, 255)}.get(source, (a, b))
+            exact = signed(first, bits) - signed(second, bits)
+            assert (cpu.n, cpu.z, cpu.c) == (int(exact < 0), int(exact == 0), int(first >= second))
+            assert cpu.acc == a
+
+
+CONDITIONS = {
+    "NEQ": lambda z, n, c, v, tc: not z, "EQ": lambda z, n, c, v, tc: z, "GT": lambda z, n, c, v, tc: not z and not n,
+    "GEQ": lambda z, n, c, v, tc: not n, "LT": lambda z, n, c, v, tc: n, "LEQ": lambda z, n, c, v, tc: z or n,
+    "HI": lambda z, n, c, v, tc: c and not z, "HIS": lambda z, n, c, v, tc: c, "LO": lambda z, n, c, v, tc: not c,
+    "LOS": lambda z, n, c, v, tc: not c or z, "NOV": lambda z, n, c, v, tc: not v, "OV": lambda z, n, c, v, tc: v,
+    "NTC": lambda z, n, c, v, tc: not tc, "TC": lambda z, n, c, v, tc: tc, "UNC": lambda z, n, c, v, tc: True,
+}  # fmt: skip
+COST = {"SB": (7, 4), "B": (7, 4), "BF": (4, 4)}  # taken, not [SPRU430F]
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+@pytest.mark.parametrize("branch", COST)
+def test_branches_by_all_conditions_and_their_cycles(branch: str, name: str):
+    for bits in range(32):
+        z, n, c, v, tc = (bits >> place & 1 for place in range(5))
+        cpu = loaded(f"{branch} 0x8010,{name}")
+        cpu.z, cpu.n, cpu.c, cpu.v, cpu.tc = z, n, c, v, tc
+        cycles = cpu.step()
+        taken = bool(CONDITIONS[name](z, n, c, v, tc))
+        assert cpu.pc == (0x8010 if taken else 0x8000 + (1 if branch == "SB" else 2))
+        assert cycles == (4 if (branch, name) == ("SB", "UNC") else COST[branch][0 if taken else 1])
+        assert cpu.v == (0 if "OV" in name else v)
+
+
+@pytest.mark.parametrize(("name", "flag"), [("EQ", "z"), ("TC", "tc")])
+def test_fast_short_branches(name: str, flag: str):
+    for value in (0, 1):
+        for source, wanted in ((f"SBF 0x8005,{name}", 1), (f"SBF 0x8005,N{name}", 0)):
+            cpu = loaded(source)
+            setattr(cpu, flag, value)
+            assert cpu.step() == 4
+            assert cpu.pc == (0x8005 if value == wanted else 0x8001)
+
+
+def test_banz_counts_the_lower_half_down_and_leaves_the_upper_one():
+    cpu = loaded("BANZ 0x8000,AR3--")
+    cpu.put_xars({3: 0x1234_0002})
+    assert [cpu.step(), cpu.pc, cpu.step(), cpu.pc, cpu.step(), cpu.pc] == [4, 0x8000, 4, 0x8000, 2, 0x8002]
+    assert cpu.xar[3] == 0x1234_FFFF
+
+
+def test_calls_keep_the_return_address_in_rpc_and_the_one_before_on_the_stack():
+    cpu = loaded("LCR #0x338000")
+    cpu.rpc = 0x31_2345
+    assert (cpu.step(), cpu.pc, cpu.rpc, cpu.sp) == (4, 0x338000, 0x8002, 0x402)
+    assert (cpu.memory[0x400], cpu.memory[0x401]) == (0x2345, 0x31)
+    cpu.memory[0x338000] = 0x0006  # LRETR
+    assert (cpu.step(), cpu.pc, cpu.rpc, cpu.sp) == (4, 0x8002, 0x31_2345, 0x400)
+
+
+PAIRS = {
+    "AR1:AR0": (0x1000_0001, 0x2000_0002), "AR1H:AR0H": (0x1000_0001, 0x2000_0002), "DP": 0x1C5, "P": 0x1234_5678,
+    "ST0": 0, "T:ST0": 0, "RPC": 0x12_3456, "RB": 0x4000_0001, "XAR5": 0x1234_5678, "ACC": 0, "@AL": 0, "ST1": 0,
+    "DP:ST1": 0x1C5, "AR3:AR2": 0, "AR5:AR4": 0, "DBGIER": 0, "IFR": 0, "XT": 5,
+}  # fmt: skip
+
+
+def state_of(cpu: Flat) -> list[object]:
+    registers = [cpu.acc, cpu.p, cpu.xt, list(cpu.xar), cpu.dp, cpu.rpc, cpu.rb, cpu.st0(), cpu.whole_st1(), cpu.dbgier]
+    return [*registers, cpu.ifr, cpu.sp]
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_what_is_pushed_is_popped(name: str):
+    cpu = loaded(f"PUSH {name}\nPOP {name}")
+    cpu.acc, cpu.p, cpu.xt, cpu.xar = 0x8765_4321, 0x1234_5678, 0x0BAD_CAFE, [0x1111_1111 * n + n for n in range(8)]
+    cpu.dp, cpu.rpc, cpu.rb, cpu.dbgier, cpu.ifr = 0x1C5, 0x12_3456, 0x4123_4567, 3, 5
+    cpu.put_st0(0x5283)
+    before = state_of(cpu)
+    cpu.step()
+    pushed = cpu.sp - 0x400
+    stored = [cpu.memory[0x400 + at] for at in range(pushed)]
+    cpu.acc ^= 0x5555 if name == "@AL" else 0
+    cpu.step()
+    if name in ("@AL", "ACC"):  # its flags come with it
+        assert (cpu.acc, cpu.n, cpu.z) == (0x8765_4321, int(name == "ACC"), 0)
+        cpu.put_st0(0x5283)
+    assert state_of(cpu) == before
+    assert pushed == len(stored) == (1 if name in ("DP", "ST0", "ST1", "@AL", "DBGIER", "IFR") else 2)
+
+
+def test_the_second_name_of_a_pair_is_the_lower_half():
+    cpu = loaded("PUSH AR1:AR0\nPUSH T:ST0\nPUSH DP:ST1")
+    cpu.put_xars({0: 0xAAAA_0001, 1: 0xBBBB_0002})
+    cpu.xt, cpu.dp = 0x0003_0000, 0x0004
+    for _ in range(3):
+        cpu.step()
+    assert [cpu.memory[0x400 + at] for at in range(6)] == [1, 2, 0, 3, 0x0A0B, 4]
+
+
+def test_asp_makes_sp_even_and_nasp_takes_that_back():
+    for sp in (0x400, 0x401):
+        cpu = loaded("ASP\nNASP")
+        cpu.sp = sp
+        cpu.step()
+        assert cpu.sp == 0x400 + 2 * (sp & 1)
+        cpu.step()
+        assert cpu.sp == sp
+
+
+def test_repeat_runs_once_more_than_its_count_and_costs_a_cycle_a_pass():
+    cpu, cycles = ran("RPT #9\nNOP")
+    assert cycles == 1 + 10
+    cpu, cycles = ran("RPT @AL\nADDB ACC,#1", acc=3)  # not repeatable: once
+    assert (cpu.acc, cycles) == (4, 4 + 1)
+
+
+@pytest.mark.parametrize("mnemonic", ["SETC", "CLRC"])
+def test_status_bits_take_a_second_cycle_where_intm_or_dbgm_is_among_them(mnemonic: str):
+    """SPRU430F, SETC and CLRC mode: 1, 2. DINT is SETC INTM and EINT CLRC INTM."""
+    names = ("SXM", "OVM", "TC", "C", "INTM", "DBGM", "VMAP")
+    chosen = [mask for size in range(1, 8) for mask in itertools.combinations(names, size)]
+    took = {mask: ran(f"{mnemonic} {','.join(mask)}")[1] for mask in chosen}
+    assert took == {mask: 2 if "INTM" in mask or "DBGM" in mask else 1 for mask in chosen}
+
+
+REPEATED = [row for row in encodings() if row.repeated and row.mnemonic not in ("IN", "OUT", "UOUT")]
+
+
+@pytest.mark.parametrize("row", REPEATED, ids=[row.id for row in REPEATED])
+@pytest.mark.parametrize("count", [0, 5])
+def test_a_repeated_instruction_takes_what_the_table_says_of_its_passes(row: Encoding, count: int):
+    """RPT #0 in front is one pass, which takes N + k with N = 0 [SPRU430F chapter 6, CYC; SPRUEO2A MACF32]."""
+    pair = row.pair({name: 0x84 if name == "l" else 1 for name in row.fields})
+    words = (pair >> 16, pair & 0xFFFF)[: row.words]
+    cpu, at = loaded(f"RPT #{count}"), 0x8001
+    for word in words:
+        cpu.memory[at] = word
+        at += 1
+    cpu.step()
+    took = cpu.step()
+    while cpu.left:
+        took += cpu.step()
+    assert took == count + row.repeated
+
+
+def test_repeated_program_reads_step_in_a_shadow_of_xar7():
+    cpu = loaded("MOVL XAR7,#0x9000\nMOVL XAR6,#0xA000\nRPT #3\nPREAD *XAR6++,*XAR7\nESTOP0")
+    cpu.memory |= {0x9000 + at: 10 + at for at in range(4)}
+    cycles = 0
+    while not cpu.stopped:
+        cycles += cpu.step()
+    assert [cpu.memory[0xA000 + at] for at in range(4)] == [10, 11, 12, 13]
+    assert (cpu.xar[7], cpu.xar[6], cycles - 4) == (0x9000, 0xA004, 1 + 1 + 1 + 3 + 2)
+
+
+def test_a_block_is_repeated_and_costs_nothing_for_its_end():
+    cpu, cycles = ran("RPTB 0x800A,#4\n" + "ADDB ACC,#1\n" * 8)
+    assert (cpu.acc, cycles, cpu.rb >> 30) == (5 * 8, 1 + 5 * 8, 0)
+
+
+def test_division_by_repeated_conditional_subtraction():
+    for _ in range(20):
+        dividend, divisor = DRAW.getrandbits(16), DRAW.randrange(1, 1 << 15)
+        cpu, _ = ran("RPT #15\nSUBCU ACC,@T", acc=dividend, xt=divisor << 16)
+        assert divmod(dividend, divisor) == (cpu.acc & 0xFFFF, cpu.acc >> 16)
+        dividend, divisor = DRAW.getrandbits(32), DRAW.randrange(1, 1 << 31)
+        cpu, _ = ran("MOVB ACC,#0\nRPT #31\nSUBCUL ACC,@XT", p=dividend, xt=divisor)
+        assert divmod(dividend, divisor) == (cpu.p, cpu.acc)
+
+
+def test_norm_shifts_redundant_sign_bits_out_and_counts_them():
+    for acc, count in ((1, 30), (0xFFFF_FFFF, 31), (0x4000_0000, 0), (0x0001_0000, 14)):
+        cpu, _ = ran("RPT #31\nNORM ACC,XAR2++", acc=acc)
+        assert (cpu.acc, cpu.xar[2], cpu.tc) == (acc << count & 0xFFFF_FFFF, count, 1)
+
+
+def test_csb_counts_them_at_once():
+    for acc, count in ((1, 30), (0xFFFF_FFFF, 31), (0x4000_0000, 0), (0, 31), (0x8000_0000, 0)):
+        cpu, _ = ran("CSB ACC", acc=acc)
+        assert (cpu.xt >> 16, cpu.tc) == (count, acc >> 31)
+
+
+def test_bytes_of_a_32_bit_variable():
+    """The byte-swap example of the MOVB pages."""
+    cpu = loaded("\n".join(f"MOVB AL.LSB,*+XAR4[{n}]\nMOVB *+XAR5[{3 - n}],AL.LSB" for n in range(4)))
+    cpu.put_xars({4: 0x9000, 5: 0x9002})
+    cpu.memory |= {0x9000: 0x5678, 0x9001: 0x1234}
+    for _ in range(8):
+        cpu.step()
+    assert (cpu.memory[0x9002], cpu.memory[0x9003]) == (0x3412, 0x7856)
+
+
+MODES = [  # operand of MOV AL; XAR2 before and after; the word that is read
+    ("*XAR2++", 0x9000, 0x9001, 0x9000), ("*--XAR2", 0x9001, 0x9000, 0x9000), ("*+XAR2[5]", 0x9000, 0x9000, 0x9005),
+    ("*+XAR2[AR0]", 0x9000, 0x9000, 0x9003), ("*+XAR2[AR1]", 0x9000, 0x9000, 0x9007), ("*", 0x9000, 0x9000, 0x9000),
+    ("*++", 0x9000, 0x9001, 0x9000), ("*--", 0x9000, 0x8FFF, 0x9000), ("*0++", 0xFFFF, 0x1_0002, 0xFFFF),
+    ("*0--", 0x1_0000, 0xFFFD, 0x1_0000), ("*BR0++", 0x9000, 0x9000 ^ 0, 0x9000), ("*,ARP5", 0x9000, 0x9000, 0x9000),
+    ("*-SP[3]", 0, 0, 0x3FD), ("@0x3F", 0, 0, 0x7143F & 0x3FFFFF), ("*SP++", 0, 0, 0x400), ("*--SP", 0, 0, 0x3FF),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("operand", "before", "after", "address"), MODES, ids=[row[0] for row in MODES])
+def test_operand_modes(operand: str, before: int, after: int, address: int):
+    cpu = loaded(f"MOV AL,{operand}")
+    cpu.put_xars({0: 0xAAAA_0003, 1: 0xBBBB_0007, 2: before})
+    cpu.arp, cpu.dp = 2, 0x71400 >> 6
+    cpu.memory[address] = 0x4242
+    if operand == "*BR0++":
+        cpu.put_xars({0: 0x0008})
+        after = 0x9008
+    cpu.step()
+    assert (cpu.acc & 0xFFFF, cpu.xar[2]) == (0x4242, after)
+    assert cpu.sp == {"*SP++": 0x401, "*--SP": 0x3FF}.get(operand, 0x400)
+    assert cpu.arp == (5 if "ARP5" in operand else 2)
+
+
+def test_circular_buffer_ends_where_ar1_says():
+    cpu = loaded("MOV AL,*AR6%++\n" * 4)
+    cpu.put_xars({1: 2, 6: 0x3_9001})
+    for address in (0x3_9002, 0x3_9000, 0x3_9001, 0x3_9002):
+        cpu.step()
+        assert cpu.xar[6] == address
+
+
+def test_a_load_wins_over_the_side_effect_of_its_own_mode():
+    cpu = loaded("MOVL XAR7,*XAR7++")
+    cpu.put_xars({7: 0x9000})
+    cpu.memory |= {0x9000: 0x1234, 0x9001: 0x5678}
+    cpu.step()
+    assert cpu.xar[7] == 0x5678_1234
+
+
+def test_32_bits_at_an_odd_address_are_those_of_the_pair():
+    cpu = loaded("MOVL ACC,*XAR4++")
+    cpu.put_xars({4: 0x9001})
+    cpu.memory |= {0x9000: 1, 0x9001: 2}
+    cpu.step()
+    assert (cpu.acc, cpu.xar[4]) == (0x0002_0001, 0x9003)
+
+
+def test_saturation_by_the_count_of_overflows():
+    for ovc, acc, v in ((0, 5, 0), (3, 0x7FFF_FFFF, 1), (-1, 0x8000_0000, 1)):
+        cpu, _ = ran("SAT ACC", acc=5, ovc=ovc, v=1 - v, c=1)
+        assert (cpu.acc, cpu.v, cpu.ovc, cpu.c) == (acc, v, 0, 0)
+
+
+def test_a_delay_loop_takes_five_cycles_a_pass():
+    """DELAY_US of TI's start-up code."""
+    few, many = (ran("SUBB ACC,#1\nBF 0x8000,GEQ", acc=passes)[1] for passes in (10, 110))
+    assert many - few == 5 * 100
+
+
+def test_code_that_is_written_over_is_decoded_anew():
+    cpu = loaded("NOP\nSB 0x8000,UNC")
+    cpu.step(), cpu.step()
+    cpu.store16(0x8000, 0x0901)  # ADDB ACC,#1
+    cpu.step()
+    assert cpu.acc == 1
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        ("ITRAP0", "illegal instruction"),
+        ("ITRAP1", "erased flash"),
+        ("SETC AMODE", "C2xLP"),
+        ("SETC PAGE0", "C27x"),
+        ("OUT *(5),@AL", "I/O space"),
+        ("B 0x8000,NBIO", "NBIO"),
+        ("DMOV @AL", "also writes the next address"),
+    ],
+)
+def test_what_the_chip_or_this_model_refuses(source: str, sentence: str):
+    with pytest.raises(IllegalOperation, match=sentence):
+        loaded(source).step()
+
+
+def test_words_that_are_no_instruction():
+    cpu = loaded("NOP")
+    cpu.memory[0x8000] = 0xE271
+    with pytest.raises(IllegalOperation, match="0xe271 0x0000 is not an instruction of the F28335"):
+        cpu.step()

@@ -1,0 +1,152 @@
+"""The FPU against numpy's float32 and against exact fractions."""
+
+from __future__ import annotations
+
+import random
+import struct
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from periph_sim.processor.c28x.execution import float32
+from tests.processor.c28x.execution.flat import Flat, loaded
+
+DRAW = random.Random(1)
+EDGES = [0x0000_0000, 0x8000_0000, 0x3F80_0000, 0xBF80_0000, 0x0080_0000, 0x7F7F_FFFF, 0x3F80_0001, 0x4B80_0000]
+BITS = [*EDGES, *(DRAW.getrandbits(1) << 31 | DRAW.randrange(100, 160) << 23 | DRAW.getrandbits(23) for _ in range(40))]
+
+
+def number(bits: int) -> np.float32:
+    return np.float32(struct.unpack("<f", struct.pack("<I", bits))[0])
+
+
+def bits_of(value: object) -> int:
+    return int(struct.unpack("<I", struct.pack("<f", value))[0])
+
+
+def flushed(bits: int) -> int:
+    """Denormal results are 0 here."""
+    return bits if bits >> 23 & 0xFF else 0
+
+
+@pytest.mark.parametrize(("source", "operation"), [
+    ("ADDF32 R0H,R1H,R2H", np.add), ("SUBF32 R0H,R1H,R2H", np.subtract), ("MPYF32 R0H,R1H,R2H", np.multiply),
+])  # fmt: skip
+def test_nearest_even_as_ieee(source: str, operation: np.ufunc):
+    cpu = loaded(source)
+    cpu.stf = 1 << 9
+    for a in BITS:
+        for b in BITS:
+            cpu.put_floats({1: a, 2: b})
+            cpu.pc = 0x8000
+            cpu.step()
+            with np.errstate(all="ignore"):
+                expected = bits_of(operation(number(a), number(b)))
+            seen = cpu.r[0]
+            assert seen & 0x7FFF_FFFF == flushed(expected) & 0x7FFF_FFFF or abs(number(expected)) < 1.2e-38, (
+                f"{a:#x} {b:#x}"
+            )
+            assert seen & 0x7FFF_FFFF == 0 or seen >> 31 == expected >> 31
+
+
+def exact(bits: int) -> Fraction:
+    return Fraction(float32.mantissa_of(bits)) * Fraction(2) ** float32.exponent_of(bits)
+
+
+def test_towards_zero_is_the_largest_float_that_is_not_beyond():
+    for a in BITS:
+        for b in BITS:
+            for result, true in (
+                (float32.sum_of(a, b, False), exact(a) + exact(b)),
+                (float32.product_of(a, b, False), exact(a) * exact(b)),
+            ):
+                if result & (float32.OVERFLOW | float32.UNDERFLOW):
+                    continue
+                seen, above = exact(result), exact(result + 1 if result & 0x7FFF_FFFF else 0x0080_0000)
+                assert abs(seen) <= abs(true)
+                assert abs(true) < abs(above) or true == seen
+
+
+def test_overflow_and_underflow_set_their_flags_and_keep_them():
+    cpu = loaded("MPYF32 R0H,R1H,R2H\nMPYF32 R3H,R4H,R5H\nADDF32 R6H,R7H,R7H")
+    cpu.put_floats({1: 0x7F00_0000, 2: 0x7F00_0000, 4: 0x0080_0000, 5: 0x0080_0000})
+    cpu.step()
+    assert (cpu.r[0], cpu.stf & 3) == (float32.INFINITY, 1)
+    cpu.step(), cpu.step()
+    assert (cpu.r[3], cpu.stf & 3) == (0, 3)
+
+
+def test_conversions():
+    for value in (0.0, 0.5, 1.5, 2.5, -0.5, -1.5, -2.5, 3.7, -3.7, 32767.0, 40000.0, -40000.0, 3e9, -3e9, 7e9):
+        bits = bits_of(value)
+        as_integer = int(value)
+        assert float32.to_integer(bits, -(1 << 31), (1 << 31) - 1) == max(-(1 << 31), min((1 << 31) - 1, as_integer))
+        assert float32.to_integer(bits, -0x8000, 0x7FFF, True) == max(-0x8000, min(0x7FFF, round(value)))
+        assert float32.to_integer(bits, 0, 0xFFFF) == max(0, min(0xFFFF, as_integer))
+        assert number(float32.fraction(bits)) == np.float32(np.float32(value) - np.trunc(np.float32(value)))
+    for integer in (0, 1, -1, 0x7FFF_FFFF, -0x8000_0000, 16777217, 0xFFFF_FFFF):
+        assert float32.from_integer(integer, True) == bits_of(np.float32(integer))
+
+
+def test_estimates_are_good_to_8_bits():
+    for value in (1.0, 3.0, 0.1, 1e10, 7e-12, 255.9):
+        inverse = number(float32.estimate_of_inverse(bits_of(value)))
+        root = number(float32.estimate_of_inverse_root(bits_of(value)))
+        assert abs(inverse * value - 1) < 2**-8
+        assert abs(root * value**0.5 - 1) < 2**-8
+
+
+def compared(a: float, b: float) -> tuple[int, int]:
+    cpu = loaded("CMPF32 R0H,R1H")
+    cpu.put_floats({0: bits_of(a), 1: bits_of(b)})
+    cpu.step()
+    return cpu.stf >> 2 & 1, cpu.stf >> 3 & 1  # NF, ZF
+
+
+def test_compare():
+    assert [compared(1, 2), compared(2, 1), compared(-1, -1), compared(0.0, -0.0), compared(-1, 1e-40)] == [
+        (1, 0), (0, 0), (0, 1), (0, 1), (1, 0)
+    ]  # fmt: skip
+
+
+def test_flags_reach_st0():
+    cpu = loaded("CMPF32 R0H,#0.0\nMOVST0 NF,ZF")
+    cpu.put_floats({0: bits_of(-3.0)})
+    cpu.step(), cpu.step()
+    assert (cpu.n, cpu.z) == (1, 0)
+
+
+def parallel(source: str) -> Flat:
+    cpu = loaded(source)
+    cpu.r = [bits_of(float(n)) for n in range(8)]
+    cpu.put_xars({4: 0x9000})
+    cpu.store32(0x9000, bits_of(100.0))
+    cpu.step()
+    return cpu
+
+
+def test_both_halves_of_a_pair_read_what_was_there_before():
+    cpu = parallel("MPYF32 R0H,R1H,R2H || ADDF32 R1H,R3H,R4H")
+    assert [number(cpu.r[n]) for n in (0, 1)] == [2.0, 7.0]
+    cpu = parallel("ADDF32 R3H,R1H,R2H || MOV32 *XAR4,R3H")
+    assert (number(cpu.load32(0x9000)), number(cpu.r[3])) == (3.0, 3.0)
+    cpu = parallel("MACF32 R3H,R2H,R2H,R4H,R5H || MOV32 R1H,*XAR4")
+    assert [number(cpu.r[n]) for n in (3, 2, 1)] == [5.0, 20.0, 100.0]
+
+
+def test_repeated_multiply_and_accumulate_has_two_sums():
+    cpu = loaded("RPT #3\nMACF32 R7H,R3H,*XAR4++,*XAR7++")
+    cpu.put_xars({4: 0x9000, 7: 0xA000})
+    for at in range(4):
+        cpu.store32(0x9000 + 2 * at, bits_of(float(at + 1)))
+        cpu.store32(0xA000 + 2 * at, bits_of(10.0))
+    for _ in range(5):
+        cpu.step()
+    assert [number(cpu.r[n]) for n in (3, 2, 7, 6)] == [10.0, 30.0, 20.0, 40.0]
+
+
+def test_moves_between_the_fpu_and_the_cpu_name_a_window():
+    cpu = loaded("MOV32 *(0:0x0F16),@ACC\nMOV32 @XAR3,*(0:0x0F16)")
+    cpu.acc = 0x1234_5678
+    assert (cpu.step(), cpu.r[1], cpu.step(), cpu.xar[3]) == (1, 0x1234_5678, 1, 0x1234_5678)

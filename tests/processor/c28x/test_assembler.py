@@ -1,0 +1,259 @@
+"""Source and words: of every form there is, and the other way round by the decoder, which reads the same table."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.processor.c28x.assembler import BadInstruction, parse
+from periph_sim.processor.c28x.decoder import decode_at
+from periph_sim.processor.c28x.encodings import Encoding, encodings
+from periph_sim.processor.c28x.expressions import BadExpression, evaluate
+from tests.processor.c28x.operand_texts import lines
+from tests.processor.c28x.test_decoder import SHOWN
+
+AT = 0x8000
+FORMS = [row for row in encodings() if row.objmode != "0" and not row.alias_of]
+
+
+def words(source: str, at: int = AT, **symbols: int) -> tuple[int, ...]:
+    return parse(source, at, symbols).words(at, symbols)
+
+
+@pytest.mark.parametrize(("expected", "source"), SHOWN, ids=[text for _, text in SHOWN])
+def test_words(expected: tuple[int, ...], source: str):
+    assert words(source) == expected
+
+
+def pairs(row: Encoding) -> st.SearchStrategy[int]:
+    fields = {name: st.integers(0, place.mask) for name, place in row.fields.items()}
+    return st.fixed_dictionaries(fields).map(row.pair)
+
+
+@given(st.data())
+def test_what_the_decoder_shows_of_any_form_assembles_to_the_same_instruction(draw: st.DataObject):
+    row = draw.draw(st.sampled_from(FORMS))
+    pair = draw.draw(pairs(row))
+    assert_round_trip(row, pair)
+
+
+@pytest.mark.parametrize("row", FORMS, ids=[row.id for row in FORMS])
+def test_both_ends_of_every_field_make_the_round(row: Encoding):
+    for end in (0, 1):
+        assert_round_trip(row, row.pair({name: place.mask * end for name, place in row.fields.items()}))
+
+
+def assert_round_trip(row: Encoding, pair: int) -> None:
+    found = decode_at(AT, pair >> 16, pair & 0xFFFF)
+    if found is None:  # a condition or a register that the form does not have
+        assert {"w", "l"} & row.fields.keys()
+        return
+    again = words(found.text)
+    back = decode_at(AT, again[0], again[-1])
+    assert back is not None
+    assert (back.text, back.words) == (found.text, len(again))
+    assert back.words < found.words or back.encoding is found.encoding
+    if back.encoding is found.encoding:
+        field = found.values.get("l")
+        both_shown_alike = "32" in row.syntax and field in (0xA8, 0xAA)  # ACC and P have two values each
+        assert back.values == (found.values | {"l": field + 1} if both_shown_alike else found.values)
+
+
+def test_the_shortest_form_is_taken():
+    assert words("MOV @AL,#0") == (0x2BA9,)
+    assert words("MOV @AL,#1") == (0x28A9, 1)
+    assert words("NOP") == (0x7700,)
+
+
+def test_case_and_spaces_are_free():
+    assert words("  mpyf32   r0h , R1H,r2h||  addf32 R3H,R4H,R5H ") == words("MPYF32 R0H,R1H,R2H || ADDF32 R3H,R4H,R5H")
+    assert words("mov al, *+xar4[ 3 ]") == (0x92DC,)
+
+
+@pytest.mark.parametrize(
+    ("short", "written_out"),
+    [
+        ("ADD AL,AH", "ADD AL,@AH"),
+        ("MOVZ AR4,SP", "MOVZ AR4,@SP"),
+        ("ADDL XAR4,ACC", "ADDL @XAR4,ACC"),
+        ("TBIT AL,#3", "TBIT @AL,#3"),
+        ("LSR AL,6", "LSR AL,#6"),
+        ("LSL ACC,T", "LSL ACC,T"),
+        ("SPM #0", "SPM 0"),
+        ("LCR there", "LCR #there"),
+        ("MOV ACC,#1000", "MOV ACC,#1000<<#0"),
+        ("XOR ACC,#1<<3", "XOR ACC,#1<<#3"),
+    ],
+)
+def test_what_compilers_leave_out(short: str, written_out: str):
+    """No @ before a register, no # before a shift or where a call goes, no shift by 0."""
+    assert words(short, there=0x33_8000) == words(written_out, there=0x33_8000)
+
+
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        ("MOV32 R0H,ACC", (0xBDA9, 0x0F12)),
+        ("MOV32 R7H,@XAR3", (0xBDA3, 0x0F2E)),
+        ("MOV32 XT,R1H", (0xBFAC, 0x0F16)),
+        ("MOV32 @P,R2H", (0xBFAB, 0x0F1A)),
+    ],
+)
+def test_moves_between_registers_of_cpu_and_fpu_name_the_address_of_the_latter(source: str, expected: tuple[int, ...]):
+    """R0H is at 0x0F12, and each next one four words behind it [SPRUEO2A, MOV32]."""
+    assert words(source) == expected
+
+
+def test_interrupts_are_switched_by_a_bit_of_setc_and_clrc():
+    """And take what these take for that bit [SPRU430F, DINT, EINT]."""
+    for name, source in (("DINT", "SETC INTM"), ("EINT", "CLRC INTM")):
+        row, other = parse(name, AT, {}).encoding, parse(source, AT, {}).encoding
+        assert words(name) == words(source)
+        assert row.cycles == other.cycles_of({"y": 0x10})[0] == 2
+
+
+def test_push_and_pop_of_32_bits_are_their_moves():
+    assert words("PUSH XAR4") == words("MOVL *SP++,XAR4")
+    assert words("POP ACC") == words("MOVL ACC,*--SP")
+
+
+def test_symbols_of_data_are_the_word_of_their_page_and_of_code_the_distance():
+    assert words("MOV @I2CMDR,#0x4600", I2CMDR=0x7909) == (0x2809, 0x4600)
+    assert words("SB wait,NTC", wait=AT - 3) == (0x6CFD,)
+    assert words("LCR #main", main=0x33_8000) == (0x7673, 0x8000)
+
+
+def test_a_symbol_that_comes_later_fits_until_it_is_known():
+    parsed = parse("SB later,EQ", AT, {})
+    assert parsed.words(AT, {"later": AT + 2}) == (0x6102,)
+    with pytest.raises(BadInstruction, match="reaches -128 to 127"):
+        parsed.words(AT, {"later": AT + 200})
+    with pytest.raises(BadInstruction, match="'later' is not defined"):
+        parsed.words(AT, {})
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        ("MOVV AL,@AR4", "there is no instruction 'MOVV'; did you mean"),
+        ("MOVB AL", "has none of the operands of MOVB: MOVB ACC,#8"),
+        ("ADDB ACC,#256", "'#256' is 256, outside 0 to 255"),
+        ("ADDB AL,#200", "outside -128 to 127"),
+        ("LSL ACC,#17", "outside 1 to 16"),
+        ("ADD ACC,@AL<<#0", "outside 1 to 15"),
+        ("MOV AL,*-SP[64]", "outside 0 to 63"),
+        ("ADDF32 R0H,#0.1,R1H", "more than the upper half"),
+        ("LCR #0x400000", "outside 0 to"),
+        ("MOVW DP,#1 +", "not a number"),
+        ("SETFLG RND=2", "not a flag of STF"),
+        ("I16TOF32 R0H,@AL", "'@AL' is not an operand of I16TOF32, whose mem16 is memory"),
+        ("MOVL ACC,@SP", "'@SP' is not an operand of MOVL, whose loc32 is memory or a register of 32 bits"),
+        ("MOV32 STF,@ACC", "whose mem32 is memory"),
+        ("MOV32 R0H,@SP", "whose mem32 is memory"),
+    ],
+)
+def test_refused_in_one_sentence(source: str, sentence: str):
+    with pytest.raises(BadInstruction) as error:
+        words(source)
+    assert sentence in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("source", "least", "most"),
+    [
+        ("MOVB ACC,#{}", 0, 255), ("ADDB AL,#{}", -128, 127), ("MOV AL,#{}", -0x8000, 0xFFFF), ("RPT #{}", 0, 255),
+        ("MOVZ DP,#{}", 0, 1023), ("MOVW DP,#{}", -0x8000, 0xFFFF), ("MOVL XAR4,#{}", 0, 0x3F_FFFF),
+        ("ADDB XAR4,#{}", 0, 127),
+        ("LSL ACC,#{}", 1, 16), ("LSR AL,#{}", 1, 16), ("TBIT @0,#{}", 0, 15), ("MOV AL,*-SP[{}]", 0, 63),
+        ("MOV AL,*+XAR4[{}]", 0, 7), ("TRAP #{}", 0, 31), ("MOVIZ R0H,#{:#x}", 0, 0xFFFF), ("LCR #{}", 0, 0x3F_FFFF),
+        ("SETFLG {}=1", 0, 10), ("XB {},UNC", 0x3F_0000, 0x3F_FFFF), ("MOV *(0:{}),@AL", 0, 0xFFFF),
+        ("RPTB {},#1", AT + 2, AT + 129), ("SB {},EQ", AT - 128, AT + 127), ("B {},EQ", AT - 0x8000, AT + 0x7FFF),
+        ("MPY P,T,#{}", -0x8000, 0xFFFF), ("ADD @0,#{}", -0x8000, 0xFFFF), ("MOVB AL.LSB,*+XAR4[{}]", 0, 7),
+    ],
+)  # fmt: skip
+def test_a_number_is_taken_from_the_least_to_the_most_that_its_field_holds(source: str, least: int, most: int):
+    for number in (least, most):
+        words(source.format(number))
+    for number in (least - 1, most + 1):
+        with pytest.raises(BadInstruction):
+            words(source.format(number))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("0x7900 + 2", 0x7902),
+        ("1F2h", 0x1F2),
+        ("'A'", 65),
+        ("(table+4)&0x3F", 5),
+        ("$ - 2", AT - 2),
+        ("~1", -2),
+        ("9/2", 4),
+        ("-9/2", -5),
+        ("9%4", 1),
+        ("2*3+1", 7),
+        ("2+3*4", 14),
+        ("+5", 5),
+        ("-5", -5),
+        ("7-2-1", 4),
+        ("6&3", 2),
+        ("6|1", 7),
+        ("6^3", 5),
+        ("16>>2", 4),
+        ("1<<0", 1),
+        ("1<<64", 1 << 64),
+        ("8>>64", 0),
+        ("1h", 1),
+        ("_a.b$c", 7),
+        ("';'", 59),
+        ("0b11", 3),
+    ],
+)
+def test_expressions(text: str, value: int):
+    assert evaluate(text, {"table": 0x41, "_a.b$c": 7}, AT) == value
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "1 +",
+        "1/0",
+        "1%0",
+        "1 << 65",
+        "1 >> 65",
+        "1 << -1",
+        "x",
+        "not 1",
+        "1 < 2",
+        "1 and 1",
+        "f(1)",
+        "[1]",
+        "1.5",
+        "a b",
+        "'",
+        "9**9",
+        "None",
+    ],
+)
+def test_what_is_no_expression(text: str):
+    with pytest.raises(BadExpression):
+        evaluate(text, {}, AT)
+
+
+# Every form with every operand --------------------------------------------------------------------------------------
+
+SYNTAXES = [
+    *((row.id, row.syntax) for row in encodings() if row.objmode != "0"),
+    *((f"{row.id} also", row.also) for row in encodings() if row.objmode != "0" and row.also),
+]
+
+
+@pytest.mark.parametrize(("form", "syntax"), SYNTAXES, ids=[form for form, _ in SYNTAXES])
+def test_assembled_decoded_and_assembled_again_the_words_are_the_same(form: str, syntax: str):
+    for source in dict.fromkeys(lines(syntax, AT)):
+        first = words(source)
+        found = decode_at(AT, first[0], first[-1])
+        assert found is not None and found.words == len(first), f"{source!r} of {form} is no instruction"
+        assert words(found.text) == first, f"{source!r} of {form} is shown as {found.text!r}"

@@ -1,0 +1,62 @@
+"""firmware/c/imu_hil.c answers on the wires with the bytes of the same program in Python and in machine code."""
+
+from __future__ import annotations
+
+import re
+import shutil
+
+import pytest
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.processor.image_files.assemble import SHIPPED
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.case.unit_table import Unit
+from periph_sim.scene.result import Result
+from periph_sim.scene.scene import Scene
+from tests.scene.runs import TIMING
+
+pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc, which compiles C sources, is not installed")
+
+ARITHMETIC = {"arithmetic": "bytes", "model_cost": "1 us"}
+
+
+def run(case: Case) -> tuple[list[tuple[str, int | str]], Result]:
+    """What goes over the bus and is sent over the UART, in its order; and the result."""
+    told: list[Record] = []
+    scene = Scene(case, lambda recorder, _: recorder.subscribe([Kind.BUS, Kind.FRAME], told.append))
+    result = scene.run()
+    return [(record.what, record.value) for record in told if record.where != "RX"], result
+
+
+def with_program(case: Case, **program: object) -> Case:
+    unit = Unit(modules=case.unit["dsp"].modules, pins=case.unit["dsp"].pins, **program)
+    return case.model_copy(update={"unit": {"dsp": unit}})
+
+
+def test_the_emulator_in_c_answers_with_the_bytes_of_its_twins():
+    case = load(TIMING / "imu_hil_c.toml")
+    in_c, result = run(case)
+    python, _ = run(with_program(case, firmware="imu_hil", settings=ARITHMETIC))
+    image, _ = run(with_program(case, image=str(SHIPPED / "imu_hil.asm")))
+    assert in_c == python == image
+    assert result.verdict == "pass" and result.counts["rounds"] == 2
+    assert len({value for what, value in in_c if what == "byte"}) > 10
+
+
+def test_bit_fields_of_the_header_are_those_of_the_maps():
+    """Names and positions of f28335.h, against the maps of the models."""
+    header = (SHIPPED.parent / "c" / "f28335.h").read_text(encoding="utf-8")
+    scene = Scene(load(TIMING / "imu_hil_c.toml"))
+    maps = [place.socket.chip.MAP for place in scene.units["dsp"].memory.places.values()]
+    checked = 0
+    for name, body in re.findall(r"struct (\w+)_BITS \{(.*?)\};", header, re.S):
+        fields = {field.name: (field.lsb, field.mask) for one in maps if name in one for field in one[name].fields}
+        lsb = 0
+        for field, width in re.findall(r"uint16_t (\w+) : (\d+);", body):
+            if not field.startswith("reserved"):
+                assert fields[field] == (lsb, ((1 << int(width)) - 1) << lsb), f"{name}.{field}"
+                checked += 1
+            lsb += int(width)
+        assert lsb == 16, name
+    assert checked > 40

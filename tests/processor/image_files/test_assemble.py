@@ -1,0 +1,199 @@
+"""Source of a program, and the image that it is or the line that is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.processor.c28x.decoder import sweep
+from periph_sim.processor.image_files import assemble as assemble_module
+from periph_sim.processor.image_files.assemble import assemble, assemble_file, sources_of
+from periph_sim.processor.image_files.inspection import inspect
+from periph_sim.processor.image_files.load import load
+from periph_sim.processor.image_files.model import BadImage
+from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
+
+ROOT = Path(__file__).resolve().parents[3]
+ECHO = ROOT / "firmware" / "c28x" / "sci_echo.asm"
+BEGUN = '.sect ".text", 0x8000\n_c_int00: NOP\n'
+
+
+def words(source: str) -> tuple[int, ...]:
+    return tuple(assemble(BEGUN + source).sections[0].words[1:])
+
+
+def test_sections_stand_where_the_source_says():
+    found = assemble(
+        BEGUN
+        + '.sect "ramfuncs", 0x9000, 0x320000\nLRETR\n.sect ".econst", 0xA000\n.word 1\n.reserve ".bss", 0x400, 9\n'
+    )
+    assert [(one.name, one.run, one.address, one.size, one.code) for one in found.sections] == [
+        (".text", 0x8000, 0x8000, 1, True),
+        ("ramfuncs", 0x9000, 0x320000, 1, True),
+        (".econst", 0xA000, 0xA000, 1, False),
+        (".bss", 0x400, 0x400, 9, False),
+    ]
+
+
+def test_data():
+    assert words(".word 1, -1, 'A', 0x10 + 2") == (1, 0xFFFF, 65, 0x12)
+    assert words(".long 0x12345678, -2") == (0x5678, 0x1234, 0xFFFE, 0xFFFF)
+    assert words('.string "a;b", "c"  ; a comment') == (97, 59, 98, 99)
+    assert words(".space 3") == (0, 0, 0)
+
+
+def test_the_ends_of_what_a_word_holds():
+    assert words(".word 0xFFFF, -0x8000") == (0xFFFF, 0x8000)
+    assert words(".long 0xFFFFFFFF, -0x80000000") == (0xFFFF, 0xFFFF, 0, 0x8000)
+
+
+def test_here_is_the_address_of_a_line_and_0_before_any_section():
+    assert words(".word $, $\n.long $") == (0x8001, 0x8002, 0x8003, 0)
+    found = assemble("BEFORE .set $ + 5\n" + BEGUN + "AT .set $\n")
+    assert [one.address for one in found.symbols] == [5, 0x8000, 0x8001]
+
+
+def test_a_section_and_an_include_have_their_most(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.setattr(assemble_module, "MOST_WORDS", 4)
+    assert words(".space 3") == (0, 0, 0)
+    for directive, sentence in (
+        (".space 4", "section '.text' has more than 4 words"),
+        (".space 5", "'5' is 5, which is not a valid number of words"),
+    ):  # fmt: skip
+        with pytest.raises(BadImage, match=f"^line 3: {sentence}$"):
+            words(directive)
+    monkeypatch.setattr(assemble_module, "MOST_INCLUDES", 2)
+    for name, inner in (("a", "b"), ("b", "c")):
+        (tmp_path / f"{name}.inc").write_text(f'.include "{inner}.inc"\n')
+    (tmp_path / "c.inc").write_text("NOP\n")
+    source = f'{BEGUN}.include "{{}}.inc"\n.include "c.inc"'
+    assert len(assemble(source.format("b"), tmp_path / "x.asm").sections[0].words) == 3
+    with pytest.raises(BadImage, match=r'b\.inc, line 1: "c\.inc": .include is nested more than 2 deep'):
+        assemble(source.format("a"), tmp_path / "x.asm")
+
+
+def test_a_file_beside_a_source_hides_a_shipped_one(tmp_path: Path):
+    (tmp_path / "f28335.inc").write_bytes(b"\xef\xbb\xbfI2CMDR .set 7")  # with the mark of UTF-8 at its begin
+    assert assemble(f'.include "f28335.inc"\n{BEGUN}.word I2CMDR', tmp_path / "x.asm").sections[0].words[1] == 7
+
+
+def test_labels_before_and_behind_their_use():
+    assert words("a: SB b,EQ\n SB a,UNC\nb: LRETR") == (0x6102, 0x6FFF, 0x0006)
+    assert words("MOVL XAR4,#table\ntable: .long table") == (0x8F00, 0x8003, 0x8003, 0)
+
+
+def test_alignment_is_filled_with_nops():
+    assert words(".align 4\nLRETR") == (0x7700, 0x7700, 0x7700, 0x0006)
+    assert words(".align 0\n.align 1\nLRETR") == (0x0006,)
+
+
+def test_repeat_on_one_line_or_on_two():
+    assert words("RPT #9 || NOP") == words("RPT #9\n || NOP") == (0xF609, 0x7700)
+
+
+def test_functions_are_what_is_global_and_the_entry():
+    found = assemble(BEGUN + "wait: NOP\n_f: LRETR\n .global _f\nSIZE .set 3\n")
+    assert [(one.name, one.external, one.label, one.section) for one in found.symbols] == [
+        ("_c_int00", True, False, ".text"),
+        ("wait", False, True, ".text"),
+        ("_f", True, False, ".text"),
+        ("SIZE", False, False, ""),
+    ]
+
+
+def test_files_are_included_from_beside_the_source_else_from_the_shipped_ones(tmp_path: Path):
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "inner" / "a.inc").write_text('.include "b.inc"\nA .set B + 1')
+    (tmp_path / "inner" / "b.inc").write_text("B .set 4 ; beside a.inc")
+    source = tmp_path / "x.asm"
+    source.write_text('.include "inner/a.inc"\n.include "f28335.inc"\n' + BEGUN + ".word A, I2CMDR")
+    assert assemble_file(source)[0].sections[0].words[1:] == (5, 0x7909)
+    assert [one.name for one in sources_of(source)] == ["x.asm", "a.inc", "f28335.inc", "b.inc"]
+
+
+def test_a_mistake_in_an_included_file_is_told_with_its_own_line(tmp_path: Path):
+    (tmp_path / "a.inc").write_text("\nA .set 1 +\n")
+    (tmp_path / "x.asm").write_text(BEGUN + '.include "a.inc"')
+    with pytest.raises(BadImage, match=r"x\.asm: a\.inc, line 2: '1 \+' is not a number"):
+        assemble_file(tmp_path / "x.asm")
+
+
+def test_files_that_include_each_other_are_refused(tmp_path: Path):
+    (tmp_path / "a.inc").write_text('.include "a.inc"')
+    (tmp_path / "x.asm").write_text(BEGUN + '.include "a.inc"')
+    with pytest.raises(BadImage, match=r"\.include is nested more than 8 deep"):
+        assemble_file(tmp_path / "x.asm")
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        ("NOP", "line 1: no section is open"),
+        ('.sect ".text"', 'line 1: .sect ".text" is not .sect'),
+        (BEGUN + "MOVE AL,AH", "line 3: there is no instruction 'MOVE'"),
+        (BEGUN + "SB nowhere,EQ", "line 3: 'nowhere' is not defined"),
+        (BEGUN + ".space 200\nSB _c_int00,EQ", "line 4: '_c_int00' is -201 words away"),
+        (BEGUN + "_c_int00: NOP", "line 3: '_c_int00' is defined twice"),
+        (BEGUN + ".word 0x10000", "line 3: '0x10000' is 65536, which does not fit 16 bits"),
+        (BEGUN + ".word -0x8001", "line 3: '-0x8001' is -32769, which does not fit 16 bits"),
+        (BEGUN + ".long 1 << 32", "line 3: '1 << 32' is 4294967296, which does not fit 32 bits"),
+        (BEGUN + ".long -0x80000001", "line 3: '-0x80000001' is -2147483649, which does not fit 32 bits"),
+        ('.sect ".text", 1, 2, 3', 'line 1: .sect ".text", 1, 2, 3 is not .sect "NAME", ADDRESS [, LOAD ADDRESS]'),
+        ('.sect ".text", 1, -2', 'is not .sect "NAME", ADDRESS [, LOAD ADDRESS]'),
+        (".sect text, 1", 'is not .sect "NAME", ADDRESS [, LOAD ADDRESS]'),
+        ('.reserve ".x", 1', 'is not .reserve "NAME", ADDRESS, WORDS'),
+        ('.reserve ".x", 1, 2, 3', 'is not .reserve "NAME", ADDRESS, WORDS'),
+        (BEGUN + '.reserve ".x", 1, 2\n.reserve ".x", 3, 4', "line 4: section '.x' is defined twice"),
+        (BEGUN + '.reserve ".text", 1, 2', "line 3: section '.text' is defined twice"),
+        (BEGUN + '.reserve ".x", 1, 2\n.sect ".x", 3', "line 4: section '.x' is defined twice"),
+        (BEGUN + ".space -1", "not a valid number of words"),
+        (BEGUN + ".space 1 << 40", "not a valid number of words"),
+        (BEGUN + ".align 0x400001", "not a valid number of words"),
+        (BEGUN + ".string x", "not a text in double quotes"),
+        (BEGUN + ".pragma x", "line 3: there is no directive '.pragma'"),
+        (BEGUN + ".global _g", "line 3: '_g' is .global, but not defined"),
+        (BEGUN + "NOP\n.entry main", "line 4: the entry 'main' is not defined"),
+        ('.sect ".text", 0x8000\nmain: NOP', "its entry '_c_int00' is not defined; define it, or set another one"),
+        (BEGUN + ".include none", "line 3: .include none is not .include"),
+        (BEGUN + '.include "none.inc"', "none.inc: No such file"),
+        (BEGUN + '.include "x.asm"', "'.text' is defined twice"),
+        (BEGUN + "AND @0,#1 <<", "line 3: '1 <<' is not a number"),
+        (BEGUN + '.sect ".text", 0x9000', "line 3: section '.text' is defined twice"),
+        (BEGUN + '.sect ".d", 0x8000\n.word 1', "overlap at 0x008000"),
+        (BEGUN + '.sect ".d", 0x7900\n.word 1', "over peripheral registers"),
+    ],
+)
+def test_refused_in_one_sentence(tmp_path: Path, source: str, sentence: str):
+    file = tmp_path / "x.asm"
+    file.write_text(source)
+    with pytest.raises(BadImage) as error:
+        assemble_file(file)
+    assert sentence in str(error.value)
+    assert str(error.value).startswith(f"{file}: ")
+
+
+def test_the_shipped_program_is_written_and_read_back(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    came = periph_sim("assemble", str(ECHO), str(tmp_path / "echo.out"))
+    assert (came.status, came.out) == (0, f"{tmp_path / 'echo.out'}: 55 words in 1 section, entry 0x009000\n")
+    found = inspect(load(tmp_path / "echo.out"))
+    assert [one.name for one in found.functions] == ["_c_int00", "_echo", "_start_sci"]
+    assert {"SCIRXBUF", "SCITXBUF", "PLLCR"} <= {one.name for one in found.registers}
+    source = assemble_file(ECHO)[0].sections[0]
+    assert [str(one) for one in sweep(0x9000, source.words)][:4] == [
+        "MOV @SP,#0x400", "EALLOW", "MOVW DP,#0x1c0", "MOV @0x29,#0x68"
+    ]  # fmt: skip
+
+
+def test_bad_source_is_one_sentence_and_status_2(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    (tmp_path / "x.asm").write_bytes(b"\xff\xfe")
+    for source in ("x.asm", "none.asm"):
+        came = periph_sim("assemble", str(tmp_path / source), str(tmp_path / "x.out"))
+        assert came.status == 2
+        assert came.err.startswith(f"Error: {tmp_path / source}: ") and came.err.count("\n") == 1
+        assert not (tmp_path / "x.out").exists()
+
+
+def test_an_alignment_may_be_all_of_program_space():
+    sections = assemble(BEGUN + 'NOP\n.sect ".d", 0\n.align 0x400000\n.word 1').sections
+    assert [[*section.words] for section in sections if section.name == ".d"] == [[1]]

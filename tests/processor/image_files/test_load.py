@@ -1,0 +1,197 @@
+"""Bytes of a linker's output file, and the image that they are or one sentence why they are none."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.processor.image_files.load import load, parse
+from periph_sim.processor.image_files.model import BadImage, Section
+from periph_sim.processor.image_files.write_coff2 import write
+from tests.processor.image_files.own_images import CODE, ENTRY, NAMES, elf, image, text
+
+SECTION_AT = 22 + 28  # the first section header of a COFF file
+GOOD = write(image())
+
+
+def changed(data: bytes, at: int, layout: str, value: int) -> bytes:
+    return data[:at] + struct.pack(f"<{layout}", value) + data[at + struct.calcsize(f"<{layout}") :]
+
+
+def refused(data: bytes) -> str:
+    with pytest.raises(BadImage) as error:
+        parse(data)
+    return str(error.value)
+
+
+def test_coff2_by_hand():
+    """A file written field by field from SPRAAO8, with no code of ours."""
+    words = (0x7625, 0x7700)
+    raw_at = 22 + 28 + 2 * 48
+    header = struct.pack("<HHiIIHHH", 0xC2, 2, 0, raw_at + 4, 2, 28, 0x1183, 0x9D)
+    optional = struct.pack("<HHIIIIII", 0x0108, 22006, 2, 0, 0, 0x8001, 0, 0)
+    code = struct.pack("<8sIIIIIIIIIHH", b".text", 0x8000, 0x320000, 2, raw_at, 0, 0, 0, 0, 0x120, 0, 0)
+    bss = struct.pack("<8sIIIIIIIIIHH", struct.pack("<II", 0, 4), 0x400, 0x400, 9, 0, 0, 0, 0, 0, 0x180, 0, 1)
+    function = struct.pack("<8sIhHBB", b"_main", 0x8001, 1, 0, 2, 0)
+    file = struct.pack("<8sIhHBB", b".file", 0, -2, 0, 103, 0)
+    strings = struct.pack("<I", 17) + b".long_stack1\0"
+    with pytest.raises(BadImage, match="entry 0x008001"):  # where it runs, and nothing is at first
+        parse(header + optional + code + bss + struct.pack("<2H", *words) + function + file + strings)
+    optional = struct.pack("<HHIIIIII", 0x0108, 22006, 2, 0, 0, 0x320001, 0, 0)
+    found = parse(header + optional + code + bss + struct.pack("<2H", *words) + function + file + strings)
+    assert (found.kind, found.entry, found.tool_version) == ("TI COFF2", 0x320001, 22006)
+    first, second = found.sections
+    assert (first.name, first.address, first.run, first.words, first.code) == (".text", 0x320000, 0x8000, words, True)
+    assert (second.name, second.address, second.size, second.loaded) == (".long_stack1", 0x400, 9, False)
+    assert [(one.name, one.address, one.section, one.external) for one in found.symbols] == [
+        ("_main", 0x8001, ".text", True)
+    ]
+
+
+def test_what_is_written_is_read():
+    found = parse(GOOD)
+    assert [(one.name, one.address, one.run, one.size, one.code) for one in found.sections] == [
+        (".text", ENTRY, ENTRY, len(CODE), True),
+        (".econst", 0x9000, 0x9000, 3, False),
+        (".stack", 0x400, 0x400, 0x300, False),
+    ]
+    assert found.symbols == NAMES
+    assert [one.words[0x9001 - one.address :] for one in found.loaded if one.address <= 0x9001 < one.end] == [
+        (0xFFFF, 3)
+    ]
+    assert found.entry == ENTRY
+
+
+def test_a_written_section_has_no_relocations_and_no_line_numbers():
+    """Neither pointers nor counts of them, behind the contents' place."""
+    assert struct.unpack_from("<IIII", GOOD, SECTION_AT + 24) == (0, 0, 0, 0)
+
+
+def test_names_of_more_than_8_characters_are_read_where_no_symbol_is_left():
+    """As strip leaves a file."""
+    found = parse(write(image(text(), Section("a_long_name", 0x9000, 0x9000, 1, (1,)))))
+    assert [one.name for one in found.sections] == [".text", "a_long_name"] and found.symbols == ()
+
+
+def test_elf_is_loaded_at_its_segments_physical_address_and_counts_bytes():
+    found = parse(elf())
+    first, second = found.sections
+    assert (found.kind, found.entry) == ("ELF", 0x320000)
+    assert (first.name, first.address, first.run, first.words, first.code) == (".text", 0x320000, ENTRY, CODE, True)
+    assert (second.name, second.address, second.size, second.loaded) == (".bss", 0x400, 0x10, False)
+    assert [(one.name, one.address, one.section) for one in found.symbols] == [("main", ENTRY, ".text")]
+
+
+def test_elf_tells_code_from_data_by_the_flag_of_instructions():
+    """A word of .text's flags without SHF_EXECINSTR: then no code is at the entry."""
+    data = elf()
+    flags = data.rindex(struct.pack("<IIII", 1, 1, 2 | 4, ENTRY)) + 8
+    assert parse(data).sections[0].code
+    assert "not in a loaded code" in refused(changed(data, flags, "I", 2))
+
+
+def test_elf_section_that_reaches_beyond_its_segment_is_loaded_by_none():
+    segment = 52  # behind the header
+    assert "no segment loads" in refused(changed(elf(), segment + 16, "I", 2 * len(CODE) - 2))
+
+
+def test_sections_that_are_not_loaded():
+    """By their flags: dummy, not loaded, copied for debuggers, reserved."""
+    for flag in (0x01, 0x02, 0x10, 0x80):
+        data = changed(GOOD, SECTION_AT + 48 + 40, "I", 0x40 | flag)
+        assert not parse(data).sections[1].loaded, flag
+    for flag in (0x40, 0x140, 0x20, 0x120):
+        assert parse(changed(GOOD, SECTION_AT + 48 + 40, "I", flag)).sections[1].loaded
+
+
+def test_cinit_of_ram_model_is_applied_by_the_loader():
+    records = (2, 0x9100, 7, 8, 0xFFFF, 0x9200, 0x0000, 9, 0, 5)  # two words; -1: one word at a 22-bit address; the end
+    data = write(image(text(), Section(".cinit", 0x9000, 0x9000, len(records), records)))
+    found = parse(changed(data, SECTION_AT + 48 + 40, "I", 0x50))
+    assert found.initial == ((0x9100, (7, 8)), (0x9200, (9,)))
+    whole = write(image(text(), Section(".cinit", 0x9000, 0x9000, 4, records[:4])))  # without the record that ends it
+    assert parse(changed(whole, SECTION_AT + 48 + 40, "I", 0x50)).initial == ((0x9100, (7, 8)),)
+    assert "record of .cinit" in refused(
+        changed(changed(data, SECTION_AT + 48 + 40, "I", 0x50), len(data) - 24, "H", 90)
+    )
+
+
+REFUSED = [
+    (b"", "neither TI COFF nor ELF"),
+    (b"#!/bin/sh\n", "neither TI COFF nor ELF"),
+    (GOOD[:10], "truncated: its header"),
+    (GOOD[:40], "truncated: its optional header"),
+    (GOOD[: SECTION_AT + 50], "truncated: its section table"),
+    (changed(GOOD, 0, "H", 0xC1), "COFF1 for C24x or an older target"),
+    (changed(GOOD, 20, "H", 0x98), "COFF2 for TMS320C54x"),
+    (changed(GOOD, 20, "H", 0x1234), "target 0x1234"),
+    (changed(GOOD, 18, "H", 0x0101), "partly linked"),
+    (changed(GOOD, 16, "H", 0), "optional header has 0 bytes"),
+    (changed(GOOD, SECTION_AT + 32, "I", 4), "section '.text' has relocations"),
+    (changed(GOOD, SECTION_AT + 16, "I", 0x10000), "truncated: section '.text' ends at byte"),
+    (changed(GOOD, 8, "I", 1 << 31), "truncated: its symbol table"),
+    (changed(GOOD, 22 + 16, "I", 0x9000), "entry 0x009000 is not in a loaded code"),
+    (write(image(text(), text(address=0x8008, name=".text.2"))), "sections '.text' and '.text.2' overlap at 0x008008"),
+    (write(image(text(address=0x7900))), "'.text' lies at 0x007900, over peripheral registers (peripheral frame 2)"),
+    (write(image(text(address=0xD00))), "over peripheral registers (PIE vectors)"),
+    (write(image(text(address=0x3FE000))), "over ROM (boot ROM)"),
+    (write(image(text(address=0x33FFF8))), "at 0x340000, where the F28335 has nothing"),
+    (write(image(text(address=0x82000))), "at 0x082000, where the F28335 has nothing; an F2837x has its flash there"),
+    (write(image(text(address=0x12000))), "at 0x012000, where the F28335 has nothing; an F2806x and an F2837x have"),
+    (write(image(text(address=0x3E8000))), "at 0x3e8000, where the F28335 has nothing; an F281x, F280x, F2803x or F2"),
+    (write(image(text(address=0x320000, run=0x7900), entry=0x320000)), "'.text' lies at 0x007900"),
+    (write(image(Section("Cla1Prog", 0x9000, 0x9000, 1, (1,)))), "a part with a CLA"),
+    (write(image(Section(".econst", 0x9000, 0x9000, 1, (1,)))), "not in a loaded code section"),
+    (write(image(Section(".ebss", 0x9000, 0x9000, 1))), "it has no loaded section"),
+    (elf(machine=40), "ELF for ARM"),
+    (elf(kind=1), "object file"),
+    (elf()[:-10], "ELF structure is damaged"),
+]
+
+
+@pytest.mark.parametrize(("data", "sentence"), REFUSED, ids=[sentence for _, sentence in REFUSED])
+def test_refused_in_one_sentence(data: bytes, sentence: str):
+    said = refused(data)
+    assert sentence in said
+    assert "\n" not in said and len(said) < 200
+
+
+def test_a_damaged_name_is_quoted_and_shortened():
+    data = write(image(text(name="\n\1\2" + "x" * 500)))
+    said = refused(changed(data, SECTION_AT + 32, "I", 4))
+    assert "has relocations" in said and said.isprintable() and len(said) < 200
+
+
+def test_a_refusal_names_the_file(tmp_path: Path):
+    file = tmp_path / "x.out"
+    with pytest.raises(BadImage, match=r"x\.out: No such file"):
+        load(file)
+    file.write_bytes(b"MZ")
+    with pytest.raises(BadImage, match=r"x\.out: it is neither"):
+        load(file)
+
+
+def parsed_or_refused(data: bytes) -> None:
+    try:
+        found = parse(data)
+    except BadImage:
+        return
+    assert found.code
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_behind_a_coff_header_are_parsed_or_refused(tail: bytes):
+    parsed_or_refused(GOOD[:22] + tail)
+
+
+@given(st.sampled_from((GOOD, elf())), st.data())
+def test_a_damaged_file_is_parsed_or_refused(data: bytes, draw: st.DataObject):
+    places = draw.draw(st.lists(st.tuples(st.integers(0, len(data) - 1), st.integers(0, 255)), max_size=8))
+    damaged = bytearray(data)
+    for at, byte in places:
+        damaged[at] = byte
+    parsed_or_refused(bytes(damaged[: draw.draw(st.integers(len(data) // 2, len(data)))]))

@@ -2,7 +2,7 @@
 
 That study had no stalls of the pipeline, and told of I2C when the target acknowledged its address. So its times are met
 without stalls; with them the start-up is later by what the rules of docs/images.md take, held here to the cycle.
-Skipped where `PERIPH_SIM_IMAGES` names no folder of them. The rows are in tests/processor/image_files/public_images.toml.
+Skipped where `PERIPH_SIM_IMAGES` names no folder of them. Rows: tests/processor/image_files/public_images.toml.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ def other_form(count: int, seed: int) -> list[str]:
 @pytest.mark.long
 @pytest.mark.skipif(form.running != COMPILED, reason="compared by the tests of the compiled form: make core")
 def test_registers_memory_and_cycles_are_equal() -> None:
-    """Where they differ: python -m tests.processor.c28x.execution.random_instructions COUNT SEED FROM TO, in both forms."""
+    """In both forms, python -m tests.processor.c28x.execution.random_instructions COUNT SEED FROM TO shows where."""
     count, seed = (1_000_000, 2) if explores() else (20_000, 1)
     assert count > 40 * len(FORMS)
     compiled, interpreted = digests(count, seed), other_form(count, seed)

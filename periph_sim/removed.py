@@ -33,7 +33,6 @@ MOVED = {  # modules and packages of earlier versions, which one release still f
     "periph_sim.devices.attitude": "periph_sim.imu.attitude",
     "periph_sim.devices.samples": "periph_sim.imu.samples",
     "periph_sim.dissertation": "periph_sim.imu",
-    "periph_sim.pytest_plugin": "periph_sim.interfaces.pytest_plugin",
     "periph_sim.scene.case.sensor_sets": "periph_sim.imu.parameter_sets",
     "periph_sim.scene.case.sensor_sets_text": "periph_sim.imu.parameter_sets",
     "periph_sim.sensors": "periph_sim.imu",

@@ -149,7 +149,16 @@ ROWS: dict[str, Row] = {
 
 # What stands in front of scenes, or beside them: rooms of the package, and of others. No scene needs one of them.
 DOORS = (
-    *("__main__", "api", "cli", "outside.", "commands.", "pytest_plugin.", "reports.", "explain.", "replay."),
+    *(
+        "__main__",
+        "api",
+        "cli",
+        "outside.",
+        "interfaces.commands.",
+        "interfaces.pytest_plugin.",
+        "interfaces.reports.",
+        "replay.",
+    ),
     *("imu.commands.", "imu.moving.", "traces.formats.", "traces.compliance.", "traces.diff.", "traces.drawing."),
 )
 OTHERS = (

@@ -114,8 +114,8 @@ NAMED = ("recording", "budgets on lost flags")  # by this case, but for the bare
 COMMAND = "import sys; sys.argv[1:] = {}; from periph_sim.cli import run_command; run_command()"
 OPENED: dict[str, tuple[str, tuple[str, ...], set[str]]] = {
     "from Python": ("import periph_sim; periph_sim.run('small.toml')", ("api",), set()),
-    "run": (COMMAND.format(["run", "small.toml"]), ("cli", "commands."), {"click"}),
-    "run --json": (COMMAND.format(["run", "small.toml", "--json"]), ("cli", "commands."), {"click"}),
+    "run": (COMMAND.format(["run", "small.toml"]), ("cli", "interfaces.commands."), {"click"}),
+    "run --json": (COMMAND.format(["run", "small.toml", "--json"]), ("cli", "interfaces.commands."), {"click"}),
     "recorded": (
         "import periph_sim; periph_sim.run('small.toml', record='run.jsonl')",
         ("api", "traces.formats."),

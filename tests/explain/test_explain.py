@@ -295,16 +295,17 @@ def test_a_load_is_told_by_all_of_the_last_part_of_the_run():
 
 
 def answered(measure: str, cycles: int) -> Chain:
-    """A read of one byte, for which the firmware computes."""
+    """Reads of one byte, for each of which the firmware computes."""
 
     def answer(i2c: Any, dsp: Dsp) -> None:
-        dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
-        i2c.I2CSTR.all = 0x4000
-        dsp.compute(cycles)
-        i2c.I2CDXR.all = 1
-        dsp.compute(20)
-        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
-        i2c.I2CSTR.SCD = 1
+        while True:
+            dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+            i2c.I2CSTR.all = 0x4000
+            dsp.compute(cycles)
+            i2c.I2CDXR.all = 1
+            dsp.compute(20)
+            dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+            i2c.I2CSTR.SCD = 1
 
     return explained(answer, measure, {"address": 0x50, "count": 1}, limit="1 us").chain
 

@@ -246,7 +246,7 @@ def _beside(evidence: Evidence, ends: Ends) -> Finding:
 def _periods(evidence: Evidence, ends: Ends) -> Finding:
     """Find the periods before and after an event whose jitter is measured."""
     at, record = evidence.window.begin, ends.begin
-    if record is None or evidence.window.verdict.unit != "us" or not looks_at(ends.measure, record):
+    if record is None or not ends.jitter or evidence.window.verdict.unit != "us" or not looks_at(ends.measure, record):
         return Finding()
     ticks = [r.tick for r in evidence.window.records if (r[2:6]) == record[2:6]]
     before = max((tick for tick in ticks if tick < at), default=at)

@@ -84,7 +84,7 @@ def test_a_stretch_is_told_from_the_flag_to_the_write_that_ends_it():
         "byte 1: 0x00 ACK",
         "SCL held low by dsp: span frame, begun 102.520 us before",
         "I2C-A.I2CSTR read, 0x5610 (XRDY = 1) (the look before it that saw the newest change)",
-        "I2C-A.I2CDXR written, 0x0003 (caused it)",
+        "I2C-A.I2CDXR written, 0x0003, for which SCL was held 97.800 us",
         "SCL rises",
     ]
     assert told[2].startswith("SCIRXINTA entered, preempting the wait for I2C-A.I2CSTR.XRDY or SCD at imu_hil.py:")

@@ -52,7 +52,14 @@ def test_its_worst_is_explained_from_the_frame_to_the_read():
     (worst,) = [verdict for verdict in scene.run().budgets if verdict.name == "model age"]
     explained = explain(case, [worst])["model age"]
     told = [step.what for step in explained.chain.steps]
-    assert "RX: " in told[0] and told[0].endswith(" is over") and told[-1].startswith("repeated START, magnetometer")
+    before = [step.what for step in explained.chain.steps if step.at < 0]
+    (frame,) = [step.what for step in explained.chain.steps if step.at == 0]
+    assert [what.partition(",")[0] for what in before] == [
+        "SCI-A.SCIFFRX.RXFFINT set (the request that set it)",
+        "SCIRXINTA entered",
+    ], "of the last character, which the module takes before its stop bit is over"
+    assert frame.startswith("RX: ") and frame.endswith(" is over")
+    assert told[-1].startswith("repeated START, magnetometer")
     assert any("model" in one for one in told)
     assert explained.chain.length == explained.window.end - explained.window.begin == round(worst.worst * 3000)
 

@@ -32,6 +32,7 @@ class Ends:
     """begin, end: the records there; None if there is none, as at the end of the run.
 
     kinds: of the records that the measure looks at. thing: the name of those that it takes, "" for events.
+    jitter: the value is the difference between two values of the measure.
     """
 
     begin: Record | None
@@ -39,17 +40,18 @@ class Ends:
     kinds: frozenset[Kind]
     thing: str
     measure: Measure
+    jitter: bool
 
     @classmethod
     def of(cls, evidence: Evidence) -> Ends:
         window, case = evidence.window, evidence.case
-        measure = measure_named(window.verdict.measure, scope_of_case(case))
+        measure = judged = measure_named(window.verdict.measure, scope_of_case(case))
         while isinstance(measure, Jitter):
             measure = measure.of
         begin, end = (_at(evidence, measure, tick) for tick in (window.begin, window.end))
         last = measure.matchers[-1] if isinstance(measure, EventMeasure) else None
         thing = last.what if last is not None and last.thing is not None else ""
-        return cls(begin, end, measure.kinds, thing, measure)
+        return cls(begin, end, measure.kinds, thing, measure, isinstance(judged, Jitter))
 
     @property
     def on_the_bus(self) -> bool:

@@ -45,7 +45,7 @@ def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Recor
         if write is None:
             yield byte, None, f"{said}, which was not written to I2CDXR within the records kept"
             continue
-        early = f", written {evidence.span(byte.tick - write.tick)} before its end"
+        early = f", written to I2CDXR {evidence.span(byte.tick - write.tick)} before its end"
         other = next((p for p in evidence.phases if p.begin <= write.tick <= p.end and p.begin < phase.begin), None)
         where = "" if write.tick >= phase.begin else f", for {other}" if other else ", before the read's START"
         yield byte, write, f"{said}{early}{where}"

@@ -13,7 +13,7 @@ from fractions import Fraction
 from itertools import groupby
 from typing import NamedTuple
 
-from ....core.records import Kind
+from ....core.records import Kind, Record
 from ....records.record_text import bus_byte, happened, on_the_bus
 from .chain import Part, Step
 from .device_evidence import answering, bytes_of_device, note_of_device, sender
@@ -94,8 +94,14 @@ def answered(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]
     free = max((let_go for let_go, _ in evidence.stretches(phase.begin, until)), default=until)
     if last is None:
         return []
-    how = "for which SCL was held" if last.tick > free else f"{evidence.span(free - last.tick)} before SCL is released"
-    return [evidence.step(last, f"{happened(last)}, {how}")]
+    if last.tick > free:
+        return [awaited(evidence, last, free)]
+    return [evidence.step(last, f"{happened(last)}, {evidence.span(free - last.tick)} before SCL is released")]
+
+
+def awaited(evidence: Evidence, access: Record, let_go: int) -> Step:
+    """Return a step of the access for which SCL was held low from the tick at which the controller released it."""
+    return evidence.step(access, f"{happened(access)}, for which SCL was held {evidence.span(access.tick - let_go)}")
 
 
 def _refused(evidence: Evidence, ends: Ends) -> Finding:
@@ -246,7 +252,7 @@ def _beside(evidence: Evidence, ends: Ends) -> Finding:
 def _periods(evidence: Evidence, ends: Ends) -> Finding:
     """Find the periods before and after an event whose jitter is measured."""
     at, record = evidence.window.begin, ends.begin
-    if record is None or evidence.window.verdict.unit != "us" or not looks_at(ends.measure, record):
+    if record is None or not ends.jitter or evidence.window.verdict.unit != "us" or not looks_at(ends.measure, record):
         return Finding()
     ticks = [r.tick for r in evidence.window.records if (r[2:6]) == record[2:6]]
     before = max((tick for tick in ticks if tick < at), default=at)

@@ -14,7 +14,7 @@ from .chain import Chain, Part, Step, parts_of
 from .ends import DERIVED_FROM, Ends
 from .evidence import ON_WIRES, Evidence, in_order
 from .fault_evidence import waited_for
-from .findings import FINDINGS, PROMPT, answered, asked, held, transfers
+from .findings import FINDINGS, PROMPT, answered, asked, awaited, held, transfers
 from .places import places, reached
 from .reply_evidence import wrong_characters
 from .window import Window
@@ -132,12 +132,21 @@ def _between_rounds(evidence: Evidence, ends: Ends) -> bool:
 
 
 def _of_firmware(evidence: Evidence, record: Record, since: int) -> list[Step]:
-    """Return the causes of a record of the bus, back to the phase of a tick, if an access of the firmware made it."""
+    """Return the causes of a record of the bus, back to the phase of a tick, if an access of the firmware made it.
+
+    If SCL was held low until the record, the step of the access says for how long.
+    """
     made_by = next((cause for cause, _ in evidence.walk(record) if cause.kind not in ON_WIRES), None)
     if made_by is None or made_by.kind is not Kind.ACCESS:
         return []
     phase = evidence.phase_at(since)
-    return evidence.causes(record, since if phase is None else phase.begin)
+    first = since if phase is None else phase.begin
+    steps = evidence.causes(record, first)
+    for let_go, rise in evidence.stretches(first, record.tick):
+        if let_go < made_by.tick <= rise == record.tick:
+            own = awaited(evidence, made_by, let_go)
+            steps = [own if (step.at, step.place) == (own.at, own.place) else step for step in steps]
+    return steps
 
 
 def _instant(evidence: Evidence, ends: Ends) -> Chain:

@@ -229,7 +229,8 @@ def test_a_byte_of_another_transfer_is_told_as_one():
     result = scene.run(Fraction(12, 1000))
     one = explain(run, result.budgets, length=Fraction(12, 1000))["wrong bytes"]
     assert any(
-        what.startswith("byte 1: 0x12 ACK, written") and what.endswith("for gyroscope (0x68 W)") for what in said(one)
+        what.startswith("byte 1: 0x12 ACK, written to I2CDXR") and what.endswith("for gyroscope (0x68 W)")
+        for what in said(one)
     )
     assert one.chain.blamed is not None and one.chain.blamed.place is not None
 
@@ -330,7 +331,7 @@ def test_a_byte_came_of_what_was_written_before_its_first_bit():
     phase = RecordedPhase("", 0, 99, 0x50, True, True, 15, "START", (byte,))
     evidence = Evidence(window, case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}))
     ((_, write, said_of_it),) = bytes_sent(evidence, phase)
-    assert write == writes[0] and said_of_it == "byte 1: 0x11 ACK, written 0.023 us before its end"
+    assert write == writes[0] and said_of_it == "byte 1: 0x11 ACK, written to I2CDXR 0.023 us before its end"
 
 
 def test_a_round_that_lacks_a_request_is_explained_by_the_start_in_its_place():

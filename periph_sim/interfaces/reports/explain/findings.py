@@ -90,8 +90,8 @@ def answered(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]
         *evidence.accesses(phase.begin, until, "W", I2C, "I2CDXR"),
         *evidence.accesses(phase.begin, until, "R", I2C, "I2CDRR"),
     ]
-    last = max(accesses, key=in_time, default=None)
-    free = max((let_go for let_go, _ in evidence.stretches(phase.begin, until)), default=until)
+    free, rise = max(evidence.stretches(phase.begin, until), default=(until, until))
+    last = max((r for r in accesses if r.tick <= rise), key=in_time, default=None)
     if last is None:
         return []
     if last.tick > free:

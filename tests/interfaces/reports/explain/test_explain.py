@@ -343,6 +343,26 @@ def test_a_computation_before_the_answer_is_named_with_its_line(measure: str):
     assert str(long.blamed) == computed and line_of(long, "I2C-A.I2CDXR written") == "i2c.I2CDXR.all = 1"
 
 
+def test_a_hold_that_is_over_before_the_end_is_told_with_the_write_that_ended_it():
+    """Not with the write of the next byte, which comes before the end, too."""
+
+    def answer(i2c: Any, dsp: Dsp) -> None:
+        while True:
+            dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+            i2c.I2CSTR.all = 0x4000
+            dsp.compute(7_500)
+            i2c.I2CDXR.all = 1
+            dsp.compute(1_000)
+            i2c.I2CDXR.all = 2
+            dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+            i2c.I2CSTR.SCD = 1
+
+    chain = explained(answer, "from bus address read to bus byte", {"address": 0x50, "count": 2}, limit="1 us").chain
+    (told,) = [step for step in chain.steps if "I2CDXR written" in step.what]
+    (hold,) = [step for step in chain.steps if step.what.startswith("SCL held low by dsp")]
+    assert told.what == f"I2C-A.I2CDXR written, 0x0001, for which SCL was held {chain.timebase.show(told.at - hold.at)}"
+
+
 @pytest.mark.parametrize("measure", ["stretch", "response"])
 def test_a_device_that_holds_scl_is_named_with_how_long(measure: str):
     """The master's own low time of 5 us is a part of the bits."""

@@ -16,6 +16,8 @@ from .event_chain import EventLine, first_divergence, first_moved
 from .figures import Baseline, Figures
 
 NOTES = ("events", "polls_skipped")
+EARLIER = ("byte_level", "sci_frames", "sci_frames_passed")  # counts of the simulation that only earlier versions wrote
+NOT_EARLIER = ("SCI bytes from units",)  # counts that those versions did not write
 CHAIN = "chain"
 BUS_BYTES = "bus bytes"
 MOST_MOVED = 3  # moved accesses shown per case
@@ -58,13 +60,15 @@ def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]
             changes.append(Change(name, "budget", name, None, f"{name}: in the baseline, but not a budget of the case"))
         else:
             changes += _budget(name, before, old_one, now, new_one, tolerance)
+    is_earlier = not before.counts.keys().isdisjoint(EARLIER)
+    notes = NOTES + EARLIER + (NOT_EARLIER if is_earlier else ())
     counts = {"events": (before.events, now.events)}
     for key in sorted({*before.counts, *now.counts}):
         counts[key] = (before.counts.get(key, 0), now.counts.get(key, 0))
     for key, (was, came) in counts.items():
         if was != came:
             shown = key.replace("_", " ")
-            changes.append(Change(None, key, was, came, f"{shown} {was} -> {came}", note=key in NOTES))
+            changes.append(Change(None, key, was, came, f"{shown} {was} -> {came}", note=key in notes))
     return changes + _bus_bytes(before.bus_bytes, now.bus_bytes)
 
 

@@ -102,7 +102,7 @@ def _recorded(run: Run, record: Record) -> list[Link]:
     if record.kind is not Kind.FLAG:
         return [Link(found, RECORDED, "caused it")]
     at_once = int(run.table.tick[found]) == record.tick
-    return [Link(found, RECORDED, "in the same cycle" if at_once else "the last input that had come through")]
+    return [Link(found, RECORDED, "in the same cycle" if at_once else "the last input that had taken effect")]
 
 
 def _request(run: Run, row: int, record: Record) -> list[Link]:

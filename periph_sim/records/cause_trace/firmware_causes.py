@@ -27,7 +27,7 @@ RECORDED, INFERRED = "recorded", "inferred"
 MOST_LOOKS = 8  # at different places or fields
 MOST_ACCESSES = 10_000  # searched for looks before a write, within its routine
 MOST_ROUTINES = 3  # number of shown routines that delayed the firmware: the longest ones
-SEEN = "the last change of what it looked at"
+SEEN = "the last change of what it read"
 
 
 class Link(NamedTuple):
@@ -68,7 +68,7 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
     newest = max(looks, key=lambda look: (saw[look], look))
     later = [link for look in looks if look > newest for link in _beside(run, look)]
     held = held_up(run, record, newest, row)
-    return [*own, *later, *held, Link(newest, INFERRED, "the look before it that saw the newest change")]
+    return [*own, *later, *held, Link(newest, INFERRED, "the read before it that saw the newest change")]
 
 
 def looks_before(run: Run, row: int, record: Record) -> list[int]:

@@ -42,7 +42,7 @@ def test_an_answer_as_lines(run: Run):
         "                                 [recorded: the last input that had come",
         "                                   through]",
         "  #2  120 ns (18 cycles) before  dsp: I2C-A.I2CSTR read, 0x0020 (SCD = 1) at f:1",
-        "                                 [inferred: the look before it that saw the",
+        "                                 [inferred: the read before it that saw the",
         "                                   newest change]",
         f"  #1  220 ns (33 cycles) before  dsp.I2C-A.I2CSTR.SCD set {TABLE_10}",
         "                                 [inferred: the last change of what it looked",
@@ -108,9 +108,9 @@ def test_the_steps_of_an_answer_as_json(run: Run):
     told = ("record", "tick", "cycles_from_value", "known", "because", "cause_of", "aside")
     assert [tuple(step[key] for key in told) for step in back] == [
         (CHANGED, first, 0, None, None, None, False),
-        (WRITTEN, first - 3 * CYCLE, -3, "recorded", "the last input that had come through", CHANGED, False),
-        (READ, first - 18 * CYCLE, -18, "inferred", "the look before it that saw the newest change", WRITTEN, False),
-        (SET, first - 33 * CYCLE, -33, "inferred", "the last change of what it looked at", READ, False),
+        (WRITTEN, first - 3 * CYCLE, -3, "recorded", "the last input that had taken effect", CHANGED, False),
+        (READ, first - 18 * CYCLE, -18, "inferred", "the read before it that saw the newest change", WRITTEN, False),
+        (SET, first - 33 * CYCLE, -33, "inferred", "the last change of what it read", READ, False),
     ]
     after = {key: found[key] for key in ("next_read", "next_change")}
     assert [(step["record"], step["cycles_from_value"]) for step in after.values() if isinstance(step, dict)] == [

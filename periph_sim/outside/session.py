@@ -107,7 +107,7 @@ class Session:
         return self.scene.timebase.ticks(duration(length), "nearest")
 
     def advance(self, until: BigInt) -> list[Change]:
-        """Run up to tick `until`, exclusive; return the changes of our own pulls. OutsideError for the past."""
+        """Run up to tick `until`, exclusive, and return the changes of our own pulls. OutsideError if it is past."""
         self._open()
         self._check_tick(until)
         if until < self._now:
@@ -163,7 +163,7 @@ class Session:
         return not self._door.held(line)
 
     def level(self, line: Text) -> int:
-        """Return the level of a wire of the case, pulled by both sides, at the end of the last tick that is done."""
+        """Return the level of a wire of the case, with the pulls of both sides, at the end of the last tick run."""
         if line not in self.scene.wires:
             raise OutsideError(f"there is no wire {line!r}; {did_you_mean(line, self.scene.wires)}")
         return self.scene.wires[line].level
@@ -178,7 +178,10 @@ class Session:
         return self._master
 
     def serial(self, port: Text, baud: BigInt = 115_200, form: Text = "8n1") -> SerialLine:
-        """Return the other end of an SCI's lines: "scia", "SCI-A" or "dsp.SCI-A". OutsideError if it does not exist."""
+        """Return the other end of an SCI's lines. port: the SCI, for example "scia", "SCI-A" or "dsp.SCI-A".
+
+        OutsideError if there is no such SCI, its RX does not lead outside, or its other end exists already.
+        """
         name, line = serial_line(self, port, baud, form)
         if name in self._serial:
             raise OutsideError(f"{name} has its other end already; use that, or close the session")

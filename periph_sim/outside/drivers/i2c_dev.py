@@ -58,7 +58,7 @@ class _Messages(ctypes.Structure):
 
 
 class Adapter:
-    """An open file. pause: ticks that pass before each transfer."""
+    """An open file of the adapter. pause: ticks that pass before each transfer."""
 
     def __init__(self, session: Session, pause: int) -> None:
         self._session = session
@@ -72,7 +72,7 @@ class Adapter:
                 raise OSError(errno.EINVAL, f"address {argument}: expected 0 to 0x7f")
             self._address = int(argument)
         elif request == FUNCS:
-            size = ctypes.sizeof(argument)  # of an unsigned long; programs also pass an int
+            size = ctypes.sizeof(argument)  # the argument is an unsigned long, but some programs pass an int
             ctypes.memmove(ctypes.addressof(argument), FUNCTIONS.to_bytes(size, sys.byteorder), size)
         elif request == TENBIT:
             if int(argument):

@@ -5,9 +5,9 @@
                             v                                                  v
                      events expected  <-------- compare -------->  events decoded from the wires
 
-The comparison shares no code with the agents or the chip: it decodes the wires like the capture.
-A difference that the agents also cause without the firmware is theirs, and nothing after it is judged.
-A firmware whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer like the captured target.
+The comparison shares no code with the agents or the chip: it decodes the wires like the capture. A difference that the
+agents also cause without the firmware is not judged, nor is anything after it. Firmware whose `REPLAY` names `address`,
+`replies`, `asleep` and `busy` is set to answer like the captured target.
 """
 
 from __future__ import annotations
@@ -194,9 +194,12 @@ class I2cReplay:
         )
 
     def _with_agents(self, outcome: Comparison, tolerance: Fraction) -> Comparison:
-        """Mark the differences that are the agents' own, and set `_agents_parted` if nothing is judged."""
+        """Return the outcome with causes for the differences that the agents also make without the firmware.
+
+        Set `_agents_parted` to the reason why the first judged difference is no error of the firmware; "" if it may be.
+        """
         self._agents_parted = ""
-        self._other_events = False  # True if the agents caused other events
+        self._other_events = False  # True if that difference is in an event, not in a time, and has such a cause
         if not outcome.ranked:
             return outcome
         alone = without_firmware(self._agents, self._scene.start, self.kernel.now, tolerance)

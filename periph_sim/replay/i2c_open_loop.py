@@ -66,17 +66,17 @@ class OpenScene(Scene):
 
 @dataclass(frozen=True)
 class _Held:
-    """A low phase of SCL before a bit of the chip. Seconds; late: after the capture's rise, 0 if released before."""
+    """A low phase of SCL before a bit of the chip. Times are in seconds."""
 
-    at: Fraction  # the capture's rise
-    captured: Fraction  # the capture's low time of SCL
-    needed: Fraction  # the chip's own hold after the fall
-    late: Fraction
+    at: Fraction  # the rise of SCL in the capture
+    captured: Fraction  # the low time of SCL in the capture
+    needed: Fraction  # the time for which the chip holds SCL low after its fall
+    late: Fraction  # the time from the captured rise to the chip's release of SCL; 0 if the chip releases it before
     bit: str
 
 
 class I2cOpenReplay:
-    """As I2cReplay, but without waiting for the chip."""
+    """A replay like `I2cReplay`, except that the played controller does not wait for the chip."""
 
     def __init__(
         self,
@@ -104,7 +104,7 @@ class I2cOpenReplay:
         lines = capture.channel(scl), capture.channel(sda)
         for name, line, edges in zip(("SCL", "SDA"), lines, _edges(*lines, part.half_sample, self._end), strict=True):
             ticks = [(self._tick(at), level) for at, level in edges]
-            if not line.initial:  # before the firmware has switched the module on: no START
+            if not line.initial:  # the line falls before the firmware enables the module, so that it sees no START
                 ticks.insert(0, (scene.start, 0))
             EdgePlayer(scene.kernel, scene.wire(name), ticks)
 

@@ -62,7 +62,7 @@ class SessionScene(Scene):
         self.bus.rounds.on_other.append(self.others.append)
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Accept every budget: the capture provides controller and host, and the unit has SCI-A."""
+        """Accept every budget, because the captures take the place of the controller and the host that it may need."""
 
     def on_frame(self, callback: OnFrame) -> None:
         self.frame_callbacks.append(callback)

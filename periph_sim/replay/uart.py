@@ -45,8 +45,8 @@ if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
-TAKEN = Fraction(100, 10**6)  # for the firmware to read the last word
-STEPS = 100  # of progress
+TAKEN = Fraction(100, 10**6)  # seconds in which the firmware can read the last word
+STEPS = 100  # number of reports of progress
 TOLERANCE = Fraction(2, 100)  # of the rate; the difference at which two UARTs still agree on every bit of a long frame
 
 SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCIRXBUF", "SCIFFRX"))
@@ -88,7 +88,7 @@ def ticks_of(line: Channel, origin: int, per_position: Fraction) -> tuple[list[t
     ]
     if line.initial:
         return edges, []
-    # within a frame or break that began earlier: the oracle waits for the next falling edge
+    # The line is in a frame or break that began before the capture; the decoder, too, waits for the next falling edge.
     return edges[1:], ["the capture begins with the line low; the line is kept idle until it has risen"]
 
 

@@ -15,7 +15,7 @@ from .when import Length, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """unit: its name."""
+    """unit: the name of the unit that is reset."""
 
     unit: str
     length: Length = Fraction(1, 1000)

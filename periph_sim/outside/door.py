@@ -22,7 +22,7 @@ from ..form.c_types import Text
 if TYPE_CHECKING:
     from ..core.wire import Pin
 
-WHO = "outside"  # its name in records, and as a party that pulls a line
+WHO = "outside"  # name of the outside in records, and as a party on the wires
 
 
 class Change(NamedTuple):

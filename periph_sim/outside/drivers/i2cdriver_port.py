@@ -17,17 +17,23 @@ from ...scene.result import Result
 from ..session import Session
 from .i2cdriver_adapter import I2cDriver
 
-STEP = "1 ms"  # of simulated time, while a capture is waiting
+STEP = "1 ms"  # simulated time of a step while a capture waits for traffic
 TURN = 0.001  # seconds of real time from one such step to the next
 
 
 class I2cDriverPort:
-    """A context manager. path: the path to open. result: the run's result, once the block is left.
+    """A context manager that runs a session with an adapter in a thread.
 
-    case, outside, log: as in a Session. link: a name for the path, made as a symbolic link. run_up: time that passes
-    before a program can open it. pause: time that passes before each START, since a program's own pauses have no effect
-    on simulated time; in a capture time passes by itself. BadCase and OutsideError as from a Session, OutsideError for
-    an existing link (see `PseudoTerminal`); later errors are raised as the block is left.
+    path: the path that programs open.
+    result: the result of the run, after the block.
+    case, outside, log: as in a `Session`.
+    link: the path of a symbolic link to `path`, or None.
+    run_up: the simulated time that passes before a program can open the port.
+    pause: the simulated time that passes before each START, because a program's own pauses have no effect on it. During
+        a capture, time passes by itself.
+
+    BadCase and OutsideError as from a `Session`; OutsideError if `link` exists (see `PseudoTerminal`). Later errors are
+    raised at the end of the block.
     """
 
     path: str

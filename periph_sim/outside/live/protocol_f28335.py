@@ -45,7 +45,7 @@ class _Queue:
     def __init__(self, line: SerialLine) -> None:
         self._line: SerialLine | None = line
         self._to_line = bytearray()
-        self._setting: tuple[int, str] | None = None  # requested, and not applied to the line yet
+        self._setting: tuple[int, str] | None = None  # requested rate and format that the line does not have yet
         self._breaks: list[bool] = []
         self._came = Backlog()
         self.changed = threading.Condition()

@@ -20,9 +20,9 @@ from ..traces.decode.uart import Event, Frame, Line, RejectedStart
 from .compare import Happened
 from .event_names import byte_words
 
-LIKELY = Fraction(1, 4)  # minimum bits of a rejected start that a receiver may accept
-AHEAD = 8  # words that must agree where comparison resumes
-EXTRA = 2  # words that a receiver may read in addition to the frames
+LIKELY = Fraction(1, 4)  # minimum length, in bits, of a rejected start that a receiver may accept
+AHEAD = 8  # number of words that must agree where comparison resumes
+EXTRA = 2  # number of words that a receiver may read in addition to the frames
 
 
 class Word(NamedTuple):
@@ -40,7 +40,7 @@ class Word(NamedTuple):
 
 @dataclass
 class Settled:
-    """expected, found: the comparable parts. ambiguous: the omitted frames."""
+    """The result of `settled`. expected, found: the comparable parts. ambiguous: the omitted frames."""
 
     expected: list[Happened] = field(default_factory=list)
     found: list[Happened] = field(default_factory=list)
@@ -48,7 +48,7 @@ class Settled:
 
 
 def settled(events: Sequence[Event], line: Line, rate: Fraction, found: Sequence[Word]) -> Settled:
-    """Return the parts of a line that can be judged. rate: positions a second."""
+    """Return the parts of a line that can be judged. rate: the number of positions in a second."""
     return _Settling(events, line, rate, found).result()
 
 
@@ -63,7 +63,7 @@ class _Settling:
             for event in events
             if isinstance(event, Frame) or (isinstance(event, RejectedStart) and event.end - event.at >= LIKELY * width)
         ]
-        self._pause = 2 * line.frame * width  # between two starts: any reading of the first is over
+        self._pause = 2 * line.frame * width  # time from a start after which any reading of its frame is over
 
     def result(self) -> Settled:
         done = Settled()
@@ -93,7 +93,7 @@ class _Settling:
             done.found.append(self._found[word].happened)
 
     def _fits(self, frame: Frame, word: Word) -> bool:
-        """True if a word is a possible reading of the frame."""
+        """Return True if a word is a possible reading of the frame."""
         data = (1 << self._line.bits) - 1
         open_data = frame.unsure >> 1 & data
         checked = self._line.parity != "none"

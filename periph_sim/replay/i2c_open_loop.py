@@ -48,9 +48,9 @@ from .wire_log import WireLog
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
-STEPS = 100  # of progress
+STEPS = 100  # number of reports of progress
 
-Position = int | Fraction  # in a capture; between two samples if its sample is unknown
+Position = int | Fraction  # a position in a capture; a Fraction if an edge was moved by half a sample
 
 
 class _OpenWires(SceneWires):
@@ -109,7 +109,7 @@ class I2cOpenReplay:
             EdgePlayer(scene.kernel, scene.wire(name), ticks)
 
     def _last_position(self) -> int:
-        """Return the end of the played part."""
+        """Return the position at which the played part ends."""
         last = self._part.transfers[-1]
         return self._part.capture.length if self._first is None or last.stop is None else last.stop.at
 

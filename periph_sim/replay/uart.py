@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
 TAKEN = Fraction(100, 10**6)  # seconds in which the firmware can read the last word
 STEPS = 100  # number of reports of progress
-TOLERANCE = Fraction(2, 100)  # of the rate; the difference at which two UARTs still agree on every bit of a long frame
+TOLERANCE = Fraction(2, 100)  # largest difference in rate at which two UARTs agree on every bit of a long frame
 
 SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCIRXBUF", "SCIFFRX"))
 FLAGS = {"SCIRXST.BRKDT": "BRKDT", "SCIRXST.OE": "OE", "SCIFFRX.RXFFOVF": "RXFFOVF"}
@@ -95,7 +95,8 @@ def ticks_of(line: Channel, origin: int, per_position: Fraction) -> tuple[list[t
 class UartReplay:
     """Replay of a capture's channel on a case. wanted: the line's format; None: as the firmware sets the SCI.
 
-    lead: seconds from the firmware's start to the capture's; it sets the phase of the SCI's sampling against the line.
+    lead: seconds from the start of the firmware to the begin of the capture. It determines at which phases of the line
+    the SCI samples.
     BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
 

@@ -138,7 +138,7 @@ def _keys_of_struct(kind: Any) -> dict[str, Key]:
             continue
         if default is msgspec.NODEFAULT:
             default = NOTHING
-        elif hasattr(default, "factory"):  # for {} and []
+        elif hasattr(default, "factory"):  # msgspec stores the defaults {} and [] as factories
             default = default.factory()
         found[name] = Key(kind, field, default)
     return found

@@ -66,12 +66,12 @@ class Kernel:
         self._notifying: Settleable | None = None  # wires that have settled, but have not notified their listeners yet
         self._sampling: SampledParty | None = None  # parties that requested a sample
         self._settling = False  # True while the wires take their levels
-        self._phase = TIMER  # of the last event
+        self._phase = TIMER  # phase of the last event
         self._horizon = start
-        self._bound = start  # events before this time run now,
-        self._bound_rank = 0  # and those at this time with a lower rank
+        self._bound = start  # the present loop runs the events before this time
+        self._bound_rank = 0  # and the events at this time whose rank is lower than this
         self._at = -1  # time of the last event
-        self._in_this_tick = 0  # number of events before it in its tick
+        self._in_this_tick = 0  # number of events in its tick before the last event
         self._queue = EventQueue()
         self._stop = False
         self._ranks = 0

@@ -53,7 +53,7 @@ RECORDED = tuple(kind for kind in Kind if kind not in DERIVED)  # the kinds that
 
 
 class Record(NamedTuple):
-    """field: the register field that the firmware named in an access; "" for the whole register."""
+    """One record. field: the register field that the firmware named in an access; "" for the whole register."""
 
     number: int
     tick: int

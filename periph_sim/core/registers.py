@@ -114,7 +114,7 @@ class Field(Struct, frozen=True, dict=True):
 def field(
     name: str, bits: str, access: str = "R/W", reset: int = 0, doc: str = "", *, tie: Tie = Tie.SOFTWARE
 ) -> Field:
-    """Return a field. bits: as printed in the manual ("7", "12:8"). access: a key of ACCESS."""
+    """Return a field. bits: its bits as printed in the manual ("7", "12:8"). access: a key of ACCESS."""
     msb, _, lsb = bits.partition(":")
     if access not in ACCESS:
         raise RegisterMapError(f"{name}: access {access!r} is none of {', '.join(ACCESS)}")
@@ -122,7 +122,10 @@ def field(
 
 
 class Register(Struct, frozen=True, dict=True):
-    """offset: in 16-bit words from the module's base. source: document and section."""
+    """A register of a module. offset: the distance from the module's base in 16-bit words.
+
+    source: the document and section that describe the register.
+    """
 
     name: str
     offset: int

@@ -50,7 +50,7 @@ class Door(Agent):
         self._pins = {name: wire.attach(WHO) for name, wire in wires.items()}
         self._on_instant = on_instant
         self._put: dict[int, dict[str, int]] = {}
-        self._event: Event | None = None  # for the first entry of `_put`
+        self._event: Event | None = None  # the event of the first entry of `_put`
         self._levels = {name: self.held(name) for name in wires}
         self._changes: list[Change] = []
         for line, wire in enumerate(wires.values()):

@@ -155,7 +155,7 @@ class SerialLine:
         return True
 
     def _frame(self, begin: int, byte: int, wrong: Wrong) -> None:
-        """Put a frame on the line. begin: in parts of a tick."""
+        """Put a frame on the line. begin: the time of its start bit, in parts of a tick."""
         form, parts, bit = self._format, self._parts, self._parts_of_bit
         levels = form.levels(byte)
         if wrong == "parity":

@@ -91,7 +91,10 @@ def kind_of(words: str) -> str:
 
 
 def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: Fraction | None = None) -> Comparison:
-    """Find where the lists differ, also in length. tolerance: seconds; None: times are not judged."""
+    """Compare two lists of events. A difference in length is a divergence, too.
+
+    tolerance: the allowed difference in time, in seconds; None: times are not compared.
+    """
     lag = Fraction(0)
     parted = False
     first: dict[str, Divergence] = {}

@@ -39,11 +39,15 @@ if TYPE_CHECKING:
 
 
 class I2cReplay:
-    """Replay of a capture on a case. first: maximum number of transfers. addresses: the firmware's own.
+    """Replay of a capture on a case.
 
-    longest_low: maximum seconds for which the controller holds SCL low; None: as captured.
-    tolerance: allowed time difference in seconds; None: a sample period and a cycle, reported but not judged.
-    patience: maximum seconds for which SCL may be held low; the replay ends after them.
+    addresses: the addresses of the firmware; if empty, `answering` determines them.
+    first: the maximum number of transfers; None for all.
+    longest_low: the maximum time, in seconds, for which the controller holds SCL low; None: as captured.
+    tolerance: the allowed difference in time, in seconds. None: a sample period plus a cycle; larger differences are
+        reported, but not judged.
+    lead: the time from the start of the firmware to the begin of the capture, in seconds.
+    patience: the maximum time, in seconds, for which SCL may be held low; then the replay ends.
 
     BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
@@ -102,7 +106,7 @@ class I2cReplay:
         return self._report(wall, [stuck] if stuck else [])
 
     def _drive(self, progress: Callable[[float], None] | None = None, until: int | None = None) -> str:
-        """Play, to the end or up to a tick. Return why it cannot continue, or ""."""
+        """Play the capture to its end, or up to tick `until`. Return the reason why it cannot continue, or ""."""
         kernel, timebase = self.kernel, self._scene.timebase
         patience = timebase.ticks(self._patience, "nearest")
         step = timebase.ticks(STEP, "nearest")

@@ -39,10 +39,10 @@ from .wire_log import WireLog
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
-MODULE_HZ = 10_000_000  # as set by TI's start-up code; I2CCLKL and I2CCLKH count it
+MODULE_HZ = 10_000_000  # module clock that TI's start-up code sets; I2CCLKL and I2CCLKH count its cycles
 D = 5  # cycles that the module adds to each (SPRUG03B Table 15)
 MOST = 0xFFFF
-EDGES = 2 * 4 * 9  # of SCL and SDA for each event: twice the maximum of a byte's nine bits
+EDGES = 2 * 4 * 9  # limit of edges of SCL and SDA for each event: twice the maximum in the nine bits of a byte
 
 
 class I2cMasterReplay:

@@ -30,7 +30,7 @@ LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture beg
 STEP = Fraction(25, 1000)  # simulated seconds between reports of progress
 TAIL = Fraction(1, 10_000)  # the wires are observed this long after the last move
 PATIENCE = Fraction(200, 1000)  # a replay ends when SCL is held low for longer; an SHT21 stretches for up to 85 ms
-BYTE = 9  # bits, with its ACK
+BYTE = 9  # number of bits of a byte with its ACK
 LONG = Fraction(3, 2)  # a low phase is a stretch or a pause if it is longer than the usual one by this factor
 HOLD = Fraction(300, 10**9)  # data hold time of the targets that agents play: UM10204 Table 11
 

@@ -105,7 +105,7 @@ def closed_loop_picture(
 ) -> str | None:
     """Return the first divergence of a report with its own replayed wires as SVG text; None without any.
 
-    channels: of SCL and SDA in the capture. origin: tick of the capture's time 0 in the replay.
+    channels: the channels of SCL and SDA in the capture. origin: the tick of the capture's time 0 in the replay.
     """
     if not report.divergences:
         return None

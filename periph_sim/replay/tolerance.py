@@ -12,7 +12,7 @@ from ..scene.scene import Scene
 
 
 def tolerance_of(given: Fraction | None, rate: Fraction, scene: Scene) -> Fraction:
-    """Return the tolerance in seconds: `given`, or by default a sample period and a cycle. rate: samples in a second."""
+    """Return `given`, or else a sample period plus a cycle, in seconds. rate: the number of samples in a second."""
     if given is not None:
         return given
     return 1 / rate + max(1 / dsp.clock.hz for dsp in scene.units.values())

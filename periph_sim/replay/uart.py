@@ -179,7 +179,7 @@ class UartReplay:
         return self._report(line, events, perf_counter() - wall)
 
     def _line(self) -> decode.Line:
-        """Return the format in which to read the capture: as wanted, else the SCI's present one."""
+        """Return the format in which to read the capture: the wanted format, or else the SCI's present format."""
         line = line_of(self.dsp)
         self._baud = Fraction(line.baud)
         if self._wanted is not None:

@@ -1,7 +1,6 @@
 """A unit that is reset: its XRS pin is pulled low for `length`. Its firmware then restarts, with all its data lost.
 
-Other parties see that it releases every line at once, even in the middle of a byte, and does not answer until its
-start-up is over.
+The unit releases every line at once, even in the middle of a byte, and does not answer until its start-up is over.
 """
 
 from __future__ import annotations

@@ -155,7 +155,7 @@ class BurstSender:
         return None if self._burst is None else (self._burst.name, self._ends_at)
 
     def send(self, burst: Burst, begins: Callable[[int], None], ends: Callable[[int], None]) -> None:
-        """Send a burst as soon as the line is free. begins, ends: called with the tick."""
+        """Send a burst as soon as the line is free. begins, ends: callbacks with the tick of its begin and its end."""
         self._waiting.append((burst, begins, ends))
         if not self._busy:
             self._next()

@@ -1,9 +1,9 @@
-"""An RS-485 pair and the transceivers on it: drivers that are switched on and off share one line.
+"""An RS-485 pair and the transceivers on it, whose drivers share one line and are switched on and off.
 
     TX --> driver --on by DE--> pair --> receiver --> RX     (off while its own driver is on, unless `hears_itself`)
 
-A pair without an active driver is idle: its bias makes it a 1. Of several drivers that are on at once, a 0 wins; more
-than one active driver is a collision, whatever they drive.
+A pair without an active driver is idle: its bias makes it a 1. If several drivers are on at once, a 0 of any of them
+wins. More than one active driver is a collision, whatever levels they drive.
 """
 
 from __future__ import annotations

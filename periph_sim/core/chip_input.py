@@ -29,13 +29,13 @@ class Input:
         self.following: Input | None = None
 
     def comes_before(self, other: Input) -> bool:
-        """Return True if this input comes first: by cycle, and by record within one cycle."""
+        """Return True if this input is before `other`, in order of cycles, and of records within one cycle."""
         return self.cycle < other.cycle or (self.cycle == other.cycle and self.cause < other.cause)
 
 
 @final
 class WaitingInputs:
-    """The inputs of a chip that wait for their effect, by cycle and then by record.
+    """The inputs of a chip that wait for their effect, in order of cycles, and of records within one cycle.
 
     last_cause: the number of the record of the last input that had its effect.
     """

@@ -41,14 +41,16 @@ if TYPE_CHECKING:
 
 
 class Session:
-    """A case that is stepped, and whose lines `outside` are moved, by external code.
+    """A case that external code steps, and whose lines `outside` it moves.
 
-    case: from `load` or `make_case`, or a file. outside: names of wires, instead of those that its [outside] gives.
-    log: a file for the outside's moves, from which `replay` repeats the run. subscribe, programs: as in a Scene.
-    BadCase for a case that cannot be built or has no such wires; OutsideError for a log that cannot be written.
+    case: a case from `load` or `make_case`, or its file.
+    outside: the names of the wires that lead outside, instead of those in the [outside] table of the case.
+    log: a file for the outside's moves, from which `replay` repeats the run.
+    subscribe, programs: as in a `Scene`.
 
-    Times are ticks (`ticks_per_second`), counted from the begin of the case. A session is a context manager; if left
-    without `finish`, its log has no end.
+    BadCase if the case cannot be built or has no such wires; OutsideError if the log cannot be written. Times are ticks
+    (`ticks_per_second`), counted from the begin of the case. A session is a context manager; if the block is left
+    without `finish`, the log has no "end" line.
     """
 
     scene: Scene
@@ -99,7 +101,7 @@ class Session:
 
     @property
     def now(self) -> int:
-        """The next tick; all before it is done."""
+        """The next tick; all ticks before it have been run."""
         return self._now
 
     def ticks(self, length: Text) -> int:
@@ -128,7 +130,7 @@ class Session:
         return [change._replace(at=change.at - self._start) for change in changes] if changes else changes
 
     def next_output(self) -> int | None:
-        """Return the tick before which none of our pins moves unless `apply` is called; None for never."""
+        """Return the tick before which none of our pins moves unless `apply` is called; None if none will move."""
         self._open()
         due = self._reaction.due()
         return None if due >= NEVER else max(due - self._start, self._now)

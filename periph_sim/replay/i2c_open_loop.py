@@ -5,11 +5,11 @@
     bits that its address must drive:             capture's level  <-- compare -->  back wire as SCL rises
     all other bits:                               capture's level  <-- compare -->  the same, unless it pulls SDA
 
-If the chip still holds SCL as the capture's SCL rises, its answer was not ready: it is late, and the rest of its data
-is not what it would have sent to a controller that waits. Low phases that are longer than usual in the capture, and
-that the chip would have ended earlier, are counted: it did not need them.
+If the chip still holds SCL when SCL rises in the capture, its answer is late, and the rest of its data differs from the
+data that it would send to a controller that waits. Low phases that are longer than usual in the capture are counted if
+the chip would have ended them earlier, because the chip did not need them.
 
-If an SDA edge shares a sample with an SCL edge it is moved half a sample into the low phase.
+An edge of SDA that shares a sample with an edge of SCL is moved half a sample into the low phase.
 """
 
 from __future__ import annotations

@@ -188,9 +188,9 @@ class _Opened(io.RawIOBase):
 def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[None]:
     """Within the block `/dev/i2c-N` is the bus of the session with that number. For Linux, where such code runs.
 
-    pause: time that passes before each transfer, since `time.sleep` has no effect. OSError as from a kernel: ENXIO if
-    the address is not acknowledged, EIO if a byte is not acknowledged, ETIMEDOUT if the bus is held, EAGAIN if
-    arbitration is lost, ENOENT for a number that is not given.
+    pause: the simulated time that passes before each transfer, because `time.sleep` has no effect on it.
+    OSError as from a kernel: ENXIO if the address is not acknowledged, EIO if a byte is not acknowledged, ETIMEDOUT if
+    the bus is held, EAGAIN if arbitration is lost, ENOENT for a number that is not given.
     """
     import fcntl
 

@@ -74,7 +74,10 @@ class I2cDriverPort:
 
 
 class _Thread(threading.Thread):
-    """The session's whole life: firmware runs in the thread that built it. failed: the error that ended it early."""
+    """The thread that builds, runs and ends the session, because firmware runs in the thread that built it.
+
+    failed: the error that ended the session early, or None.
+    """
 
     def __init__(
         self,
@@ -121,7 +124,7 @@ class _Thread(threading.Thread):
         self.ready.set()
 
     def _turn(self, session: Session, adapter: I2cDriver) -> bool:
-        """Do one turn. False if the block was left."""
+        """Wait for commands of the client or a step of a capture, and answer. Return False if the block was left."""
         files = [self._terminal.file, self._wake_read]
         ready, _, _ = select.select(files, [], [], TURN if adapter.capturing else None)
         if self._wake_read in ready:
@@ -132,7 +135,7 @@ class _Thread(threading.Thread):
         return self._give(adapter.captured())
 
     def _give(self, data: bytes) -> bool:
-        """Send data, waiting for a client that does not read. False if the block was left meanwhile."""
+        """Send data, and wait for the client to read it. Return False if the block was left meanwhile."""
         while data:
             ready, writable, _ = select.select([self._wake_read], [self._terminal.file], [])
             if ready:

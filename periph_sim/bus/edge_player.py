@@ -10,7 +10,7 @@ from ..core.wire import Wire
 
 
 class EdgePlayer:
-    """edges: (tick, level), in order of time. The line is high before the first."""
+    """Plays edges on a wire. edges: pairs (tick, level) in order of time. The line is high before the first edge."""
 
     STATE = State("_next")
 

@@ -9,12 +9,17 @@ from ..core.wire import Wire
 
 
 class HeldLine:
-    """ticks: duration; clocks: falls of SCL instead, if not 0. who: the party's name on the wire."""
+    """A party that can hold one line low.
+
+    ticks: the time for which the line is held, if `clocks` is 0.
+    clocks: the number of falls of SCL after which the line is released, or 0.
+    who: the name of the party on the wire.
+    """
 
     STATE = State("_left")
 
     def __init__(self, kernel: Kernel, wire: Wire, scl: Wire | None, who: str, ticks: int, clocks: int) -> None:
-        """scl: needed with clocks."""
+        """scl: the wire SCL, or None if `clocks` is 0."""
         self._kernel = kernel
         self._pin = wire.attach(who)
         self._ticks, self._clocks = ticks, clocks

@@ -3,7 +3,7 @@
     player --> OneWayWire --> the chip's input
                    back <---- the chip's output
 
-It shows what a chip would have done on a line that no longer reacts to it.
+It shows the outputs of a chip for a line that does not react to them.
 """
 
 from __future__ import annotations
@@ -14,7 +14,10 @@ from ..core.wire import Pin, Wire
 
 
 class OneWayWire(Wire):
-    """player: the driving party. back: the wire that all others drive; it is not recorded."""
+    """A wire for two directions. player: the name of the driving party.
+
+    back: the wire that all other parties drive; its edges are not recorded.
+    """
 
     def __init__(self, kernel: Kernel, name: str, recorder: Recorder, player: str = "capture") -> None:
         super().__init__(kernel, name, recorder)
@@ -22,5 +25,5 @@ class OneWayWire(Wire):
         self.back = Wire(kernel, name, Recorder())
 
     def attach(self, who: str) -> Pin:
-        """Attach a party: to the line for the player, to `back` for all others."""
+        """Attach a party and return its pin: on this wire for the player, on `back` for all others."""
         return super().attach(who) if who == self.player else self.back.attach(who)

@@ -26,8 +26,12 @@ from .uart.reader import Line
 
 @final
 class UartCounter(Agent):
-    """line: as for a `UartReader`. on_character: called with the tick of each character's start bit, when the next one
-    begins or the run ends. topics: of the records made from it, with value 1."""
+    """Counts the characters on one line. line: as for a `UartReader`.
+
+    on_character: callbacks with the tick of each character's start bit, called when the next character begins or the
+        run ends.
+    topics: topics in which a record with value 1 is made for each character.
+    """
 
     topics: list[Topic]
 
@@ -37,11 +41,11 @@ class UartCounter(Agent):
         self.on_character: list[Callable[[int], None]] = []
         self.topics = []
         self._line = line
-        self._as: tuple[Fraction, UartFormat] | None = None  # rate and format of the last one,
-        self._lasted = self._taken = 0  # its length, and the time to the middle of its last stop bit
+        self._as: tuple[Fraction, UartFormat] | None = None  # bit time and format of the last character
+        self._lasted = self._taken = 0  # ticks from its begin to the end, and to the middle, of its last stop bit
         self._begun_at = NO_TIME
-        self._over_at = 0  # the end of the last stop bit,
-        self._free_at = 0  # and its middle, from which a fall is a start bit
+        self._over_at = 0  # the end of its last stop bit
+        self._free_at = 0  # the middle of its last stop bit, from which on a fall is a start bit
         watch([wire], self)
 
     def sampled(self, now: int, levels: int) -> None:

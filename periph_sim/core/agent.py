@@ -54,8 +54,9 @@ class Call(Agent):
 class Settleable:
     """An object, such as a wire, that takes its new level when all parties of a phase have acted.
 
-    rank: see `Kernel.rank`.
-    following: the next one that settles in this phase. then: the next one that notifies its parties.
+    rank: its place in the order of settling, from `Kernel.rank`.
+    following: the next object that settles in this phase.
+    then: the next object that notifies its parties.
     """
 
     __slots__ = ("following", "rank", "then")
@@ -90,7 +91,7 @@ class SampledParty:
     following: SampledParty | None
 
     def notify(self, now: int) -> None:
-        """Pass on the settled levels; nothing is due any more."""
+        """Pass the settled levels to the party, and clear `due`."""
         self.due = NOT_DUE
         if self.plain:
             self.agent.sampled(now, self.levels)

@@ -71,7 +71,7 @@ class Chip:
     requests: int  # bit i: LINES[i] requested an interrupt since the owner last cleared it
     held: int  # bit i: LINES[i] is held asserted (requests again as soon as it was served)
     filter_width: int  # cycles from an input's change to its first effect
-    notes: list[Note]  # since the owner last cleared it
+    notes: list[Note]  # the notes since the owner last cleared the list
     loaded: int  # bit i: the data register at offset i took a value since the owner last cleared it
     touched: set[str]  # names of the open questions on which the run depended
     mid_byte: tuple[int, ...] = ()  # offsets below 62 of registers to which a write may affect a byte in progress

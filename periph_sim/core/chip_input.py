@@ -13,7 +13,12 @@ MAX_INPUTS = 64  # inputs that may wait; a chip that never wakes needs no more
 
 @final
 class Input:
-    """One input of a chip. cycle: when its effect begins. cause: its record. following: the next input."""
+    """One input of a chip.
+
+    cycle: the cycle in which its effect begins.
+    cause: the number of the record of the input.
+    following: the next input in the chain.
+    """
 
     STATE = State(cycles="cycle", records="cause", made=True)
 
@@ -24,15 +29,15 @@ class Input:
         self.following: Input | None = None
 
     def comes_before(self, other: Input) -> bool:
-        """Return True if this input comes first: by cycle, and by record within one cycle."""
+        """Return True if this input is before `other`, in order of cycles, and of records within one cycle."""
         return self.cycle < other.cycle or (self.cycle == other.cycle and self.cause < other.cause)
 
 
 @final
 class WaitingInputs:
-    """The inputs of a chip that wait for their effect, by cycle and then by record.
+    """The inputs of a chip that wait for their effect, in order of cycles, and of records within one cycle.
 
-    last_cause: the record of the last input that had its effect.
+    last_cause: the number of the record of the last input that had its effect.
     """
 
     STATE = State("_count _last", records="last_cause", chains="_first")
@@ -47,7 +52,7 @@ class WaitingInputs:
         self._spare: Input | None = None  # a chain of inputs to use again
 
     def add(self, cycle: int, cause: int) -> None:
-        """Add an input that has its effect from `cycle` on. cause: its record; without one nothing is added."""
+        """Add an input that has its effect from `cycle` on. cause: the number of its record; 0: nothing is added."""
         given = self._spare
         if not cause:
             return
@@ -57,7 +62,7 @@ class WaitingInputs:
             self._spare = given.following
         given.cycle, given.cause = cycle, cause
         before = self._last
-        if before is not None and given.comes_before(before):  # rarely
+        if before is not None and given.comes_before(before):  # this is rare
             before, after = None, self._first
             while after is not None and not given.comes_before(after):
                 before, after = after, after.following
@@ -72,7 +77,7 @@ class WaitingInputs:
             self._take_first()
 
     def cause_at(self, cycle: int) -> int:
-        """Return the record of the last input that had its effect by `cycle`."""
+        """Return the number of the record of the last input that had its effect by `cycle`."""
         while self._first is not None and self._first.cycle <= cycle:
             self.last_cause = self._first.cause
             self._take_first()
@@ -90,7 +95,11 @@ class WaitingInputs:
 
 
 class WriteOrigins(Protocol):
-    """mark: record of the next write. out_mark: record of the write that the outputs show now; 0 for none."""
+    """Origins of writes to a chip, as numbers of records.
+
+    mark: the record of the next write.
+    out_mark: the record of the write that the outputs show now; 0 for none.
+    """
 
     mark: int
     out_mark: int

@@ -36,7 +36,7 @@ from .expected import UNIONS, expected, limits_of
 
 T = TypeVar("T")
 Place = tuple[str | int, ...]  # keys and indices that lead to a value, from the outermost table
-NOTHING: Any = msgspec.UNSET  # the found value of a message that quotes none
+NOTHING: Any = msgspec.UNSET  # in place of a value: a message quotes no found value, or a key has no default
 
 
 class Before(msgspec.Struct, frozen=True):
@@ -81,7 +81,7 @@ def _in_short(one: Mistake) -> str:
     return ": ".join(filter(None, [".".join(map(str, one.place)), what]))
 
 
-Converter = Callable[[Any, Place, list[Mistake]], Any]  # adds mistakes to the list; then there is no result
+Converter = Callable[[Any, Place, list[Mistake]], Any]  # its result is not valid if it adds mistakes to the list
 
 
 def convert(kind: type[T], tree: object) -> T:
@@ -94,7 +94,7 @@ def convert(kind: type[T], tree: object) -> T:
 
 
 class Key:
-    """A key of a table. name: its field. convert: its converter, which is made at the first use.
+    """A key of a table. name: the name of its field. convert: its converter, which is made at the first use.
 
     Names in its annotation are looked up in the module that defined its class, even if `sys.modules` has another module
     under that name by then.
@@ -138,7 +138,7 @@ def _keys_of_struct(kind: Any) -> dict[str, Key]:
             continue
         if default is msgspec.NODEFAULT:
             default = NOTHING
-        elif hasattr(default, "factory"):  # for {} and []
+        elif hasattr(default, "factory"):  # msgspec stores the defaults {} and [] as factories
             default = default.factory()
         found[name] = Key(kind, field, default)
     return found
@@ -239,7 +239,7 @@ def converter_of(annotation: Any) -> Converter:
 
 
 def _is_plain(annotation: Any) -> bool:
-    """Return True if msgspec alone can check the type: it contains no table and no function of this package."""
+    """Return True if msgspec alone can check the type, because it contains no table and no `Before` or `After`."""
     origin, arguments = get_origin(annotation), get_args(annotation)
     if is_typeddict(annotation):
         return False
@@ -278,7 +278,7 @@ def _by_msgspec(annotation: Any) -> Converter:
 
 
 def _made(kind: type, value: Any) -> Any:
-    """Return a value of a class that msgspec does not know."""
+    """Convert `value` to a Fraction or a Path, which msgspec cannot decode. ValueError if that is impossible."""
     if kind not in (Fraction, Path) or isinstance(value, bool):
         raise ValueError
     try:
@@ -340,7 +340,7 @@ def _union(converters: list[Converter], takes_none: bool) -> Converter:
 
 
 def _list(kind: type, entries: tuple[Any, ...]) -> Converter:
-    """Return the converter of a list: of entries of one type, or of one type for each place."""
+    """Return the converter of a list, whose entries have one type, or for a tuple one type for each place."""
     of_entry = [converter_of(entry) for entry in entries if entry is not ...]
     places = None if kind is list or entries[-1] is ... else len(entries)
     phrase = "expected a list" if places is None else f"expected a list of {places}"

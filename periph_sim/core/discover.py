@@ -27,7 +27,7 @@ def module_with(attribute: str, package: str, path: Iterable[str], name: str) ->
 
 
 def modules_with(attribute: str, package: str, path: Iterable[str]) -> dict[str, ModuleType]:
-    """Return the modules that have an attribute, in order of name. package, path: its `__name__` and `__path__`."""
+    """Return a package's modules with an attribute, in order of name. package, path: its `__name__` and `__path__`."""
     names = sorted(entry.name for entry in pkgutil.iter_modules(path))
     found = {name: importlib.import_module(f"{package}.{name}") for name in names}
     return {name: module for name, module in found.items() if hasattr(module, attribute)}

@@ -41,7 +41,7 @@ class Event:  # core: freelist 16
 
 @final
 class EventQueue:
-    """The queued events. first: the first of them, which the others follow."""
+    """The queued events, as a chain. first: the first event of the chain, or None."""
 
     STATE = State(chains="first")
 
@@ -49,11 +49,11 @@ class EventQueue:
 
     def __init__(self) -> None:
         self.first: Event | None = None
-        self._latest: Event | None = None  # queued last; the next one often follows it
+        self._latest: Event | None = None  # the event that was queued last; the next one often follows it
         self._number = 0
 
     def insert(self, event: Event, time: int, tag: int) -> None:
-        """Queue an event that is not queued, after all of its time and phase."""
+        """Queue an event that is not queued, after all queued events of the same time and phase."""
         self._number += 1
         event.time = time
         event.rank = rank = event.phase * NUMBERS + self._number
@@ -88,7 +88,7 @@ class EventQueue:
         else:
             while before is not None and before.following is not event:
                 before = before.following
-            if before is not None:  # otherwise `take_all` has taken it out
+            if before is not None:  # otherwise `take_all` has removed the event from the chain
                 before.following = event.following
         event.following = None
 
@@ -103,7 +103,7 @@ class EventQueue:
         return events
 
     def put_back(self, events: list[Event]) -> None:
-        """Queue events that were taken out, in their order; the queue is empty."""
+        """Queue events that `take_all` returned, in their order. The queue must be empty."""
         events.sort(key=_order, reverse=True)
         for event in events:
             event.following, self.first = self.first, event

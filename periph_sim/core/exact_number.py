@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from .shorten import shorten
 
-MAX_DIGITS = 40  # enough for a femtosecond in a million years
+MAX_DIGITS = 40  # maximum number of digits, enough for a femtosecond in a million years
 MAX_EXPONENT = 40
 _EXPONENT = re.compile(r"[eE]([-+]?[0-9_]+)$")
 SHOWN = 60  # maximum number of characters that a message quotes

@@ -16,7 +16,11 @@ NAMES |= {bool: "true or false", bytes: "bytes", Path: "a path", list: "a list",
 
 
 def expected(kind: Any, found: object) -> str:
-    """Return the values of a plain type as a phrase; of a union only the type of the found value, if that is in it."""
+    """Describe the values of a plain type in a phrase for a message.
+
+    Of a union, only the members with limits whose type is that of the found value are described, or all members if
+    there are none.
+    """
     origin, arguments = get_origin(kind), get_args(kind)
     is_enum = isinstance(kind, type) and issubclass(kind, Enum)
     if origin is Literal or is_enum:
@@ -35,7 +39,7 @@ def expected(kind: Any, found: object) -> str:
 
 
 def limits_of(limits: msgspec.Meta) -> str:
-    """Return limits as a phrase."""
+    """Describe the limits of a value or of a list's length in words, for example "1 to 10"."""
     if limits.min_length is not None:
         return f"{limits.min_length} or more entries"
     if limits.ge is None:

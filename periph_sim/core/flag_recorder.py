@@ -29,9 +29,10 @@ class WatchedField:
 class WatchedRegister:
     """A register whose fields are recorded.
 
-    value: the value read last; was: the one before.
+    value: the value that was read last.
+    was: the value that was read before `value`.
     upper: offset of the upper half of a 32-bit register; 0 for others.
-    data: mask of the field that takes a word at a time; 0 without one.
+    data: mask of the field that receives a word at a time; 0 if there is none.
     """
 
     STATE = State("value")
@@ -56,7 +57,7 @@ class WatchedRegister:
 
 @final
 class FlagRecorder:
-    """Records the fields of these registers. `chip` is the chip that has them."""
+    """Records the fields of some registers of a chip."""
 
     STATE = State("_registers")
 
@@ -84,9 +85,9 @@ class FlagRecorder:
         self._moving = [r for r in registers if r.offset not in chip.steady or r.upper not in (0, *chip.steady)]
         self._some_steady = len(self._moving) < len(registers)
         self._loads_data = any(register.data for register in registers)
-        self._read = registers  # those that `look` read last
-        self._writes = -1  # the chip's count of writes then
-        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before
+        self._read = registers  # the registers that `look` read last
+        self._writes = -1  # the chip's `writes` at that time
+        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before these reads
 
     def look(self, cycle: int) -> bool:
         """Read the registers as a debugger does. Return True if any has changed.
@@ -136,7 +137,7 @@ class FlagRecorder:
 
 
 def watched_registers(chip: Chip, recorder: Recorder, name: str) -> list[WatchedRegister]:
-    """Return the registers of a chip with fields that a subscriber wants. name: the module's."""
+    """Return the registers of a chip with fields that a subscriber wants. name: the name of the module."""
     subjects = recorder.subjects(Kind.FLAG)
     wanted = [r for r in chip.MAP if subjects is None or f"{name}.{r.name}" in subjects]
     return [WatchedRegister(register, recorder, name) for register in wanted]

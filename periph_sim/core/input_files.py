@@ -21,7 +21,7 @@ _read: set[tuple[int, int]] | None = None  # device and inode of each file; None
 
 @contextmanager
 def inputs_of_one_command() -> Iterator[None]:
-    """Remember the files that are noted in this block, and forget them at its end. A block inside it shares them."""
+    """Remember the files that are noted in this block, and forget them at its end. Nested blocks are part of it."""
     global _read
     outermost = _read is None
     if outermost:
@@ -34,7 +34,7 @@ def inputs_of_one_command() -> Iterator[None]:
 
 
 def open_regular(path: Path, most: int | None = None) -> BinaryIO:
-    """Open a file for reading. OSError if it is a device or a pipe, which might never end, or has more bytes."""
+    """Open a file for reading. OSError if it is a device or a pipe, which might never end, or is longer than `most`."""
     try:
         status = os.stat(path)
     except ValueError:
@@ -52,10 +52,10 @@ def open_input(path: Path, most: int | None = None) -> BinaryIO:
 
 
 def read_regular(path: Path, most: int = MOST) -> bytes:
-    """Return the bytes of a file. OSError if it is not a regular file or has more bytes."""
+    """Return the bytes of a file. OSError if it is not a regular file or has more than `most` bytes."""
     with open_regular(path, most) as file:
         data = file.read(most + 1)
-    if len(data) > most:  # it grew, or its size is unknown, as in /proc
+    if len(data) > most:  # the file grew, or the system does not know its size, as in /proc
         raise _refused(path, f"Longer than {most} bytes")
     return data
 

@@ -3,19 +3,19 @@
 Within one tick the phases are: agents (TIMER), pads of chips (PADS), the chips themselves (CHIP), CPUs (CPU), probes
 (PROBE). Within a phase, events run in the order scheduled. At the end of each phase the wires settle: all changed wires
 take their levels, then each party that samples them is called once, with all new levels. So the order of the parties
-within a phase is not observable, and two runs of one scene are equal. Changes that a response makes in the same tick
-settle after it.
+within a phase is not observable, and two runs of one scene are equal. Changes that a party makes in such a call settle
+afterwards, in the same tick.
 
-A CPU that runs ahead of the queue calls `quiet_until` for the end of its lease: before that tick nothing else can
-happen, so it may advance `now` by itself.
+A CPU that runs ahead of the queue gets the end of its lease from `quiet_until`: before that tick no other party can
+act, so the CPU may advance `now` by itself.
 
 An agent that blocks inside its own event, as firmware does, can run the event loop from there (`run_nested`) until its
 wait is over (`released`). Plain callbacks are never run from a nested loop, because a callback may end the very event
 that is blocked.
 
-A sequence of events whose intermediate states are not observed can be applied in one step (`Shortcut`). Before anything
-reads or changes an intermediate state, it must call `materialize`, which runs the skipped events up to now in their
-normal order.
+A sequence of events whose intermediate states are not observed can be applied in one step (`Shortcut`). Code that reads
+or changes an intermediate state must first call `materialize`, which runs the skipped events up to now in their normal
+order.
 """
 
 # core: compiled without checks for None
@@ -61,16 +61,17 @@ class Kernel:
         self.released = False
         self.outer_loop: object = None
         self.fault: BaseException | None = None
-        self._unsettled: Settleable | None = None  # changed in this phase, by rank: the first of a chain
-        self._notifying: Settleable | None = None  # settled, parties not notified yet: likewise
-        self._sampling: SampledParty | None = None  # parties that requested a sample, by rank
+        # Each of these is the first element of a chain in order of rank.
+        self._unsettled: Settleable | None = None  # wires that changed in this phase
+        self._notifying: Settleable | None = None  # wires that have settled, but have not notified their listeners yet
+        self._sampling: SampledParty | None = None  # parties that requested a sample
         self._settling = False  # True while the wires take their levels
-        self._phase = TIMER  # of the last event
+        self._phase = TIMER  # phase of the last event
         self._horizon = start
-        self._bound = start  # events before this time run now,
-        self._bound_rank = 0  # and those at this time with a lower rank
+        self._bound = start  # the present loop runs the events before this time
+        self._bound_rank = 0  # and the events at this time whose rank is lower than this
         self._at = -1  # time of the last event
-        self._in_this_tick = 0  # number of events before it in its tick
+        self._in_this_tick = 0  # number of events in its tick before the last event
         self._queue = EventQueue()
         self._stop = False
         self._ranks = 0
@@ -81,13 +82,13 @@ class Kernel:
         return self._ranks
 
     def call_at(self, time: int, action: Action, phase: int = TIMER) -> Event:
-        """Schedule a call of `action` at `time` (ticks) and return the event. ValueError if that is past."""
+        """Schedule a call of `action` at `time` (ticks) and return the event. ValueError if `time` is past."""
         event = self.schedule(time, Call(action), 0, phase)
         event.plain = True
         return event
 
     def schedule(self, time: int, agent: Agent, tag: int = 0, phase: int = TIMER) -> Event:
-        """Schedule `agent.act(tag)` at `time` (ticks) and return the event. ValueError if that is past."""
+        """Schedule `agent.act(tag)` at `time` (ticks) and return the event. ValueError if `time` is past."""
         event = self.event(agent, phase)
         self.reschedule(event, time, tag)
         return event
@@ -151,7 +152,7 @@ class Kernel:
         wire.following, before.following = after, wire
 
     def request_sample(self, party: SampledParty) -> None:
-        """Notify `party` of its levels when the wires have settled; once, even if requested several times."""
+        """Notify `party` of its levels when the wires have settled, only once even if requested several times."""
         if party.due:
             return
         party.due = REQUESTED
@@ -291,5 +292,5 @@ class Kernel:
         self._queue.put_back(events)
 
     def restored(self) -> None:
-        """Forget what is unsettled: the state of a snapshot is settled."""
+        """Discard unsettled wires and requested samples, because the state of a restored snapshot is settled."""
         self._unsettled = self._sampling = None

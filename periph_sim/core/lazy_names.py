@@ -11,7 +11,7 @@ def lazy_names(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[
     """Return the `__getattr__` of a package. homes: for each module, the names that it defines."""
     places = {name: module for module, names in homes.items() for name in names}
 
-    imported: dict[str, ModuleType] = {}  # by attribute name
+    imported: dict[str, ModuleType] = {}  # imported modules, indexed by attribute name
 
     def found(name: str) -> object:
         module = imported.get(name)

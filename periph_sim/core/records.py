@@ -1,15 +1,17 @@
 """Records of a run and the subscriptions to them.
 
 Each record is of one of the kinds below and has a number, a time in ticks, a place, and the number of the record that
-caused it (0: none). Producers call `wants` once, when a scene is built; records without a subscriber are never made.
+caused it (0: none). Producers get from `Recorder.wants` whether a kind has subscribers, most of them once, when a scene
+is built. Records without a subscriber are never made.
 A subscription to edges, flags or accesses can be limited to some wires or registers: its subjects.
 
     producer --> Topic.emit --> listeners: tag, tick, value    (budgets)
-                           '--> sinks: all fields, as columns  (`.psr`, races)
+                           '--> sinks: all fields, no object   (`.psr`, races)
                            '--> callbacks: a Record            (files, diagrams)
 
-The records of one kind, place and thing are a topic. `tag_of` is called once for each topic and returns UNWANTED if the
-subscriber has no use for it, so that it does not have to filter records.
+All records with the same kind, the same place (`where`, such as a wire or a module) and the same thing (`what`, such as
+a register) form a topic. `tag_of` of a subscriber is called once for each topic. It returns UNWANTED for topics that
+the subscriber does not need, so that the subscriber does not have to filter records.
 """
 
 # core: compiled
@@ -51,7 +53,7 @@ RECORDED = tuple(kind for kind in Kind if kind not in DERIVED)  # the kinds that
 
 
 class Record(NamedTuple):
-    """field: the register field that the firmware named in an access; "" for the whole register."""
+    """One record. field: the register field that the firmware named in an access; "" for the whole register."""
 
     number: int
     tick: int
@@ -100,7 +102,7 @@ class RecordSink:
         raise NotImplementedError
 
     def places(self, tag: int) -> int:
-        """Return the set of records with this tag that need their place in the firmware.
+        """Return NOWHERE, OF_MODIFIES or EVERYWHERE: the records with this tag that need their place in the firmware.
 
         OF_MODIFIES: accesses that may be one half of a read-modify-write, which excludes reads of single fields.
         """
@@ -138,7 +140,7 @@ _NO_CALLBACKS: list[Any] = []  # stays empty
 
 @final
 class Topic:
-    """All records of one kind, place and thing.
+    """All records of one kind, one place and one thing.
 
     has_subscribers: True if any subscriber receives these records.
     needs_details: True if any subscriber receives more than their time and value.
@@ -176,7 +178,7 @@ class Topic:
         self._callbacks: list[RecordCallback] = _NO_CALLBACKS
 
     def add(self, party: Party) -> None:
-        """Add a subscriber, if it has any use for these records."""
+        """Add a subscriber, unless its tag for this topic is UNWANTED."""
         if isinstance(party, Listener):
             subscriber = _ListenerEntry()
             subscriber.listener, subscriber.following = party, None
@@ -266,7 +268,7 @@ class Recorder:
 
         only: the subjects that it needs, by kind: wires for EDGE and FRAME; registers for FLAG and ACCESS, with unit
             and module ("dsp.I2C-A.I2CSTR"). It may also receive subjects that other subscribers need.
-        things: kinds and things of all records that it has a use for; `tag_of` is not called for others.
+        things: the pairs of kind and thing that the subscriber needs; `tag_of` is not called for others.
         """
         for kind in kinds:
             self._parties[kind].append((party, things))
@@ -293,7 +295,7 @@ class Recorder:
 
     @property
     def names_things(self) -> bool:
-        """True if a subscriber names the things that it has a use for."""
+        """True if any subscriber has named the things that it needs."""
         return any(things is not None for parties in self._parties.values() for _, things in parties)
 
     def named_things(self, kind: Kind) -> set[str]:
@@ -324,7 +326,7 @@ class Recorder:
         return topic
 
     def carried(self, action: Callable[[], None]) -> Callable[[], None]:
-        """Return the action for a later time, as an effect of the present record."""
+        """Return a function that calls `action` later with the present record as the cause."""
         return partial(self._under, self.cause, action) if self.cause else action
 
     def _under(self, cause: int, action: Callable[[], None]) -> None:

@@ -60,7 +60,7 @@ class Yields(Enum):
     TIME = "a free-running count; its changes are not events"
 
 
-# The manual's abbreviations for the first three properties.
+# Abbreviations of the manual for the access rights, the effect of a read and the effect of a write of a field.
 ACCESS: dict[str, tuple[Cpu, OnRead, OnWrite]] = {
     "R/W": (Cpu.RW, OnRead.KEEP, OnWrite.STORE),
     "R": (Cpu.R, OnRead.KEEP, OnWrite.NOTHING),
@@ -114,7 +114,7 @@ class Field(Struct, frozen=True, dict=True):
 def field(
     name: str, bits: str, access: str = "R/W", reset: int = 0, doc: str = "", *, tie: Tie = Tie.SOFTWARE
 ) -> Field:
-    """Return a field. bits: as printed in the manual ("7", "12:8"). access: a key of ACCESS."""
+    """Return a field. bits: its bits as printed in the manual ("7", "12:8"). access: a key of ACCESS."""
     msb, _, lsb = bits.partition(":")
     if access not in ACCESS:
         raise RegisterMapError(f"{name}: access {access!r} is none of {', '.join(ACCESS)}")
@@ -122,7 +122,10 @@ def field(
 
 
 class Register(Struct, frozen=True, dict=True):
-    """offset: in 16-bit words from the module's base. source: document and section."""
+    """A register of a module. offset: the distance from the module's base in 16-bit words.
+
+    source: the document and section that describe the register.
+    """
 
     name: str
     offset: int
@@ -131,9 +134,9 @@ class Register(Struct, frozen=True, dict=True):
     protected: bool = False  # writes need EALLOW
     width: int = 16
     yields: Yields = Yields.STATE
-    read_acts: bool = False  # a read has an effect beyond this register: takes a word, clears a flag elsewhere
-    data: str = ""  # the field with the word, if the register yields data
-    upper: str = ""  # the register of bits 31:16, if C headers have both as `all` and each as `half`
+    read_acts: bool = False  # True if a read has an effect beyond this register: takes a word, clears a flag elsewhere
+    data: str = ""  # the name of the field with the word, if the register yields data
+    upper: str = ""  # the register of bits 31:16, if C headers name both together `all` and each of them `half`
 
     def __post_init__(self) -> None:
         if (self.yields is Yields.DATA) != bool(self.data):
@@ -177,7 +180,7 @@ class Register(Struct, frozen=True, dict=True):
 
     @cached_property
     def reads_take(self) -> bool:
-        """True if a read removes what it yields: a word from a buffer, or a flag."""
+        """True if a read removes the word or flag that it returns."""
         word = self.yields is Yields.DATA and self.read_acts
         return word or any(f.on_read is OnRead.CLEAR for f in self.fields)
 
@@ -208,9 +211,9 @@ class Register(Struct, frozen=True, dict=True):
         return stored & shown, stored & kept
 
     def write(self, stored: int, written: int, set_now: int = 0) -> tuple[int, int]:
-        """Return the stored value after a write, and the strobes fired.
+        """Return the stored value after a write, and the mask of the STROBE bits that were written as 1.
 
-        set_now: bits that hardware set in this cycle; they stay set where the field's tie is HARDWARE.
+        set_now: bits that hardware sets in this cycle; they stay set in fields whose tie is HARDWARE.
         """
         store, clears, sets, strobe, hard = self._masks
         new = (stored & ~store | written & store) & ~(written & clears) | written & sets

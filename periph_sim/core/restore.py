@@ -4,7 +4,7 @@
 
 Nothing is assigned before each value of the snapshot has its place, so a snapshot that does not fit changes nothing.
 Objects that the scene has in the same place are kept, with their wiring, and get the snapshot's attributes. Other
-objects are made.
+objects are created.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .state import Time, state_of
 CONTAINERS: dict[str, Callable[[Any], Any]] = {
     one.__name__: one for one in (list, tuple, deque, set, frozenset, dict, bytearray)
 }
-Finds = Mapping[str, Callable[..., object]]  # by class, the function that returns the object of a key
+Finds = Mapping[str, Callable[..., object]]  # functions that return the object of a key, indexed by class
 
 
 class NotRestorable(ValueError):
@@ -35,7 +35,7 @@ class NotRestorable(ValueError):
 def restore(snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[str, Finds]) -> None:
     """Set each declared attribute of these modules. NotRestorable, with nothing changed, if one cannot be set.
 
-    finds: by module, for the classes in `Module.keys`.
+    finds: for each module, the functions that find objects of the classes in `Module.keys`.
     """
     plan = _Plan(snapshot, modules, finds)
     for name, module in modules.items():

@@ -67,9 +67,9 @@ class Sampler(SampledParty):
         self._kernel = kernel
         self._recorder = recorder
         self.agent = agent if isinstance(agent, Agent) else _WatcherAgent(agent)
-        self.plain = True  # no record can be the cause of a change
+        self.plain = True  # True while changes of the lines cannot have a record as their cause
         self._lines: list[_Line] = []  # lines set by `listen` or `put`, the lowest first
-        self._put_under = 0  # the record under which a level was put last
+        self._put_under = 0  # the number of the record that caused the last `put`
         self._seen = levels
 
     def listen(self, line: int, wire: Wire) -> None:
@@ -83,7 +83,7 @@ class Sampler(SampledParty):
         self._set(line, wire.level)
 
     def put(self, line: int, level: int) -> None:
-        """Set the level of this line, which is no wire any more."""
+        """Set the level of this line. If the line was a wire, it is detached from it."""
         self._leave(line)
         self._put_under = self._recorder.cause
         if self._put_under:
@@ -119,7 +119,7 @@ class Sampler(SampledParty):
             self.request_sample()
 
     def _moved_under(self, moved: int) -> int:
-        """Return the record under which the first of these lines has changed."""
+        """Return the number of the record that caused the change of the first of these lines."""
         line: _Line
         for line in self._lines:
             if moved & line.bit:

@@ -5,14 +5,14 @@ Files and options may contain text of any length, so messages quote only its two
 
 from __future__ import annotations
 
-MAX_LENGTH = 300  # characters
+MAX_LENGTH = 300  # maximum number of characters that a message quotes
 
 
 def shorten(text: str, most: int = MAX_LENGTH) -> str:
     """Return the text if it has up to `most` characters; otherwise its two ends and its length."""
     if len(text) <= most:
         return text
-    kept = max(0, most - 28)  # the rest is for the length
+    kept = max(0, most - 28)  # 28 characters are for the statement of the length
     head = kept - kept // 4
     return f"{text[:head]} ... {text[len(text) - kept // 4 :]} ({len(text)} characters)"
 

@@ -35,8 +35,9 @@ KEYED_BY_OBJECTS = "dict keyed by objects"
 class Module(NamedTuple):
     """A named part of a scene.
 
-    cycle: the present cycle of its clock, for modules that have one.
-    keys: by class, the function that returns the key by which the scene finds such an object, or None.
+    cycle: the present cycle of its clock; 0 for a module without a clock.
+    keys: functions that return the key by which the scene finds an object again, or None if the object has no key;
+        indexed by the class of the object.
     """
 
     target: object
@@ -52,14 +53,17 @@ class Ref(NamedTuple):
 
 
 class Found(NamedTuple):
-    """An object that the scene finds by a key, such as the operand of an access by its address."""
+    """A reference to an object that the scene finds by a key, for example an operand by the address of the access."""
 
     kind: str
     key: tuple[object, ...]
 
 
 class Made(NamedTuple):
-    """An object or container whose attributes or items have their own entries. keys: of the items."""
+    """An object or container whose attributes or items have entries of their own.
+
+    keys: the keys, indices or field names of the items; empty for an object with declared state.
+    """
 
     kind: str
     keys: tuple[object, ...] = ()
@@ -73,13 +77,13 @@ class Group(NamedTuple):
 
 
 class Function(NamedTuple):
-    """A function of a module, by its qualified name."""
+    """A reference to a function of a Python module. name: the function's qualified name."""
 
     name: str
 
 
 class Fixed(NamedTuple):
-    """An instant that is not counted from now: it never comes or is not known yet."""
+    """An instant that is stored unchanged, because it never comes, is not known yet or names no record."""
 
     value: int | None
 
@@ -101,7 +105,7 @@ class Snapshot(NamedTuple):
     tick: the time of the kernel.
     number: the number of the last record.
     cycles: the present cycle of each module; 0 for one without a clock.
-    values: by name.
+    values: the value of each collected attribute and item, by its name.
     """
 
     identity: tuple[tuple[str, str], ...]
@@ -123,7 +127,7 @@ class Snapshot(NamedTuple):
 def take_snapshot(
     modules: Mapping[str, Module], tick: int, number: int, identity: tuple[tuple[str, str], ...]
 ) -> Snapshot:
-    """Return the state of these modules at this tick. number: of the last record. Nothing is changed."""
+    """Return the state of these modules at this tick, without changing it. number: the number of the last record."""
     collector = _Collector(modules, tick, number)
     for name, module in modules.items():
         collector.add(name, module)
@@ -146,7 +150,7 @@ def absolute(value: Any, now: int) -> Any:
 
 
 class _Collector:
-    """values: the state collected so far, by name."""
+    """Visits modules recursively and collects their state. values: the state collected so far, by name."""
 
     def __init__(self, modules: Mapping[str, Module], tick: int, number: int) -> None:
         self.values: dict[str, Any] = {}
@@ -221,7 +225,11 @@ class _Collector:
             self._value(f"{name}[{key!r}]", value, time)
 
     def _object(self, name: str, value: Any, time: Time) -> None:
-        """Collect an object that has just been named. In a chain it loses the name, because places in chains change."""
+        """Collect an object that has just been named.
+
+        An object that cannot be collected is stored as `Foreign` and loses its name: one without declared state, or one
+        in a chain whose declared state is not complete, because places in chains change.
+        """
         kind = type(value)
         state = state_of(kind)
         if isinstance(value, Random):

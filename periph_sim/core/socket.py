@@ -24,8 +24,8 @@ from .state import State
 from .time import Clock
 from .wire import BITS, MAX_PARTIES, Pin
 
-# Tags of events: the chip's wake-up, sampling of its inputs, or n >= 2: output n // 2 - 1 takes level n % 2. The bits
-# from RECORD on are the record that caused it.
+# Tags of events. WAKE: the chip's wake-up. LOOK: sampling of its inputs. n >= 2: output n // 2 - 1 takes level n % 2;
+# for such an event, the bits from bit RECORD up are the number of the record that caused it.
 WAKE, LOOK = 0, 1
 RECORD = 16
 MOVE = (1 << RECORD) - 1
@@ -54,10 +54,12 @@ class ChipObserver:
 
 @final
 class Socket(Agent):
-    """One chip on its clock. name: the module's, as in "I2C-A".
+    """Connects one chip to its clock, its wires and its interrupt lines.
 
-    on_request: called with (cycle, mask of LINES).
-    phase: the kernel's phase in which the chip is woken. inputs: the levels at the chip's INPUTS.
+    name: the name of the module, for example "I2C-A".
+    on_request: callback for interrupt requests, called with the cycle and the mask of the chip's LINES that request.
+    phase: the phase of the kernel in which the chip is woken.
+    inputs: the sampler of the levels at the chip's INPUTS.
     """
 
     STATE = State(
@@ -111,7 +113,7 @@ class Socket(Agent):
     ) -> None:
         self.name = name
         self.chip = chip
-        self.pins: list[list[Pin]] = [_NO_PINS] * len(chip.OUTPUTS)  # pins that each output drives: see `connect`
+        self.pins: list[list[Pin]] = [_NO_PINS] * len(chip.OUTPUTS)  # the pins of each output; set by `connect`
         self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
         self.marks: WriteOrigins | None = chip.marks
         self.out_delay = 0  # cycles from an output of the chip to its pin
@@ -133,7 +135,7 @@ class Socket(Agent):
         self._on_request = on_request
         self._out = chip.out
         self._wake_cycle = NEVER
-        self._wake: Event = kernel.event(self, phase)  # the event of that wake-up
+        self._wake: Event = kernel.event(self, phase)  # the event that wakes the chip in `_wake_cycle`
         self.waiting = WaitingInputs()
         self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
         registers = watched_registers(chip, recorder, name)
@@ -155,11 +157,11 @@ class Socket(Agent):
             recorder.cause = outer
 
     def sampled(self, now: int, levels: int) -> None:
-        """Pass the settled levels to the chip, which samples them in the cycle that begins at tick `now` or next."""
+        """Pass the settled levels to the chip, which samples them in the first cycle that begins at or after `now`."""
         cycle = self._clock.cycle_at(now)
         if not self.chip.filter_width:
             begin = self._clock.tick(cycle)
-            if begin > now:  # until then they may change again
+            if begin > now:  # the levels may change again before the cycle begins
                 self._kernel.schedule(begin, self, LOOK)
                 return
         if self.traces:
@@ -210,7 +212,7 @@ class Socket(Agent):
         self.publish(cycle)
 
     def given(self, cycle: int) -> None:
-        """Note that the present record has effect from `cycle` on, as the cause of later actions of the chip."""
+        """Note the present record as the cause of the chip's actions from `cycle` on."""
         self.waiting.add(cycle, self._recorder.cause)
 
     def _woken(self) -> None:
@@ -256,7 +258,7 @@ class Socket(Agent):
             self.on_held(cycle, chip.held)
 
     def _show(self, cycle: int) -> None:
-        """Notify observers and record flags and notes: values that can be read may have changed."""
+        """Notify observers and record flags and notes, because readable values may have changed."""
         chip = self.chip
         if self.after is not None:
             self.after(cycle)
@@ -301,7 +303,7 @@ class Socket(Agent):
         tick = self._clock.tick(cycle + self.out_delay)
         if tick <= self._kernel.now:
             self._set_pins(index, level)
-        else:  # also if an edge fell between two cycles: the response comes with the cycle
+        else:  # even without a delay, if the input's edge was between two cycles: the output moves as the cycle begins
             self._kernel.schedule(tick, self, self._recorder.cause << RECORD | (index + 1) << 1 | level)
 
     def _set_pins(self, index: int, level: int) -> None:
@@ -317,11 +319,11 @@ class Socket(Agent):
         return self._out == self.chip.out
 
     def accept_output(self) -> None:
-        """Take the chip's present outputs as those of the pins, whose wires are set by the caller."""
+        """Note that the pins have the chip's present outputs. The caller sets their wires."""
         self._out = self.chip.out
 
     def present_cause(self) -> int:
-        """Return the number of the record under whose effects the simulation runs now."""
+        """Return the number of the record whose effects the simulation runs now."""
         return self._recorder.cause
 
     def repeat_output(self, index: int, cause: int) -> None:
@@ -338,7 +340,7 @@ class Socket(Agent):
         self._have_watch([one for one in self.watchers if one is not watcher])
 
     def _have_watch(self, watchers: list[ChipObserver]) -> None:
-        self.watchers = watchers  # a new list, since a watcher may begin or end watching while they are called
+        self.watchers = watchers  # a new list, because a watcher that is being called may use `watch` or `unwatch`
         if self.on_watch is not None:
             self.on_watch()
 
@@ -349,7 +351,7 @@ class Socket(Agent):
             self._plan(self._clock.cycle_at(self._kernel.now))
 
     def connect(self, index: int, pins: list[Pin]) -> None:
-        """Make output `index` drive exactly `pins`; others that it drove are released."""
+        """Make output `index` drive exactly `pins`, and release the other pins that it drove before."""
         for pin in self.pins[index]:
             if pin not in pins:
                 pin.drive(1)

@@ -14,7 +14,7 @@ from enum import Enum
 
 
 class Time(Enum):
-    """Kind of instants that the integers of an attribute are."""
+    """Unit of the instants that an attribute contains as integers, or NONE if it contains no instants."""
 
     NONE = "no time"
     TICKS = "ticks of the kernel"
@@ -23,12 +23,13 @@ class Time(Enum):
 
 
 class State:
-    """The attributes of a class that are its state, as names with a space between them.
+    """The attributes of a class that are its state. Each argument is a text of names with a space between them.
 
-    plain: values, objects with a state of their own, containers of both, and callbacks.
-    ticks, cycles, records: integers, or containers of them, that a snapshot keeps relative to the present one.
+    plain: attributes that are values, objects with declared state, containers of values or objects, or callbacks.
+    ticks, cycles, records: integers, or containers of integers, that a snapshot stores relative to the present tick,
+        the present cycle or the number of the last record.
     chains: first elements of linked lists, whose elements have the attribute `following`.
-    made: the list is complete, so that restoring can make an object.
+    made: True if the attributes are complete, so that restoring can create an object of the class from them.
     """
 
     def __init__(

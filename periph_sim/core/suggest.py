@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from .shorten import shorten
 
-LONGEST = 60  # maximum number of characters of a name in the phrase
+LONGEST = 60  # characters to which a known name is shortened, and of the misspelled name that are compared
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -34,7 +34,7 @@ class Table(Struct, frozen=True, kw_only=True):
 
     @classmethod
     def model_validate(cls, tree: object) -> Self:
-        """Return the table of a tree, as read from a file. BadTable, with all mistakes, if it is not valid."""
+        """Convert a tree, as read from a file, to a table. BadTable, with all mistakes, if the tree is not valid."""
         return convert(cls, tree)
 
     def model_copy(self, *, update: Mapping[str, Any]) -> Self:
@@ -45,7 +45,7 @@ class Table(Struct, frozen=True, kw_only=True):
         return new
 
     def model_dump(self) -> dict[str, Any]:
-        """Return the values by field, without fields whose names begin with _."""
+        """Return the values indexed by the names of their fields, without fields whose names begin with _."""
         return {name: getattr(self, name) for name in self.__struct_fields__ if name[0] != "_"}
 
 

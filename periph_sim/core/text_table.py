@@ -12,7 +12,7 @@ from collections.abc import Collection, Sequence
 from textwrap import wrap
 
 WIDTH = 80
-GAP = "  "  # between columns
+GAP = "  "  # the space between two columns
 FOLD = 16  # minimum width to which a word is broken
 KEPT = "\u00a0"  # a space at which lines are not broken
 ROOM = 24  # minimum width of columns in which continuation lines are indented by two spaces

@@ -59,7 +59,7 @@ def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
 
 
 def seconds(text: Text) -> Fraction:
-    """Return the length of "250 us" or "1.5 ms" in seconds, exactly. TimeError if it is none, or too long."""
+    """Return the length of "250 us" or "1.5 ms" in seconds, exactly. TimeError if it is not a length, or too long."""
     quoted = shorten(repr(text), SHOWN)
     number, _, unit = text.strip().replace("\u00b5", "u").replace("\u03bc", "u").partition(" ")  # micro sign, mu
     if not unit:
@@ -80,7 +80,7 @@ def seconds(text: Text) -> Fraction:
 
 
 class Timebase:  # core: python
-    """The length of a tick. per_second: ticks in a second. per_ns: ticks in a nanosecond."""
+    """The length of a tick. per_second: number of ticks in a second. per_ns: number of ticks in a nanosecond."""
 
     STATE = State("per_second per_ns", made=True)
 

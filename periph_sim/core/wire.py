@@ -29,8 +29,8 @@ class TooManyParties(ValueError):
 class Wire(Settleable):
     """A line with a pull-up and the parties on it.
 
-    cause: the record of the last edge.
-    recorded: True if edges are recorded, and perhaps the parties that hold a low level.
+    cause: the number of the record of the last edge.
+    recorded: True if the edges of this wire are recorded.
     pulling: mask of the parties that pull it low in the settled state; bit i is party i.
     attached: the number of parties.
     version: changes when a party is attached or the set of listeners changes.
@@ -53,22 +53,22 @@ class Wire(Settleable):
         self._edges = recorder.topic(Kind.EDGE, name, "level")
         self._holds = recorder.topic(Kind.HOLD, name, "held")
         self.pulling = 0
-        self.shortcut: Shortcut | None = None  # what skips edges of this wire now
+        self.shortcut: Shortcut | None = None  # the shortcut that skips edges of this wire now
         self.attached = 0
-        self._pulling = 0  # the same, in an instant that is not settled yet
-        self._pulling_recorded = 0  # the same, at the last record
+        self._pulling = 0  # like `pulling`, with the changes that have not settled yet
+        self._pulling_recorded = 0  # like `pulling`, at the last record of this wire
         self._parties: list[str] = []
-        self._names_of: dict[int, str] = {}  # by mask of the pulling parties, for records
-        self._named = 0  # mask of the parties named last in a record, and their names
+        self._names_of: dict[int, str] = {}  # names of the pulling parties, for records; indexed by their mask
+        self._named = 0  # mask of the parties that a record named last; `_names` are their names
         self._names = ""
-        self._watches: _Watch | None = None  # subscribers to the level: the first of a chain
+        self._watches: _Watch | None = None  # the first in the chain of subscribers to the level
         self._pull_watches: PullWatch | None = None
         self._queued = False
-        self._moved = self._pulled = False  # changed when it settled last: its level, its pulling parties
+        self._moved = self._pulled = False  # True if the last settling changed the level, or the pulling parties
         self._pulled_under = self._released_under = 0  # the last records that caused pulls and releases in this instant
 
     def attach(self, who: str) -> Pin:
-        """Add a party and return its pin, released. TooManyParties if there is no place for it."""
+        """Add a party and return its pin, released. TooManyParties if the wire has MAX_PARTIES parties."""
         place = len(self._parties)
         if place >= MAX_PARTIES:
             raise TooManyParties(f"wire {self.name}: {who} would be party {place + 1}; a wire has up to {MAX_PARTIES}")
@@ -84,7 +84,7 @@ class Wire(Settleable):
         self._add_pull_watch(PullWatch(agent, line, None))
 
     def notify_on_pulls(self, sampler: SampledParty) -> None:
-        """Also notify `sampler`, which listens to the wire, in each such instant."""
+        """Notify `sampler`, a listener of the wire, also when the set of pulling parties changes."""
         self._add_pull_watch(PullWatch(sampler.agent, 0, sampler))
 
     def _add_pull_watch(self, watch: PullWatch) -> None:
@@ -110,7 +110,7 @@ class Wire(Settleable):
         return [who for i, who in enumerate(self._parties) if self._pulling >> i & 1]
 
     def pull(self, mask: int, level: int) -> None:
-        """Release (1) or pull low (0) the line for the parties in `mask`. Edges that are skipped now are run before."""
+        """Release (1) or pull low (0) the line for the parties in `mask`, after running edges that a shortcut skips."""
         if self.shortcut is not None:
             self.shortcut.materialize()
         pulling = self._pulling & ~mask if level else self._pulling | mask
@@ -199,7 +199,7 @@ class Wire(Settleable):
                 listener = listener.following
 
     def restored(self) -> None:
-        """Clear what a snapshot does not have: its state is always settled."""
+        """Mark the wire as settled after a snapshot was restored, because snapshots contain settled states only."""
         self._queued = False
 
     def quiet(self) -> bool:
@@ -214,7 +214,7 @@ class Wire(Settleable):
             listeners.append(listener.sampler)
             listener = listener.following
         while watch is not None:
-            if watch.sampler is None:  # otherwise it is in the list already
+            if watch.sampler is None:  # a sampler is in the list already, as a subscriber to the level
                 listeners.append(watch)
             watch = watch.following
         return listeners
@@ -264,7 +264,7 @@ class Wire(Settleable):
             self.kernel.request_sample(sampler)
 
     def _changed(self) -> None:
-        """Note that parties or listeners change. Shortcuts are valid only for those they know."""
+        """Run skipped events and count a change of parties or listeners, which makes older shortcuts invalid."""
         self.kernel.materialize()
         self.version += 1
 
@@ -273,7 +273,7 @@ class Wire(Settleable):
 class PullWatch:
     """A subscriber to the set of pulling parties: an agent, which knows the wire as `line`, or a sampler.
 
-    following: the next one.
+    following: the next subscriber in the chain.
     """
 
     __slots__ = ("agent", "following", "line", "sampler")
@@ -287,7 +287,11 @@ class PullWatch:
 
 @final
 class _Watch:
-    """A sampler that listens to a wire, and the bit of its levels that the wire is. following: the next one."""
+    """A sampler that listens to a wire.
+
+    bit: the mask of the bit that represents the wire in the sampler's levels.
+    following: the next entry in the wire's chain.
+    """
 
     STATE = State("sampler bit", made=True)
 

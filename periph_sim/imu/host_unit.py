@@ -29,8 +29,8 @@ from .motion import BadMotion
 from .motion.flight import Settings, motion
 
 NANOSECONDS = 10**9
-AT_ONCE = 4096  # bytes
-LONGEST = 1 << 16  # bytes of a datagram
+AT_ONCE = 4096  # maximum number of bytes that one call reads
+LONGEST = 1 << 16  # maximum number of bytes of a datagram
 KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # length of a datagram: format of its numbers
 OTHERS = "six doubles (48 bytes), six singles (24) or a frame as it is (12)"
 
@@ -142,9 +142,10 @@ def send_frames(
     frames: int | None = None,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Sent:
-    """Send frames until there are no more, or it is stopped. pacer: in nanoseconds; it also measures lateness.
+    """Send frames until `frames` were sent, the source is over or `stopped` returns True.
 
-    Waiting is done by reading: this also advances a port whose time is simulated.
+    pacer: the schedule, whose ticks are nanoseconds; it also measures lateness.
+    Between frames the function reads from the port, which also advances a port whose time is simulated.
     """
     sent = Sent()
     number = 0

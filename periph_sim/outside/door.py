@@ -22,7 +22,7 @@ from ..form.c_types import Text
 if TYPE_CHECKING:
     from ..core.wire import Pin
 
-WHO = "outside"  # its name in records, and as a party that pulls a line
+WHO = "outside"  # name of the outside in records, and as a party on the wires
 
 
 class Change(NamedTuple):
@@ -50,7 +50,7 @@ class Door(Agent):
         self._pins = {name: wire.attach(WHO) for name, wire in wires.items()}
         self._on_instant = on_instant
         self._put: dict[int, dict[str, int]] = {}
-        self._event: Event | None = None  # for the first entry of `_put`
+        self._event: Event | None = None  # the event of the first entry of `_put`
         self._levels = {name: self.held(name) for name in wires}
         self._changes: list[Change] = []
         for line, wire in enumerate(wires.values()):

@@ -22,13 +22,17 @@ if TYPE_CHECKING:
     from .session import Session
 
 LINES = ("SDA", "SCL")
-HOLD = Fraction(300, 10**9)  # of SDA after a fall of SCL, as a controller must provide (UM10204 Table 10, note 3)
-FASTEST = 5_000_000  # Hz: of Ultra Fast-mode
-PATIENCE = Fraction(25, 1000)  # that SCL or the bus may be held: SMBus section 3.1.1.3
+HOLD = Fraction(300, 10**9)  # hold time of SDA that a controller must provide: UM10204 Table 10, note 3
+FASTEST = 5_000_000  # maximum rate in Hz, that of Ultra Fast-mode
+PATIENCE = Fraction(25, 1000)  # seconds for which SCL or the bus may be held: SMBus section 3.1.1.3
 
 
 class Master:
-    """rate: of SCL, without stretching; half of a period low, half high. held: SCL is held low, between two calls.
+    """A controller that external code calls.
+
+    rate: the frequency of SCL without stretching, as a text; SCL is low for one half of the period and high for the
+        other.
+    held: True if SCL is held low between two calls.
 
     OutsideError if SDA and SCL do not lead outside, if a call comes in the wrong order, if others hold a line for more
     than 25 ms, and if another controller wins the bus.
@@ -40,9 +44,9 @@ class Master:
             who = f"{' and '.join(missing)} of case {session.case.name}"
             raise OutsideError(f"{who} {'do' if len(missing) > 1 else 'does'} not lead outside; name both")
         self._session = session
-        self._fell = 0  # the tick of SCL's last fall, while it is held
+        self._fell = 0  # the tick of the last fall of SCL, while SCL is held low
         self.held = False
-        self._reads = False  # the present transfer
+        self._reads = False  # True if the present transfer reads
         self.rate = "100 kHz"
 
     @property

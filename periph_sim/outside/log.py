@@ -33,14 +33,14 @@ class LogWriter:
             raise OutsideError(f"{path}: {error.strerror}; give the log another place") from None
         head = {"format": FORMAT, "version": VERSION, "case": case.name, "ticks_per_second": ticks_per_second}
         file: dict[str, object] = {}
-        if case.file is not None and case.file.is_file():  # and not built by a program
+        if case.file is not None and case.file.is_file():  # otherwise a program has built the case
             file = {"file": relpath(case.file, path.parent), "set": case.changes}
-        self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines, until `begin`
+        self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines for `begin` to write; then None
 
     def begin(self) -> None:
         """Write the waiting lines: the session's time begins to pass."""
         if self._waiting is not None:
-            if self._path.is_file():  # and no device or pipe
+            if self._path.is_file():  # otherwise it is a device or a pipe, which cannot be truncated
                 self._file.truncate(0)
             waiting, self._waiting = self._waiting, None
             for value in waiting:
@@ -60,7 +60,10 @@ class LogWriter:
         self._file.close()
 
     def close(self) -> None:
-        """Close without an end: the session was not finished. A new log that did not begin is removed."""
+        """Close the log of a session that was not finished, without an "end" line.
+
+        If `begin` was not called, a file that the session has created is removed.
+        """
         self._file.close()
         if self._waiting is not None and self._is_new:
             self._path.unlink(missing_ok=True)

@@ -3,10 +3,10 @@
     events of the kernel            --+--> the first tick at which a pin of ours may move
     edges: at once, or after a filter -'
 
-An I2C module that is not a master sees an edge only after its noise filter, and an SCI after its synchroniser. In the
-middle of a byte not even then is an edge observable: the module reports for how many edges this holds, and as long as
-they are far enough apart, and SDA changes while SCL is low, they get no answer. All other listeners are assumed to
-answer at once. A program moves a pin once one of its writes has reached a register.
+An I2C module that is not a master receives an edge only after its noise filter, and an SCI after its synchroniser. In
+the middle of a byte, edges get no answer at all: the I2C module reports the number of such edges, which is valid as
+long as they are far enough apart and SDA changes only while SCL is low. All other listeners are assumed to answer at
+once. A program moves a pin when one of its writes has reached a register.
 """
 
 # core: compiled
@@ -45,7 +45,7 @@ _tick = itemgetter(0)
 
 @final
 class Reaction(Agent):
-    """Times are the kernel's ticks. lines: those that lead outside."""
+    """Computes the earliest answer of a scene. Times are ticks of the kernel. lines: the lines that lead outside."""
 
     _kernel: Kernel
     _mark: Event
@@ -66,25 +66,25 @@ class Reaction(Agent):
             dsp.processor: [socket.chip for socket in dsp.sockets.values() if isinstance(socket.chip, I2c)]
             for dsp in scene.units.values()
         }
-        self._direct: list[Socket] = []  # listening modules, except those behind synchronised pads:
-        self._routers: list[Router] = []
-        self._listening: list[Socket] = []  # all listeners, if each of them has a filter
-        self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules among them
-        self._pins: list[list[Pin]] = []  # pins of SCL and SDA of each
+        self._direct: list[Socket] = []  # modules that listen to the lines without a synchronised pad
+        self._routers: list[Router] = []  # routers with synchronised pads that listen to the lines
+        self._listening: list[Socket] = []  # listening modules whose inputs have a filter: I2C and SCI
+        self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules in `_listening`
+        self._pins: list[list[Pin]] = []  # for each of these modules: the pins of SCL, the pins of SDA
         self._scl = self._sda = ""  # the lines of these pins; "" if none or several
-        self._at_once = True
+        self._at_once = True  # True if a listener may answer without a filter
         self._now = scene.kernel.now  # the next tick
-        self._levels = dict.fromkeys(lines, 1)  # as put, before `_now`
-        self._put: list[tuple[int, str, int]] = []  # from `_now` on, in order of time
+        self._levels = dict.fromkeys(lines, 1)  # levels after the moves before `_now`
+        self._put: list[tuple[int, str, int]] = []  # moves from `_now` on, in order of time
         self._fresh = False  # True if the following values are up to date:
         self._due = NEVER
-        self._silent = -1  # further unobservable edges of SCL; -1: any edge is observable
-        self._widest = 0  # ticks: the longest pulse that a filter may remove, whose edges do not count
-        self._widest_of: list[tuple[int, Clock]] = []  # for these filters and clocks
-        self._hz: list[Fraction] = []  # their frequencies
+        self._silent = -1  # number of further edges of SCL that are unobservable; -1: any edge is observable
+        self._widest = 0  # ticks of the longest pulse that a filter may remove
+        self._widest_of: list[tuple[int, Clock]] = []  # the filter widths and clocks from which `_widest` was computed
+        self._hz: list[Fraction] = []  # the frequencies of these clocks
         self._seen = self._levels.copy()  # levels after all moves that were put
-        self._scl_moved = LONG_AGO  # SCL's last edge among all that was put,
-        self._scl_done = LONG_AGO  # and up to now
+        self._scl_moved = LONG_AGO  # tick of the last edge of SCL among all moves that were put
+        self._scl_done = LONG_AGO  # tick of the last edge of SCL before `_now`
 
     def put(self, tick: int, line: Text, level: int) -> None:
         """Record that the outside moves a line at `tick`."""
@@ -97,7 +97,7 @@ class Reaction(Agent):
             self._weigh(tick, line, level)
 
     def advanced(self, now: int) -> None:
-        """Record that all before tick `now` is done."""
+        """Record that the scene has run up to tick `now`, exclusive."""
         self._now = now
         self._fresh = False
         if len(self._put) > 2 * REMEMBERED:  # `due` is not called, so nothing else removes them
@@ -126,7 +126,7 @@ class Reaction(Agent):
             self._weigh_all()
 
     def _pass(self, most: int) -> None:
-        """Move up to `most` of the past moves into the lines' levels."""
+        """Remove up to `most` past moves and apply them to `_levels`."""
         done: int = 0
         tick: int
         level: int
@@ -140,7 +140,7 @@ class Reaction(Agent):
         del self._put[:done]
 
     def _weigh_all(self) -> None:
-        """Weigh all moves that are not past."""
+        """Lower `_due` to the earliest answer to any move that is not past."""
         self._pass(len(self._put))
         self._seen = self._levels.copy()
         self._scl_moved = self._scl_done
@@ -188,7 +188,7 @@ class Reaction(Agent):
     def _events(self) -> Event | None:
         """Return the kernel's first event; the others follow it."""
         kernel = self._kernel
-        kernel.reschedule(self._mark, kernel.now, 0)  # past events are done: it is the first of all
+        kernel.reschedule(self._mark, kernel.now, 0)  # the first of all events, because past events have run
         event = self._mark.following
         kernel.cancel(self._mark)
         return event
@@ -214,7 +214,7 @@ class Reaction(Agent):
             processor, chips = agent, self._chips[agent]
             chip: I2c
             for chip in chips:
-                if chip.target.pulls & SCL or chip.master.active:  # a read may end these, with an effect at once
+                if chip.target.pulls & SCL or chip.master.active:  # a read may end a stretch, and SCL moves at once
                     return event.time
             clock: Clock = self._cpu_clocks[processor]
             return _tick_of(clock, processor.next_output(clock.cycle_at(event.time)))
@@ -244,7 +244,7 @@ class Reaction(Agent):
         self._due = min(self._due, self._answer(tick))
 
     def _answer(self, tick: int) -> int:
-        """Return the first tick of an answer to a line that moves at `tick`."""
+        """Return the earliest tick at which a module can answer a move of a line at `tick`."""
         first: int = NEVER
         chip: I2c
         for _, chip in self._modules:

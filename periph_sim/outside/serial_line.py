@@ -28,14 +28,18 @@ PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]
 WRONG = ("", "parity", "stop")
-LAST = Fraction(1, 10)  # seconds of a client's bytes that are still sent after the next one has connected
+LAST = Fraction(1, 10)  # seconds: if a client's waiting bytes take no longer, they are sent even if another connects
 
 
 class SerialLine:
-    """received: number of received bytes; those with a wrong parity or stop bit are also counted in `wrong`.
+    """The other end of one SCI's lines.
 
-    rx: the wire. waiting: bytes that are not on the line yet; sent: those that were put there. broken: RX is low for a
-    break, or will be once all waiting bytes are sent.
+    rx: the name of the wire RX.
+    received: number of received bytes.
+    wrong: number of received bytes with a wrong parity or stop bit.
+    waiting: number of bytes that are not on the line yet.
+    sent: number of bytes that were put on the line.
+    broken: True if RX is low for a break, or will be when all waiting bytes have been sent.
     """
 
     def __init__(self, session: Session, rx: str, tx: str, baud: int, form: str) -> None:
@@ -45,10 +49,10 @@ class SerialLine:
         self.waiting = 0
         self._got = bytearray()
         self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes, or RX's level for a break
-        self._place = 0  # in the first entry of `_queue`
-        self._begins: deque[int] = deque()  # ticks of start bits that are not past
+        self._place = 0  # index of the next byte in the first entry of `_queue`
+        self._begins: deque[int] = deque()  # ticks of start bits on the line that time has not reached yet
         self.broken = False
-        self._parts = 1  # of a tick: a bit is a whole number of them
+        self._parts = 1  # number of parts into which a tick is divided, so that a bit is a whole number of parts
         self._free = 0  # the time from which the line may carry the next frame, in parts of a tick
         self.set(baud, form)
         reader = UartReader(session.scene.kernel, session.scene.wire(tx), lambda: (self._bit, self._format))
@@ -58,7 +62,7 @@ class SerialLine:
         """Set rate and format from the next frame on. OutsideError if they are invalid."""
         free = self._free_at()
         self._bit, self._format = self.checked(baud, form)
-        # Integers, exact: a frame that follows the last one at once may begin between two ticks.
+        # Times are counted in parts of a tick, because a frame that follows the previous one may begin between ticks.
         self._parts = self._bit.denominator
         self._parts_of_bit = self._bit.numerator
         self._free = free * self._parts
@@ -71,7 +75,7 @@ class SerialLine:
         return Fraction(self._session.ticks_per_second, baud), UartFormat(bits, PARITIES[parity], stop)
 
     def write(self, data: bytes, wrong: Wrong = "") -> None:
-        """Queue bytes after those that wait already. wrong: with inverted parity bit, or stop bit."""
+        """Queue bytes after those that wait already. wrong: "parity" or "stop" to send them with that bit inverted."""
         if not isinstance(data, bytes | bytearray | memoryview):
             raise OutsideError(f"{data!r} is not of type bytes; write b'abc' or 'abc'.encode()")
         if wrong not in WRONG:
@@ -131,7 +135,7 @@ class SerialLine:
             first = self._queue[0]
             if isinstance(first, int):
                 self._session.apply(begin // parts, {self.rx: first})
-                # A bit at least: the minimum length of a break, and its distance from a frame.
+                # One bit is the minimum length of a break, and the minimum distance of the next frame from its end.
                 self._free = begin + self._parts_of_bit
                 self._queue.popleft()
                 continue
@@ -151,7 +155,7 @@ class SerialLine:
         return True
 
     def _frame(self, begin: int, byte: int, wrong: Wrong) -> None:
-        """Put a frame on the line. begin: in parts of a tick."""
+        """Put a frame on the line. begin: the time of its start bit, in parts of a tick."""
         form, parts, bit = self._format, self._parts, self._parts_of_bit
         levels = form.levels(byte)
         if wrong == "parity":
@@ -166,7 +170,7 @@ class SerialLine:
             at += bit
         self.sent += 1
         self._begins.append(begin // parts)
-        if not before:  # after a low stop bit the line is free a bit later
+        if not before:  # after a low stop bit, the line is high for a bit before the next frame
             self._session.apply(at // parts, {self.rx: 1})
             at += bit
         self._free = at

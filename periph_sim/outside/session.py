@@ -41,14 +41,16 @@ if TYPE_CHECKING:
 
 
 class Session:
-    """A case that is stepped, and whose lines `outside` are moved, by external code.
+    """A case that external code steps, and whose lines `outside` it moves.
 
-    case: from `load` or `make_case`, or a file. outside: names of wires, instead of those that its [outside] gives.
-    log: a file for the outside's moves, from which `replay` repeats the run. subscribe, programs: as in a Scene.
-    BadCase for a case that cannot be built or has no such wires; OutsideError for a log that cannot be written.
+    case: a case from `load` or `make_case`, or its file.
+    outside: the names of the wires that lead outside, instead of those in the [outside] table of the case.
+    log: a file for the outside's moves, from which `replay` repeats the run.
+    subscribe, programs: as in a `Scene`.
 
-    Times are ticks (`ticks_per_second`), counted from the begin of the case. A session is a context manager; if left
-    without `finish`, its log has no end.
+    BadCase if the case cannot be built or has no such wires; OutsideError if the log cannot be written. Times are ticks
+    (`ticks_per_second`), counted from the begin of the case. A session is a context manager; if the block is left
+    without `finish`, the log has no "end" line.
     """
 
     scene: Scene
@@ -99,7 +101,7 @@ class Session:
 
     @property
     def now(self) -> int:
-        """The next tick; all before it is done."""
+        """The next tick; all ticks before it have been run."""
         return self._now
 
     def ticks(self, length: Text) -> int:
@@ -107,7 +109,7 @@ class Session:
         return self.scene.timebase.ticks(duration(length), "nearest")
 
     def advance(self, until: BigInt) -> list[Change]:
-        """Run up to tick `until`, exclusive; return the changes of our own pulls. OutsideError for the past."""
+        """Run up to tick `until`, exclusive, and return the changes of our own pulls. OutsideError if it is past."""
         self._open()
         self._check_tick(until)
         if until < self._now:
@@ -128,7 +130,7 @@ class Session:
         return [change._replace(at=change.at - self._start) for change in changes] if changes else changes
 
     def next_output(self) -> int | None:
-        """Return the tick before which none of our pins moves unless `apply` is called; None for never."""
+        """Return the tick before which none of our pins moves unless `apply` is called; None if none will move."""
         self._open()
         due = self._reaction.due()
         return None if due >= NEVER else max(due - self._start, self._now)
@@ -163,7 +165,7 @@ class Session:
         return not self._door.held(line)
 
     def level(self, line: Text) -> int:
-        """Return the level of a wire of the case, pulled by both sides, at the end of the last tick that is done."""
+        """Return the level of a wire of the case, with the pulls of both sides, at the end of the last tick run."""
         if line not in self.scene.wires:
             raise OutsideError(f"there is no wire {line!r}; {did_you_mean(line, self.scene.wires)}")
         return self.scene.wires[line].level
@@ -178,7 +180,10 @@ class Session:
         return self._master
 
     def serial(self, port: Text, baud: BigInt = 115_200, form: Text = "8n1") -> SerialLine:
-        """Return the other end of an SCI's lines: "scia", "SCI-A" or "dsp.SCI-A". OutsideError if it does not exist."""
+        """Return the other end of an SCI's lines. port: the SCI, for example "scia", "SCI-A" or "dsp.SCI-A".
+
+        OutsideError if there is no such SCI, its RX does not lead outside, or its other end exists already.
+        """
         name, line = serial_line(self, port, baud, form)
         if name in self._serial:
             raise OutsideError(f"{name} has its other end already; use that, or close the session")

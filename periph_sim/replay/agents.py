@@ -1,10 +1,10 @@
-"""The agents of a closed loop: the captured controller, and the captured targets that are not the firmware's.
+"""The agents of a closed loop: they play the captured controller, and the targets that the firmware does not replace.
 
     transfers --> CapturedController --> SCL, SDA <-- ScriptedTarget <-- captured answers
 
-They can differ from the capture without the firmware, for instance if `longest_low` cuts a pause of the controller.
-`without_firmware` plays them alone, with the captured answers in the firmware's place: a difference that also occurs
-there is the agents' own.
+The agents can deviate from the capture even if the firmware behaves as captured, for instance because `longest_low`
+shortens a pause of the controller. `without_firmware` runs the agents with the captured answers in place of the
+firmware. A difference that also occurs in this run is caused by the agents.
 """
 
 from __future__ import annotations
@@ -35,9 +35,11 @@ AGENTS = "the replay's own controller and targets"
 class Plan:
     """The settings with which the agents play a capture.
 
-    own: addresses of the firmware. origin: tick of the capture's begin. longest_low: maximum positions for which the
-    controller holds SCL low, None: as captured. least_gap: minimum ticks between two transfers, by which the controller
-    catches up after a delay; None: it keeps the captured pauses, so that all later transfers are delayed.
+    own: the addresses of the firmware.
+    origin: the tick of the capture's begin.
+    longest_low: the maximum time, in positions, for which the controller holds SCL low; None: as captured.
+    least_gap: the minimum time, in ticks, between two transfers. After a delay, the controller shortens pauses down to
+        it until the transfers begin as captured. None: pauses are as captured, so that all later transfers are delayed.
     """
 
     part: Played
@@ -49,14 +51,14 @@ class Plan:
 
     @property
     def per_position(self) -> Fraction:
-        """Ticks."""
+        """The number of ticks from one position of the capture to the next."""
         return self.timebase.per_second / self.part.rate
 
 
 class CapturedController:
     """Player of the controller's half of each transfer, and of the answers of targets other than the firmware.
 
-    player: makes the edges. begun: transfers so far. on_end: called after the last.
+    player: makes the edges. begun: number of transfers that have begun. on_end: called after the last transfer.
     """
 
     def __init__(self, plan: Plan, kernel: Kernel, scl: Wire, sda: Wire, on_end: Callable[[], None]) -> None:
@@ -67,14 +69,14 @@ class CapturedController:
         self._on_end = on_end
         self._hold = usual_hold(plan.part.transfers, plan.part.half_sample)
         self._late = 0  # ticks by which the last transfer ended later than captured
-        self._cut = 0  # ticks by which `longest_low` has shortened it
-        self._delay = 0  # delay of the player at its begin
+        self._cut = 0  # ticks by which `longest_low` has shortened the last transfer
+        self._delay = 0  # `delay` of the player at the begin of the last transfer
         answers = plan.part.answers_of_others(plan.own)
         if answers:
             ScriptedTarget(kernel, scl, sda, answers, plan.timebase.ticks(HOLD, "nearest"))
 
     def go_on(self) -> None:
-        """Play the next transfer when it is due, and all after it."""
+        """Play the remaining transfers, each when it is due."""
         self._late = max(0, self._late + self.player.delay - self._delay - self._cut)
         self._delay = self.player.delay
         if self.begun == len(self._plan.part.transfers):
@@ -118,7 +120,7 @@ def without_firmware(plan: Plan, start: int, end: int, tolerance: Fraction) -> C
 
 
 def agents_own(outcome: Comparison, alone: Comparison, tolerance: Fraction) -> Comparison:
-    """Return the outcome with a cause at each difference that `alone`, without the firmware, has at the same event."""
+    """Return the outcome with a cause for each difference that `alone`, the run without the firmware, has, too."""
     return replace(outcome, ranked=tuple(_marked(one, alone.ranked, tolerance) for one in outcome.ranked))
 
 
@@ -138,7 +140,7 @@ def _is_same(one: Divergence, other: Divergence, tolerance: float) -> bool:
 
 
 def first_judged(outcome: Comparison, times: bool) -> Divergence | None:
-    """Return the earliest difference that fails a replay. times: differences in time count."""
+    """Return the earliest difference that fails a replay. times: True if differences in time fail it, too."""
     judged = [one for one in outcome.ranked if times or one.kind != TIMING]
     return min(judged, key=lambda one: one.index, default=None)
 

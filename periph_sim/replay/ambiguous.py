@@ -1,12 +1,13 @@
-"""Handling of frames that receivers may read either way: what a line holds and what was received, without the
-ambiguous parts.
+"""Handling of frames that receivers may read either way: the frames of a line and the words that were received are
+compared without the ambiguous parts.
 
     frames, rejected starts  --fit?-->  words to compare, one against one
     words received           ------->   ambiguous: frames with a glitch at a sample point
 
-A glitch in a data, parity or stop bit leaves that bit open, so the word may have either value. One in the start bit,
-or a nearly valid start, leaves open if a frame begins at all; a receiver that decides otherwise may read other
-frames up to the next pause. There, comparison resumes at the first place at which both agree again.
+A glitch in a data, parity or stop bit leaves that bit open, so the word may have either value. A glitch in the start
+bit, or a nearly valid start, leaves open whether a frame begins at all. A receiver that decides otherwise than the
+decoder may read other frames up to the next pause. Comparison resumes at the place in the burst from which on most
+words agree.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ from ..traces.decode.uart import Event, Frame, Line, RejectedStart
 from .compare import Happened
 from .event_names import byte_words
 
-LIKELY = Fraction(1, 4)  # minimum bits of a rejected start that a receiver may accept
-AHEAD = 8  # words that must agree where comparison resumes
-EXTRA = 2  # words that a receiver may read in addition to the frames
+LIKELY = Fraction(1, 4)  # minimum length, in bits, of a rejected start that a receiver may accept
+AHEAD = 8  # number of words that must agree where comparison resumes
+EXTRA = 2  # number of words that a receiver may read in addition to the frames
 
 
 class Word(NamedTuple):
@@ -40,7 +41,7 @@ class Word(NamedTuple):
 
 @dataclass
 class Settled:
-    """expected, found: the comparable parts. ambiguous: the omitted frames."""
+    """The result of `settled`. expected, found: the comparable parts. ambiguous: the omitted frames."""
 
     expected: list[Happened] = field(default_factory=list)
     found: list[Happened] = field(default_factory=list)
@@ -48,7 +49,7 @@ class Settled:
 
 
 def settled(events: Sequence[Event], line: Line, rate: Fraction, found: Sequence[Word]) -> Settled:
-    """Return the parts of a line that can be judged. rate: positions a second."""
+    """Return the parts of a line that can be judged. rate: the number of positions in a second."""
     return _Settling(events, line, rate, found).result()
 
 
@@ -63,7 +64,7 @@ class _Settling:
             for event in events
             if isinstance(event, Frame) or (isinstance(event, RejectedStart) and event.end - event.at >= LIKELY * width)
         ]
-        self._pause = 2 * line.frame * width  # between two starts: any reading of the first is over
+        self._pause = 2 * line.frame * width  # time from a start after which any reading of its frame is over
 
     def result(self) -> Settled:
         done = Settled()
@@ -93,7 +94,7 @@ class _Settling:
             done.found.append(self._found[word].happened)
 
     def _fits(self, frame: Frame, word: Word) -> bool:
-        """True if a word is a possible reading of the frame."""
+        """Return True if a word is a possible reading of the frame."""
         data = (1 << self._line.bits) - 1
         open_data = frame.unsure >> 1 & data
         checked = self._line.parity != "none"
@@ -106,9 +107,10 @@ class _Settling:
         )
 
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
-        """Return (items, words) to omit from an unsure start on, within its burst: those before the best agreement.
+        """Return the numbers of items and of words to omit, from an unsure start to the best agreement in its burst.
 
-        Of equal ones the fewest items, and about as many words as there are frames among them.
+        Of equally good agreements, choose the one with the fewest items, and then the one whose number of words is
+        nearest to the usual number for these items.
         """
         usual = int(isinstance(self._items[item], Frame))
         last = item + 1
@@ -124,7 +126,10 @@ class _Settling:
         return best
 
     def _agreeing(self, item: int, word: int) -> int:
-        """Return the number of next words that fit the next items; AHEAD if as many do, or both end."""
+        """Return the number of next words that fit the next items, up to AHEAD.
+
+        Return AHEAD also if the items and words end together, or if another unsure start is reached.
+        """
         items, found = self._items[item : item + AHEAD], self._found[word : word + AHEAD]
         for number, event in enumerate(items):
             if not isinstance(event, Frame) or event.unsure & 1:

@@ -27,7 +27,13 @@ AGAINST = "the controller continued after a NACK"
 
 @dataclass
 class AsMaster:
-    """script, pauses: one entry a transfer, pauses in positions. left_out: reason -> number of omitted transfers."""
+    """The settings of firmware that plays the controller, and the targets' answers.
+
+    script, pauses: one entry for each transfer in `done`; pauses are in positions.
+    done: the transfers in the script.
+    answers: the answers of the targets, indexed by their addresses.
+    left_out: the number of omitted transfers for each reason.
+    """
 
     script: list[str] = field(default_factory=list)
     pauses: list[Fraction] = field(default_factory=list)
@@ -57,7 +63,10 @@ def as_master(part: Played, ticks_per_position: Fraction) -> AsMaster:
 def stretched_answers(
     transfers: list[Transfer], long_low: Fraction, ticks_per_position: Fraction
 ) -> dict[int, list[Answer]]:
-    """Return the targets' answers by address, with their stretches. long_low: positions; longer lows are stretches."""
+    """Return the targets' answers with their stretches, indexed by address.
+
+    long_low: the limit, in positions, above which a low phase of SCL is a stretch.
+    """
     answers: dict[int, list[Answer]] = defaultdict(list)
     phases = [phase for transfer in transfers for phase in transfer.phases if is_addressed(phase)]
     for phase, turn in zip(phases, turns(transfers), strict=True):

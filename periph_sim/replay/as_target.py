@@ -17,17 +17,17 @@ from .i2c_script import Turn
 
 @dataclass
 class AsTarget:
-    """Settings, times in positions of the capture. refused: NACKs that neither `asleep` nor `busy` can reproduce."""
+    """The settings of firmware that plays a captured target. Times are in positions of the capture."""
 
     address: int
     replies: list[bytes] = field(default_factory=list)  # one for each read
-    asleep: Fraction | None = None  # does not answer from the start up to here
-    busy: list[Fraction] = field(default_factory=list)  # after the n-th write that a STOP ended
-    refused: int = 0
+    asleep: Fraction | None = None  # the firmware does not answer from the start up to this time
+    busy: list[Fraction] = field(default_factory=list)  # times without answers after each write that a STOP ended
+    refused: int = 0  # number of NACKs that neither `asleep` nor `busy` can reproduce
 
 
 def as_target(address: int, turns: Iterable[Turn], end: int) -> AsTarget:
-    """Return the settings for one address. end: end of a final NACK."""
+    """Return the settings for one address. end: the position at which NACKs at the end of the capture are over."""
     found = AsTarget(address)
     refused: list[Turn] = []
     last: Turn | None = None  # the last answered turn

@@ -15,9 +15,9 @@ ALL = (*I2C, *UART)
 
 
 def channel_map(capture: Capture, text: str | None, session: bool = False) -> dict[str, str]:
-    """Return line -> channel. Without a text, channels are found by name.
+    """Return the name of the channel for each line. If `text` is None, channels are found by their names.
 
-    session: all three lines, if there are three.
+    session: True to return all three lines if the capture has them.
     """
     if text is not None:
         return _given(capture, text)

@@ -18,7 +18,7 @@ from ..traces.diff.align import align
 NOTHING = "nothing more"
 
 BYTE, ACK, EVENT, TIMING = "byte", "ACK", "event", "timing"
-KINDS = (BYTE, ACK, EVENT, TIMING)  # of divergences
+KINDS = (BYTE, ACK, EVENT, TIMING)  # kinds of divergences
 
 CONDITIONS = ("START", "repeated START", "STOP", NOTHING)
 
@@ -46,10 +46,14 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """index: number of events before it. Times in seconds since the capture began; None without an event.
+    """A difference between the capture and the replay.
 
-    kind: one of KINDS. history: changes of the chip's registers around it. cause: the firmware's statement, or
-    another cause, as a phrase.
+    index: the number of events before it.
+    expected, found: the event in the capture and in the replay, in words.
+    capture_s, replay_s: the times of these events in seconds since the capture began; None if there is no event.
+    kind: one of KINDS.
+    history: the changes of the chip's registers around it.
+    cause: a phrase with the firmware's statement or another cause.
     """
 
     index: int
@@ -64,11 +68,13 @@ class Divergence:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """agreed: number of events that both lists have, in the same order. lag: the largest difference in time up to the
-    first that differs, in seconds.
+    """The result of comparing two lists of events.
 
-    divergence: the first one except timing. ranked: the first of each kind in order of time, since an earlier one may
-    cause a later one; timing last, since a stretch delays all later events.
+    agreed: the number of equal events before the first difference.
+    divergence: the first divergence that is not of kind TIMING; None if there is none.
+    lag: the largest difference in time, in seconds, of the events before the first one that differs.
+    ranked: the first divergence of each kind, in order of time, because an earlier one may cause a later one. TIMING is
+        last, because a stretch delays all later events.
     """
 
     agreed: int
@@ -85,7 +91,10 @@ def kind_of(words: str) -> str:
 
 
 def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: Fraction | None = None) -> Comparison:
-    """Find where the lists differ, also in length. tolerance: seconds; None: times are not judged."""
+    """Compare two lists of events. A difference in length is a divergence, too.
+
+    tolerance: the allowed difference in time, in seconds; None: times are not compared.
+    """
     lag = Fraction(0)
     parted = False
     first: dict[str, Divergence] = {}

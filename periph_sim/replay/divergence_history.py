@@ -1,7 +1,7 @@
-"""The chip's side of divergences: flag history and the firmware's statement for each.
+"""The chip's side of divergences: the history of its flags and the statement of the firmware for each divergence.
 
 The run is repeated with recording, and ends soon after the last divergence. The statement is the one that wrote the
-value on the wires, else the one that was executed then.
+value on the wires, or else the one that was executed at the divergence.
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ class CaptureOrigin:
         return self.scene.timebase.ticks(Fraction(seconds), "nearest")
 
 
-Run = Callable[[FlagHistory, int], None]  # repeats the run with this listener, up to that tick
+Run = Callable[[FlagHistory, int], None]  # a function that repeats a run, with a history as subscriber, up to a tick
 
 
 class Role(NamedTuple):
-    """The role of a unit. writes: by the first words of an event, the register from which its value comes."""
+    """The role of a unit. writes: the registers from which events get their values, by the first words of an event."""
 
     module: str
     writes: Mapping[str, str]
@@ -85,7 +85,7 @@ def with_history(
 
 
 def _write_of(event: str, role: Role, records: Sequence[Record]) -> str:
-    """Return the statement that wrote the value of an event; "" if the firmware did not, or no write was recorded."""
+    """Return a phrase with the statement that wrote the value of an event; "" if no such write was recorded."""
     for words, register in role.writes.items():
         if event.startswith(words):
             value = int(event.removeprefix(words).split()[0], 16)

@@ -18,14 +18,19 @@ from ..processor.dsp import Dsp
 from ..processor.source_location import SourceLocation
 from ..scene.scene import Scene
 
-KEEP = 24  # changes of each field, and accesses of each kind to each register
+KEEP = 24  # number of changes kept for each field, and of accesses of each kind for each register
 
 REGISTERS = {"I2C-A": ("I2CSTR.", "I2CMDR."), "SCI-A": ("SCIRXST.", "SCIFFRX.", "SCICTL1.")}
 
 
 class FlagHistory:
-    """moments: (tick, last tick to show) of each, by time. module: whose registers. instants: when the executed
-    statement is noted."""
+    """Changes and accesses around some moments of a run.
+
+    moments: pairs (tick, last tick to show).
+    module: the module whose registers are shown.
+    keep: the number of entries that each ring keeps.
+    instants: the ticks at which the executed statement is noted.
+    """
 
     def __init__(
         self,

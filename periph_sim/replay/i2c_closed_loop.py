@@ -5,9 +5,9 @@
                             v                                                  v
                      events expected  <-------- compare -------->  events decoded from the wires
 
-The comparison shares no code with the agents or the chip: it decodes the wires like the capture.
-A difference that the agents also cause without the firmware is theirs, and nothing after it is judged.
-A firmware whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer like the captured target.
+The comparison shares no code with the agents or the chip: it decodes the wires like the capture. A difference that the
+agents also cause without the firmware is not judged, nor is anything after it. Firmware whose `REPLAY` names `address`,
+`replies`, `asleep` and `busy` is set to answer like the captured target.
 """
 
 from __future__ import annotations
@@ -39,11 +39,15 @@ if TYPE_CHECKING:
 
 
 class I2cReplay:
-    """Replay of a capture on a case. first: maximum number of transfers. addresses: the firmware's own.
+    """Replay of a capture on a case.
 
-    longest_low: maximum seconds for which the controller holds SCL low; None: as captured.
-    tolerance: allowed time difference in seconds; None: a sample period and a cycle, reported but not judged.
-    patience: maximum seconds for which SCL may be held low; the replay ends after them.
+    addresses: the addresses of the firmware; if empty, `answering` determines them.
+    first: the maximum number of transfers; None for all.
+    longest_low: the maximum time, in seconds, for which the controller holds SCL low; None: as captured.
+    tolerance: the allowed difference in time, in seconds. None: a sample period plus a cycle; larger differences are
+        reported, but not judged.
+    lead: the time from the start of the firmware to the begin of the capture, in seconds.
+    patience: the maximum time, in seconds, for which SCL may be held low; then the replay ends.
 
     BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
@@ -102,7 +106,7 @@ class I2cReplay:
         return self._report(wall, [stuck] if stuck else [])
 
     def _drive(self, progress: Callable[[float], None] | None = None, until: int | None = None) -> str:
-        """Play, to the end or up to a tick. Return why it cannot continue, or ""."""
+        """Play the capture to its end, or up to tick `until`. Return the reason why it cannot continue, or ""."""
         kernel, timebase = self.kernel, self._scene.timebase
         patience = timebase.ticks(self._patience, "nearest")
         step = timebase.ticks(STEP, "nearest")
@@ -194,9 +198,12 @@ class I2cReplay:
         )
 
     def _with_agents(self, outcome: Comparison, tolerance: Fraction) -> Comparison:
-        """Mark the differences that are the agents' own, and set `_agents_parted` if nothing is judged."""
+        """Return the outcome with causes for the differences that the agents also make without the firmware.
+
+        Set `_agents_parted` to the reason why the first judged difference is no error of the firmware; "" if it may be.
+        """
         self._agents_parted = ""
-        self._other_events = False  # True if the agents caused other events
+        self._other_events = False  # True if that difference is in an event, not in a time, and has such a cause
         if not outcome.ranked:
             return outcome
         alone = without_firmware(self._agents, self._scene.start, self.kernel.now, tolerance)

@@ -1,11 +1,12 @@
-"""The F28335 as master against captured targets: their answers are played to the firmware's own requests.
+"""The F28335 as master against captured targets, whose answers are played when the firmware addresses them.
 
     capture --> the script --> firmware's settings --> unit --> SCL, SDA <-- ScriptedTarget <-- captured answers
        \\--> events expected  <-------------- compare -------------->  events decoded from the wires
 
-A firmware whose `REPLAY` names `script`, `pauses`, `low` and `high` is set to repeat the captured controller; any
-other runs its own program for as long as the capture lasts. Events are compared in order; times only if a tolerance
-is given, since a driver has its own pauses.
+Firmware whose `REPLAY` names `script` repeats the transfers of the captured controller, with its `pauses`, `low` and
+`high` if `REPLAY` names these. Other firmware runs its own program for as long as the capture lasts. Events are
+compared in order. Their times are compared only if a tolerance is given, because the pauses of a driver differ from
+those of the captured controller.
 """
 
 from __future__ import annotations
@@ -38,19 +39,19 @@ from .wire_log import WireLog
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
-MODULE_HZ = 10_000_000  # as set by TI's start-up code; I2CCLKL and I2CCLKH count it
+MODULE_HZ = 10_000_000  # module clock that TI's start-up code sets; I2CCLKL and I2CCLKH count its cycles
 D = 5  # cycles that the module adds to each (SPRUG03B Table 15)
 MOST = 0xFFFF
-EDGES = 2 * 4 * 9  # of SCL and SDA for each event: twice the maximum of a byte's nine bits
+EDGES = 2 * 4 * 9  # limit of edges of SCL and SDA for each event: twice the maximum in the nine bits of a byte
 
 
 class I2cMasterReplay:
     """Replay of one capture on one case.
 
     first: number of transfers to replay; None for all.
-    tolerance: seconds that an event may be off.
-    patience: seconds. Firmware with a script that has not returned is no longer waited for once the bus has been
-        silent for the script's longest pause and this long.
+    tolerance: the allowed difference in time of an event, in seconds; None: times are not compared.
+    patience: time in seconds. The replay of firmware with a script ends when the bus has been silent for the longest
+        pause of the script plus this time.
 
     Raises BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """

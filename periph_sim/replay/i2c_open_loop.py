@@ -5,11 +5,11 @@
     bits that its address must drive:             capture's level  <-- compare -->  back wire as SCL rises
     all other bits:                               capture's level  <-- compare -->  the same, unless it pulls SDA
 
-If the chip still holds SCL as the capture's SCL rises, its answer was not ready: it is late, and the rest of its data
-is not what it would have sent to a controller that waits. Low phases that are longer than usual in the capture, and
-that the chip would have ended earlier, are counted: it did not need them.
+If the chip still holds SCL when SCL rises in the capture, its answer is late, and the rest of its data differs from the
+data that it would send to a controller that waits. Low phases that are longer than usual in the capture are counted if
+the chip would have ended them earlier, because the chip did not need them.
 
-If an SDA edge shares a sample with an SCL edge it is moved half a sample into the low phase.
+An edge of SDA that shares a sample with an edge of SCL is moved half a sample into the low phase.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ from .wire_log import WireLog
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
-STEPS = 100  # of progress
+STEPS = 100  # number of reports of progress
 
-Position = int | Fraction  # in a capture; between two samples if its sample is unknown
+Position = int | Fraction  # a position in a capture; a Fraction if an edge was moved by half a sample
 
 
 class _OpenWires(SceneWires):
@@ -66,17 +66,17 @@ class OpenScene(Scene):
 
 @dataclass(frozen=True)
 class _Held:
-    """A low phase of SCL before a bit of the chip. Seconds; late: after the capture's rise, 0 if released before."""
+    """A low phase of SCL before a bit of the chip. Times are in seconds."""
 
-    at: Fraction  # the capture's rise
-    captured: Fraction  # the capture's low time of SCL
-    needed: Fraction  # the chip's own hold after the fall
-    late: Fraction
+    at: Fraction  # the rise of SCL in the capture
+    captured: Fraction  # the low time of SCL in the capture
+    needed: Fraction  # the time for which the chip holds SCL low after its fall
+    late: Fraction  # the time from the captured rise to the chip's release of SCL; 0 if the chip releases it before
     bit: str
 
 
 class I2cOpenReplay:
-    """As I2cReplay, but without waiting for the chip."""
+    """A replay like `I2cReplay`, except that the played controller does not wait for the chip."""
 
     def __init__(
         self,
@@ -104,12 +104,12 @@ class I2cOpenReplay:
         lines = capture.channel(scl), capture.channel(sda)
         for name, line, edges in zip(("SCL", "SDA"), lines, _edges(*lines, part.half_sample, self._end), strict=True):
             ticks = [(self._tick(at), level) for at, level in edges]
-            if not line.initial:  # before the firmware has switched the module on: no START
+            if not line.initial:  # the line falls before the firmware enables the module, so that it sees no START
                 ticks.insert(0, (scene.start, 0))
             EdgePlayer(scene.kernel, scene.wire(name), ticks)
 
     def _last_position(self) -> int:
-        """Return the end of the played part."""
+        """Return the position at which the played part ends."""
         last = self._part.transfers[-1]
         return self._part.capture.length if self._first is None or last.stop is None else last.stop.at
 

@@ -21,15 +21,16 @@ from ..bus.i2c.player import Move
 from ..bus.i2c.scripted_target import Answer
 from ..traces.decode.i2c import Bit, Byte, Condition, Party, Phase, Transfer
 
-HALF = Fraction(1, 2)  # of a sample, if a position is one
+HALF = Fraction(1, 2)  # half a sample in positions, if a position is one sample
 
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """One addressed part of a transfer. Positions of the capture.
+    """One addressed part of a transfer. Times are positions of the capture.
 
-    begin: its START. answered: rising SCL of the address's ninth bit. stop: the STOP at its end, None if
-    a repeated START or the capture's end ended it.
+    begin: the START.
+    answered: the rise of SCL in the ninth bit of the address.
+    stop: the STOP, or None if a repeated START or the end of the capture ended the part.
     """
 
     address: int
@@ -50,7 +51,11 @@ class Edge:
 
 
 def controllers_half(transfer: Transfer, hold: Fraction, half_sample: Fraction = HALF) -> list[Edge]:
-    """Return the controller's edges, in order. hold: from SCL's fall to SDA if the capture does not show it."""
+    """Return the controller's edges, in order. Arguments are in positions.
+
+    hold: the time from a fall of SCL to a change of SDA where the capture does not show the change.
+    half_sample: the minimum distance of a change of SDA from the edges of SCL.
+    """
     half = _ControllersHalf(hold, half_sample)
     for number, phase in enumerate(transfer.phases):
         if not number:
@@ -101,7 +106,10 @@ def moves(edges: list[Edge], ticks_per_position: Fraction) -> list[Move]:
 
 
 def usual_hold(transfers: list[Transfer], half_sample: Fraction = HALF) -> Fraction:
-    """Return the usual time from SCL's fall to the controller's SDA in this capture, in positions."""
+    """Return the median time from a fall of SCL to the controller's change of SDA, in positions.
+
+    half_sample: the result if the capture shows no such change.
+    """
     seen = [
         bit.sda - (bit.at - bit.low)
         for transfer in transfers
@@ -132,7 +140,10 @@ def is_addressed(phase: Phase) -> bool:
 
 
 def most_frequent(of: list[Turn]) -> int | None:
-    """Return the address that answered most often; of equals the most addressed, then the first. None without any."""
+    """Return the address that answered most often, or None if `of` is empty.
+
+    Of addresses that answered equally often, return the one that was most often addressed, then the first.
+    """
     asked = Counter(turn.address for turn in of)
     answered = Counter(turn.address for turn in of if turn.answer.ack)
     return max(asked, key=lambda address: (answered[address], asked[address]), default=None)
@@ -155,14 +166,14 @@ def _value(byte: Byte) -> int:
 
 
 class _ControllersHalf:
-    """Builder of the edges of one transfer. _fall: the next fall of SCL, None if not in the capture."""
+    """Builder of the edges of one transfer. _fall: the next fall of SCL, or None if the capture does not have it."""
 
     def __init__(self, hold: Fraction, half_sample: Fraction) -> None:
         self.edges: list[Edge] = []
         self._hold = hold
         self._half_sample = half_sample
         self._fall: int | None = None
-        self._rise = -1  # the last rise
+        self._rise = -1  # the last rise of SCL
         self._sda = 1
 
     def bit(self, bit: Bit) -> None:

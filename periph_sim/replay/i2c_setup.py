@@ -30,15 +30,21 @@ LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture beg
 STEP = Fraction(25, 1000)  # simulated seconds between reports of progress
 TAIL = Fraction(1, 10_000)  # the wires are observed this long after the last move
 PATIENCE = Fraction(200, 1000)  # a replay ends when SCL is held low for longer; an SHT21 stretches for up to 85 ms
-BYTE = 9  # bits, with its ACK
-LONG = Fraction(3, 2)  # times the usual low phase: a stretch or a pause
-HOLD = Fraction(300, 10**9)  # for the other targets: UM10204 Table 11, data hold time of a device
+BYTE = 9  # number of bits of a byte with its ACK
+LONG = Fraction(3, 2)  # a low phase is a stretch or a pause if it is longer than the usual one by this factor
+HOLD = Fraction(300, 10**9)  # data hold time of the targets that agents play: UM10204 Table 11
 
 
 @dataclass
 class Played:
-    """The part of a capture that a replay plays; constant. whole: all its transfers. notes: on parts that are not
-    played."""
+    """The part of a capture that a replay plays.
+
+    rate: the number of positions of the capture in a second.
+    whole: all transfers of the capture.
+    transfers: the transfers that are played.
+    turns: the addressed parts of the played transfers.
+    notes: notes for the report, for instance on parts that are not played.
+    """
 
     capture: Capture
     rate: Fraction
@@ -49,26 +55,27 @@ class Played:
 
     @property
     def captured_events(self) -> int:
-        """Events of the whole capture."""
+        """The number of events in the whole capture."""
         return len(events_of(self.whole))
 
     @cached_property
     def half_sample(self) -> Fraction:
-        """Half a sample in positions: edges of both lines in one sample, in unknown order, are moved apart by it."""
+        """Half a sample in positions, by which edges of both lines in one sample are moved apart."""
         return Fraction(sample_step(self.capture), 2)
 
     @cached_property
     def step(self) -> int:
-        """Positions from one sample to the next, the uncertainty of an edge.
+        """The number of positions from one sample to the next, which is the uncertainty of an edge.
 
-        1 if SCL would be low for less than two samples: then the bus's own grid was mistaken for an analyser's.
+        It is 1 if SCL would be low for less than two samples, because then the raster of the edges is that of the bus
+        and not that of an analyser.
         """
         step = int(2 * self.half_sample)
         return step if self.low >= 2 * step else 1
 
     @property
     def sample_rate(self) -> Fraction:
-        """Samples a second; `rate` is positions a second."""
+        """The number of samples in a second. `rate` is the number of positions in a second."""
         return self.rate / self.step
 
     @cached_property
@@ -77,30 +84,30 @@ class Played:
 
     @cached_property
     def low(self) -> Fraction:
-        """The usual low time of SCL before a bit; positions. 0 without any bit."""
+        """The median low time of SCL before a bit, in positions; 0 if no bit has a known low time."""
         lows = [bit.low for bit in self.bits() if bit.low is not None]
         return Fraction(median(lows)) if lows else Fraction(0)
 
     @cached_property
     def long_low(self) -> Fraction:
-        """Limit above which a low phase before a bit is a stretch, or a pause of the controller; positions."""
+        """The limit, in positions, above which a low phase before a bit is a stretch or a pause of the controller."""
         return max(self.low * LONG, self.low + 2 * self.step)
 
     @property
     def stretch(self) -> Fraction:
-        """The maximum time by which SCL was low for longer than usual before a bit, by any party; positions."""
+        """The largest time, in positions, by which a low phase of `long_low` or more exceeds `low`; 0 without one."""
         longest = max((bit.low for bit in self.bits() if bit.low is not None), default=0)
         return longest - self.low if longest > self.long_low else Fraction(0)
 
     @cached_property
     def high(self) -> Fraction:
-        """The usual high time of SCL; positions."""
+        """The median high time of SCL, in positions; 0 if no bit has a known high time."""
         highs = [bit.high for bit in self.bits() if bit.high is not None]
         return Fraction(median(highs)) if highs else Fraction(0)
 
     @cached_property
     def bit(self) -> float:
-        """The usual length of a bit; seconds."""
+        """The usual length of a bit, in seconds."""
         return float((self.low + self.high) / self.rate)
 
     def bits(self) -> list[decode.Bit]:
@@ -109,7 +116,7 @@ class Played:
         ]
 
     def answers_of_others(self, own: Sequence[int]) -> dict[int, list[Answer]]:
-        """Return the answers of targets other than the firmware, by address."""
+        """Return the answers of the targets that the firmware does not replace, indexed by their addresses."""
         answers: dict[int, list[Answer]] = defaultdict(list)
         for turn in self.turns:
             if turn.address not in own:
@@ -118,7 +125,10 @@ class Played:
 
 
 def played(capture: Capture, scl: str | int, sda: str | int, first: int | None = None) -> Played:
-    """Decode the part to play. first: maximum number of transfers. BadReplay if there is none; LookupError."""
+    """Decode the part of a capture to play. first: maximum number of transfers; None for all.
+
+    BadReplay if the capture has no transfer or a wrong rate; LookupError if it has no such channel.
+    """
     rate = rate_of(capture)
     if wrong := impossible_rate(capture, scl):
         raise BadReplay(f"{capture.path}: {wrong}; state the right rate with --rate")
@@ -141,9 +151,12 @@ def events_of(transfers: Sequence[decode.Transfer]) -> list[decode.Event]:
 
 @dataclass
 class Answering:
-    """The unit that replaces a captured target. own: its addresses. forced, offered: as for `alone`.
+    """The unit that replaces a captured target.
 
-    asked: how often the capture has one of its addresses acknowledged, and so requires something of the firmware.
+    own: the addresses of the unit.
+    asked: the number of times that one of these addresses is acknowledged in the capture. If it is 0, the capture does
+        not require anything of the firmware.
+    forced, offered: settings of the firmware, as for `alone`.
     """
 
     unit: str
@@ -154,7 +167,7 @@ class Answering:
 
     @property
     def unjudged(self) -> str:
-        """Return why a replay without differences proves nothing; empty if it proves something."""
+        """The reason why a replay without differences proves nothing; empty if it proves something."""
         if self.asked:
             return ""
         addresses = ", ".join(f"{address:02X}" for address in self.own)
@@ -164,9 +177,10 @@ class Answering:
 def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = LEAD) -> Answering:
     """Determine the firmware's addresses and settings; add notes on settings that it lacks.
 
-    By default the firmware answers the address that the case sets, else the one most addressed in the capture; a
-    firmware whose `REPLAY` does not name `address` answers all. Where the captured target sent NACK the firmware is
-    made unreachable, unless its addresses are given: then it must send NACK itself, or differ from the capture.
+    given: the addresses of the firmware. If it is empty, the firmware answers the address that the case sets, or else
+    the one that was acknowledged most often in the capture; firmware whose `REPLAY` does not name `address` answers all
+    addresses. Where the captured target sent NACK, the firmware is made unreachable, unless its addresses are given:
+    then it must send NACK itself, or it differs from the capture.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))

@@ -1,8 +1,7 @@
-"""Errors that a UART line has in the capture itself: their share, and if they make the line's format
-implausible.
+"""Errors that a UART line has in the capture itself: their share, and whether they make its format implausible.
 
-A line that is read at a wrong rate, in a wrong format or inverted decodes into bytes with errors. A receiver with
-the same settings reads the same bytes with the same errors, so their agreement proves nothing.
+A line that is read at a wrong rate, in a wrong format or inverted decodes into bytes with errors. A receiver with the
+same settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.
 """
 
 from __future__ import annotations
@@ -16,17 +15,18 @@ from ..traces.capture.capture import Capture
 from ..traces.decode.uart import Break, Event, Frame, Line
 from ..traces.decode.uart_guess import NEAR, Guess, guess
 
-MOST = Fraction(1, 10)  # of the frames; in the right format errors are rare
-SCI_BITS = 8  # of a word, at most
+MOST = Fraction(1, 10)  # largest share of frames with errors that is plausible in the right format
+SCI_BITS = 8  # maximum number of data bits of an SCI's word
 SURE = 0.5  # minimum certainty of a guess that contradicts the format
 
 
 @dataclass(frozen=True)
 class LineErrors:
-    """wrong: frames with a framing or parity error, of `frames`. doubt: why this is not the line's format, as a
-    sentence; empty without evidence.
+    """The errors of one channel.
 
-    Breaks do not count, nor do frames that a glitch makes ambiguous.
+    wrong: number of frames with a framing or parity error, except breaks and frames that a glitch makes ambiguous.
+    frames: number of frames.
+    doubt: a sentence that says why the channel has another format; empty if there is no evidence for this.
     """
 
     wrong: int
@@ -71,7 +71,8 @@ def _better(capture: Capture, channel: str | int, line: Line, found: LineErrors)
     many = found.wrong > MOST * found.frames
     same_rate = abs(Fraction(other.line.baud) / Fraction(line.baud) - 1) <= NEAR
     if same_rate and other.line.invert == line.invert:
-        hides = other.line.shape == line.shape or other.line.bits > SCI_BITS  # one more bit hides framing errors
+        # The guess is not better if it is the same format, or has a ninth data bit, which takes bad stop bits as data.
+        hides = other.line.shape == line.shape or other.line.bits > SCI_BITS
         if hides or not many:
             return None
     return other if other.sure >= SURE and other.errors < found.wrong / found.frames else None

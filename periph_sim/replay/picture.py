@@ -32,10 +32,12 @@ Compared = tuple[Sequence[Happened], Sequence[Happened]]
 
 @dataclass(frozen=True)
 class Side:
-    """One side of a comparison. rate: positions a second. origin: the position of the capture's begin.
+    """One side of a comparison.
 
-    transfers_at: rate and origin of the transfers' positions, if different. agreed: seconds of the last event in which
-    both agree, on this side.
+    rate: the number of positions in a second, for the edges of `lines`.
+    origin: the position of the capture's begin.
+    transfers_at: the rate and origin of the positions in `transfers`, if they are different.
+    agreed: the time on this side, in seconds, of the last event in which both sides agree.
     """
 
     name: str
@@ -47,17 +49,17 @@ class Side:
     transfers_at: tuple[Fraction, int] | None = None
 
     def of_transfer(self, position: int) -> float:
-        """Convert a position of a transfer, like `seconds`."""
+        """Convert a position in `transfers` to seconds on the axis of the picture, whose 0 is the last agreement."""
         rate, origin = (self.rate, self.origin) if self.transfers_at is None else self.transfers_at
         return float((position - origin) / rate) - self.agreed
 
     def seconds(self, position: float | Fraction) -> float:
-        """Convert a position to the axis, whose 0 is the last agreement."""
+        """Convert a position on `lines` to seconds on the axis of the picture, whose 0 is the last agreement."""
         return float(Fraction(position) - self.origin) / float(self.rate) - self.agreed
 
 
 def last_agreed(divergence: Divergence, expected: Sequence[Happened], found: Sequence[Happened]) -> tuple[float, float]:
-    """Return the time of the event before a divergence, in capture and replay; both 0 without one."""
+    """Return the times of the event before a divergence in capture and replay, in seconds; 0 if there is none."""
     number = divergence.index - 1
     if number < 0 or number >= min(len(expected), len(found)):
         return 0.0, 0.0
@@ -66,7 +68,7 @@ def last_agreed(divergence: Divergence, expected: Sequence[Happened], found: Seq
 
 
 def divergence_picture(divergence: Divergence, title: str, captured: Side, replayed: Side, bit: float) -> str:
-    """Return SVG text. bit: seconds."""
+    """Return a picture of a divergence as SVG text. bit: the length of a bit in seconds."""
     began = not captured.agreed and not replayed.agreed  # nothing agreed before it
     aligned = captured.agreed != divergence.capture_s
     at_captured = None if divergence.capture_s is None else divergence.capture_s - captured.agreed
@@ -103,7 +105,7 @@ def closed_loop_picture(
 ) -> str | None:
     """Return the first divergence of a report with its own replayed wires as SVG text; None without any.
 
-    channels: of SCL and SDA in the capture. origin: tick of the capture's time 0 in the replay.
+    channels: the channels of SCL and SDA in the capture. origin: the tick of the capture's time 0 in the replay.
     """
     if not report.divergences:
         return None

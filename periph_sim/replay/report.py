@@ -10,22 +10,26 @@ from .compare import Divergence
 
 @dataclass
 class Report:
-    """events: compared events of the capture. agreed: those also in the replay, in the same order. bytes, nacks: on the
-    replayed wires.
+    """The result of a replay.
 
-    captured_events, captured_transfers: of the whole capture; transfers: number replayed. captured_errors: UART
-    frames with a framing or parity error in the capture itself, without breaks. ambiguous: events that cannot be
-    judged, since receivers may read them either way. filled: settings of the firmware that were taken from the
-    capture. unjudged: why nothing was judged.
-
-    first_divergence: the earliest except timing, without its history. divergences: the first of each kind in order of
-    time, with the chip's activity around it; a timing difference is one above the tolerance, and fails the replay if
-    a tolerance was given.
-
-    bytes: I2C with addresses; UART: those the firmware read from the SCI. lag: the largest time from an event of the
-    capture to the same in the replay; for a UART word from its start bit to the firmware's read; lag_samples: the same
-    in sample periods of the capture. late: open loop, the longest time for which the chip still held SCL when it rose.
-    wall_s: the run alone.
+    events: number of compared events of the capture.
+    agreed: number of these events that are also in the replay, in the same order.
+    first_divergence: the earliest divergence that is not of kind TIMING, without its history.
+    divergences: the first divergence of each kind, in order of time, with the chip's activity around it. One of kind
+        TIMING exceeds the tolerance; it fails the replay if a tolerance was given.
+    bytes: I2C: number of bytes on the replayed wires, addresses included. UART: number of bytes that the firmware read.
+    nacks: number of NACKs on the replayed wires.
+    captured_events, captured_transfers: numbers of events and transfers in the whole capture.
+    transfers: number of replayed transfers.
+    captured_errors: number of UART frames with a framing or parity error in the capture itself, except breaks.
+    ambiguous: number of events that are not judged, because receivers may read them either way.
+    filled: names of the firmware's settings that were taken from the capture.
+    unjudged: the reason why nothing was judged.
+    lag_worst_us: the largest time from an event of the capture to the same event in the replay; for a UART word the
+        largest time from its start bit to the firmware's read.
+    lag_samples: the same time in sample periods of the capture.
+    late_worst_us: open loop: the longest time for which the chip held SCL low after its rise in the capture.
+    wall_s: the real time of the run alone, in seconds.
     """
 
     case: str
@@ -47,18 +51,18 @@ class Report:
     role: str = "slave"  # I2C: role of the F28335, slave or master
     divergences: list[Divergence] = field(default_factory=list)
     tolerance_us: float = 0.0
-    addresses: list[str] = field(default_factory=list)  # I2C: those left to the firmware, in hexadecimal
+    addresses: list[str] = field(default_factory=list)  # I2C: of the firmware, or of the master's targets
     nacks: int = 0
-    errors: dict[str, int] = field(default_factory=dict)  # receiver flags that rose, with their counts
+    errors: dict[str, int] = field(default_factory=dict)  # UART: words read with FE or PE, and rises of other flags
     stretch_worst_us: float = 0.0
     stretch_total_us: float = 0.0
-    captured_stretch_us: float = 0.0  # by the captured target, or a pause of its controller
+    captured_stretch_us: float = 0.0  # longest stretch by a captured target, or pause of its controller
     late_worst_us: float = 0.0
     lag_worst_us: float = 0.0
     lag_samples: float = 0.0
     simulated_s: float = 0.0
     wall_s: float = 0.0
     kernel_events: int = 0
-    budgets: list[Verdict] = field(default_factory=list)  # of a session
+    budgets: list[Verdict] = field(default_factory=list)  # verdicts of the budgets of a session
     unknowns: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)

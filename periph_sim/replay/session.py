@@ -3,11 +3,12 @@
     SCL, SDA --closed loop--> I2cPlayer --> bus <--> unit --> budgets: response, stretch, age, FIFO, overruns, spans
     RX ---------open loop---> EdgePlayer --> SCI-A --^             ^--- transfers on the bus; frames of the capture
 
-The controller keeps the capture's times: delay by stretching within a round is recovered in the next pause that is
-long enough. The host never waits, so RX is not re-timed.
+The controller keeps the capture's times: a delay by stretching in a round is made up for in the next pause that is long
+enough. The host does not wait for the firmware, so the edges of RX keep their times.
 
-A round is due a period after the one before. If a capture has no round of the case's requests, budgets on rounds are
-not judged, and a note names them.
+A round is due one period after the previous one. If a capture has no round of the case's requests, budgets on rounds
+are not judged, and a note names them.
+
 A frame has as many bytes as the host sends; a pause of RX ends it early, and then its values do not count.
 """
 
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 OF_ROUNDS = ("round", "missed rounds", "nacked rounds", "slack")
-PAUSE = 2  # in character times; a longer pause on RX ends a frame
+PAUSE = 2  # number of character times; a longer pause on RX ends a frame
 
 OnFrame = Callable[[int, tuple[int, ...], int], None]
 
@@ -62,14 +63,14 @@ class SessionScene(Scene):
         self.bus.rounds.on_other.append(self.others.append)
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Accept every budget: the capture provides controller and host, and the unit has SCI-A."""
+        """Accept every budget, because the captures take the place of the controller and the host that it may need."""
 
     def on_frame(self, callback: OnFrame) -> None:
         self.frame_callbacks.append(callback)
 
     @property
     def rounds(self) -> int:
-        """Number of rounds of the case on the bus."""
+        """The number of rounds of the case on the bus."""
         return self.bus.rounds.completed
 
     def tell_frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
@@ -82,9 +83,11 @@ class SessionScene(Scene):
 
 
 class SessionReplay(I2cReplay):
-    """Replay of an I2C and a UART capture on a case. offset: seconds from the I2C capture's begin to the UART's.
+    """Replay of an I2C and a UART capture on a case.
 
-    wanted: line format with which RX is decoded; None: as the firmware sets the SCI. The rest as in I2cReplay.
+    offset: seconds from the begin of the I2C capture to the begin of the UART capture.
+    wanted: the line format with which RX is decoded; None: as the firmware sets the SCI.
+    The other arguments are those of `I2cReplay`.
     """
 
     def __init__(

@@ -12,7 +12,7 @@ LONGEST = 24 * 3600  # simulated seconds
 
 
 def rate_of(capture: Capture) -> Fraction:
-    """Return positions a second. BadReplay if the file states none."""
+    """Return the number of positions in a second. BadReplay if the file states none."""
     if capture.rate is None:
         raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
     return capture.rate

@@ -45,9 +45,9 @@ if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
-TAKEN = Fraction(100, 10**6)  # for the firmware to read the last word
-STEPS = 100  # of progress
-TOLERANCE = Fraction(2, 100)  # of the rate; the difference at which two UARTs still agree on every bit of a long frame
+TAKEN = Fraction(100, 10**6)  # seconds in which the firmware can read the last word
+STEPS = 100  # number of reports of progress
+TOLERANCE = Fraction(2, 100)  # largest difference in rate at which two UARTs agree on every bit of a long frame
 
 SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCIRXBUF", "SCIFFRX"))
 FLAGS = {"SCIRXST.BRKDT": "BRKDT", "SCIRXST.OE": "OE", "SCIFFRX.RXFFOVF": "RXFFOVF"}
@@ -88,14 +88,15 @@ def ticks_of(line: Channel, origin: int, per_position: Fraction) -> tuple[list[t
     ]
     if line.initial:
         return edges, []
-    # within a frame or break that began earlier: the oracle waits for the next falling edge
+    # The line is in a frame or break that began before the capture; the decoder, too, waits for the next falling edge.
     return edges[1:], ["the capture begins with the line low; the line is kept idle until it has risen"]
 
 
 class UartReplay:
     """Replay of a capture's channel on a case. wanted: the line's format; None: as the firmware sets the SCI.
 
-    lead: seconds from the firmware's start to the capture's; it sets the phase of the SCI's sampling against the line.
+    lead: seconds from the start of the firmware to the begin of the capture. It determines at which phases of the line
+    the SCI samples.
     BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
 
@@ -178,7 +179,7 @@ class UartReplay:
         return self._report(line, events, perf_counter() - wall)
 
     def _line(self) -> decode.Line:
-        """Return the format in which to read the capture: as wanted, else the SCI's present one."""
+        """Return the format in which to read the capture: the wanted format, or else the SCI's present format."""
         line = line_of(self.dsp)
         self._baud = Fraction(line.baud)
         if self._wanted is not None:

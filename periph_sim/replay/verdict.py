@@ -13,12 +13,17 @@ from .report import Report
 
 PASS, AMBIGUOUS, NOT_JUDGED, FAIL = "pass", "ambiguous", "not judged", "fail"
 
-# What a firmware's setting determines, if it was filled in from the capture.
+# The part of the behaviour that each setting of the firmware determines if it was filled in from the capture.
 DECIDES = {"replies": "the data", "asleep": "the refusals", "busy": "the refusals", "script": "the requests"}
 
 
 def verdict_of(failed: bool, asked: bool, ambiguous: int = 0) -> str:
-    """Combine results. asked: the capture requires something of the firmware. ambiguous: number of ambiguous events."""
+    """Return the verdict of a replay.
+
+    failed: True if something differs.
+    asked: True if the capture requires something of the firmware.
+    ambiguous: number of ambiguous events.
+    """
     if failed:
         return FAIL
     if not asked:

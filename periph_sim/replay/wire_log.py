@@ -29,12 +29,12 @@ class WireLog:
 
     @property
     def last_edge(self) -> int:
-        """Tick of the last edge of any wire; 0 before the first."""
+        """The tick of the last edge of any wire; 0 before the first edge."""
         return max(ticks[-1] for ticks in self._ticks)
 
     @property
     def edge_count(self) -> int:
-        """Number of edges so far, of all wires together."""
+        """The number of edges so far, of all wires together."""
         return sum(len(ticks) - 1 for ticks in self._ticks)
 
     def _channels(self, length: int) -> tuple[Channel, ...]:

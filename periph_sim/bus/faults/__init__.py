@@ -27,9 +27,13 @@ from .when import When
 
 @dataclass(frozen=True)
 class FaultContext:
-    """The environment of a new fault. who: its name on wires. wire: by name; ValueError if the scene has none.
+    """The environment of a new fault.
 
-    ticks: converts seconds. start: the tick at which the run begins. random: its own.
+    who: the name of the fault's agent on the wires.
+    wire: returns the wire of a name; ValueError if the scene has no such wire.
+    ticks: converts seconds to ticks.
+    start: the tick at which the run begins.
+    random: the random generator of this fault alone.
     """
 
     STATE = State("random")
@@ -43,7 +47,7 @@ class FaultContext:
 
 
 class FaultKind(Protocol):
-    """The definitions of every kind of fault."""
+    """The definitions that the module of each kind of fault has."""
 
     Settings: type[When]
 
@@ -52,7 +56,7 @@ class FaultKind(Protocol):
 
 @cache
 def kinds() -> dict[str, FaultKind]:
-    """Return every kind of fault, by the name of its file."""
+    """Return the modules of all kinds of faults, indexed by the names of their files."""
     return {name: cast(FaultKind, module) for name, module in modules_with("attach", __name__, __path__).items()}
 
 

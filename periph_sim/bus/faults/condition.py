@@ -24,7 +24,7 @@ from .when import Length, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """condition: START or STOP. late: time after the rise of SCL."""
+    """condition: START or STOP. late: the time from the rise of SCL to the condition."""
 
     condition: Literal["START", "STOP"] = "START"
     late: Length = Fraction(1, 1_000_000)
@@ -41,7 +41,7 @@ class Condition:
         self._late = place.ticks(settings.late)
         self._armed = False
         self._pulls = False
-        self._rise = 0  # number of the last rise of SCL
+        self._rise = 0  # number of the last rise of SCL while the fault was armed
         watch([self._scl], self._scl_changed)
 
     def arm(self) -> None:
@@ -59,11 +59,11 @@ class Condition:
             self._kernel.call_at(now + self._late, partial(self._strike, rise))
 
     def _strike(self, rise: int) -> None:
-        """Disturb the line, `late` after that rise."""
+        """Make the condition, unless the bit is 0 or the clock of this rise is over. Called `late` after the rise."""
         if not self._armed or rise != self._rise or not self._scl.level:
             return
         others = len(self._sda.held_by()) > self._pulls
-        if others:  # a 0, or a START in progress
+        if others:  # the bit is 0, or a START is in progress
             return
         self._armed = False
         if self._stop:

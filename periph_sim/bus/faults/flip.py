@@ -19,7 +19,7 @@ from .when import When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """Settings of `When` only: the first 1 after that time is hit."""
+    """The settings of `When`. The first bit that is 1 after the time of the fault becomes 0."""
 
 
 class Flip(Agent):
@@ -30,7 +30,7 @@ class Flip(Agent):
         self._pin = self._sda.attach(place.who)
         self._armed = False
         self._pulls = False
-        self._is_one = False  # no other party pulls SDA in this clock
+        self._is_one = False  # True in the clock in which the fault changes a 1, because no other party pulls SDA
         watch([self._scl], self._scl_changed)
         self._sda.watch_pulls(self)
 
@@ -40,7 +40,7 @@ class Flip(Agent):
     def _scl_changed(self, now: int, level: int) -> None:
         if level:
             self._is_one = self._pulls and self._alone()
-        elif self._is_one:  # that clock is over, and its 1 was hit
+        elif self._is_one:  # the clock is over in which a 1 was changed
             self._armed = self._is_one = False
             self._let_go()
         elif self._armed and not self._pulls:
@@ -48,7 +48,7 @@ class Flip(Agent):
             self._pin.drive(0)
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
-        """Release SDA when the last other party does so in a clock other than a 1: a STOP, which must pass."""
+        """Release SDA if the last other party releases it during a 0 bit: this is a STOP, which must not be blocked."""
         if self._pulls and self._scl.level and not self._is_one and self._alone():
             self._let_go()
 

@@ -17,7 +17,10 @@ from .when import Count, Length, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """wire: its name, as in "SDA". length: duration; or clocks: falls of SCL until its release."""
+    """wire: the name of the wire, such as "SDA". length: the time for which it is held low.
+
+    clocks: instead of `length`, the number of falls of SCL after which it is released.
+    """
 
     wire: str
     length: Length | None = None

@@ -17,7 +17,7 @@ from .when import Length, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """unit: its name. length: from IRS = 0 to IRS = 1."""
+    """unit: the name of the unit. length: the time from IRS = 0 to IRS = 1."""
 
     unit: str
     length: Length = Fraction(1, 1_000_000)

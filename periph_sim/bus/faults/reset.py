@@ -1,7 +1,6 @@
 """A unit that is reset: its XRS pin is pulled low for `length`. Its firmware then restarts, with all its data lost.
 
-Other parties see that it releases every line at once, even in the middle of a byte, and does not answer until its
-start-up is over.
+The unit releases every line at once, even in the middle of a byte, and does not answer until its start-up is over.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from .when import Length, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """unit: its name."""
+    """unit: the name of the unit that is reset."""
 
     unit: str
     length: Length = Fraction(1, 1000)

@@ -16,7 +16,7 @@ from .when import Length, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """wire: its name, as in "SCL"."""
+    """wire: the name of the wire, such as "SCL"."""
 
     wire: str
     width: Length

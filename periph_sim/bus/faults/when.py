@@ -1,7 +1,7 @@
 """Times of a fault: once, or repeatedly, each time with a random delay.
 
-at ---- every ---- every ---- ...     times: maximum number
-|~spread~|   maximum delay of each, drawn from the case's seed
+at ---- every ---- every ---- ...     times: maximum number of faults
+|~spread~|   maximum random delay of each fault, drawn from the case's seed
 """
 
 from __future__ import annotations
@@ -47,7 +47,12 @@ Count = Annotated[int, Meta(ge=1)]
 
 @dataclass(frozen=True, kw_only=True)
 class When:
-    """at: from the run's begin. every: from one to the next; without it there is only one."""
+    """at: the time of the first fault, counted from the begin of the run.
+
+    every: the time from one fault to the next; without it there is only one fault.
+    spread: the maximum random delay of each fault.
+    times: the maximum number of faults.
+    """
 
     at: Time
     every: Length | None = None

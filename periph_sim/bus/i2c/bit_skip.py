@@ -29,7 +29,7 @@ ONES = 0xFF
 
 
 class BitParty(Agent):
-    """A party on SCL and SDA that knows what seven skipped bits do to it."""
+    """A party on SCL and SDA that can enter the state after seven skipped bits without their edges."""
 
     __slots__ = ()
 
@@ -38,9 +38,10 @@ class BitParty(Agent):
         return 0
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True if it waits for the first bit of a byte and changes nothing but SDA before the eighth.
+        """Return True if it waits for the first bit of a byte and changes nothing but SDA before the eighth bit.
 
-        low, high, hold: ticks, as the controller clocks. each: `separates` will be called for each change of SDA.
+        low, high, hold: times of the controller, in ticks, as in `BusTiming`.
+        each: True if the caller also checks each change of SDA by `separates`.
         """
         return True
 
@@ -57,13 +58,13 @@ class BitParty(Agent):
         return ONES
 
     def keeps_bus(self, shown: int) -> bool:
-        """Return True if it goes on when the lines show this byte, which other parties have pulled at, too."""
+        """Return True if it continues although other parties pull, too, and the lines show the byte `shown`."""
         return True
 
     def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
-        """Take the state in which `bit` bits, 0 or 7, of the byte `shown` have passed.
+        """Enter the state after the first `bit` bits of a byte, where `bit` is 0 or 7.
 
-        fell: the tick of SCL's last fall.
+        shown: the byte that the lines show. fell: the tick of the last fall of SCL.
         """
 
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
@@ -102,7 +103,7 @@ class BitSkip(Shortcut):
     def __init__(
         self, kernel: Kernel, scl: Wire, sda: Wire, controller: BitParty | None, stand_in: Mapping[Agent, BitParty]
     ) -> None:
-        """controller: the agent that clocks the bus, if there is one. stand_in: parties that act for other agents."""
+        """controller: the agent that clocks the bus, or None. stand_in: for an agent that is no party, its party."""
         self.passed = 0
         self._kernel = kernel
         self._scl = scl
@@ -110,21 +111,22 @@ class BitSkip(Shortcut):
         self._controller = controller  # the party that clocks this byte
         self._stand_in = stand_in
         self._parties: list[BitParty] = []
-        self._known = False  # every agent on the lines is one of these parties
+        self._known = False  # True if `_parties` represent all agents on the lines
         self._versions = -1  # versions of the wires when the parties were collected
         self._since = NO_TIME  # the tick at which the skipped bits began
         self._fell = NO_TIME
         self._shown = ONES
         self._steady = BitTimes()
         self._times = self._steady  # times of this byte
-        self._ends = 0  # the tick from which the state is that of edges
+        self._ends = 0  # the tick at which the skipped bits end
         self._eighth: Event | None = None
         self._tag = 0
 
     def skips(self, low: int, high: int, hold: int, tag: int) -> bool:
-        """Skip seven bits if they are unobservable; the controller then acts on `tag` at the eighth rise of SCL.
+        """Skip seven bits and return True, or return False if they are observable.
 
-        The controller calls this when it is about to release SCL for the first bit. low, high, hold: ticks.
+        The controller calls this when it is about to release SCL for the first bit. After a skip its `act(tag)` is
+        called at the eighth rise of SCL. low, high, hold: times of the controller, in ticks, as in `BusTiming`.
         """
         now, controller = self._kernel.now, self._controller
         assert controller is not None
@@ -139,9 +141,10 @@ class BitSkip(Shortcut):
         return True
 
     def skips_for(self, party: BitParty, times: BitTimes, fell: int, ends: int) -> bool:  # core: C only
-        """Skip seven bits for a party that clocks in its own cycles and wakes itself at `ends`.
+        """Skip seven bits and return True, or return False if they are observable.
 
-        fell: the tick of SCL's last fall.
+        party: the clocking party, which has a clock of its own and wakes itself at `ends`.
+        fell: the tick of the last fall of SCL.
         """
         if self._since == self._kernel.now:
             return False
@@ -155,7 +158,7 @@ class BitSkip(Shortcut):
         return True
 
     def sda_fell(self) -> int:
-        """Return the tick of the last fall of SDA in these bits; NO_TIME if there is none."""
+        """Return the tick of the last fall of SDA in the skipped bits, or NO_TIME if SDA does not fall in them."""
         for number in range(SKIPPED_BITS, 0, -1):
             if self._shown >> (SKIPPED_BITS - number) & 3 == 2:
                 fall = self._times.fall(number)
@@ -193,11 +196,11 @@ class BitSkip(Shortcut):
         self._set_active(self)
 
     def _set_active(self, shortcut: Shortcut | None) -> None:
-        """Register what skips edges of this bus, so that it is materialized before a party pulls a line."""
+        """Register the shortcut that skips edges of this bus, whose events are run before a party pulls a line."""
         self._kernel.shortcut = self._scl.shortcut = self._sda.shortcut = shortcut
 
     def _byte_on_lines(self, controller: BitParty, low: int, high: int, hold: int, each: bool) -> int:
-        """Return the byte that the lines will show; -1 if it must pass edge by edge."""
+        """Return the byte that the lines will show, or -1 if no bits of it can be skipped."""
         scl, sda = self._scl, self._sda
         if self._kernel.shortcut is not None or not scl.quiet() or not sda.quiet():
             return -1
@@ -214,7 +217,7 @@ class BitSkip(Shortcut):
         return shown if controller.keeps_bus(shown) else -1
 
     def _all_separate(self, times: BitTimes) -> bool:
-        """Return True if each party separates the changes of SDA by others from the falls of SCL before them."""
+        """Return True if each party `separates` the falls of SCL from the changes of SDA that other parties make."""
         sender: BitParty
         for sender in self._parties:
             byte: int = sender.byte()

@@ -13,11 +13,14 @@ from typing import final
 
 from ...core.time import NO_TIME, Clock
 
-SKIPPED_BITS = 7  # skipped in one step; the eighth decides
+SKIPPED_BITS = 7  # number of bits of a byte that are skipped in one step
 
 
 class BitTimes:
-    """Edges of a party that clocks in whole ticks. since: the first rise. low, high: lengths of the phases of SCL."""
+    """Edges of SCL from a party that clocks in whole ticks.
+
+    since: the tick of the first rise. low, high: the low and the high time of SCL.
+    """
 
     __slots__ = ("high", "low", "since")
 
@@ -36,7 +39,7 @@ class BitTimes:
 
 @final
 class CycleTimes(BitTimes):
-    """Edges of a party that clocks in its own cycles: since, low and high are cycles."""
+    """Edges of SCL from a party with a clock of its own. since, low and high are in cycles of that clock."""
 
     __slots__ = ("_clock",)
 

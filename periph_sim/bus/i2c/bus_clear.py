@@ -22,9 +22,11 @@ MOST_CLOCKS = 9
 
 
 class BusClear:
-    """scl, sda: the wires; masks: the controller's own pulls on both. times: low, high, hold in ticks.
+    """Makes bus clears for a controller.
 
-    `done(clocks, free)` is called after the STOP; free: SDA is high.
+    masks: the masks of the controller on SCL and SDA.
+    times: the low, high and hold time in ticks, as in `BusTiming`.
+    done: called with (clocks, free) after the STOP. clocks: the number of clocks made. free: True if SDA is high.
     """
 
     STATE = State("_clocks")
@@ -51,8 +53,8 @@ class BusClear:
         self._look()
 
     def _look(self) -> None:
-        """Give another clock, or the STOP, at the end of a high phase."""
-        if not self._scl.level:  # another party holds it low
+        """At the end of a high phase, make another clock or the STOP."""
+        if not self._scl.level:  # another party holds SCL low
             self._kernel.call_at(self._kernel.now + self._high, self._look)
         elif self._sda.level or self._clocks == MOST_CLOCKS:
             self._scl.pull(self._scl_mask, 0)

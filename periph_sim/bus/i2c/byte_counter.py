@@ -1,6 +1,6 @@
 """Counter of the bytes on an I2C bus, addresses included.
 
-For scenes without a controller agent, which would count them.
+It is for scenes without a controller agent, which would count the bytes itself.
 """
 
 # core: compiled
@@ -16,7 +16,10 @@ from .bit_times import BitTimes
 
 
 class I2cByteCounter(BitParty):
-    """bytes: number of whole bytes with acknowledge; those cut off by a START or STOP do not count."""
+    """Counts the bytes on one bus.
+
+    bytes: number of whole bytes with their acknowledge bit. Bytes that a START or STOP cuts off do not count.
+    """
 
     STATE = State("stream")
 

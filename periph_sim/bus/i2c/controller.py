@@ -1,11 +1,11 @@
-"""An I2C controller: drives SCL and SDA for transfers, and records the results in them.
+"""An I2C controller: drives SCL and SDA for transfers, and stores the results in the `Transfer` objects.
 
     Transfer --> bits --> SCL, SDA
                   ^--- the actual lines: stretching, ACKs, data, arbitration
 
-It makes one START-to-STOP transfer at a time. A bit is: SCL falls, SDA changes `hold`
-later if it must, SCL is released `low` after the fall, and falls again `high` after its actual
-rise. SDA is sampled at the end of the high phase. Two or three events for each bit.
+The controller makes one transfer, from START to STOP, at a time. Each bit begins with the fall of SCL. If SDA must
+change, it changes `hold` after the fall. SCL is released `low` after the fall, and falls again `high` after its actual
+rise. SDA is sampled at the end of the high phase. Each bit takes two or three events of the kernel.
 
 Source: UM10204 sections 3.1.1 to 3.1.10 (bus protocol), Table 10 (times).
 """
@@ -37,16 +37,20 @@ if TYPE_CHECKING:
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
 OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that the wires do not show
-ADDRESS = -1  # instead of the number of a data byte
-NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
+ADDRESS = -1  # in place of the number of a data byte: the byte is an address
+NO_BYTE = 1 << 30  # in place of the number of a data byte: STOP or repeated START is next
 
 
 class I2cController(BitParty):
-    """who: its name on the wires and in records. stuck_after: a line low longer than this is reported by `on_stuck`.
+    """An agent that makes transfers on SCL and SDA.
 
-    clear_after: time after a START was blocked, since SDA was held or a STOP missing, after which the bus is cleared.
-    0: never, for buses with other controllers. gives_up: a NACK of a written byte ends the transfer with a STOP; else
-    the next phase of the transfer follows.
+    who: its name on the wires and in records.
+    stuck_after: the time, in ticks, for which SCL does not change while the controller waits for the bus or for the
+        rise of SCL, after which it calls `on_stuck` with the stuck line; 0: never.
+    clear_after: the time, in ticks, for which SCL stays high while a START is blocked, because SDA is low or a STOP is
+        missing, after which the controller clears the bus; 0: never, for buses with other controllers.
+    gives_up: True if a NACK of a written byte ends the transfer with a STOP; otherwise its next phase follows. A NACK
+        of the address always ends the transfer.
     """
 
     STATE = State(
@@ -127,36 +131,36 @@ class I2cController(BitParty):
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
         self.beside_others = False
-        self._topics: dict[str, Topic] = {}  # by event
+        self._topics: dict[str, Topic] = {}  # the topics of its records, indexed by event
         self._scl_wire = scl
         self._sda_wire = sda
         self._scl_mask = scl.attach(who).mask
         self._sda_mask = sda.attach(who).mask
         self._stuck_after = stuck_after
         self._on_stuck = on_stuck
-        self._next: Event = kernel.event(self)  # the next step of a transfer: one at a time
+        self._next: Event = kernel.event(self)  # the event of the next step of a transfer
         self._guard: Event | None = None  # the event that reports a line held too long
         self._sda_level = 1
         self._rising = False  # SCL is released and has not risen yet
-        self._high = timing.high  # the next high time of SCL, and the step after it
-        self._high_end = BIT_END
+        self._high = timing.high  # the next high time of SCL
+        self._high_end = BIT_END  # the step at the end of that high time
         self._let_go_at = 0
         self._transfer = Transfer("", [])
         self._done: Callable[[Transfer], None] = lambda transfer: None
         self._phase = Phase(0, False)
         self._phase_index = 0
         self._stretch = 0  # the longest stretch of the phase
-        self._wanted = 0  # bytes of the phase to transfer,
-        self._acks: list[bool] = []  # their acknowledges so far,
-        self._got = bytearray()  # and the bytes read
-        self._byte = 0  # being sent, or 0xFF while receiving
-        self._bit = 0  # 0..8; 8 is the ACK
-        self._in = 0  # bits read so far
-        self._index = NO_BYTE  # the number of the data byte, or ADDRESS
+        self._wanted = 0  # number of data bytes to transfer in the phase
+        self._acks: list[bool] = []  # the acknowledges of the data bytes so far
+        self._got = bytearray()  # the data bytes read so far
+        self._byte = 0  # the byte that is sent, or 0xFF while receiving
+        self._bit = 0  # number of the bit in the byte: 0 to 7, or 8 for the ACK
+        self._in = 0  # the value of the bits of this byte that were sampled so far
+        self._index = NO_BYTE  # number of the data byte, or ADDRESS, or NO_BYTE
         self._receiving = False
         self._gives_up = gives_up
         self._clear_after = clear_after
-        self._refused_since = NO_TIME  # since when a START is due and the bus not free
+        self._refused_since = NO_TIME  # the tick since which a START is due, but the bus is not free
         masks, times = (self._scl_mask, self._sda_mask), (timing.low, timing.high, timing.hold)
         self._clear = BusClear(kernel, scl, sda, masks, times, self._cleared)
         self._bus = FilteredBus(kernel.now, timing.filter, timing.free)
@@ -188,7 +192,7 @@ class I2cController(BitParty):
     # Transfers ----------------------------------------------------------------
 
     def begin(self, transfer: Transfer, done: Callable[[Transfer], None]) -> None:
-        """Start as soon as the bus has been free long enough; `done(transfer)` is called with its STOP."""
+        """Start as soon as the bus has been free long enough. At the STOP `done(transfer)` is called."""
         if self.busy:
             raise ValueError(f"{self.who}: asked for transfer {transfer.name!r} while {self._transfer.name!r} runs")
         self.busy = True
@@ -312,7 +316,7 @@ class I2cController(BitParty):
             self._low(self._ack_level() if self._receiving else 1)
 
     def _ack_level(self) -> int:
-        """Return the level of a reading controller's acknowledge: 0 until the last byte."""
+        """Return the level of the acknowledge of a byte that is read: 1 (NACK) for the last byte, else 0."""
         return 1 if self._index + 1 >= self._wanted else 0
 
     # Bytes --------------------------------------------------------------------

@@ -1,9 +1,10 @@
-"""A target that stretches, or is faulty: rules change its answers by held lines, NACKs, wrong bytes.
+"""A target that stretches the clock or has faults: rules change its answers by held lines, NACKs and wrong bytes.
 
     answer, send_byte, receive_byte --> each rule: this phase, byte, time, by chance? --> the target's answer, changed
 
-Bytes are numbered from 0, the address; phases, each a START with the target's address, from 1. A target without power
-answers nothing until the power returns.
+Bytes are numbered from 0, which is the address. A phase is a START with the target's address; phases are numbered from
+1, for a rule with `access` only those with this R/W bit. A target without power does not answer until the power
+returns.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ READ = 1
 
 
 class Answers(Protocol):
-    """addresses: 7 bits each."""
+    """The target that is disturbed. addresses: its 7-bit addresses."""
 
     @property
     def addresses(self) -> tuple[int, ...]: ...
@@ -37,9 +38,12 @@ class Answers(Protocol):
 
 @dataclass(frozen=True)
 class When:
-    """Conditions of a rule. bytes, phases: empty for all. access: R/W bit, None for both. until: None: always.
+    """The conditions under which a rule applies to a byte.
 
-    share: of the remaining bytes, drawn by `random`. after, until: ticks.
+    bytes, phases: the numbers of the bytes and phases; empty for all.
+    access: the R/W bit of the phase, or None for both.
+    share: the probability that the rule applies if the other conditions hold; drawn from `random`.
+    after, until: the first tick and the end of the time in which the rule applies; None for `until` means no end.
     """
 
     STATE = State("random")
@@ -84,7 +88,7 @@ class Rule:
 
 
 class Stretch(Rule):
-    """least, most: ticks; a random duration in between each time."""
+    """Holds SCL low for a random time. least, most: the range of the time, in ticks."""
 
     def __init__(self, when: When, least: int, most: int, hold_clock: Callable[[int], None]) -> None:
         super().__init__(when)
@@ -103,7 +107,7 @@ class Refuse(Rule):
 
 
 class Wrong(Rule):
-    """value: sent instead."""
+    """Replaces the bytes that are sent. value: the byte that is sent instead."""
 
     def __init__(self, when: When, value: int) -> None:
         super().__init__(when)
@@ -114,7 +118,7 @@ class Wrong(Rule):
 
 
 class Flip(Rule):
-    """bit: 7 is sent first; None for a random one."""
+    """Inverts one bit of a byte that is sent. bit: its number, 7 for the first on the wire; None for a random bit."""
 
     def __init__(self, when: When, bit: int | None) -> None:
         super().__init__(when)
@@ -139,7 +143,7 @@ class HoldData(Rule):
 
 
 class DisturbedTarget:
-    """A target with rules. It is its own reply to the present phase."""
+    """A target whose answers are changed by rules. It is also its own `Reply` to the present phase."""
 
     STATE = State("_target _rules _reply _access")
 
@@ -203,7 +207,7 @@ class DisturbedTarget:
 
 
 def cut_power(kernel: Kernel, side: TargetSide, target: Answers, at: int, until: int | None) -> None:
-    """Switch the target off between two ticks, or forever."""
+    """Switch the target off at tick `at`, and on again at tick `until` unless it is None."""
     kernel.call_at(at, lambda: side.power(False))
 
     def come_back() -> None:

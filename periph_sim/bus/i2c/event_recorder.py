@@ -21,7 +21,7 @@ WHO = "bus"
 
 
 class BusRecorder(I2cByteCounter):
-    """text of its records: the address of the phase, "0x68"."""
+    """Makes BUS records. The text of a record is the address of the phase, for example "0x68"."""
 
     STATE = State("_address")
 

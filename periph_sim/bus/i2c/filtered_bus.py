@@ -15,10 +15,13 @@ from .line_events import EVENTS, IDLE, NOTHING, SCL, SDA, START, STOP
 
 @final
 class FilteredBus:
-    """filter: ticks that a change of SDA must last. free: ticks between a STOP and the next START.
+    """The filtered state of one bus.
 
+    filter: the time, in ticks, for which a change of SDA must last.
+    free: the minimum time, in ticks, between a STOP and the next START.
     busy: True between a START and its STOP, of any controller.
-    last_stop: the tick of the last STOP. scl_moved: that of SCL's last change, spikes included.
+    last_stop: the tick of the last STOP.
+    scl_moved: the tick of the last change of SCL, spikes included.
     """
 
     STATE = State("busy _lines _scl_seen _sda_event _sda_seen", ticks="last_stop scl_moved _sda_moved")
@@ -41,13 +44,13 @@ class FilteredBus:
         self.scl_moved = now
         self._filter = filter
         self._lines = IDLE
-        self._scl_seen = SCL  # its level before its last change, without spikes
+        self._scl_seen = SCL  # the level of SCL before its last change, without spikes
         self._sda_moved = -filter
-        self._sda_event = NOTHING  # the condition of its last change, if it lasts
-        self._sda_seen = 1  # after the filter
+        self._sda_event = NOTHING  # the condition that the last change of SDA is if it passes the filter
+        self._sda_seen = 1  # the level of SDA after the filter
 
     def sampled(self, now: int, levels: int) -> None:
-        """Take new levels of both lines."""
+        """Process new levels of both lines."""
         before = self._lines
         event = EVENTS >> 3 * (before << 2 | levels) & 7
         if (before ^ levels) & SDA:
@@ -63,13 +66,13 @@ class FilteredBus:
             self.settle(now)
 
     def _classify_sda_edge(self, now: int, event: int) -> int:
-        """Return the condition of an SDA change just after a spike of SCL: decided by the levels after the filter."""
+        """Return the condition that an edge of SDA is. Just after a spike of SCL, the filtered level of SCL decides."""
         if event != NOTHING or now - self.scl_moved >= self._filter or not self._scl_seen:
             return event
         return START if self._lines & SDA else STOP
 
     def settle(self, now: int) -> None:
-        """Apply SDA's last change once it has outlasted the filter, at its original tick."""
+        """Apply the last change of SDA, with its original tick, if it has lasted for the time of the filter."""
         level = self._lines >> 1
         if level == self._sda_seen or now - self._sda_moved < self._filter:
             return
@@ -90,7 +93,7 @@ class FilteredBus:
         return self._filter <= shortest
 
     def jump(self, level: int, scl_fell: int, sda_moved: int) -> None:
-        """Take the state behind skipped bits: SCL low since `scl_fell`, SDA at this level since `sda_moved`."""
+        """Enter the state after skipped bits: SCL is low since `scl_fell`, and SDA at `level` since `sda_moved`."""
         self._lines = SDA if level else 0
         self._sda_seen, self._sda_event, self._sda_moved = level, NOTHING, sda_moved
         self._scl_seen, self.scl_moved = SCL, scl_fell

@@ -1,11 +1,11 @@
-"""Monitor of an I2C bus: reconstructs transfers as their master made them, from levels and pulling parties.
+"""Monitor of an I2C bus: reconstructs the transfers of a master from the levels and from the parties that pull.
 
     SCL, SDA, parties --> START, clocks, STOP of the master --> Transfer: phases, bytes, ACKs, times, stretching
 
-The master is the party that pulls SDA for the START and then SCL. A clock begins where it pulls SCL; a START or STOP is
-its own pull or release of SDA while SCL is high. So another party's spike, or a slave that lost count, changes what the
-master reads but not what it does. If SCL stays low after the master's release, it is stretched. This works equally for
-an agent, firmware and a capture.
+The master is the party that pulls SDA for the START and then SCL. A clock begins when the master pulls SCL. A START or
+STOP is the master's own pull or release of SDA while SCL is high. So a spike by another party, or a slave that has lost
+count of the bits, changes the bits that the master reads, but not the STARTs, clocks and STOPs of the transfer. If SCL
+stays low after the master's release, the clock is stretched. The master can be an agent, firmware or a capture.
 
 Source: UM10204 sections 3.1.4 to 3.1.10, Table 10 (tSP).
 """
@@ -30,9 +30,11 @@ from .transfer import Phase, Transfer
 
 @final
 class I2cMonitor(BitParty):
-    """on_transfer: called with each transfer at its STOP. names: names of transfers, by address.
+    """Reconstructs the transfers on one bus.
 
-    filter: ticks; shorter levels of SDA are ignored.
+    on_transfer: called with each transfer at its STOP.
+    names: the names of transfers, indexed by address.
+    filter: time in ticks; shorter levels of SDA are ignored.
     """
 
     STATE = State(
@@ -52,24 +54,24 @@ class I2cMonitor(BitParty):
         self._scl, self._sda = scl, sda
         self._on_transfer = on_transfer
         self._names = names
-        self._start_at = NO_TIME  # SDA fell, without a clock of the pulling party yet
-        self._starting = 0  # the parties that pulled SDA then
-        self._masters_of: dict[int, tuple[int, int]] = {}  # masks of the pulling parties on both wires
+        self._start_at = NO_TIME  # the tick of a possible START, until a party that pulled SDA for it pulls SCL
+        self._starting = 0  # the mask of the parties that pulled SDA for it
+        self._masters_of: dict[int, tuple[int, int]] = {}  # the masters' masks on SCL and SDA, by `_starting`
         self._versions = scl.version, sda.version  # versions of the wires for these masks
         self._scl_mask = self._sda_mask = 0  # the master's pulls on the wires; 0 between transfers
         self._pulls_scl = self._pulls_sda = False  # True while the master pulls
         self._began_at = NO_TIME
-        self._first = True  # the master's next pull of SCL is the START's own
-        self._let_go_at = NO_TIME  # the master has released SCL, which has not risen yet
+        self._first = True  # True if the master's next pull of SCL is part of the START
+        self._let_go_at = NO_TIME  # the tick of the master's release of SCL, until SCL rises
         self._rose_at = NO_TIME
-        self._ended_at = NO_TIME  # another party gave a STOP, and the master no clock since
+        self._ended_at = NO_TIME  # the tick of a STOP by another party, until the master's next clock
         self._pulled_at = self._clock_length = 0  # the master's last pull of SCL, and the time since the one before
         self._transfer = Transfer("", [])
         self._phase = Phase(0, False)
         self._stretch = 0  # the longest stretch of the phase
         self._acks: list[bool] = []  # acknowledges of its data bytes
         self._got = bytearray()
-        self._stream = I2cStream()  # takes the bits as the master clocks them, and its conditions
+        self._stream = I2cStream()  # decoder of the master's bits and conditions
         self._filter = filter
         self._sda_at = -filter
         self._sda_seen = 1  # SDA before its last change, without spikes
@@ -165,7 +167,7 @@ class I2cMonitor(BitParty):
             self._ended_at = now
 
     def _given_up(self, now: int) -> bool:
-        """True if another party gave a STOP in mid-transfer, and the master no clock for the time of two."""
+        """True if another party made a STOP in mid-transfer, and the master did not clock for two clock periods."""
         return self._ended_at != NO_TIME and now - self._pulled_at > 2 * self._clock_length
 
     def _phase_begins(self, at: int) -> None:
@@ -186,7 +188,7 @@ class I2cMonitor(BitParty):
     # Clocks ------------------------------------------------------------------------
 
     def _clock(self, now: int, before: int, levels: int, pulls: bool) -> None:
-        """Handle SCL low, falling or rising. pulls: True if the master pulls it."""
+        """Process a change while SCL is low, falls or rises. pulls: True if the master pulls SCL."""
         if pulls and not self._pulls_scl:
             self._ended_at = NO_TIME
             self._clock_length, self._pulled_at = now - self._pulled_at, now
@@ -240,5 +242,5 @@ def _parties(wire: Wire, mask: int) -> list[str]:
 
 
 def _mask(wire: Wire, parties: set[str]) -> int:
-    """Return the mask of these parties' pulls; a unit's pin belongs to the unit."""
+    """Return the mask of these parties on a wire. The pin of a unit counts as the unit."""
     return sum(1 << place for place, who in enumerate(wire.parties()) if who.partition(".")[0] in parties)

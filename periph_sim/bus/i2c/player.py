@@ -3,9 +3,9 @@
     moves: SDA 0, SCL 0, SDA 1, SCL 1 ...  -->  the lines
                                    ^--- closed loop: times after a release of SCL count from its actual rise
 
-It has no notion of bytes and ACKs: it repeats what a controller once did, right or wrong, including pulses outside
-any protocol. Only the clock is closed-loop: while another party holds SCL low it waits, and everything after that is
-delayed by as much.
+The player does not interpret bytes and ACKs: it repeats the moves of a controller, right or wrong, including pulses
+that violate the protocol. Only the clock is closed-loop: while another party holds SCL low, the player waits, and all
+later moves are delayed by the same time.
 
 Source: UM10204 section 3.1.9 (clock stretching).
 """
@@ -22,17 +22,22 @@ from ...core.wire import Wire
 
 
 class Move(NamedTuple):
-    """after: ticks since the move before, or since SCL's rise if that released SCL. level: 0 pulls, 1 releases."""
+    """One move of a line. level: 0 pulls the line, 1 releases it.
+
+    after: ticks since the previous move, or since the rise of SCL if the previous move released SCL.
+    """
 
     after: int
-    clock: bool  # SCL, else SDA
+    clock: bool  # True for SCL, False for SDA
     level: int
 
 
 class I2cPlayer:
-    """delay: total ticks of past stretches. longest: the longest of them.
+    """Plays the moves of a controller on SCL and SDA.
 
-    waiting_since: the tick of SCL's release while another party holds it low; else NO_TIME.
+    delay: the total time, in ticks, for which other parties have stretched the clock.
+    longest: the longest of these stretches, in ticks.
+    waiting_since: the tick of the player's release of SCL while another party holds SCL low; else NO_TIME.
     """
 
     def __init__(self, kernel: Kernel, scl: Wire, sda: Wire, who: str = "controller") -> None:
@@ -53,7 +58,7 @@ class I2cPlayer:
         return self._next < len(self._moves)
 
     def held(self, now: int) -> int:
-        """Return the ticks for which others have held SCL low since its release; 0 if they do not."""
+        """Return the ticks for which others have held SCL low since its release; 0 if SCL is not held low."""
         return 0 if self.waiting_since == NO_TIME else now - self.waiting_since
 
     def play(self, moves: Sequence[Move], done: Callable[[], None]) -> None:

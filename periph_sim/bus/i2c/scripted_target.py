@@ -2,8 +2,8 @@
 
     SCL, SDA --> TargetSide --> address known? next answer --> SDA
 
-It replaces the devices of a bus that are not under test. It stretches if its answer says so. An address without
-remaining answers is not acknowledged.
+The targets replace the devices of a bus that are not under test. They stretch the clock if the answer has stretches. An
+address without remaining answers is not acknowledged.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
@@ -21,9 +21,11 @@ from .target_side import Stretches, TargetSide
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """Answer to a START with its address. data: sent in a read, followed by ones. acks: of written bytes; then ACK.
+    """Answer to a START with an address.
 
-    stretches: (byte, bit, ticks) as in `target_side.Reply`.
+    data: the bytes that are sent in a read; 0xFF follows them.
+    acks: the acknowledges of written bytes; further bytes are acknowledged.
+    stretches: triples (byte, bit, ticks) as in `target_side.Reply`.
     """
 
     ack: bool
@@ -39,7 +41,7 @@ class Answer:
 
 
 class ScriptedTarget(TargetSide):
-    """hold: ticks from SCL's fall to its change of SDA."""
+    """Answers for the addresses in `answers`. hold: ticks from the fall of SCL to a change of SDA."""
 
     def __init__(
         self,

@@ -15,7 +15,7 @@ from .line_events import SCL
 
 
 class SkippingController(I2cController):
-    """bit_skip: set before the first transfer."""
+    """A controller that skips bits. bit_skip: the shortcut, which must be set before the first transfer."""
 
     __slots__ = ("bit_skip",)
 
@@ -34,14 +34,14 @@ class SkippingController(I2cController):
         return self._scl_mask if line == SCL else self._sda_mask
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """True if its filter passes each level of a bit, and no line is monitored for being stuck."""
+        """Return True if the filter passes each level of a bit, and no line is watched for being stuck."""
         return self._guard is None and self._bus.passes(min(high, hold, low - hold))
 
     def byte(self) -> int:
         return ONES if self._receiving else self._byte
 
     def keeps_bus(self, shown: int) -> bool:
-        """False if it loses arbitration: another party pulls SDA while it sends 1."""
+        """Return False if the controller loses arbitration, because another party pulls SDA during a 1."""
         return self._receiving or shown == self._byte
 
     def set_bit_position(self, shown: int, bit: int, fell: int) -> None:

@@ -1,6 +1,6 @@
 """Detection of a line that stays low for too long: calls a callback and makes a BUS record.
 
-For scenes without a controller agent, which would report it.
+It is for scenes without a controller agent, which would report the line itself.
 
 Source: SMBus specification section 3.1.1.3 for the default of 25 ms (tTIMEOUT); UM10204 has no limit.
 """
@@ -26,7 +26,7 @@ STUCK_AFTER = Fraction(25, 1000)
 class StuckWatch(BitParty):
     """Reports a wire to `on_stuck`, once each time that it has been low for `limit` ticks.
 
-    bit_skip: the skipper of bits on its bus.
+    bit_skip: the shortcut that skips bits on the bus of the wire, or None.
     """
 
     STATE = State("_guarded _reported", ticks="_fell")
@@ -70,7 +70,7 @@ class StuckWatch(BitParty):
             self._guard()
 
     def _guard(self) -> None:
-        """Schedule one event at a time, however often the line moves."""
+        """Schedule the check of the line. There is one such event at a time, however often the line moves."""
         self._guarded = True
         self._kernel.call_at(self._fell + self._limit, self._look)
 

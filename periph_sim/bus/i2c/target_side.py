@@ -3,8 +3,8 @@
     SCL, SDA --> START, bits, STOP --> address --> Reply: send_byte(byte), receive_byte(byte, value) --> SDA
                                                  on_end(stop, whole)
 
-Each START with an address asks `answer` for a reply. A bit changes `hold` after SCL fell. It stretches only if the
-reply says so, or if `hold_clock` is called by it.
+`answer` is called for each START with an address and returns the reply. SDA changes `hold` after the fall of SCL. The
+target stretches the clock only if the reply has `stretches` or calls `hold_clock`.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
@@ -36,8 +36,8 @@ Stretches = tuple[tuple[int, int, int], ...]
 class Reply(Protocol):
     """Reply to a START with its address.
 
-    stretches: (byte, bit, ticks) for which SCL is held low after its fall, before that bit. Byte -1 is the address, of
-    which only bit 8, the ACK, can be stretched: before it the addressed target is not known.
+    stretches: triples (byte, bit, ticks): SCL is held low for these ticks after its fall before that bit. Byte -1 is
+    the address, of which only bit 8, the ACK, can be stretched, because the address is not complete before.
     """
 
     @property
@@ -58,10 +58,12 @@ def _ignore(stop: bool, whole: bool) -> None:
 
 
 class TargetSide(BitParty):
-    """answer: called with the address byte, R/W included. hold: ticks from SCL's fall to its change of SDA.
+    """The wire side of one target.
 
-    on_end: called when a phase that `answer` acknowledged ends, by a STOP or else by another START; whole: not in the
-    middle of a byte.
+    answer: called with the address byte, R/W included; returns the reply, or None for another target's address.
+    hold: ticks from the fall of SCL to a change of SDA by the target.
+    on_end: called with (stop, whole) when a phase ends whose address was acknowledged. stop: True for a STOP, False for
+        a repeated START. whole: True if the phase does not end in the middle of a byte.
     """
 
     STATE = State(
@@ -93,7 +95,7 @@ class TargetSide(BitParty):
         self._in = 0
         self._out = 0xFF
         self._byte = 0  # number of the data byte
-        self._refused = False  # the controller's NACK in a read
+        self._refused = False  # True if the controller's last acknowledge in a read was a NACK
         self._level = 1  # the next level of SDA
         self._on_end = on_end
         self._taken = False  # True if the present phase is acknowledged
@@ -143,13 +145,13 @@ class TargetSide(BitParty):
             self.hold_clock(ticks)
 
     def hold_clock(self, ticks: int) -> None:
-        """Hold SCL low for a time from now on. Call it from `answer` or the reply: SCL has just fallen then."""
+        """Hold SCL low for `ticks` from now on. Call this from `answer` or the reply: SCL has just fallen then."""
         self._scl.drive(0)
         self._held_until = max(self._held_until, self._kernel.now + ticks)
         self._kernel.schedule(self._kernel.now + ticks, self, LET_GO)
 
     def power(self, on: bool) -> None:
-        """Switch the power. Off: both lines are released at once, and no START is seen until it returns."""
+        """Switch the power. Without power both lines are released, and STARTs are ignored until the power returns."""
         self._kernel.materialize()
         self._powered = on
         if not on:
@@ -167,7 +169,7 @@ class TargetSide(BitParty):
             self._refused = level == 1
 
     def _ninth(self) -> int:
-        """Pass the received byte to the target and return the level of SDA for the ninth bit; 0: ACK."""
+        """Pass a received byte to `answer` or to the reply, and return the level of SDA for the ninth bit; 0 is ACK."""
         if self._does == SENDS_DATA:
             return 1
         if self._does == RECEIVES_ADDRESS:
@@ -208,7 +210,11 @@ class TargetSide(BitParty):
         return fall + self._hold
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """True if it does not stretch, and changes SDA as far from SCL's edges as the controller does."""
+        """Return True if the target is not addressed, or if it waits for a first bit and has no stretches left.
+
+        Its changes of SDA must be at least `hold` after the fall of SCL, and before the rise by at least its own hold
+        time if `each`, or else by `hold`.
+        """
         if self._does == NOT_MEANT:
             return True
         least = self._hold if each else hold

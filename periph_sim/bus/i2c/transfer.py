@@ -19,13 +19,13 @@ from ...core.time import NO_TIME
 class BusTiming(Struct, frozen=True):
     """Actual times of a controller, not limits, in ticks. filter: shorter levels of SDA are ignored."""
 
-    low: int  # SCL's fall to its release
-    high: int  # SCL's rise to its fall
-    hold: int  # SCL's fall to SDA's change
-    start_hold: int  # SDA falls to SCL falls, START
-    start_setup: int  # SCL rises to SDA falls, repeated START
-    stop_setup: int  # SCL rises to SDA rises, STOP
-    free: int  # STOP to the next START, at least
+    low: int  # from the fall of SCL to its release
+    high: int  # from the rise of SCL to its fall
+    hold: int  # from the fall of SCL to the change of SDA
+    start_hold: int  # from the fall of SDA to the fall of SCL, in a START
+    start_setup: int  # from the rise of SCL to the fall of SDA, in a repeated START
+    stop_setup: int  # from the rise of SCL to the rise of SDA, in a STOP
+    free: int  # minimum time from a STOP to the next START
     filter: int = 0
 
 
@@ -33,12 +33,20 @@ class BusTiming(Struct, frozen=True):
 class Phase:
     """One addressed part of a transfer: START or repeated START, address, bytes.
 
-    address: the 7-bit address, right-aligned. data: the bytes to write. count: bytes to read. expect: the bytes that a
-    read should return (None: not compared). address_byte: sent instead of address and R/W (general call, START byte).
+    address: the 7-bit address, right-aligned.
+    data: the bytes to write.
+    count: the number of bytes to read.
+    expect: the bytes that a read should return, or None if they are not compared.
+    address_byte: a byte that is sent instead of address and R/W, for a general call or a START byte.
 
-    Results: acked; got; acks: of data bytes, by either side; start_at: SDA fell; answer_from: SCL fell after the
-    address's ACK; answer_at: SCL rose for the first data bit; stretch: the longest time that the other side held SCL
-    low beyond `low`.
+    Results:
+    acked: True if the address was acknowledged.
+    got: the bytes that were read.
+    acks: for each data byte, True if the receiving side acknowledged it.
+    start_at: the tick of the fall of SDA.
+    answer_from: the tick of the fall of SCL after the acknowledge of the address.
+    answer_at: the tick of the rise of SCL for the first data bit.
+    stretch: the longest time for which another party held SCL low after its release.
     """
 
     STATE = State(
@@ -97,7 +105,7 @@ class Phase:
 
 @final
 class Transfer:
-    """The phases between a START and its STOP, and their results. lost: arbitration was lost."""
+    """The phases between a START and its STOP, and their results. lost: True if arbitration was lost."""
 
     STATE = State("name phases lost", ticks="stop_at", made=True)
 
@@ -116,7 +124,7 @@ class Transfer:
 
     @property
     def wire_bytes(self) -> int:
-        """Bytes on the wire, addresses included."""
+        """The number of bytes on the wire, addresses included."""
         count = 0
         for phase in self.phases:
             if phase.start_at != NO_TIME:

@@ -34,7 +34,10 @@ class Enables(Protocol):
 
 
 class Character(NamedTuple):
-    """address: the address bit, in formats that have one. One without its stop bits is followed by an idle bit."""
+    """A character to send. address: the address bit, in formats that have one.
+
+    missing_stop: True if the stop bits are 0; then an idle bit follows.
+    """
 
     value: int
     address: int = 0
@@ -52,9 +55,13 @@ class Character(NamedTuple):
 
 @dataclass(frozen=True)
 class Burst:
-    """bit: ticks of one, exact. gap: ticks between characters. low: ticks of a break, instead of characters.
+    """Characters that are sent together, or a break.
 
-    idle: bits that the line must have been idle before it. name: of the sender, for messages.
+    bit: the exact length of a bit in ticks.
+    gap: the number of ticks between two characters.
+    low: the length of the break in ticks; 0 for characters.
+    idle: the number of bits for which the line must be idle before the burst.
+    name: the name of the sender, for messages.
     """
 
     bit: Fraction
@@ -66,8 +73,9 @@ class Burst:
     name: str = ""
 
     def edges(self, start: int) -> tuple[list[int], int]:
-        """Return the ticks of the edges, a fall first, and of the end of the last stop bit, of a burst that begins at
-        tick `start`.
+        """Return the ticks of the edges of a burst that begins at tick `start`, and the end of its last stop bit.
+
+        The first edge is a fall.
         """
         if self.low:
             return [start, start + self.low], start + self.low
@@ -84,7 +92,7 @@ class Burst:
         return edges, int(at)
 
     def over_by(self, ticks: int) -> int:
-        """Return the number of its characters that are over `ticks` after its begin."""
+        """Return the number of characters that have ended `ticks` after the begin of the burst."""
         at = Fraction(0)
         for number, character in enumerate(self.characters):
             at += self.bit * len(character.levels(self.form))
@@ -95,7 +103,7 @@ class Burst:
 
 
 class _Edges(EdgeSender):
-    """out: its output."""
+    """Makes the edges of a burst at the output `out`."""
 
     __slots__ = ("_out",)
 
@@ -108,15 +116,19 @@ class _Edges(EdgeSender):
 
 
 class BurstSender:
-    """out: its output. enabled: a driver to switch on for each burst. hold: ticks that it stays on after one."""
+    """Sends bursts at the output `out`.
+
+    enabled: a driver that is switched on for each burst, or None.
+    hold: the number of ticks for which the driver stays on after a burst.
+    """
 
     STATE = State("_edges _burst _busy _characters _line _waiting", ticks="_began _ends_at _free_at")
 
     def __init__(self, kernel: Kernel, out: Drives, who: str, enabled: Enables | None = None, hold: int = 0) -> None:
         self.who = who
-        self._characters = 0  # of past bursts
-        self._burst: Burst | None = None  # the present one
-        self._began = self._ends_at = 0  # begin and end of the last one
+        self._characters = 0  # number of characters of past bursts
+        self._burst: Burst | None = None  # the present burst
+        self._began = self._ends_at = 0  # begin and end of the present or last burst
         self._kernel = kernel
         self._edges = _Edges(kernel, out)
         self._enabled = enabled
@@ -128,12 +140,12 @@ class BurstSender:
 
     @property
     def line(self) -> tuple[Fraction, UartFormat] | None:
-        """Ticks of a bit and the format of the present or last burst; None before the first."""
+        """The length of a bit in ticks and the format of the present or last burst; None before the first burst."""
         return self._line
 
     @property
     def characters(self) -> int:
-        """Number of characters whose last stop bits are over."""
+        """The number of characters whose last stop bits are over."""
         under_way = 0 if self._burst is None else self._burst.over_by(self._kernel.now - self._began)
         return self._characters + under_way
 
@@ -143,7 +155,7 @@ class BurstSender:
         return None if self._burst is None else (self._burst.name, self._ends_at)
 
     def send(self, burst: Burst, begins: Callable[[int], None], ends: Callable[[int], None]) -> None:
-        """Send a burst as soon as the line is free. begins, ends: called with the tick."""
+        """Send a burst as soon as the line is free. begins, ends: callbacks with the tick of its begin and its end."""
         self._waiting.append((burst, begins, ends))
         if not self._busy:
             self._next()

@@ -13,7 +13,7 @@ EDGE = 0x100  # tag of the events of edges; a subclass may have others
 
 
 class EdgeSender(Agent):
-    """mask: its pull on the line."""
+    """Makes edges on a line, each with an event of the kernel. mask: the bit of this party among those that pull."""
 
     STATE = State("_level _next", ticks="_edges")
 
@@ -22,7 +22,7 @@ class EdgeSender(Agent):
     def __init__(self, kernel: Kernel, mask: int) -> None:
         self._kernel = kernel
         self._mask = mask
-        self._edges: list[int] = []  # ticks, last first
+        self._edges: list[int] = []  # ticks of the edges that are left, the last edge first
         self._level = 1
         self._next: Event | None = None
 

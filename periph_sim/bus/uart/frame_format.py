@@ -11,9 +11,12 @@ from msgspec import Struct
 
 
 class UartFormat(Struct, frozen=True):
-    """bits: 1 to 8. parity: "none", "even" or "odd". stop: stop bits, 1 or 2. address: an address bit after the data.
+    """The format of the frames on a line.
 
-    The parity is that of the data and the address bit.
+    bits: number of data bits, 1 to 8.
+    parity: "none", "even" or "odd", of the data and the address bit.
+    stop: number of stop bits, 1 or 2.
+    address: True if an address bit follows the data.
     """
 
     bits: int = 8
@@ -23,18 +26,19 @@ class UartFormat(Struct, frozen=True):
 
     @property
     def length(self) -> int:
-        """Bits of a frame, start and stop bits included."""
+        """The number of bits of a frame, start and stop bits included."""
         return 1 + self.bits + self.address + (self.parity != "none") + self.stop
 
     def half_bits(self, bit: Fraction) -> list[int]:
         """Return the ticks from the start of a frame to the begin of each half bit, and to its end.
 
-        bit: ticks. From the last but one on, the middle of the last stop bit, a falling edge starts the next frame.
+        bit: the length of a bit in ticks. The last but one of the returned ticks is the middle of the last stop bit,
+        from which on a falling edge starts the next frame.
         """
         return [int(half * bit / 2) for half in range(2 * self.length + 1)]
 
     def is_kept_by(self, levels: list[int]) -> bool:
-        """True if these levels of a frame's bits have its start bit, its stop bits and its parity."""
+        """Return True if the levels of a frame's bits have the start bit, stop bits and parity of this format."""
         end = len(levels) - self.stop
         if levels[0] or 0 in levels[end:]:
             return False

@@ -12,7 +12,7 @@ from .reader import Heard, Line, UartReader
 
 
 class UartMonitor:
-    """line: as for a `UartReader`."""
+    """Makes FRAME records of one line. line: as for a `UartReader`."""
 
     def __init__(self, kernel: Kernel, recorder: Recorder, wire: Wire, line: Line) -> None:
         self._begins, self._ends, self._errors = (

@@ -28,7 +28,11 @@ Line = Callable[[], tuple[Fraction, UartFormat]]
 
 
 class Heard(NamedTuple):
-    """A frame. good: its parity is right and its stop bits are high. address: its address bit, if it has one."""
+    """A frame that was read. begin, end: ticks.
+
+    good: True if the parity is right and the stop bits are high.
+    address: the address bit, in formats that have one.
+    """
 
     begin: int
     end: int
@@ -38,7 +42,10 @@ class Heard(NamedTuple):
 
 
 class UartReader(Agent):
-    """line: the length of a bit in ticks, exact, and the format of frames; called at each start bit."""
+    """Reads the frames on one line and calls `on_begin` and `on_end`.
+
+    line: called at each start bit; returns the exact length of a bit in ticks, and the format of the frames.
+    """
 
     STATE = State("_bit _format _length _halves _ending", ticks="_start _set_at _edges")
 
@@ -68,7 +75,7 @@ class UartReader(Agent):
         self._set_at = NO_TIME
         self._bit: Fraction | None = None
         self._format = UartFormat()
-        self._length = 0  # bits of a frame
+        self._length = 0  # number of bits of a frame
         self._halves: list[int] = []  # ticks from the start of a frame to the begin of each half bit, and to its end
         self._edges: list[int] = []  # edges of the present frame, from its start bit on
         self._ending: Event | None = None  # the event at the end of the present frame

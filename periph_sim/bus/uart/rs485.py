@@ -1,9 +1,9 @@
-"""An RS-485 pair and the transceivers on it: drivers that are switched on and off share one line.
+"""An RS-485 pair and the transceivers on it, whose drivers share one line and are switched on and off.
 
     TX --> driver --on by DE--> pair --> receiver --> RX     (off while its own driver is on, unless `hears_itself`)
 
-A pair without an active driver is idle: its bias makes it a 1. Of several drivers that are on at once, a 0 wins; more
-than one active driver is a collision, whatever they drive.
+A pair without an active driver is idle: its bias makes it a 1. If several drivers are on at once, a 0 of any of them
+wins. More than one active driver is a collision, whatever levels they drive.
 """
 
 from __future__ import annotations
@@ -23,7 +23,10 @@ COLLISION, CUT = "collision", "cut"  # records of a pair besides its frames
 
 
 class Rs485Pair:
-    """on_collision: called with (tick, drivers) when a second driver is switched on."""
+    """A pair and the drivers that are on.
+
+    on_collision: callbacks with (tick, names of the drivers that are on) for switching on a driver while another is on.
+    """
 
     STATE = State("_on")
 
@@ -90,15 +93,17 @@ class Driver:
         self._pair.switched(self)
 
     def was_on(self, tick: int) -> bool:
-        """Return True if it was on at a recent tick."""
+        """Return True if the driver was on at `tick`, as far as its last switching on and off shows."""
         return self._last_on != NO_TIME and self._last_on <= tick and (self.on or tick < self._last_off)
 
 
 class Transceiver:
-    """line: format of the frames on `tx`. at_first: the level at DE while it is not driven.
+    """One transceiver on a pair, with its lines TX, RX and DE.
 
-    on_cut: called with (tick, ticks) when the driver is switched off `ticks` before the end of a frame; with 0 when a
-    frame begins while it is off.
+    line: returns the format of the frames on `tx`.
+    at_first: the level at DE while it is not driven.
+    on_cut: callbacks with (tick, ticks) for switching off the driver `ticks` before the end of a frame, and with 0 for
+        a frame that begins while the driver is off.
     """
 
     STATE = State("driver", ticks="_ends_at")

@@ -24,13 +24,13 @@ from .frame_format import UartFormat
 
 @lru_cache(maxsize=16)
 def _known_edges(frame_format: UartFormat) -> dict[int, list[int]]:
-    """Return a cache: byte -> the bits of its frame at whose begin the level changes."""
+    """Return a cache for a format: for each byte, the numbers of the bits at whose begin the level changes."""
     return {}
 
 
 @final
 class UartSender(EdgeSender):
-    """bit: length of one bit in ticks, exact. Sends one burst at a time."""
+    """Sends one burst of bytes at a time. bit: the exact length of a bit in ticks."""
 
     STATE = State("_done", ticks="_ends_at")
 
@@ -71,7 +71,7 @@ class UartSender(EdgeSender):
         self._length = self._format.length
         self._edges_of = _known_edges(self._format)
         self._gap: Fraction | None = None  # gap of the last burst
-        self._begins: list[int] = []  # with that gap, ticks from a burst's begin to that of each bit, frame by frame
+        self._begins: list[int] = []  # ticks from the begin of a burst with `_gap` to each bit
         self._ends_at = 0
         self._done: Callable[[int], None] = lambda tick: None
 

@@ -12,11 +12,13 @@ from ..errors import OutsideError
 from ..session import Session
 
 Buffer = bytearray | memoryview
-ADDRESSES = range(0x08, 0x78)  # those that are not reserved
+ADDRESSES = range(0x08, 0x78)  # the 7-bit addresses that are not reserved
 
 
 class I2C:
-    """frequency: of SCL, Hz. pause: time that passes before each call, since a driver's `time.sleep` has no effect.
+    """A `busio.I2C` on the bus of a session. frequency: the frequency of SCL in Hz.
+
+    pause: the simulated time that passes before each call, because a driver's `time.sleep` has no effect on it.
 
     OSError, as on hardware: ENODEV if the address is not acknowledged, EIO if a byte is not acknowledged, ETIMEDOUT if
     the bus is held.

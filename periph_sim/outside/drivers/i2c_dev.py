@@ -3,7 +3,7 @@
     os.open, open --unused file number-------> ioctl: address, SMBus transfer, messages --> Master --> SDA, SCL
                                                read, write: plain transfers
 
-Only within the block, and only for these numbers: other files are not affected.
+Other files are not affected, nor are these files outside of the block.
 
 Source: Linux 6.6 Documentation/i2c/dev-interface.rst, smbus-protocol.rst and fault-codes.rst; include/uapi/linux/i2c.h
 and i2c-dev.h.
@@ -31,8 +31,8 @@ RETRIES, TIMEOUT = 0x701, 0x702
 SLAVE, TENBIT, FUNCS, SLAVE_FORCE, RDWR, PEC, SMBUS = 0x703, 0x704, 0x705, 0x706, 0x707, 0x708, 0x720
 QUICK, BYTE, BYTE_DATA, WORD_DATA, PROC_CALL, BLOCK_DATA, BLOCK_PROC_CALL, I2C_BLOCK = 0, 1, 2, 3, 4, 5, 7, 8
 FUNCTIONS = 0x1 | 0x8 | 0x8000 | 0x0FFF_0000  # plain I2C; PEC; block process call; all SMBus transfers
-READS = 1  # read_write of an SMBus transfer; the same bit of a message's flags
-FIRST_FILE = 1 << 20  # above the file numbers of any process
+READS = 1  # value of `read_write` for a read, and the same bit in the flags of a message
+FIRST_FILE = 1 << 20  # the first file number that is used, above those of any process
 
 
 class _SmbusTransfer(ctypes.Structure):
@@ -58,13 +58,13 @@ class _Messages(ctypes.Structure):
 
 
 class Adapter:
-    """An open file. pause: ticks that pass before each transfer."""
+    """An open file of the adapter. pause: ticks that pass before each transfer."""
 
     def __init__(self, session: Session, pause: int) -> None:
         self._session = session
         self._pause = pause
         self._address = -1
-        self._checks = False  # PEC
+        self._checks = False  # True if transfers have a PEC
 
     def ioctl(self, request: int, argument: Any) -> int:
         if request in (SLAVE, SLAVE_FORCE):
@@ -72,7 +72,7 @@ class Adapter:
                 raise OSError(errno.EINVAL, f"address {argument}: expected 0 to 0x7f")
             self._address = int(argument)
         elif request == FUNCS:
-            size = ctypes.sizeof(argument)  # of an unsigned long; programs also pass an int
+            size = ctypes.sizeof(argument)  # the argument is an unsigned long, but some programs pass an int
             ctypes.memmove(ctypes.addressof(argument), FUNCTIONS.to_bytes(size, sys.byteorder), size)
         elif request == TENBIT:
             if int(argument):
@@ -99,7 +99,7 @@ class Adapter:
         return bytes(got)
 
     def _on_bus(self, transfer: Callable[[Master, Any], object], argument: Any) -> None:
-        """Run a transfer and end it by STOP, also after an error."""
+        """Run a transfer and end it by a STOP, also after an error."""
         session = self._session
         if self._address < 0 and not isinstance(argument, _Messages):
             raise OSError(errno.EINVAL, "no address was given")
@@ -188,9 +188,9 @@ class _Opened(io.RawIOBase):
 def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[None]:
     """Within the block `/dev/i2c-N` is the bus of the session with that number. For Linux, where such code runs.
 
-    pause: time that passes before each transfer, since `time.sleep` has no effect. OSError as from a kernel: ENXIO if
-    the address is not acknowledged, EIO if a byte is not acknowledged, ETIMEDOUT if the bus is held, EAGAIN if
-    arbitration is lost, ENOENT for a number that is not given.
+    pause: the simulated time that passes before each transfer, because `time.sleep` has no effect on it.
+    OSError as from a kernel: ENXIO if the address is not acknowledged, EIO if a byte is not acknowledged, ETIMEDOUT if
+    the bus is held, EAGAIN if arbitration is lost, ENOENT for a number that is not given.
     """
     import fcntl
 

@@ -34,16 +34,19 @@ Service = Generator[None, int, None]  # receives the bytes of its client
 
 ACK, TIMEOUT, LOST = 1, 2, 4  # bits of a report
 SCAN = range(0x08, 0x78)
-MOST = 64  # bytes of a command
-NOBODY = 0xFF  # read outside of a transfer
-INFORMATION = 80  # characters between brackets
-A_BYTE = "10 us"  # at 1 Mbaud
-START, STOP, BITS = 1, 2, 8  # tokens of a capture: three bits of a byte's nine in each of the last
+MOST = 64  # maximum number of data bytes of a command
+NOBODY = 0xFF  # the byte that is read outside of a transfer
+INFORMATION = 80  # number of characters of the status and the introspection, with their brackets
+A_BYTE = "10 us"  # time of a byte at 1 Mbaud
+START, STOP, BITS = 1, 2, 8  # tokens of a capture; BITS is combined with three of the nine bits of a byte
 WIRES = ("SDA", "SCL")
 
 
 class I2cDriver:
-    """pause: ticks that pass before each START, since a client's own pauses have no effect on simulated time."""
+    """The adapter on the bus of a session.
+
+    pause: ticks that pass before each START, because a client's own pauses have no effect on simulated time.
+    """
 
     def __init__(self, session: Session, pause: int) -> None:
         self._session = session

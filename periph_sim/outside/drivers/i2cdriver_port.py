@@ -17,17 +17,23 @@ from ...scene.result import Result
 from ..session import Session
 from .i2cdriver_adapter import I2cDriver
 
-STEP = "1 ms"  # of simulated time, while a capture is waiting
+STEP = "1 ms"  # simulated time of a step while a capture waits for traffic
 TURN = 0.001  # seconds of real time from one such step to the next
 
 
 class I2cDriverPort:
-    """A context manager. path: the path to open. result: the run's result, once the block is left.
+    """A context manager that runs a session with an adapter in a thread.
 
-    case, outside, log: as in a Session. link: a name for the path, made as a symbolic link. run_up: time that passes
-    before a program can open it. pause: time that passes before each START, since a program's own pauses have no effect
-    on simulated time; in a capture time passes by itself. BadCase and OutsideError as from a Session, OutsideError for
-    an existing link (see `PseudoTerminal`); later errors are raised as the block is left.
+    path: the path that programs open.
+    result: the result of the run, after the block.
+    case, outside, log: as in a `Session`.
+    link: the path of a symbolic link to `path`, or None.
+    run_up: the simulated time that passes before a program can open the port.
+    pause: the simulated time that passes before each START, because a program's own pauses have no effect on it. During
+        a capture, time passes by itself.
+
+    BadCase and OutsideError as from a `Session`; OutsideError if `link` exists (see `PseudoTerminal`). Later errors are
+    raised at the end of the block.
     """
 
     path: str
@@ -68,7 +74,10 @@ class I2cDriverPort:
 
 
 class _Thread(threading.Thread):
-    """The session's whole life: firmware runs in the thread that built it. failed: the error that ended it early."""
+    """The thread that builds, runs and ends the session, because firmware runs in the thread that built it.
+
+    failed: the error that ended the session early, or None.
+    """
 
     def __init__(
         self,
@@ -115,7 +124,7 @@ class _Thread(threading.Thread):
         self.ready.set()
 
     def _turn(self, session: Session, adapter: I2cDriver) -> bool:
-        """Do one turn. False if the block was left."""
+        """Wait for commands of the client or a step of a capture, and answer. Return False if the block was left."""
         files = [self._terminal.file, self._wake_read]
         ready, _, _ = select.select(files, [], [], TURN if adapter.capturing else None)
         if self._wake_read in ready:
@@ -126,7 +135,7 @@ class _Thread(threading.Thread):
         return self._give(adapter.captured())
 
     def _give(self, data: bytes) -> bool:
-        """Send data, waiting for a client that does not read. False if the block was left meanwhile."""
+        """Send data, and wait for the client to read it. Return False if the block was left meanwhile."""
         while data:
             ready, writable, _ = select.select([self._wake_read], [self._terminal.file], [])
             if ready:

@@ -16,20 +16,22 @@ from collections.abc import Iterable
 
 from ..i2c_master import Master
 
-MOST_BLOCK = 32  # bytes of a block
+MOST_BLOCK = 32  # maximum number of bytes of a block
 POLYNOMIAL = 0x107
 
 
 class SmbusTransfer:
-    """checks: with a packet error code. OSError, as from a kernel: ENXIO if the address is not acknowledged, EIO if
-    a byte is not acknowledged, EBADMSG for a wrong code, EPROTO for a block of an invalid length.
+    """A transfer with one target. checks: True for a transfer with a packet error code.
+
+    OSError, as from a kernel: ENXIO if the address is not acknowledged, EIO if a byte is not acknowledged, EBADMSG for
+    a wrong code, EPROTO for a block of an invalid length.
     """
 
     def __init__(self, master: Master, address: int, checks: bool = False) -> None:
         self._master = master
         self._address = address
         self._checks = checks
-        self._code = 0  # of the bytes so far
+        self._code = 0  # packet error code of the bytes so far
 
     def begin(self, reads: bool) -> None:
         """Send START, or repeated START, and the address."""

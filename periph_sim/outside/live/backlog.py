@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-MOST = 1 << 20  # bytes waiting at most, in either direction
-AT_ONCE = 4096  # bytes
-MOST_HELD = 16 * MOST  # maximum held by the system for us, as far as it is counted
+MOST = 1 << 20  # maximum number of waiting bytes in either direction
+AT_ONCE = 4096  # maximum number of bytes that are passed in one call
+MOST_HELD = 16 * MOST  # limit above which bytes that the system holds are not counted any more
 
 
 class Backlog:
-    """lost: number of discarded bytes."""
+    """The bytes that wait for a client. lost: number of discarded bytes."""
 
     def __init__(self, most: int = MOST) -> None:
         self.lost = 0
@@ -31,7 +31,10 @@ class Backlog:
             del self._bytes[:beyond]
 
     def flush(self, write: Callable[[bytes], int]) -> None:
-        """Pass on all that `write` accepts. write: returns the number of bytes accepted; BlockingIOError for none."""
+        """Pass the bytes to `write`, until it accepts none.
+
+        write: returns the number of bytes accepted; BlockingIOError for none.
+        """
         while self._bytes:
             try:
                 taken = write(bytes(self._bytes[:AT_ONCE]))

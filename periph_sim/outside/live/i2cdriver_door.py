@@ -19,9 +19,12 @@ from .pseudo_terminal import PseudoTerminal
 
 
 class I2cDriverDoor:
-    """pause: time that passes before each START. OutsideError for an existing link, or a bus that is not outside.
+    """Connects a pseudo-terminal to an adapter. OutsideError if `link` exists, or the bus does not lead outside.
 
-    back: answers that its client has not read yet. unread: its bytes that were not read when this was closed."""
+    pause: the simulated time that passes before each START.
+    back: answers that the terminal has not accepted yet.
+    unread: number of bytes from the client that were not read when the door was closed.
+    """
 
     def __init__(self, session: Session, link: Path | None = None, pause: str = "100 us") -> None:
         self._adapter = I2cDriver(session, session.ticks(pause))
@@ -42,7 +45,7 @@ class I2cDriverDoor:
 
     def turn(self) -> None:
         """Execute received commands, up to a few kilobytes; the rest remains for the next turn."""
-        if self._terminal.clients()[1]:  # answers to the client before are discarded
+        if self._terminal.clients()[1]:  # a new client must not receive the answers for the previous one
             self.back.clear()
             self._terminal.discard_unread()
         if len(self.back) < MOST:

@@ -12,11 +12,11 @@ from typing import Protocol
 from ..session import Session
 from .pacing import Pacer
 
-STEP = "1 ms"  # of simulated time: the maximum delay of a byte
+STEP = "1 ms"  # simulated time of a step, which is the maximum delay of a byte
 
 
 class Door(Protocol):
-    """A connection that transfers bytes. files: those whose input ends a wait; they may change."""
+    """A connection that transfers bytes. files: returns the files whose input ends a wait; they may change."""
 
     def files(self) -> Sequence[int]: ...
 
@@ -25,7 +25,7 @@ class Door(Protocol):
 
 
 class Loop:
-    """step: of simulated time between two turns of the doors."""
+    """Steps a session. step: the simulated time between two turns of the doors."""
 
     def __init__(self, session: Session, pacer: Pacer, doors: Sequence[Door], step: str = STEP) -> None:
         self._session = session

@@ -8,7 +8,7 @@ import struct
 
 OPENED, CLOSED = 0x20, 0x08 | 0x10  # IN_OPEN; IN_CLOSE_WRITE and IN_CLOSE_NOWRITE, in sys/inotify.h
 EVENT = struct.Struct("iIII")  # watch, mask, cookie, length of a name
-AT_ONCE = 4096  # bytes of events
+AT_ONCE = 4096  # maximum number of bytes of events that are read in one call
 
 
 class Openings:
@@ -30,7 +30,7 @@ class Openings:
             self._file = -1
 
     def passed(self) -> tuple[bool, bool]:
-        """Return if, since the last call, the last client left, and if one came while there was none."""
+        """Return, since the last call: True if the last client left, and True if a client came when there was none."""
         left = came = False
         for mask in self._masks():
             before = self._open

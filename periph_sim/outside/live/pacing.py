@@ -16,15 +16,18 @@ from ...core.counted import counted
 from ..errors import OutsideError
 
 WhenLate = Literal["slip", "catch-up", "stop"]
-TOLERATED = 0.050  # seconds: later than that is late
+TOLERATED = 0.050  # lateness, in seconds, above which a step counts as late
 STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100, 1.0)
 
 
 class Pacer:
-    """pace: simulated seconds a second; 0: at full speed. when_late: reaction to more than 50 ms of lateness.
+    """Schedule of the simulation's steps on a clock.
 
-    "slip": simulated time remains behind by that; "catch-up": it runs without waiting until it is on time; "stop":
-    OutsideError. worst: seconds. late: number of times it was more than tolerated.
+    pace: simulated seconds in a second of the clock; 0: full speed.
+    when_late: the reaction to a lateness above TOLERATED. "slip": all later ticks are due later by the lateness;
+        "catch-up": the simulation runs without waiting until it is on time; "stop": OutsideError.
+    worst: the largest lateness, in seconds.
+    late: number of times that the lateness was above TOLERATED.
     """
 
     def __init__(
@@ -39,7 +42,7 @@ class Pacer:
         self.when_late = when_late
         self.late = self.slips = 0
         self.worst = 0.0
-        self.counts = [0] * (len(STEPS) + 1)  # numbers of latenesses up to each step, and beyond the last
+        self.counts = [0] * (len(STEPS) + 1)  # number of steps up to each bound of STEPS, and beyond the last
         self._per_second = float(ticks_per_second * pace)
         self._clock = clock
         self._origin: float | None = None
@@ -69,7 +72,7 @@ class Pacer:
                 self.slips += 1
 
     def percentile(self, share: float) -> float:
-        """Return the histogram's bound that a share of the steps is within, in seconds; `worst` beyond the last."""
+        """Return the first bound of STEPS, in seconds, that a share of the steps does not exceed; else `worst`."""
         wanted, passed = share * sum(self.counts), 0
         for step, count in zip(STEPS, self.counts, strict=False):
             passed += count

@@ -1,4 +1,4 @@
-"""A serial line at a real port of this computer: bytes received there go to an SCI, those it sends go out there.
+"""A serial line at a real port of this computer: an SCI receives the port's bytes, and the port sends the SCI's bytes.
 
     SCI <--bits--> SerialLine <--bytes--> /dev/ttyUSB0 <--> a board, a host
 
@@ -18,13 +18,14 @@ from ..serial_line import SerialLine, parts_of_format
 from .backlog import MOST, Backlog
 from .port_errors import in_our_words
 
-AGAIN = 1.0  # seconds between attempts to open it
+AGAIN = 1.0  # seconds between attempts to open the port
 
 
 class PortDoor:
-    """OutsideError for a port that cannot be opened, or is already open. notify: called if a port vanishes or returns.
+    """Passes bytes between a port and a line. OutsideError if the port cannot be opened, or is already open.
 
-    unread: received bytes that were not read when this was closed.
+    notify: callback that receives a sentence if the port vanishes or returns.
+    unread: number of received bytes that were not read when the door was closed.
     """
 
     def __init__(

@@ -3,8 +3,8 @@
     client's thread --write--> queue --.                        .--> SerialLine --> RX
                     <--read--  queue <-- loop, in its own thread      <--        TX
 
-pace: simulated seconds a second. With 0 there is no such thread: time passes while the client reads or flushes, at full
-speed, and its time-outs are simulated.
+pace: simulated seconds in a second. With 0, the loop has no thread: time passes at full speed while the client reads or
+flushes, and the client's time-outs are in simulated time.
 
 Source: pyserial 3.5, serial.serialutil.SerialBase, and its protocol handlers.
 """
@@ -45,7 +45,7 @@ class _Queue:
     def __init__(self, line: SerialLine) -> None:
         self._line: SerialLine | None = line
         self._to_line = bytearray()
-        self._setting: tuple[int, str] | None = None  # requested, and not applied to the line yet
+        self._setting: tuple[int, str] | None = None  # requested rate and format that the line does not have yet
         self._breaks: list[bool] = []
         self._came = Backlog()
         self.changed = threading.Condition()
@@ -119,12 +119,14 @@ class ClosedError(PortNotOpenError):  # type: ignore[misc]
 
 
 class Serial(SerialBase):  # type: ignore[misc]
-    """As `serial.Serial`; the port is a case. result: set once the port is closed. pacer: has the lateness.
+    """A port like `serial.Serial` whose other side is an SCI of a case.
 
-    A write waits, up to `write_timeout`, while a megabyte waits for the line. Of the bytes that the SCI sends, the last
-    megabyte is kept for reading. lost: number of earlier bytes, which were discarded.
+    result: the result of the run, after the port is closed.
+    pacer: the pacer, which has the lateness.
+    lost: number of discarded bytes. Of the bytes that the SCI sends, the last megabyte is kept for reading.
 
-    `set` in a URL changes a key of the case, and may be repeated.
+    A write waits, up to `write_timeout`, while a megabyte waits for the line. `set` in a URL changes a key of the case,
+    and may be repeated.
     """
 
     is_open: bool

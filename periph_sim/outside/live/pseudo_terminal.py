@@ -17,11 +17,12 @@ from .openings import Openings
 
 
 class PseudoTerminal:
-    """path: the path to open. link: a name for it, made as a symbolic link. OutsideError if that exists.
+    """A new pseudo-terminal. OutsideError if `link` exists and is not left by an earlier session.
 
-    A link left by an earlier session, to a pseudo-terminal that no longer exists, is replaced.
-
-    file: our side, which never blocks. kept: the clients' side, kept open so that the last client's leaving is no end.
+    path: the path that clients open.
+    link: the path of a symbolic link to it, or None.
+    file: the serving side, which never blocks.
+    kept: the clients' side, kept open so that the terminal does not end when the last client leaves.
     """
 
     def __init__(self, link: Path | None) -> None:
@@ -43,7 +44,7 @@ class PseudoTerminal:
                 raise OutsideError(f"{link}: {found}; give the link another name") from None
 
     def _is_left_behind(self, link: Path) -> bool:
-        """Return True for a link to an earlier pseudo-terminal, whose number may be that of the new one."""
+        """Return True if an earlier session left `link`: its target is gone, or has the number of the new terminal."""
         if not link.is_symlink():
             return False
         target = link.readlink()
@@ -57,7 +58,7 @@ class PseudoTerminal:
         os.close(self.kept)
 
     def clients(self) -> tuple[bool, bool]:
-        """Return if, since the last call, the last client left, and if another one came."""
+        """Return, since the last call: True if the last client left, and True if another one came."""
         return self._openings.passed()
 
     def read(self) -> bytes:

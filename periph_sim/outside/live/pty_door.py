@@ -1,4 +1,4 @@
-"""A serial line at a pseudo-terminal: bytes that a client writes go to an SCI; it reads those the SCI sends.
+"""A serial line at a pseudo-terminal: an SCI receives the bytes that a client writes, and the client reads its bytes.
 
     client --/dev/pts/N, or LINK--> terminal --bytes--> SerialLine --bits--> RX
                   rate set by the client -------------> bits' length
@@ -21,11 +21,15 @@ RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0
 
 
 class PtyDoor:
-    """path: the path to open. link: a name for it, made as a symbolic link. OutsideError if that exists.
+    """Passes bytes between a pseudo-terminal and a line. OutsideError if `link` exists already.
 
-    A client that is a megabyte ahead of the line waits, as at a port with flow control. Bytes of a client that left
-    are discarded when the next one comes, and reported. back: bytes that it has not read.
-    unread: its bytes that were not read when this was closed.
+    A client that is a megabyte ahead of the line waits, as at a port with flow control. Unsent bytes of a client that
+    has left are discarded and reported when the next client comes, unless the line needs little time for them.
+
+    path: the path that clients open.
+    link: the path of a symbolic link to it, or None.
+    back: bytes from the SCI that the terminal has not accepted yet.
+    unread: number of bytes from clients that were not read when the door was closed.
     """
 
     def __init__(
@@ -58,7 +62,7 @@ class PtyDoor:
     def turn(self) -> None:
         self._follow_rate()
         left, came = self._terminal.clients()
-        if left and not came:  # all bytes in the system are from that client
+        if left and not came:  # all bytes in the terminal are from the client that has left
             while data := self._terminal.read():
                 self._line.write(data)
         if came and (discarded := self._line.next_client()):

@@ -8,6 +8,6 @@ PACKAGE = "periph_sim.outside.live"
 
 
 def register() -> None:
-    """Make `serial_for_url` accept them."""
+    """Make pyserial's `serial_for_url` accept `f28335://` URLs."""
     if PACKAGE not in serial.protocol_handler_packages:
         serial.protocol_handler_packages.append(PACKAGE)

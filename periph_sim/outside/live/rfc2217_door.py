@@ -3,9 +3,9 @@
     client, rfc2217://127.0.0.1:4000 --TCP--> PortManager --bytes--> SerialLine --bits--> RX
                                               baud, format, break --^
 
-pyserial's PortManager implements Telnet. One client at a time: a second one is rejected with the name of the first. One
-that sends invalid Telnet is disconnected, and its bytes before that are kept. A program without RFC 2217, such as
-netcat, uses the line as it was created.
+pyserial's PortManager implements Telnet. There is one client at a time: a second one is rejected with the name of the
+first. A client that sends invalid Telnet is disconnected, and its bytes before that are kept. A program without RFC
+2217, such as netcat, uses the line with the rate and format of its creation.
 
 Source: RFC 2217; RFC 854; pyserial 3.5, serial.rfc2217.PortManager.
 """
@@ -22,14 +22,16 @@ from ..serial_line import SerialLine, parts_of_format
 from .backlog import AT_ONCE, MOST, Backlog, left_there
 
 LOOPBACK = "127.0.0.1"
-WHILE = 0.05  # seconds in which the system delivers received bytes
-LONGEST_OPTION = 256  # bytes of a subnegotiation; those of RFC 2217 have at most seven
+WHILE = 0.05  # seconds to wait for bytes that the system has not delivered yet
+LONGEST_OPTION = 256  # maximum number of bytes of a subnegotiation; those of RFC 2217 have at most seven
 KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}  # a dead client is disconnected in 25 s
 
 
 class Rfc2217Door:
-    """port: 0 for any free one. notify: receives a sentence when clients come and go. OutsideError for a port in use,
-    and if pyserial is missing.
+    """Server of one line. OutsideError if the port is in use or pyserial is missing.
+
+    port: the TCP port, or 0 for any free one.
+    notify: callback that receives a sentence when a client comes or goes.
     """
 
     def __init__(
@@ -50,7 +52,7 @@ class Rfc2217Door:
         self._port = Port(line, baud, form, self)
         self._notify = notify
         self.back = Backlog()
-        self.unread = 0  # bytes that a client had sent, and that were not read when this was closed
+        self.unread = 0  # number of bytes from a client that were not read when the door was closed
         self._client: Client | None = None
         try:
             self._listener = socket.create_server((address, port))
@@ -100,7 +102,7 @@ class Rfc2217Door:
             return
         name = f"client {address[0]}:{address[1]}"
         connection.setblocking(False)
-        if self._client is not None and self._client.closed():  # its unread bytes hide that it has left
+        if self._client is not None and self._client.closed():  # its unread bytes precede the end of its connection
             self._let_go(self._client, "left")
         if self._client is not None:
             with connection:
@@ -115,7 +117,7 @@ class Rfc2217Door:
 
 
 class ClientDisconnected(Exception):
-    """A client has disconnected, or must be; the text follows its name."""
+    """A client has disconnected, or must be disconnected. The message is a sentence without its subject, the client."""
 
 
 class Client:
@@ -126,8 +128,8 @@ class Client:
         self.file = connection.fileno()
         self._connection = connection
         self._line = line
-        self._out = bytearray()  # Telnet, to be sent
-        self._data = bytearray()  # received, without Telnet
+        self._out = bytearray()  # bytes to be sent, with Telnet commands
+        self._data = bytearray()  # received bytes, without Telnet commands
         port.before = self._put
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -140,13 +142,13 @@ class Client:
         self._connection.close()
 
     def closed(self) -> bool:
-        """Return True if the client has closed its end, or vanished; its last bytes may be unread."""
+        """Return True if the client has closed its end or vanished, even if its last bytes are not read yet."""
         poll = select.poll()
         poll.register(self.file, getattr(select, "POLLRDHUP", 0))
         return bool(poll.poll(0))
 
     def receive_rest(self) -> bytes:
-        """Return bytes that arrive, Telnet included; b"" if none arrives for a while, or at the end."""
+        """Return bytes that arrive, Telnet included; b"" if none arrives for WHILE or the connection is closed."""
         try:
             return self._connection.recv(MOST) if select.select([self.file], [], [], WHILE)[0] else b""
         except (OSError, ValueError):  # ValueError: it is closed
@@ -157,7 +159,10 @@ class Client:
         self._out += data
 
     def receive(self) -> bool:
-        """Process received data and commands. False if nothing arrived. ClientDisconnected at the end."""
+        """Process received data and commands. Return False if nothing has arrived.
+
+        ClientDisconnected if the client has closed the connection, or must be disconnected.
+        """
         try:
             came = self._connection.recv(AT_ONCE)
         except BlockingIOError:

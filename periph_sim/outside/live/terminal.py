@@ -14,7 +14,7 @@ FILTERS = tuple(TRANSFORMATIONS)
 
 
 class Terminal(Miniterm):  # type: ignore[misc]
-    """failed: why the session ended before the user ended it; "" if it did not."""
+    """A miniterm on a session. failed: the reason why the session ended before the user ended it; "" if it did not."""
 
     def __init__(self, port: Serial, echo: bool, eol: str, shown: str, encoding: str) -> None:
         super().__init__(port, echo, eol, (shown,))

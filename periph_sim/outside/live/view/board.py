@@ -29,7 +29,10 @@ class Board:
             self._changed.notify_all()
 
     def after(self, number: int, timeout: float) -> tuple[int, Snapshot | None]:
-        """Return (number, snapshot) of the latest one if newer than `number`; None for a snapshot after the timeout."""
+        """Wait for a snapshot newer than `number`, and return its number and the snapshot.
+
+        Return `number` and None if there is none at the timeout, or if the board is closed.
+        """
         with self._changed:
             self._changed.wait_for(lambda: self._number > number or self._closed, timeout)
             return (self._number, self._latest) if self._number > number else (number, None)

@@ -24,12 +24,12 @@ PAGE = Path(__file__).with_name("page.html")
 LOOPBACK = "127.0.0.1"
 OURS = ("127.0.0.1", "localhost", "[::1]")
 PATIENCE = 1.0  # seconds without news, after which a client's presence is checked
-END_SEEN = 0.05  # seconds in which it notices its end
+END_SEEN = 0.05  # interval, in seconds, at which the server checks if it must stop
 RULES = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; img-src data:"
 
 
 class Browser:
-    """url: of the page. OutsideError for a port in use."""
+    """Server of the page, in a thread of its own. url: the page's address. OutsideError if the port is in use."""
 
     def __init__(self, board: Board, port: int, address: str = LOOPBACK) -> None:
         try:
@@ -53,7 +53,7 @@ class Browser:
 class _Server(ThreadingHTTPServer):
     board: Board
     guarded: bool
-    daemon_threads = False  # all have ended after `server_close`: the board is closed before
+    daemon_threads = False  # `server_close` waits for the threads, which end because the board is closed
 
 
 class _Handler(BaseHTTPRequestHandler):

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from .board import Board
 from .status import Status
 
-EVERY = 0.25  # seconds
+EVERY = 0.25  # seconds between two snapshots
 
 
 class ViewDoor:

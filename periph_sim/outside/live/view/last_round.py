@@ -17,15 +17,15 @@ from ....core.time import Timebase
 from ....devices.sensor_rounds import Round
 from ....scene.scene import Scene
 
-KEPT = 1 << 14  # edges of all wires together; a round of 27 bytes has 800
-MARGIN = 20  # microseconds shown before and after
-SERIAL = 2000  # microseconds of serial lines
+KEPT = 1 << 14  # number of edges that are kept, of all wires together; a round of 27 bytes has 800
+MARGIN = 20  # microseconds that are shown before and after the round
+SERIAL = 2000  # microseconds that are shown of serial lines
 
 Span = tuple[int, int, str]  # begin and end in ticks, and its title
 
 
 class Line(TypedDict):
-    """first: the level at the left. edges: microseconds from there."""
+    """One line of a waveform. first: the level at the begin. edges: times in microseconds from the begin."""
 
     name: str
     first: int
@@ -33,7 +33,7 @@ class Line(TypedDict):
 
 
 class Wave(TypedDict):
-    """title: of the waveform. at_s: its begin. length: in microseconds."""
+    """A waveform. at_s: its begin in seconds of the run. length: its length in microseconds."""
 
     title: str
     at_s: float
@@ -42,12 +42,12 @@ class Wave(TypedDict):
 
 
 class LastRound(Listener):
-    """Edges of the wires shown; call `subscribe` as the scene is built.
+    """The recorded edges of the wires that are shown. Call `subscribe` while the scene is built.
 
-    wires: names, in the order in which they are shown.
+    wires: the names of the wires, in the order in which they are shown.
     """
 
-    _per_us: int  # ticks
+    _per_us: int  # ticks in a microsecond
 
     def __init__(self, wires: Iterable[str]) -> None:
         self._wires = tuple(wires)

@@ -27,7 +27,7 @@ from .last_round import LastRound, Wave
 
 WINDOW = 2.0  # seconds over which rates are averaged
 SELDOM = 10.0  # seconds between computations of a percentile, which needs all values
-SAID = 3  # shown sentences of doors
+SAID = 3  # number of sentences of doors that are shown
 FLAGS = {
     "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),
     "I2C": ("I2CSTR.AL", "I2CSTR.NACK", "I2CSTR.NACKSNT", "I2CSTR.RSFULL", "I2CSTR.SDIR", "I2CSTR.BB"),
@@ -35,7 +35,7 @@ FLAGS = {
 
 
 class Reading(TypedDict):
-    """values: x, y, z in `unit`."""
+    """The last reading of a sensor. values: x, y, z in `unit`."""
 
     chip: str
     values: list[float]
@@ -43,7 +43,7 @@ class Reading(TypedDict):
 
 
 class BudgetSoFar(TypedDict):
-    """state: "pass", "fail", or "" if nothing was measured yet."""
+    """The state of a budget during the run. state: "pass", "fail", or "" if nothing was measured yet."""
 
     name: str
     seen: str
@@ -53,7 +53,12 @@ class BudgetSoFar(TypedDict):
 
 
 class Lateness(TypedDict):
-    """steps: upper ends in seconds; counts has one more, for those beyond. late: number over `tolerated`."""
+    """The lateness of the session's steps, as a histogram.
+
+    steps: the upper bounds of the classes, in seconds.
+    counts: the number of steps in each class; the last is for those beyond all bounds.
+    late: the number of steps later than `tolerated`.
+    """
 
     steps: list[float]
     counts: list[int]
@@ -66,7 +71,11 @@ class Lateness(TypedDict):
 
 
 class Snapshot(TypedDict):
-    """rates: per simulated second; "pace": simulated seconds a second. over: the session has ended."""
+    """The state of a session for display.
+
+    rates: counts per simulated second; "pace" is the number of simulated seconds in a second.
+    over: True if the session has ended.
+    """
 
     case: str
     where: str
@@ -84,7 +93,12 @@ class Snapshot(TypedDict):
 
 
 class Status:
-    """where: the address for clients. line: None for a bus. wave: None if it is not displayed."""
+    """Makes snapshots of a session.
+
+    where: the address for clients.
+    line: the serial line, or None for a bus.
+    wave: the source of the waveform, or None if it is not displayed.
+    """
 
     def __init__(
         self,

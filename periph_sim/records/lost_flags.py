@@ -52,7 +52,7 @@ class ReadModifyWrite:
 
     @property
     def lost(self) -> int:
-        """Flags gone without the firmware having read them."""
+        """Number of times that a flag was cleared before the firmware had read it."""
         return sum(flag.lost_between + flag.unseen for flag in self.flags)
 
 

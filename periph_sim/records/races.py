@@ -23,13 +23,13 @@ from .read_modify_write import read_modify_writes
 from .register_choice import groups_of
 from .run import Group, Rows, Run
 
-DECADES = 6  # below 1 cycle, 1 to 9, 10 to 99, up to 1000, up to 10 000, more
+DECADES = 6  # classes of distances in cycles: 0, 1 to 9, 10 to 99, 100 to 999, 1000 to 9999, and more
 NEVER = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True)
 class NearMiss:
-    """The closest of one side. cycles: between read and change. tick: of the read."""
+    """The closest read on one side of a change. cycles: between read and change. tick: the tick of the read."""
 
     cycles: int
     tick: int
@@ -272,7 +272,10 @@ def _judged(run: Run, group: Group, f: Field | None, place: _Reads) -> PlaceRace
 
 
 def _closest(run: Run, unit: str, side: _Side, way: int) -> NearMiss | None:
-    """Return the closest of the reads to its change. way: 1 if the change follows the read, -1 if it precedes it."""
+    """Return the read that is closest to a change; the earliest of several, None if no read has a change on this side.
+
+    way: 1 if the changes follow the reads, -1 if they precede them.
+    """
     if not len(side.distances) or int(side.distances.min()) == NEVER:
         return None
     distance = int(side.distances.min())

@@ -243,7 +243,7 @@ class Run:
         return self.rows(Kind.ACCESS, unit, f"{way} {module}.{register}")
 
     def looking_at(self, reads: Rows, f: Field) -> Rows:
-        """Return those of these reads that named a field or the whole register."""
+        """Return the reads that read field `f` by name, or the whole register."""
         about = np.array([name in ("", f.name) for name in self.table.names["field"]], bool)
         found: Rows = reads[about[self.table.columns["field"][reads]]]
         return found
@@ -316,13 +316,15 @@ class Run:
         return Fraction(ticks) / self.per_second
 
     def at(self, tick: int) -> str:
-        """Return a time of the run as text, in milliseconds, to the nanosecond."""
+        """Return an instant of the run as text, in milliseconds with six decimals."""
         return f"{float(self.seconds(tick) * 1000):.6f} ms"
 
     def length(self, ticks: int, begin: int | None = None, unit: str = "") -> str:
-        """Return a duration as text in a suitable unit, and in cycles. begin: its first tick, as the clock may change.
+        """Return a duration as text: its time, and the number of SYSCLKOUT cycles in it.
 
-        unit: whose cycles are counted. Without one, as for a wire, they are left out if units have different clocks.
+        begin: the first tick of the duration, since the clock may change during the run; None: the clock at the end.
+        unit: the unit, such as "dsp", whose cycles are counted. If it is "", as for a wire, cycles are given only if
+        all units have the same clock.
         """
         ns = self.seconds(ticks) * 10**9
         suits, size = next(((u, size) for u, size in UNITS if abs(ns) < 1000 * size), ("s", 10**9))

@@ -37,7 +37,7 @@ class RecordedSignal:
 
 
 def asked(run: Run, question: str) -> tuple[RecordedSignal, int]:
-    """Return the subject and the tick of a question. Raise NotInRun if it cannot be answered."""
+    """Return the signal and the tick that a question names. Raise NotInRun if the run does not have them."""
     name, at, time = question.rpartition("@")
     if not at or not name.strip():
         raise NotInRun(f"{question!r}: expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us")

@@ -1,11 +1,11 @@
-"""Makes the records that budgets name and that follow from other things, by what is in `timing/derived`.
+"""Derives records that budgets need from transfers, frames and wires, with the modules in `timing/derived`.
 
     transfers, rounds --.
     host frames ---------+--> timing/derived --> TRANSFER, ROUND, DATA records
     SCIs, RX ------------'--> SciMonitor, characters --> RECEIVER records
     SCL, SDA -------------> StuckWatch, where no controller watches them --> BUS records
 
-What no subscriber names is not built.
+Only the records that a subscriber needs are derived.
 """
 
 from __future__ import annotations

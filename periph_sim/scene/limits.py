@@ -35,7 +35,7 @@ class _Planned(Struct, frozen=True):
         )
 
 
-_planned: list[_Planned] = []  # the latest first; plans hold nothing that a run changes
+_planned: list[_Planned] = []  # cached plans, the latest first; they can be reused since no run changes them
 
 
 def limits_of(case: Case, scope: Scope, timebase: Timebase, start: int) -> list[BudgetJudge]:

@@ -52,5 +52,5 @@ def origins_of(scene: Parts) -> Origins:
 
 
 def _mistake(case: Case, what: str) -> BadCase:
-    """Return an error about the key that asks for origins: `check` of the table that says the rounds."""
+    """Return an error about the key `check` of [rounds] or [controller], the table that defines the rounds."""
     return case.mistake(what, "rounds" if case.line("rounds") else "controller", "check")

@@ -113,7 +113,7 @@ class Scene:
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # by which firmware computes the data of chips
         self.frames: FrameSource | None = None  # what the host sends, where it is no ramp
-        self._counter: I2cByteCounter | None = None  # where there is none
+        self._counter: I2cByteCounter | None = None  # counts the bytes on the wires, if needed
         self.bus = BusSide(case, self.wires, self._ticks(SPIKE))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # in a sentence, where [outside] has a log of an unfinished session
@@ -228,7 +228,7 @@ class Scene:
             self.stalled = str(stalled)
 
     def note_logs(self) -> dict[str, NoteLog]:
-        """Return the notes of each chip and device."""
+        """Return the log of notes of each chip and device, by its name."""
         chips = {name: chip.log for name, chip in self.chips.items()}
         return chips | {name: device.log for name, device in self.devices.items()}
 
@@ -282,7 +282,11 @@ class Scene:
         return self._uart.notes()
 
     def bytes_on_bus(self) -> int:
-        """Return the whole bytes on the I2C bus, addresses included: of the controller agent, else of the wires."""
+        """Return the number of complete bytes on the I2C bus, including addresses.
+
+        They are counted on the wires if there is no controller agent or if the outside drives the bus, too; else they
+        are taken from the transfers of the agent.
+        """
         if self._counter is not None:
             return self._counter.bytes
         return self.bus.wire_bytes + (0 if self.head is None else self.head.controller.bytes_under_way())

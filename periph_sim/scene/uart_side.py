@@ -75,7 +75,7 @@ class UartSide:
         return counted + sum(self._sent.values()) + (0 if self._serial is None else self._serial.characters)
 
     def count(self, wires: Collection[str]) -> None:
-        """Count the characters on those of these wires that lead to an SCI; the outside drives them."""
+        """Count the characters on each of these wires that leads to an SCI. The outside drives these wires."""
         if self._lines is not None:
             self._lines.on_character_from(wires, self._came)
 

@@ -26,7 +26,11 @@ _FOUR = (np.arange(10_000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")).astyp
 
 
 class Column(Protocol):
-    """width: characters of each line. fill: write them for some lines into an array of (lines, width)."""
+    """A column of the output, of the same width in every line.
+
+    width: number of characters in each line.
+    fill: writes the characters of some lines into an array with the shape (number of lines, width).
+    """
 
     width: int
 
@@ -34,7 +38,7 @@ class Column(Protocol):
 
 
 class Literal:
-    """The same text in every line."""
+    """A column with the same text in every line."""
 
     def __init__(self, text: str) -> None:
         self._text = np.frombuffer(text.encode(), np.uint8)
@@ -45,7 +49,7 @@ class Literal:
 
 
 class Digits:
-    """Numbers from 0 on, right-aligned; the last `decimals` digits follow a decimal point."""
+    """A column of non-negative integers, right-aligned; the last `decimals` digits follow a decimal point."""
 
     def __init__(self, values: Numbers, decimals: int = 0, pad: bytes = BLANK, width: int = 0) -> None:
         largest = int(values.max()) if len(values) else 0

@@ -98,7 +98,7 @@ def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> in
 
 
 def _reads(run: Run, subject: RecordedSignal, after: int, until: int | None) -> Rows:
-    """Return the recorded reads of the field between two of its changes."""
+    """Return the recorded reads of the subject's field after row `after` and before row `until`, if that is given."""
     if subject.register is None or subject.field is None:
         return np.empty(0, np.int64)
     rows = run.accesses_of(subject.unit, "R", subject.module, subject.register.name)

@@ -76,7 +76,7 @@ def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) ->
 
 
 def _watches(common: Schema, kinds: Mapping[str, object], schemas: Schema) -> Iterator[Schema]:
-    """Yield the schema of a watcher's table for each kind."""
+    """Yield the schema of the table of each kind of watcher."""
     for name in kinds:
         own = schemas[name]
         properties = {**common["properties"], **own["properties"], "kind": {"enum": [name.partition(" ")[2]]}}

@@ -152,7 +152,7 @@ def tree_of(path: Path, text: str) -> dict[str, Any]:
 
 
 def refuse_unusable(source: Source, tree: object, place: Place = ()) -> None:
-    """Raise BadCase, with file, line and key, for an integer beyond 64 bits or a name that is no printable line."""
+    """Raise BadCase, with file, line and key, for an integer beyond 64 bits or a name with unprintable characters."""
     if isinstance(tree, dict):
         for key, value in tree.items():
             _check_name(source, key, (*place, key))

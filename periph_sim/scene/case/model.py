@@ -75,7 +75,7 @@ class Controller(Table, frozen=True, kw_only=True):
 
     rate: BusRate = Fraction(100_000)
     ppm: Ppm = Fraction(0)
-    low: Length | None = None  # else half a period
+    low: Length | None = None  # None: half a period of SCL
     high: Length | None = None
     hold: Duration = Fraction(300, 10**9)
     filter: Duration = Fraction(0)

@@ -96,7 +96,7 @@ def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = Fals
 
 
 def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> Chains:
-    """Run a case again, as far as needed, and return the chains of these budgets."""
+    """Run a case again until the last wanted occurrence, and return the chains of these budgets."""
     try:
         return Chains(path, chains(load(path, list(changes)), wanted))
     except REFUSED as error:  # it ran before: the file or its firmware was changed meanwhile
@@ -106,7 +106,7 @@ def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) 
 def run_explained(
     path: Path, changes: tuple[str, ...], verdicts: list[Verdict], typical: list[Verdict]
 ) -> dict[str, Chain]:
-    """Run a case again, as far as needed, and explain these worst occurrences; by budget."""
+    """Run a case again and return the chains that explain the worst occurrences in `verdicts`, by budget name."""
     try:
         return {name: one.chain for name, one in explain(load(path, list(changes)), verdicts, typical).items()}
     except REFUSED as error:

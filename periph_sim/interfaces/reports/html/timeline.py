@@ -28,7 +28,12 @@ class SpanLabel:
 
 @dataclass
 class Wave:
-    """A binary signal. initial: level before the first edge; at: ticks of its edges; says: text of each edge."""
+    """A binary signal.
+
+    initial: the level before the first edge.
+    at: the ticks of the edges.
+    says: for each edge, the index of its text.
+    """
 
     name: str
     unit: str

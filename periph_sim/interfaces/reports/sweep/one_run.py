@@ -40,7 +40,7 @@ class Job:
 
 @dataclass
 class Row:
-    """The figures of a run, named as in a `Result`. verdict: "error" if `error` says why the run failed."""
+    """The figures of a run, named as in a `Result`. verdict: "error" if the run failed; `error` then says why."""
 
     verdict: str
     error: str = ""

@@ -87,7 +87,10 @@ class Errors:
 
 @contextmanager
 def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterator[Scene]:
-    """Build a scene and finish its recording after its run. record: the suffix of a temporary file, "" for none."""
+    """Yield a new scene of the case; when the context ends, finish its recording and delete the file.
+
+    record: suffix of the temporary file that is recorded to, or "" for no recording.
+    """
     with TemporaryDirectory() as folder:
         path = Path(folder, f"run{record}") if record else None
         with if_recorded(path, case.recorded_modules) as (subscribe, ended_at):

@@ -96,8 +96,9 @@ def races(run: Run, register: str | None = None) -> Races:
 def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
     """Return (cycles, ticks, unplaced). NotInRun as for `races`.
 
-    cycles: from each read or reconstructed poll to its nearest change, if there is a change. ticks: of these reads and
-    polls, in order. unplaced: number of skipped waits with a change whose polls could not be reconstructed.
+    cycles: from each read or reconstructed poll to its nearest change, if there is a change.
+    ticks: the ticks of these reads and polls, in order.
+    unplaced: number of skipped waits with a change whose polls could not be reconstructed.
     """
     unplaced = 0
     cycles, ticks = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]

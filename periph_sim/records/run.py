@@ -134,7 +134,7 @@ class Run:
         return row if number and row < len(self.table) and int(self.table.number[row]) == number else None
 
     def made_by(self, rows: Rows) -> Rows:
-        """Return for each row that of its cause, if both happened at one tick; else -1."""
+        """Return, for each row, the row of its cause if both happened at the same tick, else -1."""
         table = self.table
         causes = np.minimum(np.searchsorted(table.number, table.cause[rows]), max(len(table) - 1, 0))
         at_once = (table.number[causes] == table.cause[rows]) & (table.tick[causes] == table.tick[rows])
@@ -156,7 +156,7 @@ class Run:
 
     @cached_property
     def units(self) -> dict[str, tuple[str, ...]]:
-        """Each unit with its modules, those that every unit has among them."""
+        """The modules of each unit by its name, including those that every unit has."""
         return {
             unit: (*(module for module in modules if not module.startswith("pin:")), *PART.in_every_unit)
             for unit, modules in self.table.modules.items()
@@ -274,7 +274,7 @@ class Run:
 
     @cached_property
     def cycles(self) -> Cycles:
-        """The cycle of SYSCLKOUT: as given, as recorded at the end, as the accesses show it, or of 150 MHz."""
+        """The cycle of SYSCLKOUT: as given, else as recorded last, else as the accesses show it, else of 150 MHz."""
         if self._sysclk is not None:
             return Cycles(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")
         if self._clocks:
@@ -301,7 +301,7 @@ class Run:
 
     @cached_property
     def _clocks(self) -> dict[str, ClockHistory]:
-        """Return each unit's clock history; none if the recording neither holds it nor shows how its unit set it."""
+        """Return the clock history of each unit for which the recording contains or shows it, by unit."""
         if self.table.clocks:
             return {unit: ClockHistory.told(self.per_second, clock) for unit, clock in self.table.clocks.items()}
         if len(self.table.modules) != 1:

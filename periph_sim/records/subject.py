@@ -19,7 +19,7 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import registers_of
 from .run import NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # seconds: no instant is shown to fewer digits; what is typed so means no one change
+COARSEST = Fraction(1, 10**6)  # seconds: coarsest resolution of a shown instant; a coarser time selects no change
 
 
 @dataclass(frozen=True)

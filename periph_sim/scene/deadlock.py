@@ -168,7 +168,7 @@ def has_clock(dsp: Dsp, module: str) -> bool:
 
 
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:
-    """Wires that a module may see: those of its usual pins, and all whose pins are of no module in particular."""
+    """Wires that a module can read: those of its usual pins, and all whose pins belong to no particular module."""
     wires, part = dsp.plan.wires, dsp.plan.part
     inputs = part.by_name[module].inputs
     if inputs is None:

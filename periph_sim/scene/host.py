@@ -96,7 +96,7 @@ class HostAgent:
         return self._line
 
     def truth_at(self, tick: int) -> Mapping[str, Axes]:
-        """By chip, its true values x, y, z in LSB."""
+        """Return the true values x, y, z of each chip in LSB, by chip."""
         assert self.truth is not None
         return self.truth.at(self.host.frame_at(tick) * self._period)
 

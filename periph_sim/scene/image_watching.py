@@ -25,7 +25,7 @@ from .case.unit_table import Unit
 
 
 def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgram, recorder: Recorder) -> None:
-    """Look at a program before its first instruction. BadCase for what its image does not have."""
+    """Add the observers to a program before its first instruction. Raise BadCase for a name that its image lacks."""
     if recorder.wants(Kind.SPAN):
         program.add_call_listener(FunctionSpans(recorder, name, program.place_of))
     if recorder.wants(Kind.WAIT):

@@ -50,7 +50,10 @@ def limits_of(case: Case, scope: Scope, timebase: Timebase, start: int) -> list[
 
 
 def _plans(case: Case, scope: Scope, timebase: Timebase, start: int) -> tuple[BudgetPlan, ...]:
-    """Made for the first scene of a case. Not kept where an image says which variables there are: its file changes."""
+    """Return the plans of budgets, from the cache if they are in it.
+
+    They are not cached if they refer to variables of an image, since its file may change.
+    """
     if scope.images:
         return _made(case, scope, timebase, start)
     for known in tuple(_planned):

@@ -71,7 +71,7 @@ class MeasuredParts:
         value = socket.peek(cycle, register.offset)
         if register.width == 32:
             value |= socket.peek(cycle, register.offset + 1) << 16
-        chip.touched.intersection_update(touched)  # looking is not depending on them
+        chip.touched.intersection_update(touched)  # this look does not make the run depend on further options
         return register[field_name].extract(value)
 
     def ticks_per_second(self) -> int:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ..devices.chips.register_chip import RegisterChip
 
 T = TypeVar("T")
-GROUP = "periph_sim"  # of entry points
+GROUP = "periph_sim"  # the group of entry points
 STALL_LIMIT = 10.0  # seconds for the import of a plugin
 
 

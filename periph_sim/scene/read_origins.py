@@ -19,7 +19,7 @@ MODEL_PIN = "MODEL"  # what a case calls the pin that firmware raises while its 
 
 
 class Parts(Protocol):
-    """model: by which firmware computes the data of chips; None if it has none."""
+    """The parts of a scene that the origins need. model: the model with which firmware computes the data of chips."""
 
     @property
     def case(self) -> Case: ...

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class UartSide:
-    """host: the sender on RX, if there is one. serial: other parties, which are not on the wires yet."""
+    """The serial lines of a scene. host: the sender on RX, or None. serial: other parties, not yet on the wires."""
 
     def __init__(
         self,
@@ -91,7 +91,7 @@ class UartSide:
         return sum(cast("Sci", self._units[sci.unit].socket(sci.module).chip).frames_sent for sci in self._scis)
 
     def notes(self) -> list[str]:
-        """Return what went wrong on pairs, and what was to be sent but never was."""
+        """Return notes on errors on RS-485 pairs, and on sends that never began."""
         told = [] if self._pairs is None else self._pairs.notes()
         return told + ([] if self._serial is None else self._serial.notes())
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 Characters = NDArray[np.uint8]
 Numbers = NDArray[np.int64]
 
-AT_ONCE = 1 << 15  # lines: their characters stay in the processor's cache
+AT_ONCE = 1 << 15  # number of lines formatted at a time, so that their characters stay in the processor's cache
 BLANK, NONE = b" ", b"\0"
 MAX_TABLE = 1 << 24  # codes up to this are numbered by a table, larger ones by sorting
 
@@ -82,7 +82,7 @@ class Digits:
 
 
 class Words:
-    """One of few texts in each line: `text_of(code)`, called once for each code. Codes are small, from 0 on."""
+    """A column with one of a few texts in each line. Each text is `text_of(code)`; codes are small integers from 0."""
 
     def __init__(self, codes: Numbers, text_of: Callable[[int], str], pad: bytes = NONE, width: int = 0) -> None:
         used, self._place = numbered(codes)
@@ -96,7 +96,7 @@ class Words:
 
 
 class Sparse:
-    """Columns of only some lines: line n of the columns is line where[n] of the page."""
+    """Columns that are empty in most lines. Their n-th value is written to line where[n] of the page."""
 
     def __init__(self, columns: Sequence[Column], where: Numbers) -> None:
         self._columns = columns

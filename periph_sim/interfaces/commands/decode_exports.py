@@ -30,8 +30,8 @@ from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
 from .decoded_text import Clock, events_column, in_transfer
 
 AGAIN, DATA = (EVENTS.index(name) for name in ("repeated start", "data"))
-DECIMALS = 9  # of a second: Wireshark shows no more
-PER_LINE = 16  # bytes of a dump
+DECIMALS = 9  # decimals of a second; Wireshark shows no more
+PER_LINE = 16  # number of bytes in a line of a dump
 
 SIGROK = {
     "start": "Start",

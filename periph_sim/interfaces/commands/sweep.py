@@ -220,5 +220,5 @@ def _table(came: Sweep) -> tuple[PlainTable, list[int]]:
 
 
 def _of_unit(value: Any, unit: str) -> float | int:
-    """Convert a value; counts become whole numbers."""
+    """Return a figure in us, % or LSB as a float, and any other as a whole number."""
     return float(value) if unit in ("us", "%", "LSB") else int(value)

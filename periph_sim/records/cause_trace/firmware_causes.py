@@ -24,7 +24,7 @@ from ..register_maps import register_of
 from ..run import Rows, Run
 
 RECORDED, INFERRED = "recorded", "inferred"
-MOST_LOOKS = 8  # at different places or fields
+MOST_LOOKS = 8  # maximum number of looks at different places or fields that are searched before a write
 MOST_ACCESSES = 10_000  # searched for looks before a write, within its routine
 MOST_ROUTINES = 3  # number of shown routines that delayed the firmware: the longest ones
 SEEN = "the last change of what it looked at"
@@ -96,7 +96,7 @@ def accesses_before(run: Run, row: int, record: Record) -> Rows:
 
 
 def _beside(run: Run, look: int) -> list[Link]:
-    """Return links of a later look than the one that the walk continues with: what it saw and what delayed it."""
+    """Return links that are only shown: a look after the one that the search follows, its change and its delays."""
     record = run.record(look)
     changed = change_seen(run, look, record)
     links = [Link(look, INFERRED, "looked at as well", aside=True)]
@@ -148,7 +148,8 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
 def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
     """Return links to the read of a write's read-modify-write, and to the change whose value the write only wrote back.
 
-    The list is empty if the write does not belong to a read-modify-write. flag: the change whose causes led to this write, or None.
+    The list is empty if the write does not belong to a read-modify-write.
+    flag: the change whose causes led to this write, or None.
     """
     read = read_modify_writes(run, record.where).read_of(row)
     if read is None:

@@ -93,7 +93,7 @@ def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> in
     if subject.kind is Kind.EDGE:
         return 1 - int(run.table.value[rows[0]] != 0) if len(rows) else None
     if subject.kind is Kind.FLAG:
-        return None  # of a variable
+        return None  # the first value of a variable is not known
     return 0
 
 

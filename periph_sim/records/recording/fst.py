@@ -54,7 +54,7 @@ class FstFile:
 
 def open_writer(file: IO[bytes], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> FstFile:
     try:
-        library()  # before the run, which would be for nothing
+        library()  # raise an error for a missing library before the run, not after it
     except NoFstLibrary as error:
         raise BadRecording(str(error)) from None
     return FstFile(file, timebase, modules)

@@ -7,7 +7,7 @@ from ...core.suggest import did_you_mean
 from .model import BadCase
 from .origin import Source, key_of
 
-SHOWN = 60  # characters of a wrong value that a message repeats
+SHOWN = 60  # maximum number of characters of a wrong value in a message
 
 
 def explain(source: Source, error: BadTable, tree: object = None) -> str:

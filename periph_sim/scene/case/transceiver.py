@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class TransceiverTable(Table, frozen=True, kw_only=True):
     """An RS-485 transceiver between an SCI and a pair of wires. de: the pin that switches its driver on.
 
-    pull: of the resistor at DE, as long as the unit does not drive it.
+    pull: the direction in which a resistor pulls DE while the unit does not drive it.
     """
 
     on: str
@@ -84,5 +84,5 @@ def de_pin(case: Case, entry: int) -> Pin:
 
 
 def pulled_down(case: Case, unit: str) -> frozenset[int]:
-    """Return the GPIO numbers of a unit that a resistor holds low while they are not driven."""
+    """Return the GPIO numbers of a unit that a resistor pulls low while they are not driven."""
     return frozenset(one.de for one in on_pairs(case) if one.sci.unit == unit and one.table.pull == "down")

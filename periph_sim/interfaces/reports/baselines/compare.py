@@ -19,7 +19,7 @@ NOTES = ("events", "polls_skipped")
 CHAIN = "chain"
 BUS_BYTES = "bus bytes"
 MOST_MOVED = 3  # moved accesses shown per case
-SAME = Fraction(1, 1000)  # seconds by which an occurrence may move and still be the same
+SAME = Fraction(1, 1000)  # seconds: an occurrence that moved by less is still the same one
 VALUES = ("worst", "least")
 INSTANTS = ("worst_at", "least_at")
 

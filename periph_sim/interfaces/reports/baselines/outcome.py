@@ -69,7 +69,7 @@ class Outcome:
 
 @dataclass
 class RejectedCase:
-    """A case that cannot be run. why: one sentence for the user. outside: it needs an outside party; not an error."""
+    """A case that cannot be run. why: one sentence. outside: True if it needs an outside party, which is no error."""
 
     path: Path
     why: str
@@ -99,7 +99,7 @@ def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) 
     """Run a case again until the last wanted occurrence, and return the chains of these budgets."""
     try:
         return Chains(path, chains(load(path, list(changes)), wanted))
-    except REFUSED as error:  # it ran before: the file or its firmware was changed meanwhile
+    except REFUSED as error:  # the case ran before, so its file or firmware has been changed meanwhile
         raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
 
 

@@ -13,7 +13,7 @@ from ....timing.measures.measure import MILLIONTHS
 from ....timing.values import Values
 from ....traces.drawing.svg_diagram import nice_step
 
-MOST = 60  # bins
+MOST = 60  # maximum number of bins
 SHOWN = (("median", 500), ("p95", 950), ("p99", 990))
 UNITS = (("ns", 1), ("us", 10**3), ("ms", 10**6), ("s", 10**9))
 

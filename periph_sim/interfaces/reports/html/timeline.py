@@ -116,7 +116,7 @@ class Timeline:
 
     def json(self) -> dict[str, Any]:
         return {
-            "origin": str(self.origin),  # may exceed a double's integer range
+            "origin": str(self.origin),  # as text, since it may exceed the integers that a double represents
             "begin": self.begin,
             "end": self.end,
             "perSecond": self.per_second,
@@ -154,7 +154,7 @@ def _head(lane: Lane) -> dict[str, Any]:
 
 
 def _steps(at: Iterable[int]) -> list[int]:
-    """Return each as the distance from the one before; the first from 0."""
+    """Return each tick as its distance from the previous one, and the first as its distance from 0."""
     before = 0
     steps = []
     for tick in at:

@@ -14,7 +14,7 @@ from time import process_time
 from ....scene.case.model import Case
 from .observe import built
 
-FEWEST, MOST = 5, 15  # runs of each row
+FEWEST, MOST = 5, 15  # minimum and maximum number of runs of each row
 PATIENCE = 20.0  # seconds of CPU time after which repeating stops
 
 

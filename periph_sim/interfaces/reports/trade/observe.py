@@ -25,7 +25,7 @@ from ....timing.verdict import NOT_JUDGED
 
 SAMPLE = 6  # bytes of a read that carries a whole sample
 UNITS = ("s", 1), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)
-DIGITS = 13  # of seconds; further digits are rounding of ticks
+DIGITS = 13  # digits of a time in seconds; further digits come from the rounding to ticks
 
 
 @dataclass(frozen=True, eq=False)

@@ -114,7 +114,7 @@ class ExpectTable(Table, frozen=True, kw_only=True):
 class SerialTable(Table, frozen=True, kw_only=True):
     """The parties that talk to SCIs from outside. ppm: error of the clock of all its times and rates.
 
-    turnaround: how long a party drives an RS-485 pair after its last stop bit.
+    turnaround: how long it keeps an RS-485 pair driven behind its last stop bit.
     """
 
     baud: Baud = 115_200

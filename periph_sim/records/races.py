@@ -184,8 +184,12 @@ def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
 
 
 class _Side(NamedTuple):
-    """Reads, and reconstructed polls, with the change on one side of each. ticks: of the reads. distances: ticks, NEVER
-    where there is no change. changes: rows."""
+    """Reads and reconstructed polls, each with the nearest change on one side of it.
+
+    ticks: the ticks of the reads.
+    distances: ticks between read and change; NEVER if there is no change.
+    changes: the rows of the changes.
+    """
 
     ticks: Rows
     distances: Rows
@@ -196,8 +200,12 @@ NONE = _Side(*(np.zeros(0, np.int64) for _ in range(3)))
 
 
 class _Beside(NamedTuple):
-    """The reads of a place beside the changes of what they looked at. before: reads that a change follows; after:
-    reads that follow one. ticks, nearest: of all of them. reads: how many of these were recorded."""
+    """The reads of a place, with the changes of the fields that they read.
+
+    before: reads with the next change after them. after: reads with the last change before them.
+    ticks: the tick of each read or reconstructed poll. nearest: its distance to the nearest change.
+    reads: number of recorded reads. polls: number of reconstructed polls.
+    """
 
     before: _Side
     after: _Side

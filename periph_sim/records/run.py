@@ -58,7 +58,7 @@ class Group(NamedTuple):
 
 @dataclass(frozen=True)
 class Cycles:
-    """Length of a SYSCLKOUT cycle. ticks: of one cycle. how: the source of this figure."""
+    """The length of a SYSCLKOUT cycle. ticks: number of ticks in a cycle. how: the source of this figure."""
 
     ticks: Fraction
     how: str

@@ -39,9 +39,9 @@ _planned: list[_Planned] = []  # cached plans, the latest first; they can be reu
 
 
 def limits_of(case: Case, scope: Scope, timebase: Timebase, start: int) -> list[BudgetJudge]:
-    """Return a judge for each budget, in their order. scope: of the case. start: the tick at which the run begins.
+    """Return a judge for each budget, in the order of the case. start: the tick at which the run begins.
 
-    BadCase, with its line, for a budget that is none, or has the name of another.
+    Raise BadCase, with its line, for an invalid budget, or if two budgets have the same name.
     """
     judges: list[BudgetJudge] = []
     for budget, plan in zip(case.budget, _plans(case, scope, timebase, start), strict=True):

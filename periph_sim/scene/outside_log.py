@@ -31,7 +31,7 @@ class BadLog(ValueError):
 
 @dataclass(frozen=True)
 class Head:
-    """The first line of a log. file: path of the case from the log's folder, or "". changes: of that case."""
+    """The first line of a log. file: path of the case from the log's folder, or "". changes: the case's changes."""
 
     case: str
     ticks_per_second: int

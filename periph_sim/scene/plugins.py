@@ -41,7 +41,7 @@ class Kind(Struct, frozen=True):
 
 
 class Plugin(Struct, frozen=True):
-    """A module of a user. name: of its file, or of its entry point."""
+    """A module of a user. name: the name of its file or of its entry point."""
 
     name: str
     module: ModuleType

@@ -59,7 +59,7 @@ class Packet(NamedTuple):
 def in_pcapng(
     rows: Rows, first: Numbers, buses: Sequence[str], protocols: Sequence[str], clock: Clock
 ) -> Iterator[bytes]:
-    """Export to pcapng. protocols: of each bus; serial lines and SPI have no link type of their own."""
+    """Export to pcapng. protocols: the protocol of each bus; serial lines and SPI have no link type of their own."""
     yield pcapng.section()
     for name, protocol in zip(buses, protocols, strict=True):
         yield pcapng.interface(pcapng.I2C_LINUX if protocol == "i2c" else pcapng.USER0, name, DECIMALS)

@@ -49,7 +49,7 @@ def show(console: Screen, result: Result, case: Case, verbose: bool = False) -> 
 
 
 def _sci_bytes(result: Result) -> str:
-    """ "3 SCI bytes", or "3 SCI bytes to units and 100 from units" if units have sent any."""
+    """Return "3 SCI bytes", or "3 SCI bytes to units and 100 from units" if units have sent any."""
     to_units = counted(result.sci_bytes, "SCI byte")
     return f"{to_units} to units and {result.sci_bytes_sent} from units" if result.sci_bytes_sent else to_units
 

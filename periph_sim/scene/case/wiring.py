@@ -49,7 +49,7 @@ class Cable(Table, frozen=True, kw_only=True):
 
 
 class Wiring(Struct, frozen=True):
-    """pins: by unit, the wire of each GPIO number that has one."""
+    """The wiring of a case. pins: by unit, the wire of each GPIO number that has a wire."""
 
     pins: Mapping[str, Mapping[int, str]]
 

@@ -34,11 +34,13 @@ REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
 
 @dataclass
 class Outcome:
-    """The result of running a case file. lines: of budgets and their joined conditions in the file; 0 if
-    unknown.
+    """The result of running a case file.
 
-    changes: the "key=value" texts applied to the case. typical: the least critical values of its budgets.
-    trouble: sentences about firmware that waits forever. values: of each budget, if kept.
+    lines: the line of each budget and of its joined conditions in the file; 0 if unknown.
+    changes: the "key=value" texts applied to the case.
+    typical: the least critical values of its budgets.
+    trouble: sentences about firmware that waits forever.
+    values: the values of each budget, if they are kept.
     """
 
     path: Path

@@ -36,7 +36,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Rule:
-    """A vertical line with its text. anchor: the text's alignment at the line. row: of the text, from below."""
+    """A vertical line with its text. anchor: alignment of the text at the line. row: row of the text, from below."""
 
     x: float
     text: str

@@ -95,12 +95,17 @@ Lane = Wave | Boxes | Marks
 
 @dataclass(frozen=True)
 class Timeline:
-    """Around one worst occurrence.
+    """The timeline around one worst occurrence.
 
-    origin: tick of time 0, from the run's begin; begin, end: of the occurrence; other ticks are relative to `origin`.
-    per_second: ticks. cycles: ticks per SYSCLKOUT cycle by unit; the first unit's for lanes without a unit.
-    shown: the initial range; kept: the available ranges, one or two. groups: a name and its lanes.
-    rows: of the protocol table, in time order.
+    origin: the tick of time 0, counted from the start of the run. All other ticks are relative to it.
+    begin, end: the begin and the end of the occurrence.
+    per_second: ticks per second.
+    cycles: ticks per SYSCLKOUT cycle, by unit. Lanes without a unit use those of the first unit.
+    shown: the range that is visible at first.
+    kept: the available ranges, one or two.
+    groups: name and lanes of each group.
+    says: the texts that lanes refer to by index.
+    rows: the rows of the protocol table, in time order.
     """
 
     origin: int

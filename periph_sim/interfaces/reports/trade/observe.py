@@ -30,9 +30,12 @@ DIGITS = 13  # digits of a time in seconds; further digits come from the roundin
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """verdicts: of the budgets that this run can measure, by name. times: occurrences of time budgets, in seconds.
+    """The results of one run that are compared with another run.
 
-    samples: codes of each chip in the controller's order, int64[n, 3]. others: bytes of other reads, by address.
+    verdicts: the verdict of each budget that this run can measure, by name.
+    times: the occurrences of each time budget, in seconds.
+    samples: the codes read from each chip in the controller's order, int64[n, 3].
+    others: the bytes of other reads, by address.
     """
 
     verdicts: dict[str, str]

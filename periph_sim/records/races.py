@@ -121,8 +121,11 @@ def _places(run: Run, group: Group, f: Field | None) -> list[PlaceRaces]:
 
 
 class _Reads(NamedTuple):
-    """All reads of one register at a place. looked_at: codes of the fields, that of "" for all of the register.
-    waits: whether the routine's next access is the next one of them."""
+    """All reads of one register at a place.
+
+    looked_at: for each read the code of the field that it read; the code of "" means the whole register.
+    waits: for each read, True if the next access of its routine is the next of these reads.
+    """
 
     place: str
     rows: Rows

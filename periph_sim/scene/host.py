@@ -93,7 +93,7 @@ class HostAgent:
         return None if self.frames is None else model.truth(self.frames.motion, table.first)
 
     def line(self) -> tuple[Fraction, UartFormat]:
-        """Ticks of a bit on its line, and how its characters are made."""
+        """The bit time of the host's line in ticks, and the format of its characters."""
         return self._line
 
     def truth_at(self, tick: int) -> Mapping[str, Axes]:

@@ -55,7 +55,7 @@ def variable_value(dsp: Dsp, name: str) -> int:
 
 
 def _preset(case: Case, name: str, unit: Unit, program: ImageProgram) -> None:
-    """Put the case's values into memory."""
+    """Write the case's values into memory."""
     variables = Variables(program.image)
     presets = []
     for symbol, value in unit.memory.items():

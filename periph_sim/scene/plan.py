@@ -34,7 +34,7 @@ OF_FILE = ("file", "folder")  # the same in all changed cases of a file
 
 
 class _Part(Struct, frozen=True):
-    """A part of a plan. tables: the fields of the case that it was made of."""
+    """A part of a plan. tables: the fields of the case from which it was made."""
 
     value: Any
     tables: frozenset[str]

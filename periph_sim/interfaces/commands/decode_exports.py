@@ -45,9 +45,13 @@ SIGROK = {
 
 
 class Packet(NamedTuple):
-    """time: units of 10**-DECIMALS s. wire: address byte and data of a message, bytes of a burst, or SPI words, each in
-    whole bytes with the most significant one first. said: in the notation of the I2C-bus specification, with ACKs and
-    the final condition."""
+    """One packet of an export.
+
+    time: in units of 10**-DECIMALS s.
+    wire: the address byte and the data of a message, the bytes of a burst, or SPI words. Each word takes whole bytes,
+    the most significant one first.
+    said: the packet in the notation of the I2C-bus specification, with ACKs and the final condition.
+    """
 
     bus: int
     time: int

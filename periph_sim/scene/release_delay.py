@@ -51,7 +51,7 @@ class ReleaseDelay:
             self._touched = frozenset(touched)
         prescaler, emdr = chip.peek(now, I2CPSC), chip.peek(now, I2CEMDR)
         if len(touched) != len(self._touched):
-            touched.intersection_update(self._touched)  # this look does not make the run depend on further options
+            touched.intersection_update(self._touched)  # looking is not depending on them
         module = ((prescaler & IPSC) >> IPSC_PLACE) + 1
         copy = 0 if emdr & BCM else module
         self._cycles = copy + max(1, self._setup * module) + self._pin

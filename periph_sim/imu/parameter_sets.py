@@ -22,7 +22,7 @@ from .models.quantity import BadParameter, Checked, Parameter, Quantity, Vector,
 
 C = TypeVar("C", bound=Checked)
 
-# Other units than a parameter's own: how much of its own one of them is.
+# By the unit of a parameter: other units in which it may be given, with the factor that converts them to its unit.
 OTHERS: dict[str, dict[str, float]] = {
     "s": {"ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "m": {"cm": 1e-2, "mm": 1e-3},

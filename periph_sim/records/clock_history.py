@@ -27,7 +27,7 @@ SHOWN = (DIV, DIVSEL, LOCKED, OFF)  # firmware that begins at the reset's clock 
 
 
 class ClockHistory(NamedTuple):
-    """begins: the tick from which each clock holds. periods: ticks of its cycle."""
+    """The clocks of a unit. begins: the tick from which each one is in effect. periods: the ticks of its cycle."""
 
     begins: tuple[int, ...]
     periods: tuple[Fraction, ...]
@@ -81,7 +81,7 @@ class ClockHistory(NamedTuple):
         return found
 
     def _now(self, at: NDArray[np.int64]) -> NDArray[np.intp]:
-        """Return the number of the clock at each of these ticks."""
+        """Return the index of the clock that is in effect at each of these ticks."""
         return np.maximum(np.searchsorted(self.begins, at, "right") - 1, 0)
 
     def in_words(self, per_second: Fraction) -> str:

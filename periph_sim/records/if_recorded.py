@@ -29,8 +29,8 @@ def if_recorded(
 
 
 def _nobody_subscribes(recorder: Recorder, timebase: Timebase) -> None:
-    """Record nothing."""
+    """Subscribe to nothing, since the run is not recorded."""
 
 
 def _nobody_is_told(tick: int, clocks: Clocks | None = None) -> None:
-    """Write nothing."""
+    """Ignore the end of the run, since nothing is recorded."""

@@ -17,7 +17,8 @@ from .run import Group, Rows, Run
 class Fault(NamedTuple):
     """Accesses of one unit with one kind of fault.
 
-    rows: in order; none if there is no fault. source: the section of the manual that says why.
+    rows: the accesses at fault, in order; empty if there is no fault.
+    source: the section of the manual that gives the rule.
     """
 
     unit: str
@@ -34,7 +35,7 @@ class Options:
 
 
 class Lint(Protocol):
-    """One file of `lints/`. SAYS: what it looks for, in one sentence; its name is the file's, with hyphens."""
+    """A module in `lints/`. SAYS: what the lint finds, in one sentence. Its name is that of the file, with hyphens."""
 
     SAYS: str
 
@@ -43,7 +44,7 @@ class Lint(Protocol):
 
 @dataclass(frozen=True)
 class Finding:
-    """One place in the firmware with one fault. first: tick of the first time."""
+    """One fault at one place in the firmware. first: the tick at which it occurred first."""
 
     lint: str
     unit: str

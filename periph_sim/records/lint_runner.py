@@ -1,6 +1,6 @@
-"""Lints on what firmware did in a recorded run: every file of `lints/` is one, found by being there.
+"""Lints that check what firmware did in a recorded run. Every file in `lints/` is a lint and is found automatically.
 
-Run --each lint--> rows at fault --> findings, one a place and fault
+Run --each lint--> rows at fault --> findings, one for each place and fault
 """
 
 from __future__ import annotations

@@ -18,13 +18,16 @@ from .run import Group, Rows, Run, among
 
 @dataclass(frozen=True)
 class LostFlag:
-    """One flag in the read-modify-writes of one place. first: tick of the first loss, or None.
+    """One flag in the read-modify-writes of one place.
 
-    rose: between read and write. lost_between: of these, cleared by that write. along: set when it was read, and
-    cleared by the write though another flag was meant. unseen: of these, never looked at by the firmware since they
-    rose: a read that named another field of the register does not count.
-    lost: the ticks at which it was gone without having been seen, in order. cleared: those at which it was cleared
-    unmeant, seen or not.
+    rose: how often the flag rose between the read and the write.
+    lost_between: how often that write then cleared it.
+    along: how often it was set at the read and cleared by the write, though another flag was meant.
+    unseen: how many of these `along` the firmware had not read since the flag rose. A read that named another field of
+    the register does not count.
+    first: the first of the ticks `cleared`, or None.
+    lost: the ticks at which it was cleared without having been read, in order.
+    cleared: the ticks at which it was cleared unintentionally, read or not.
     """
 
     flag: str
@@ -39,8 +42,11 @@ class LostFlag:
 
 @dataclass(frozen=True)
 class ReadModifyWrite:
-    """The read-modify-writes of one place. meant: the flags that firmware named, or that they clear for sure; doubt:
-    the recording cannot say which of these was meant, as all were set each time."""
+    """The read-modify-writes of one place.
+
+    meant: the flags that the firmware named, or that it certainly intended to clear.
+    doubt: flags that were all set each time, so that the recording does not show which of them was meant.
+    """
 
     unit: str
     register: str
@@ -52,7 +58,7 @@ class ReadModifyWrite:
 
     @property
     def lost(self) -> int:
-        """Flags gone without the firmware having read them."""
+        """Number of times that a flag was cleared before the firmware had read it."""
         return sum(flag.lost_between + flag.unseen for flag in self.flags)
 
 
@@ -99,7 +105,7 @@ def _judged(
     flags = [
         _lost(run, group, f, reads, writes, run.looking_at(plain, f), f not in meant and f not in doubt)
         for f in fields
-        if len(run.changes(group.unit, group.module, group.register, f))  # what never changed was never lost
+        if len(run.changes(group.unit, group.module, group.register, f))  # a flag that never changed was never lost
     ]
     return ReadModifyWrite(
         group.unit,

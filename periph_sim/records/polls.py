@@ -28,9 +28,13 @@ FEW_GAPS = 3  # from this number on, the gaps' greatest common divisor is taken 
 
 
 class Polls(NamedTuple):
-    """before, after: for each change in a skipped wait the ticks of the last poll before it and the first from it on
-    (-1 where that poll is a recorded one). changes: those changes' rows. unplaced: the reads before gaps that could
-    not be filled, as places among the reads."""
+    """The reconstructed polls next to changes in skipped waits.
+
+    before, after: for each change, the tick of the last poll before it and of the first poll from it on; -1 if that
+    poll was recorded.
+    changes: the rows of these changes.
+    unplaced: the reads before gaps that could not be filled, as places among the reads.
+    """
 
     before: Rows
     after: Rows

@@ -23,13 +23,13 @@ from .read_modify_write import read_modify_writes
 from .register_choice import groups_of
 from .run import Group, Rows, Run
 
-DECADES = 6  # below 1 cycle, 1 to 9, 10 to 99, up to 1000, up to 10 000, more
+DECADES = 6  # classes of distances in cycles: 0, 1 to 9, 10 to 99, 100 to 999, 1000 to 9999, and more
 NEVER = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True)
 class NearMiss:
-    """The closest of one side. cycles: between read and change. tick: of the read."""
+    """The closest read on one side of a change. cycles: between read and change. tick: the tick of the read."""
 
     cycles: int
     tick: int
@@ -96,8 +96,9 @@ def races(run: Run, register: str | None = None) -> Races:
 def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
     """Return (cycles, ticks, unplaced). NotInRun as for `races`.
 
-    cycles: from each read or reconstructed poll to its nearest change, if there is a change. ticks: of these reads and
-    polls, in order. unplaced: number of skipped waits with a change whose polls could not be reconstructed.
+    cycles: from each read or reconstructed poll to its nearest change, if there is a change.
+    ticks: the ticks of these reads and polls, in order.
+    unplaced: number of skipped waits with a change whose polls could not be reconstructed.
     """
     unplaced = 0
     cycles, ticks = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
@@ -120,8 +121,11 @@ def _places(run: Run, group: Group, f: Field | None) -> list[PlaceRaces]:
 
 
 class _Reads(NamedTuple):
-    """All reads of one register at a place. looked_at: codes of the fields, that of "" for all of the register.
-    waits: whether the routine's next access is the next one of them."""
+    """All reads of one register at a place.
+
+    looked_at: for each read the code of the field that it read; the code of "" means the whole register.
+    waits: for each read, True if the next access of its routine is the next of these reads.
+    """
 
     place: str
     rows: Rows
@@ -183,8 +187,12 @@ def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
 
 
 class _Side(NamedTuple):
-    """Reads, and reconstructed polls, with the change on one side of each. ticks: of the reads. distances: ticks, NEVER
-    where there is no change. changes: rows."""
+    """Reads and reconstructed polls, each with the nearest change on one side of it.
+
+    ticks: the ticks of the reads.
+    distances: ticks between read and change; NEVER if there is no change.
+    changes: the rows of the changes.
+    """
 
     ticks: Rows
     distances: Rows
@@ -195,8 +203,12 @@ NONE = _Side(*(np.zeros(0, np.int64) for _ in range(3)))
 
 
 class _Beside(NamedTuple):
-    """The reads of a place beside the changes of what they looked at. before: reads that a change follows; after:
-    reads that follow one. ticks, nearest: of all of them. reads: how many of these were recorded."""
+    """The reads of a place, with the changes of the fields that they read.
+
+    before: reads with the next change after them. after: reads with the last change before them.
+    ticks: the tick of each read or reconstructed poll. nearest: its distance to the nearest change.
+    reads: number of recorded reads. polls: number of reconstructed polls.
+    """
 
     before: _Side
     after: _Side
@@ -272,7 +284,10 @@ def _judged(run: Run, group: Group, f: Field | None, place: _Reads) -> PlaceRace
 
 
 def _closest(run: Run, unit: str, side: _Side, way: int) -> NearMiss | None:
-    """Return the closest of the reads to its change. way: 1 if the change follows the read, -1 if it precedes it."""
+    """Return the read that is closest to a change; the earliest of several, None if no read has a change on this side.
+
+    way: 1 if the changes follow the reads, -1 if they precede them.
+    """
     if not len(side.distances) or int(side.distances.min()) == NEVER:
         return None
     distance = int(side.distances.min())

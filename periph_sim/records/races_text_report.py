@@ -94,7 +94,7 @@ def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
 
 
 def _counts(races: Races, place: PlaceRaces) -> tuple[str, ...]:
-    at = parsed(place.place)  # an image's: its line is in the table above
+    at = parsed(place.place)  # not None for a place in an image; its source line is in the table above
     short = place.place if at is None else f"{at.function} {at.pc:#08x}"
     return (_name(races, place), short, str(place.reads), str(place.polls), *map(str, place.histogram))
 

@@ -17,7 +17,7 @@ from .run import Rows, Run
 
 
 class Pairs(NamedTuple):
-    """Rows of reads and of their writes, in the order of the writes. in_order: the reads in theirs."""
+    """Rows of reads and of their writes, in the order of the writes. in_order: the rows of the reads, sorted."""
 
     reads: Rows
     writes: Rows
@@ -29,7 +29,7 @@ class Pairs(NamedTuple):
         return int(self.reads[place]) if place < len(self.writes) and self.writes[place] == write else None
 
     def has_read(self, read: int) -> bool:
-        """Return True if a read was made for a write and not for its value."""
+        """Return True if this read is the first half of a read-modify-write."""
         place = int(np.searchsorted(self.in_order, read))
         return place < len(self.in_order) and bool(self.in_order[place] == read)
 
@@ -74,7 +74,7 @@ def _statements(run: Run) -> Rows:
 
 
 def _split(names: tuple[str, ...]) -> tuple[np.ndarray[tuple[int], np.dtype[np.bool_]], Rows]:
-    """Return, for each name of an access, True if it is a read, and a number for its register."""
+    """Return, for each access name such as "R I2CSTR", True if it is a read, and a number for its register."""
     numbers: dict[str, int] = {}
     registers = [numbers.setdefault(name[2:], len(numbers)) for name in names]
     return np.array([name.startswith("R ") for name in names], bool), np.array(registers, np.int64)

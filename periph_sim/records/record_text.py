@@ -19,7 +19,7 @@ IN_FIRMWARE = (Kind.ACCESS, Kind.IRQ, Kind.SPAN, Kind.WAIT)  # their text is a p
 
 
 class BusByte(NamedTuple):
-    """A byte on the bus with its acknowledge. An address byte has its seven (or ten) bits in `value`, and `read`."""
+    """A byte on the bus with its acknowledge bit. `value` of an address byte excludes its R/W bit `read`."""
 
     value: int
     acked: bool

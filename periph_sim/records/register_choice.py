@@ -1,6 +1,6 @@
 """Choice of the accesses that a question is about, by a register's name.
 
-"I2C-A.I2CSTR", "dsp.I2C-A.I2CSTR.XRDY", None for every status register --> groups, each with the field named
+"I2C-A.I2CSTR", "dsp.I2C-A.I2CSTR.XRDY", None for every status register --> groups, each with the named field
 """
 
 from __future__ import annotations

@@ -58,7 +58,7 @@ class Group(NamedTuple):
 
 @dataclass(frozen=True)
 class Cycles:
-    """Length of a SYSCLKOUT cycle. ticks: of one cycle. how: the source of this figure."""
+    """The length of a SYSCLKOUT cycle. ticks: number of ticks in a cycle. how: the source of this figure."""
 
     ticks: Fraction
     how: str
@@ -134,7 +134,7 @@ class Run:
         return row if number and row < len(self.table) and int(self.table.number[row]) == number else None
 
     def made_by(self, rows: Rows) -> Rows:
-        """Return for each row that of its cause, if both happened at one tick; else -1."""
+        """Return, for each row, the row of its cause if both happened at the same tick, else -1."""
         table = self.table
         causes = np.minimum(np.searchsorted(table.number, table.cause[rows]), max(len(table) - 1, 0))
         at_once = (table.number[causes] == table.cause[rows]) & (table.tick[causes] == table.tick[rows])
@@ -156,7 +156,7 @@ class Run:
 
     @cached_property
     def units(self) -> dict[str, tuple[str, ...]]:
-        """Each unit with its modules, those that every unit has among them."""
+        """The modules of each unit by its name, including those that every unit has."""
         return {
             unit: (*(module for module in modules if not module.startswith("pin:")), *PART.in_every_unit)
             for unit, modules in self.table.modules.items()
@@ -243,7 +243,7 @@ class Run:
         return self.rows(Kind.ACCESS, unit, f"{way} {module}.{register}")
 
     def looking_at(self, reads: Rows, f: Field) -> Rows:
-        """Return those of these reads that named a field or the whole register."""
+        """Return the reads that read field `f` by name, or the whole register."""
         about = np.array([name in ("", f.name) for name in self.table.names["field"]], bool)
         found: Rows = reads[about[self.table.columns["field"][reads]]]
         return found
@@ -274,7 +274,7 @@ class Run:
 
     @cached_property
     def cycles(self) -> Cycles:
-        """The cycle of SYSCLKOUT: as given, as recorded at the end, as the accesses show it, or of 150 MHz."""
+        """The cycle of SYSCLKOUT: as given, else as recorded last, else as the accesses show it, else of 150 MHz."""
         if self._sysclk is not None:
             return Cycles(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")
         if self._clocks:
@@ -301,7 +301,7 @@ class Run:
 
     @cached_property
     def _clocks(self) -> dict[str, ClockHistory]:
-        """Return each unit's clock history; none if the recording neither holds it nor shows how its unit set it."""
+        """Return the clock history of each unit for which the recording contains or shows it, by unit."""
         if self.table.clocks:
             return {unit: ClockHistory.told(self.per_second, clock) for unit, clock in self.table.clocks.items()}
         if len(self.table.modules) != 1:
@@ -316,13 +316,15 @@ class Run:
         return Fraction(ticks) / self.per_second
 
     def at(self, tick: int) -> str:
-        """Return a time of the run as text, in milliseconds, to the nanosecond."""
+        """Return an instant of the run as text, in milliseconds with six decimals."""
         return f"{float(self.seconds(tick) * 1000):.6f} ms"
 
     def length(self, ticks: int, begin: int | None = None, unit: str = "") -> str:
-        """Return a duration as text in a suitable unit, and in cycles. begin: its first tick, as the clock may change.
+        """Return a duration as text: its time, and the number of SYSCLKOUT cycles in it.
 
-        unit: whose cycles are counted. Without one, as for a wire, they are left out if units have different clocks.
+        begin: the first tick of the duration, since the clock may change during the run; None: the clock at the end.
+        unit: the unit, such as "dsp", whose cycles are counted. If it is "", as for a wire, cycles are given only if
+        all units have the same clock.
         """
         ns = self.seconds(ticks) * 10**9
         suits, size = next(((u, size) for u, size in UNITS if abs(ns) < 1000 * size), ("s", 10**9))

@@ -19,7 +19,7 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import registers_of
 from .run import NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # seconds: no instant is shown to fewer digits; what is typed so means no one change
+COARSEST = Fraction(1, 10**6)  # seconds: coarsest resolution of a shown instant; a coarser time selects no change
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class RecordedSignal:
 
 
 def asked(run: Run, question: str) -> tuple[RecordedSignal, int]:
-    """Return the subject and the tick of a question. Raise NotInRun if it cannot be answered."""
+    """Return the signal and the tick that a question names. Raise NotInRun if the run does not have them."""
     name, at, time = question.rpartition("@")
     if not at or not name.strip():
         raise NotInRun(f"{question!r}: expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us")

@@ -1,4 +1,4 @@
-"""Installs the skipping of I2C bits in a scene: the party that clocks the bus asks before each byte."""
+"""Installs the skipping of I2C bits in a scene. The party that clocks the bus requests it before each byte."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MODULE = "I2C-A"
 
 
 def bit_skip_of(context: SceneContext, controller: I2cController | None, units: Mapping[str, Dsp]) -> BitSkip:
-    """Return what skips bits on SCL and SDA.
+    """Return the object that skips bits on SCL and SDA.
 
     The controller agent clocks the bus; without one it is the unit that is the master.
     """

@@ -22,11 +22,15 @@ if TYPE_CHECKING:
     from ..core.wire import Wire
     from .case.model import Case
 
-SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is not read
+SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: shorter pulses on SDA are ignored
 
 
 class BusSide:
-    """asked: the requests of the master, None if not known. spike: ticks. before: called with each transfer first.
+    """The transfers and rounds of a scene's bus.
+
+    asked: the requests of the master; None if they are not known.
+    spike: the length of ignored pulses, in ticks.
+    before: called with each transfer before other subscribers.
 
     wire_bytes, nacked: of the transfers that were counted. bit_skip: None if no bits are skipped.
     """
@@ -56,7 +60,7 @@ class BusSide:
 
     @property
     def period(self) -> int:
-        """Ticks from one round's due time to the next one's; 0 if there are none."""
+        """Ticks from one round's due time to that of the next round; 0 if there are no rounds."""
         return 0 if self.asked is None else int(self.asked.period // 1)
 
     @property
@@ -66,7 +70,7 @@ class BusSide:
 
     @property
     def open_transfer(self) -> Transfer | None:
-        """The transfer whose STOP has not come; None without one, or before its first address is over."""
+        """The transfer that has not ended with STOP; None if there is none, or if its first address is not complete."""
         return None if self._watch is None else self._watch.open_transfer
 
     def count(self, transfer: Transfer) -> None:
@@ -82,7 +86,7 @@ class BusSide:
 
     @property
     def passed(self) -> int:
-        """The number of bytes of which bits were skipped."""
+        """The number of bytes in which bits were skipped."""
         return 0 if self.bit_skip is None else self.bit_skip.passed
 
     def finish(self, now: int) -> None:

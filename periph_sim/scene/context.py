@@ -57,7 +57,11 @@ class CaseTicks(Struct, frozen=True):
 
 
 class SceneContext(CaseTicks, frozen=True):
-    """wire: the wire of a name, made when it is asked for first. wiring: the names of the wires on each unit's pins."""
+    """What the builders of a scene's parts get.
+
+    wire: returns the wire with a given name, and creates it at the first request.
+    wiring: the names of the wires at each unit's pins.
+    """
 
     kernel: Kernel
     recorder: Recorder

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 OFF = ("IER = 0", "INTM = 1")  # by whether INTM is
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
-RESTARTED = 2  # rounds of the watchdog without a reset: the last restart that a wait's code asked for is over
+RESTARTED = 2  # watchdog periods in a wait after which a restart by the waiting code itself has no effect any more
 
 
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
@@ -83,7 +83,7 @@ def nothing_comes(
 
 
 def polls_for_input(dsp: Dsp) -> bool:
-    """Return True if firmware executes the passes of an endless wait for an input, as with `skip_polls = false`."""
+    """Return True if firmware polls an input without end and executes each pass, as with `skip_polls = false`."""
     spin, time = dsp.program.spin, dsp.processor.time
     waits = spin is not None and spin.ends == NEVER and spin.unchanged(time.cycle)
     return waits and time.lands == NEVER and dsp.core.earliest() == NEVER
@@ -110,7 +110,10 @@ def watchdog_runs(dsp: Dsp) -> bool:
 
 
 def watchdog_ends(dsp: Dsp, since: int) -> bool:
-    """Return True if the watchdog may end a wait since this cycle: no service routine restarts it repeatedly."""
+    """Return True if the watchdog may end a wait that began at this cycle.
+
+    If it could have overflowed RESTARTED times during the wait, a service routine services it again and again.
+    """
     return watchdog_runs(dsp) and dsp.control.watchdog_rounds(since, _now(dsp)) < RESTARTED
 
 
@@ -165,7 +168,7 @@ def has_clock(dsp: Dsp, module: str) -> bool:
 
 
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:
-    """Wires that a module may see: those of its usual pins, and all whose pins are of no module in particular."""
+    """Wires that a module can read: those of its usual pins, and all whose pins belong to no particular module."""
     wires, part = dsp.plan.wires, dsp.plan.part
     inputs = part.by_name[module].inputs
     if inputs is None:

@@ -1,11 +1,11 @@
-"""Makes the records that budgets name and that follow from other things, by what is in `timing/derived`.
+"""Derives records that budgets need from transfers, frames and wires, with the modules in `timing/derived`.
 
     transfers, rounds --.
     host frames ---------+--> timing/derived --> TRANSFER, ROUND, DATA records
     SCIs, RX ------------'--> SciMonitor, characters --> RECEIVER records
     SCL, SDA -------------> StuckWatch, where no controller watches them --> BUS records
 
-What no subscriber names is not built.
+Only the records that a subscriber needs are derived.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ OF_MODELS = {"model age", "model run"}
 
 
 class DerivedRecords:
-    """bytes: who compares bytes that were read; None where no subscriber names them."""
+    """The derived records of a scene. bytes: compares the bytes that were read; None if no subscriber needs it."""
 
     def __init__(self, recorder: Recorder) -> None:
         """Create it after all have subscribed, before units are built: some records follow from those of firmware."""
@@ -59,7 +59,7 @@ class DerivedRecords:
             scene.watch_for_stuck_lines()
 
     def finish(self, scene: Scene) -> None:
-        """Record what the end of the run cuts off."""
+        """Record what is incomplete at the end of the run."""
         now = scene.kernel.now
         if self._transfers is not None:
             unfinished = None if scene.case.controller is not None else scene.bus.open_transfer
@@ -75,7 +75,7 @@ class DerivedRecords:
         return self._ages
 
     def _attach_data(self, scene: Scene, named: set[str]) -> None:
-        """Origins come first, since the others ask for them."""
+        """Attach the records of data. Origins are attached first, since the others use them."""
         checks_host = scene.case.checks_host
         origins: Origins | None = None
         if "age" in named or (named & OF_BYTES and checks_host):

@@ -41,7 +41,7 @@ OTHERS = ("controller", "host", "serial", "outside")  # names of parties that ar
 
 
 class NoteLog:
-    """notes: each that was made, with the tick at which it came first and how often it came."""
+    """The log of a device's notes. notes: by note, the tick at which it was made first, and how often it was made."""
 
     STATE = State("notes")
 
@@ -63,7 +63,7 @@ class NoteLog:
 
 
 class DeviceOnBus:
-    """target: as its model made it, without what disturbs it."""
+    """A device on the bus. target: the target that its model built, without its disturbances."""
 
     STATE = State("target log")
 
@@ -145,7 +145,7 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answer
 def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mapping[int, str]) -> dict[str, DeviceOnBus]:
     """Return the devices by name. known: the wires of the scene. taken: addresses of other targets, with their names.
 
-    BadCase, with its line, for a device that cannot be.
+    Raise BadCase, with its line, for an impossible device.
     """
     case = context.case
     devices: dict[str, DeviceOnBus] = {}

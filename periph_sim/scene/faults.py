@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..processor.dsp import Dsp
 
 RESET = ".XRS"  # a unit's reset pin, as a wire
-MODULE_RESET = ".IRS"  # a unit's I2CMDR.IRS, as one
+MODULE_RESET = ".IRS"  # a unit's bit I2CMDR.IRS, as a wire
 
 
 class Wires:
@@ -30,7 +30,7 @@ class Wires:
         self._units = units
 
     def __call__(self, name: str) -> Wire:
-        """ValueError where there is none of this name."""
+        """Return the wire with this name. Raise ValueError if there is none."""
         if name not in self._known and name.endswith(RESET):
             unit = self._unit(name.removesuffix(RESET))
             self._known[name] = self._context.wire(name)
@@ -52,7 +52,7 @@ class Wires:
 
 
 def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> list[Repeated]:
-    """Return what lets each fault strike. BadCase, with its line, for a fault that cannot be."""
+    """Return an agent for each fault. Raise BadCase, with its line, for an impossible fault."""
     wires = Wires(context, known, units)
     faults: list[Repeated] = []
     for entry, table in enumerate(context.case.fault):

@@ -38,11 +38,11 @@ class Firmware(Struct, frozen=True):
 
 
 class BadFirmware(ValueError):
-    """A program that cannot be had; one sentence."""
+    """Error: a program cannot be loaded; one sentence."""
 
 
 class BadSetting(ValueError):
-    """A setting that the firmware does not take. name: which."""
+    """Error: the firmware does not accept a setting. name: the name of the setting."""
 
     def __init__(self, what: str, name: str) -> None:
         super().__init__(what)
@@ -125,7 +125,7 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
 
 
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return a dataclass with the given values. Raise BadSetting with the name of a wrong one. who: in messages."""
+    """Return a dataclass with the given values. Raise BadSetting with the name of a wrong one. who: for messages."""
     try:
         return convert(kind, given)
     except BadTable as error:

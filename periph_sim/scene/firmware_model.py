@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class FirmwareModel(Protocol):
-    """Such firmware, as a scene sees it."""
+    """Firmware with a model, as a scene uses it."""
 
     def check(self, case: Case, unit: str) -> None:
         """Raise BadCase if the case does not run the model as the model needs it."""

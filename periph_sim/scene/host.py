@@ -60,11 +60,12 @@ def host_plan(scale: CaseTicks) -> HostPlan:
 
 
 class HostAgent:
-    """host: the agent. peer: its end of the line. frames: what it sends of a motion, None of a ramp.
+    """The host of a scene, with the frames that it sends and the true values of the chips.
 
-    values: of a frame, by its number. truth: what chips should show, where known.
-
-    model: by which firmware computes the data of chips, None where chips show the values of frames.
+    frames: source of the frames of a motion; None if the host sends a ramp.
+    values: returns the values of the frame with a given number.
+    truth: the values that chips should show; None if they are not known.
+    model: the model with which firmware computes the data of chips; None if chips show the values of frames.
     """
 
     def __init__(self, context: SceneContext, table: HostTable, plan: HostPlan, model: FirmwareModel | None) -> None:
@@ -92,11 +93,11 @@ class HostAgent:
         return None if self.frames is None else model.truth(self.frames.motion, table.first)
 
     def line(self) -> tuple[Fraction, UartFormat]:
-        """Ticks of a bit on its line, and how its characters are made."""
+        """The bit time of the host's line in ticks, and the format of its characters."""
         return self._line
 
     def truth_at(self, tick: int) -> Mapping[str, Axes]:
-        """By chip, its true values x, y, z in LSB."""
+        """Return the true values x, y, z of each chip in LSB, by chip."""
         assert self.truth is not None
         return self.truth.at(self.host.frame_at(tick) * self._period)
 

@@ -25,7 +25,7 @@ from .case.unit_table import Unit
 
 
 def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgram, recorder: Recorder) -> None:
-    """Look at a program before its first instruction. BadCase for what its image does not have."""
+    """Add the observers to a program before its first instruction. Raise BadCase for a name that its image lacks."""
     if recorder.wants(Kind.SPAN):
         program.add_call_listener(FunctionSpans(recorder, name, program.place_of))
     if recorder.wants(Kind.WAIT):
@@ -55,7 +55,7 @@ def variable_value(dsp: Dsp, name: str) -> int:
 
 
 def _preset(case: Case, name: str, unit: Unit, program: ImageProgram) -> None:
-    """Put the case's values into memory."""
+    """Write the case's values into memory."""
     variables = Variables(program.image)
     presets = []
     for symbol, value in unit.memory.items():

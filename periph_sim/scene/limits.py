@@ -35,13 +35,13 @@ class _Planned(Struct, frozen=True):
         )
 
 
-_planned: list[_Planned] = []  # the latest first; plans hold nothing that a run changes
+_planned: list[_Planned] = []  # cached plans, the latest first; they can be reused since no run changes them
 
 
 def limits_of(case: Case, scope: Scope, timebase: Timebase, start: int) -> list[BudgetJudge]:
-    """Return a judge for each budget, in their order. scope: of the case. start: the tick at which the run begins.
+    """Return a judge for each budget, in the order of the case. start: the tick at which the run begins.
 
-    BadCase, with its line, for a budget that is none, or has the name of another.
+    Raise BadCase, with its line, for an invalid budget, or if two budgets have the same name.
     """
     judges: list[BudgetJudge] = []
     for budget, plan in zip(case.budget, _plans(case, scope, timebase, start), strict=True):
@@ -50,7 +50,10 @@ def limits_of(case: Case, scope: Scope, timebase: Timebase, start: int) -> list[
 
 
 def _plans(case: Case, scope: Scope, timebase: Timebase, start: int) -> tuple[BudgetPlan, ...]:
-    """Made for the first scene of a case. Not kept where an image says which variables there are: its file changes."""
+    """Return the plans of budgets, from the cache if they are in it.
+
+    They are not cached if they refer to variables of an image, since its file may change.
+    """
     if scope.images:
         return _made(case, scope, timebase, start)
     for known in tuple(_planned):

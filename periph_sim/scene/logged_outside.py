@@ -19,7 +19,7 @@ from ..core.wire import Wire
 from .case.model import Case
 from .outside_log import BadLog, Instant, LogReader
 
-WHO = "outside"  # in records, and where somebody asks who holds a line
+WHO = "outside"  # name of the party in records and in messages about who holds a line
 
 
 class LoggedOutside(Agent):

@@ -1,4 +1,4 @@
-"""What measures may ask of a scene, in addition to the records that they subscribe to."""
+"""The parts of a scene that a measure can request, in addition to the records that it subscribes to."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class MeasuredParts:
-    """The parts of a scene that measures ask; see `timing.measures.measured_scene.MeasuredScene`."""
+    """The parts of a scene that measures use; see `timing.measures.measured_scene.MeasuredScene`."""
 
     def __init__(
         self,
@@ -71,7 +71,7 @@ class MeasuredParts:
         value = socket.peek(cycle, register.offset)
         if register.width == 32:
             value |= socket.peek(cycle, register.offset + 1) << 16
-        chip.touched.intersection_update(touched)  # looking is not depending on them
+        chip.touched.intersection_update(touched)  # this look does not make the run depend on further options
         return register[field_name].extract(value)
 
     def ticks_per_second(self) -> int:

@@ -22,16 +22,16 @@ from ..core.counted import counted
 from ..core.input_files import open_input
 
 FORMAT, VERSION = "periph-sim outside", 1
-LONGEST_LINE = 1 << 20  # characters
+LONGEST_LINE = 1 << 20  # maximum number of characters
 
 
 class BadLog(ValueError):
-    """A file that is none of these logs, or is damaged, in one sentence with its line."""
+    """Error: a file is no log of a session, or is damaged; one sentence with the line."""
 
 
 @dataclass(frozen=True)
 class Head:
-    """The first line of a log. file: path of the case from the log's folder, or "". changes: of that case."""
+    """The first line of a log. file: path of the case from the log's folder, or "". changes: the case's changes."""
 
     case: str
     ticks_per_second: int
@@ -41,7 +41,7 @@ class Head:
 
 
 class Instant(NamedTuple):
-    """levels: of the lines that the outside moves in this tick.
+    """The events of one tick. levels: the levels of the lines that the outside moves.
 
     sent: how many bytes begin, by wire, of wires that are driven by bytes; 0 where it is first known that one is.
     """
@@ -52,14 +52,14 @@ class Instant(NamedTuple):
 
 
 class LogReader:
-    """BadLog for a file that is none of these logs or is damaged."""
+    """Reads a log. Raises BadLog if the file is no such log or is damaged."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self.end = -1  # known once all instants were read
-        self.finished = False  # there is an end
-        self._lines = 1  # read so far
-        self._cut = 0  # characters of a last line that was not written to its end
+        self.finished = False  # True if the log contains the end of the session
+        self._lines = 1  # number of lines read so far
+        self._cut = 0  # number of characters of an incomplete last line
         try:
             self._file = TextIOWrapper(open_input(path), encoding="utf-8")
             first = self._file.readline(LONGEST_LINE)

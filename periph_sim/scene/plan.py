@@ -34,7 +34,7 @@ OF_FILE = ("file", "folder")  # the same in all changed cases of a file
 
 
 class _Part(Struct, frozen=True):
-    """A part of a plan. tables: the fields of the case that it was made of."""
+    """A part of a plan. tables: the fields of the case from which it was made."""
 
     value: Any
     tables: frozenset[str]
@@ -61,7 +61,7 @@ class ScenePlan:
 
     @property
     def ticks(self) -> CaseTicks:
-        """The conversion of times of the case; its `case` is that of the plan."""
+        """The converter of the case's times to ticks."""
         timebase, start = self._part("ticks", lambda plan, case: _timebase_and_start(case))
         return CaseTicks(self.case, timebase, start)
 
@@ -71,7 +71,10 @@ class ScenePlan:
 
     @property
     def scope(self) -> Scope:
-        """The names that budgets may use. Made anew each time if another file has some of them: it may have changed."""
+        """The names that budgets may use.
+
+        If another file defines some of them, they are read again at each access, since the file may have changed.
+        """
         wiring = self.wiring
         if self.case.measures_from or any(unit.image for unit in self.case.unit.values()):
             return scope_of_case(self.case, wiring)

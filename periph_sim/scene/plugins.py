@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ..devices.chips.register_chip import RegisterChip
 
 T = TypeVar("T")
-GROUP = "periph_sim"  # of entry points
+GROUP = "periph_sim"  # the group of entry points
 STALL_LIMIT = 10.0  # seconds for the import of a plugin
 
 
@@ -41,7 +41,7 @@ class Kind(Struct, frozen=True):
 
 
 class Plugin(Struct, frozen=True):
-    """A module of a user. name: of its file, or of its entry point."""
+    """A module of a user. name: the name of its file or of its entry point."""
 
     name: str
     module: ModuleType

@@ -15,7 +15,7 @@ from .scene import Scene
 
 
 class Profiled(Struct, frozen=True):
-    """programs, profiles, coverage: by unit; coverage is empty where it was not asked for."""
+    """The program, profile and coverage of each unit, by unit. coverage: empty if it was not requested."""
 
     name: str
     ticks_per_second: int
@@ -31,7 +31,7 @@ class Profiled(Struct, frozen=True):
 def profiled(
     case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
 ) -> Profiled:
-    """Run a case. BadCase if no unit runs an image, or if coverage is wanted of an image without line information."""
+    """Run a case. BadCase if no unit runs an image, or if an image lacks the line information for coverage."""
     scene = Scene(case)
     programs = {name: unit.program for name, unit in scene.units.items() if isinstance(unit.program, ImageProgram)}
     if not programs:

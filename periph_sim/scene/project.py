@@ -49,7 +49,7 @@ NOTHING = Settings()
 
 
 class Project(Struct, frozen=True):
-    """folder: of the pyproject.toml; the present one where there is none."""
+    """A project. folder: the folder of its pyproject.toml; without one, the present folder."""
 
     folder: Path
     settings: Settings = NOTHING

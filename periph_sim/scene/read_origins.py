@@ -19,7 +19,7 @@ MODEL_PIN = "MODEL"  # what a case calls the pin that firmware raises while its 
 
 
 class Parts(Protocol):
-    """model: by which firmware computes the data of chips; None if it has none."""
+    """The parts of a scene that the origins need. model: the model with which firmware computes the data of chips."""
 
     @property
     def case(self) -> Case: ...
@@ -52,5 +52,5 @@ def origins_of(scene: Parts) -> Origins:
 
 
 def _mistake(case: Case, what: str) -> BadCase:
-    """Return an error about the key that asks for origins: `check` of the table that says the rounds."""
+    """Return an error about the key `check` of [rounds] or [controller], the table that defines the rounds."""
     return case.mistake(what, "rounds" if case.line("rounds") else "controller", "check")

@@ -12,7 +12,7 @@ SKIPPED = "polls_skipped"
 
 @dataclass
 class Result:
-    """The result of a run. wall_s: of the run alone, without building.
+    """The result of a run. wall_s: seconds of real time of the run, without building the scene.
 
     bytes_skipped: I2C bytes of which seven bits were skipped.
     sci_bytes: characters that others sent to SCIs of units. sci_bytes_sent: characters that SCIs of units sent.

@@ -107,18 +107,18 @@ class Scene:
         self.devices: dict[str, DeviceOnBus] = {}
         self.faults: list[Repeated] = []
         self.head: SensorHead | None = None
-        self.requests: list[Request] = []  # of each of its rounds
+        self.requests: list[Request] = []  # the requests of each round of the controller
         self.host: Host | None = None
         self.host_agent: HostAgent | None = None
         self.truth: Truth | None = None
-        self.model: FirmwareModel | None = None  # by which firmware computes the data of chips
-        self.frames: FrameSource | None = None  # what the host sends, where it is no ramp
-        self._counter: I2cByteCounter | None = None  # where there is none
+        self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
+        self.frames: FrameSource | None = None  # source of the frames of the host; None if it sends a ramp
+        self._counter: I2cByteCounter | None = None  # counts the bytes on the wires, if needed
         self.bus = BusSide(case, self.wires, self._ticks(SPIKE))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
-        self.log_ends_early = ""  # in a sentence, where [outside] has a log of an unfinished session
-        self.stalled = ""  # by what the run ended before its time
-        self._wall = 0.0  # seconds that it has taken
+        self.log_ends_early = ""  # a sentence, if [outside] has the log of an unfinished session
+        self.stalled = ""  # a sentence about firmware that let no time pass and so ended the run; "" if there is none
+        self._wall = 0.0  # seconds of real time that the run has taken
         wire = self.wires.wire
         context = SceneContext(case, self.timebase, self.start, self.kernel, self.recorder, wire, wiring)
         self.measured = MeasuredParts(context, self.wires, self.units, self.bus, serial)
@@ -179,7 +179,7 @@ class Scene:
     # Building ------------------------------------------------------------------
 
     def _what_is_there(self) -> dict[str, bool]:
-        """Return which of the things that measures may need are in the scene."""
+        """Return the names of the parts of this scene that measures may need."""
         return {
             "": True,
             "controller": self.head is not None,
@@ -191,7 +191,7 @@ class Scene:
         }
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Refuse a budget on something that this scene cannot have: it would always hold."""
+        """Raise BadCase for a budget on a part that this scene does not have, since it would always hold."""
         needs = limit.measure.needs
         if not self._there[needs]:
             measure = limit.budget.measure
@@ -210,7 +210,7 @@ class Scene:
         return self.wires.wire(name)
 
     def _build_targets(self, context: SceneContext, sources: Mapping[str, Source]) -> None:
-        """Sensor chips and other devices on SCL and SDA."""
+        """Build the sensor chips and the other devices on SCL and SDA."""
         for name, table in self.case.chip.items():
             chip = self.chips[name] = parts.build_chip(context, name, sources.get(name))
             parts.put_on_bus(context, name, table, chip)
@@ -228,7 +228,7 @@ class Scene:
             self.stalled = str(stalled)
 
     def note_logs(self) -> dict[str, NoteLog]:
-        """Return the notes of each chip and device."""
+        """Return the log of notes of each chip and device, by its name."""
         chips = {name: chip.log for name, chip in self.chips.items()}
         return chips | {name: device.log for name, device in self.devices.items()}
 
@@ -265,7 +265,7 @@ class Scene:
         self._uart.record_receivers()
 
     def sci_bytes(self) -> int:
-        """Characters that were sent to SCIs by others than units."""
+        """The number of characters that parties other than units have sent to SCIs."""
         sent = 0 if self.host is None else self.host.bytes
         return sent + self._uart.characters
 
@@ -274,15 +274,19 @@ class Scene:
         self._uart.sent(wire, count)
 
     def sci_bytes_sent(self) -> int:
-        """Characters that SCIs of units have sent, to whomever."""
+        """The number of characters that the SCIs of units have sent."""
         return self._uart.sent_by_units()
 
     def serial_notes(self) -> list[str]:
-        """Return what went wrong on serial lines, and what was to be sent but never was."""
+        """Return notes on errors on serial lines, and on sends that never began."""
         return self._uart.notes()
 
     def bytes_on_bus(self) -> int:
-        """Return the whole bytes on the I2C bus, addresses included: of the controller agent, else of the wires."""
+        """Return the number of complete bytes on the I2C bus, including addresses.
+
+        They are counted on the wires if there is no controller agent or if the outside drives the bus, too; else they
+        are taken from the transfers of the agent.
+        """
         if self._counter is not None:
             return self._counter.bytes
         return self.bus.wire_bytes + (0 if self.head is None else self.head.controller.bytes_under_way())

@@ -21,7 +21,7 @@ ADDRESS = re.compile(r"0x[0-9a-f]{6}")
 
 
 def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
-    """Return the scope of a case's scene. wiring: of the case, if it is known already."""
+    """Return the scope of a case's scene. wiring: the wiring of the case, if it is already known."""
     if wiring is None:
         wiring = wiring_of(case)
     wires = list(wiring.wires())

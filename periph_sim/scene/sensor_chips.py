@@ -25,12 +25,12 @@ from .devices import NoteLog
 
 
 class ChipOnBus:
-    """chip: behind its pointer. log: what it noted."""
+    """A sensor chip on the bus. chip: the chip that its register pointer addresses. log: the notes of the chip."""
 
     STATE = State("pointer log")
 
     def __init__(self, context: SceneContext, name: str, make: Callable[[int], RegisterChip], powered: int) -> None:
-        """make: the chip, from the tick at which its supply comes."""
+        """make: returns the chip for the tick at which its supply is switched on."""
         self.log = NoteLog(context, name)
         self._kernel = context.kernel
         self._make = make
@@ -131,7 +131,7 @@ def _address(case: Case, name: str, table: ChipTable) -> int:
 
 
 def _source(table: ValueTable, lsb_per_unit: Fraction, start: int, ticks: Callable[[Fraction], int]) -> Source:
-    """Times count from the start of the run."""
+    """Return the source of the chip's values. Times are counted from the start of the run."""
     if table.ramp is not None:
         sent = host_frames()
         part = sent.PARTS[table.ramp]

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from ..processor.image_files.model import Image
     from .scene import Scene
 
-NO_PART = ("name", "about", "duration", "budget", "breaks")  # keys of a case that change no state
-DIGEST = 8  # bytes
+NO_PART = ("name", "about", "duration", "budget", "breaks")  # keys of a case that do not affect the state
+DIGEST = 8  # length of a digest, in bytes
 
 
 def state_of_scene(scene: Scene) -> Snapshot:

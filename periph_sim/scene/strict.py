@@ -12,6 +12,6 @@ if TYPE_CHECKING:
 
 
 def insist(units: Mapping[str, Dsp], name: str, note: Note) -> None:
-    """Raise the error in the firmware. name: of the chip or device."""
+    """Raise the error in the firmware. name: the name of the chip or device."""
     for dsp in units.values():
         dsp.processor.notes.raise_if_strict(note, name)

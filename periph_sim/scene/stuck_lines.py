@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class StuckLines:
-    """Sentences about lines that stayed low. head: the controller agent, where there is one."""
+    """Sentences about lines that stayed low. head: the controller agent, or None."""
 
     def __init__(self, kernel: Kernel, timebase: Timebase, start: int, units: Mapping[str, Dsp]) -> None:
         self.sentences: list[str] = []

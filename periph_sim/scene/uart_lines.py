@@ -26,7 +26,7 @@ SCICCR = SCI_MAP["SCICCR"]
 
 
 class UartLines:
-    """senders: by wire, how a party sends that is no unit: the host on RX."""
+    """Observes the UART lines. senders: by wire, rate and format of a party that is no unit, such as the host on RX."""
 
     def __init__(
         self,

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class UartSide:
-    """host: the sender on RX, if there is one. serial: other parties, which are not on the wires yet."""
+    """The serial lines of a scene. host: the sender on RX, or None. serial: other parties, not yet on the wires."""
 
     def __init__(
         self,
@@ -75,7 +75,7 @@ class UartSide:
         return counted + sum(self._sent.values()) + (0 if self._serial is None else self._serial.characters)
 
     def count(self, wires: Collection[str]) -> None:
-        """Count the characters on those of these wires that lead to an SCI; the outside drives them."""
+        """Count the characters on each of these wires that leads to an SCI. The outside drives these wires."""
         if self._lines is not None:
             self._lines.on_character_from(wires, self._came)
 
@@ -91,7 +91,7 @@ class UartSide:
         return sum(cast("Sci", self._units[sci.unit].socket(sci.module).chip).frames_sent for sci in self._scis)
 
     def notes(self) -> list[str]:
-        """Return what went wrong on pairs, and what was to be sent but never was."""
+        """Return notes on errors on RS-485 pairs, and on sends that never began."""
         told = [] if self._pairs is None else self._pairs.notes()
         return told + ([] if self._serial is None else self._serial.notes())
 

@@ -45,7 +45,7 @@ T = TypeVar("T")
 
 
 class BuiltUnit(Struct, frozen=True):
-    """model: by which the firmware computes the data of chips; None if it has none."""
+    """A built unit. model: the model with which the firmware computes the data of chips, or None."""
 
     dsp: Dsp
     firmware: Firmware

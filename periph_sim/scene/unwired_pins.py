@@ -35,7 +35,7 @@ def unwired_pins(dsp: Dsp) -> list[str]:
 
 
 def _pins(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int, ...]:
-    """Return the pins that the multiplexer connects to a signal."""
+    """Return the pins that GPxMUX connects to a signal."""
     if signal in descriptor.outputs:
         return gpio.sink(signal)
     source = gpio.source(signal)

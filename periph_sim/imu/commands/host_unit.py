@@ -1,4 +1,4 @@
-"""`periph-sim host-unit PORT`: the host's end of a serial line: sends frames of a flight or of datagrams at 50 Hz."""
+"""`periph-sim host-unit PORT`: sends the frames of a flight or of datagrams to a serial port, as the host does."""
 
 from __future__ import annotations
 

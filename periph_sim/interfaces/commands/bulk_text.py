@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 Characters = NDArray[np.uint8]
 Numbers = NDArray[np.int64]
 
-AT_ONCE = 1 << 15  # lines: their characters stay in the processor's cache
+AT_ONCE = 1 << 15  # number of lines formatted at a time, so that their characters stay in the processor's cache
 BLANK, NONE = b" ", b"\0"
 MAX_TABLE = 1 << 24  # codes up to this are numbered by a table, larger ones by sorting
 
@@ -26,7 +26,11 @@ _FOUR = (np.arange(10_000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")).astyp
 
 
 class Column(Protocol):
-    """width: characters of each line. fill: write them for some lines into an array of (lines, width)."""
+    """A column of the output, of the same width in every line.
+
+    width: number of characters in each line.
+    fill: writes the characters of some lines into an array with the shape (number of lines, width).
+    """
 
     width: int
 
@@ -34,7 +38,7 @@ class Column(Protocol):
 
 
 class Literal:
-    """The same text in every line."""
+    """A column with the same text in every line."""
 
     def __init__(self, text: str) -> None:
         self._text = np.frombuffer(text.encode(), np.uint8)
@@ -45,7 +49,7 @@ class Literal:
 
 
 class Digits:
-    """Numbers from 0 on, right-aligned; the last `decimals` digits follow a decimal point."""
+    """A column of non-negative integers, right-aligned; the last `decimals` digits follow a decimal point."""
 
     def __init__(self, values: Numbers, decimals: int = 0, pad: bytes = BLANK, width: int = 0) -> None:
         largest = int(values.max()) if len(values) else 0
@@ -78,7 +82,7 @@ class Digits:
 
 
 class Words:
-    """One of few texts in each line: `text_of(code)`, called once for each code. Codes are small, from 0 on."""
+    """A column with one of a few texts in each line. Each text is `text_of(code)`; codes are small integers from 0."""
 
     def __init__(self, codes: Numbers, text_of: Callable[[int], str], pad: bytes = NONE, width: int = 0) -> None:
         used, self._place = numbered(codes)
@@ -92,7 +96,7 @@ class Words:
 
 
 class Sparse:
-    """Columns of only some lines: line n of the columns is line where[n] of the page."""
+    """Columns that are empty in most lines. Their n-th value is written to line where[n] of the page."""
 
     def __init__(self, columns: Sequence[Column], where: Numbers) -> None:
         self._columns = columns

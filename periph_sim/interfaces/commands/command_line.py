@@ -7,5 +7,5 @@ import sys
 
 
 def command_line() -> str:
-    """ "periph-sim run timing/imu_hil.toml --seconds 1"; without the program's folder."""
+    """Return the command line, as "periph-sim run timing/imu_hil.toml --seconds 1", without the program's folder."""
     return shlex.join(["periph-sim", *sys.argv[1:]])

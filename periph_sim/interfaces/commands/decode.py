@@ -134,7 +134,7 @@ def _print(pieces: Iterable[bytes]) -> None:
 
 
 def _shortest(text: str, capture: Capture) -> int:
-    """Parse --glitch to positions; shorter pulses are glitches."""
+    """Convert the value of --glitch to a number of positions. Pulses that are shorter are glitches."""
     match = re.fullmatch(r"\s*(\d{1,18}(?:\.\d{1,18})?)\s*([a-z]*)\s*", text)
     if not match or (match[2] and match[2] not in A_SECOND) or (not match[2] and not match[1].isdecimal()):
         raise click.ClickException(

@@ -26,7 +26,7 @@ from ...traces.decode.uart_line import line_of
 from ...traces.decode.uart_table import uart_table
 
 UART_LINES = ("rx", "tx")
-FLAGS = ("invert", "vote")  # without a value
+FLAGS = ("invert", "vote")  # settings without a value
 SPI_LINES = {"clk": "clk", "mosi": "mosi", "miso": "miso", "cs": "cs", "simo": "mosi", "somi": "miso", "ste": "cs"}
 SPI_MODES = {  # the names and values of sigrok's decoder, the first one unless another is given
     "cpol": ("0", "1"),
@@ -34,7 +34,7 @@ SPI_MODES = {  # the names and values of sigrok's decoder, the first one unless 
     "bitorder": ("msb-first", "lsb-first"),
     "cs_polarity": ("active-low", "active-high"),
 }
-MAX_WORD = 32  # bits
+MAX_WORD = 32  # maximum bits of an SPI word
 SURE = 0.5  # of 34 real lines with a stated rate, guesses above this are right, those below mostly wrong
 
 

@@ -30,8 +30,8 @@ from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
 from .decoded_text import Clock, events_column, in_transfer
 
 AGAIN, DATA = (EVENTS.index(name) for name in ("repeated start", "data"))
-DECIMALS = 9  # of a second: Wireshark shows no more
-PER_LINE = 16  # bytes of a dump
+DECIMALS = 9  # decimals of a second; Wireshark shows no more
+PER_LINE = 16  # number of bytes in a line of a dump
 
 SIGROK = {
     "start": "Start",
@@ -45,9 +45,13 @@ SIGROK = {
 
 
 class Packet(NamedTuple):
-    """time: units of 10**-DECIMALS s. wire: address byte and data of a message, bytes of a burst, or SPI words, each in
-    whole bytes with the most significant one first. said: in the notation of the I2C-bus specification, with ACKs and
-    the final condition."""
+    """One packet of an export.
+
+    time: in units of 10**-DECIMALS s.
+    wire: the address byte and the data of a message, the bytes of a burst, or SPI words. Each word takes whole bytes,
+    the most significant one first.
+    said: the packet in the notation of the I2C-bus specification, with ACKs and the final condition.
+    """
 
     bus: int
     time: int
@@ -59,7 +63,7 @@ class Packet(NamedTuple):
 def in_pcapng(
     rows: Rows, first: Numbers, buses: Sequence[str], protocols: Sequence[str], clock: Clock
 ) -> Iterator[bytes]:
-    """Export to pcapng. protocols: of each bus; serial lines and SPI have no link type of their own."""
+    """Export to pcapng. protocols: the protocol of each bus; serial lines and SPI have no link type of their own."""
     yield pcapng.section()
     for name, protocol in zip(buses, protocols, strict=True):
         yield pcapng.interface(pcapng.I2C_LINUX if protocol == "i2c" else pcapng.USER0, name, DECIMALS)

@@ -16,7 +16,7 @@ GAP = "  "
 
 
 class Clock(NamedTuple):
-    """Positions as seconds: each is `up / down` units of 10**-decimals s.
+    """Converts positions in a capture to seconds: one position is `up / down` units of 10**-decimals s.
 
     Exact where the period is a decimal fraction of up to twelve digits, else rounded to picoseconds (coarser
     in captures of over a hundred days).
@@ -28,7 +28,10 @@ class Clock(NamedTuple):
 
     @staticmethod
     def for_rate(rate: Fraction, length: int = 0) -> Clock:
-        """Return the clock for positions up to `length`."""
+        """Return the converter of positions to seconds.
+
+        length: the largest position. The number of decimals is reduced until its time fits 63 bits.
+        """
         period = 1 / rate
         decimals = next((n for n in range(MOST_DECIMALS) if (period * 10**n).denominator == 1), MOST_DECIMALS)
         while decimals and length * period * 10**decimals >= 1 << 63:

@@ -24,7 +24,7 @@ from .new_files import NAME, Files
 
 Tree = dict[str, Any]
 
-MEASURES = (  # that become budgets if a case has none
+MEASURES = (  # measures that become budgets if a case has no budget
     *("overruns", "fifo high-water", "missed rounds", "nacked rounds", "nacked", "stretch", "response", "round"),
 )
 

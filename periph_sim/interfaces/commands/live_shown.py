@@ -27,7 +27,7 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 
 
 class Shown:
-    """url: of the page, or "". OutsideError for a port in use. A context manager, which ends its threads."""
+    """The display, a context manager that ends its threads. url: of its page, or "". OutsideError for a used port."""
 
     def __init__(self, in_terminal: bool, address: tuple[str, int] | None) -> None:
         self.url = ""

@@ -18,7 +18,7 @@ from ...outside.live.view.board import Board
 from ...outside.live.view.status import BudgetSoFar, Lateness, Snapshot
 
 PATIENCE = 1.0  # seconds without news, after which it checks for the end
-BAR = 30  # columns
+BAR = 30  # columns of the longest bar
 TURNS = 0.0005  # seconds after which the printing thread yields to the session
 
 

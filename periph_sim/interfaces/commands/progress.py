@@ -15,7 +15,7 @@ import click
 
 from ... import form
 
-LONG = 5  # seconds
+LONG = 5  # seconds from which an interpreted run gets the advice
 SHARE = "a fifth to a fourteenth"  # of the shipped cases' CPU time, by `python -m tests.bench.forms` in both forms
 
 

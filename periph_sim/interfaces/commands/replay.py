@@ -361,7 +361,7 @@ def show_history(console: Screen, divergence: Divergence) -> None:
 
 
 def _polls_as_one(changes: list[Change]) -> list[Change]:
-    """Drop reads with the same result as the read just before."""
+    """Leave out each read that has the same result as the read before it."""
     return [
         change
         for before, change in zip([None, *changes], changes, strict=False)

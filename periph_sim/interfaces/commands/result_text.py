@@ -49,7 +49,7 @@ def show(console: Screen, result: Result, case: Case, verbose: bool = False) -> 
 
 
 def _sci_bytes(result: Result) -> str:
-    """ "3 SCI bytes", or "3 SCI bytes to units and 100 from units" if units have sent any."""
+    """Return "3 SCI bytes", or "3 SCI bytes to units and 100 from units" if units have sent any."""
     to_units = counted(result.sci_bytes, "SCI byte")
     return f"{to_units} to units and {result.sci_bytes_sent} from units" if result.sci_bytes_sent else to_units
 
@@ -69,12 +69,12 @@ def _counts(result: Result, verbose: bool) -> list[str]:
 
 
 def _count(name: str, count: int) -> str:
-    """`2 resets`, `1 reset`; `1 missed`."""
+    """Return a count with its name: `2 resets`, `1 reset`; names that are no nouns have no plural: `2 missed`."""
     return counted(count, THINGS[name]) if name in THINGS else f"{count} {name.replace('_', ' ')}"
 
 
 def rounded(count: int) -> str:
-    """`142.7 M`, `28.2 k`, `999`: a count of which only the size matters."""
+    """Return a count rounded for reading: `142.7 M`, `28.2 k`, `999`."""
     for size, letter in ((10**6, "M"), (10**3, "k")):
         if count >= size:
             return f"{count / size:.1f} {letter}"

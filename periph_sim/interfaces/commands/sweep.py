@@ -108,7 +108,10 @@ def _varied(vary: tuple[str, ...]) -> dict[str, list[str]]:
 
 
 def _as_varied(sentence: str, varied: Mapping[str, list[str]]) -> str:
-    """Rewrite an error of a case, which names --set, with the option that the user gave."""
+    """Return an error message that names --set with --vary instead, the option that the user gave.
+
+    If a range lacks its step, the message explains how to write one.
+    """
     for key, values in varied.items():
         if f"--set '{key}=" in sentence:
             sentence = sentence.replace(f"--set '{key}=", f"--vary '{key}=")
@@ -217,5 +220,5 @@ def _table(came: Sweep) -> tuple[PlainTable, list[int]]:
 
 
 def _of_unit(value: Any, unit: str) -> float | int:
-    """Convert a value; counts become whole numbers."""
+    """Return a figure in us, % or LSB as a float, and any other as a whole number."""
     return float(value) if unit in ("us", "%", "LSB") else int(value)

@@ -74,7 +74,7 @@ class PlainTable:
     def __init__(self) -> None:
         self._titles: list[str] = []
         self._right: set[int] = set()
-        self._whole: set[int] = set()  # columns whose cells are not broken
+        self._whole: set[int] = set()  # columns whose cells are kept on one line
         self._rows: list[list[str]] = []
         self._styles: list[str] = []
 

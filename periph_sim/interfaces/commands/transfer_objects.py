@@ -1,4 +1,4 @@
-"""Decoded transfers as JSON, one object a line.
+"""Decoded transfers as JSON, one object per line.
 
     I2C    {..., "messages": [{"address": 83, "direction": "write", "acked": true, "bytes": [...]}], "ended": "stop"}
     UART   {..., "frames": [{"value": 65, ...}]}
@@ -22,7 +22,7 @@ from .decoded_text import Clock, in_transfer
 
 AGAIN, ACK, NACK, STOP = (EVENTS.index(name) for name in ("repeated start", "ack", "nack", "stop"))
 ACKED = {ACK: "true", NACK: "false"}
-AT_ONCE = 1000  # lines
+AT_ONCE = 1000  # number of lines that are yielded together
 
 
 def transfer_lines(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 SECTION = "run"
 EXAMPLE = "periph-sim watch timing/imu_hil.toml"
 
-PAUSE = 0.3  # seconds between checks of a dozen files: needs no library, and works on any file system
+PAUSE = 0.3  # seconds between checks of the files; polling needs no library and works on any file system
 
 
 @click.command()

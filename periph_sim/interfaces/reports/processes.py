@@ -2,7 +2,8 @@
 
     first pool --> server, which imports the package and runs no case --fork--> fresh worker
 
-Importing takes as long as many a case. Forking this process would not work: it has run cases, and may have threads.
+For many cases, importing takes as long as the run. This process cannot be forked, since it has run cases and may have
+threads.
 Without such a server, on Windows, workers import what they need.
 
 No worker outlives its use. An error or Ctrl-C in the block of a pool ends its workers at once, `end_workers` those of

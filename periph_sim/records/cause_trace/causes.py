@@ -20,7 +20,7 @@ from ..run import Run
 from .firmware_causes import INFERRED, MOST_ACCESSES, RECORDED, Link, accesses_before, causes_of_access, held_up
 from .holders import causes_of_hold, mover
 
-ROUND_A_GATE = 16  # cycles: most between a module's request and the PIE's flag
+ROUND_A_GATE = 16  # maximum cycles between a module's request and the flag of the PIE
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def _step(run: Run, row: int, link: Link) -> Step:
 def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> list[Link]:
     """Return the causes of a record: the main one last, if it is known, and before it the links beside it.
 
-    flag: the change of a field that the walk came from.
+    flag: the change of a field whose causes led to this record, or None.
     """
     kind = record.kind
     if kind is Kind.ACCESS:

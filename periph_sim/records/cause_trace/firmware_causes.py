@@ -24,16 +24,19 @@ from ..register_maps import register_of
 from ..run import Rows, Run
 
 RECORDED, INFERRED = "recorded", "inferred"
-MOST_LOOKS = 8  # at different places or fields
+MOST_LOOKS = 8  # maximum number of looks at different places or fields that are searched before a write
 MOST_ACCESSES = 10_000  # searched for looks before a write, within its routine
 MOST_ROUTINES = 3  # number of shown routines that delayed the firmware: the longest ones
 SEEN = "the last change of what it read"
 
 
 class Link(NamedTuple):
-    """A row that is related to another one. known: RECORDED or INFERRED. because: the relation.
+    """A row that is a cause of another row, or is shown beside its cause.
 
-    aside: it is shown beside the cause. of: the row that it is related to, if that is not the one in question.
+    known: RECORDED or INFERRED.
+    because: the relation in words.
+    aside: True if the row is shown beside the cause and is not the cause itself.
+    of: the row that this row is related to; None for the row whose causes are searched.
     """
 
     row: int
@@ -44,9 +47,10 @@ class Link(NamedTuple):
 
 
 def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return links from an access, its cause last. It has no cause at the begin of a program or without a look.
+    """Return the links of an access; the last one is its cause, unless it is `aside`.
 
-    flag: the change of a field that the walk came from.
+    An access of the main program has no cause if no change or earlier look explains it.
+    flag: the change of a field whose causes led to this access, or None.
     """
     routine = run.row_of(record.cause)
     entry = [] if routine is None else [Link(routine, RECORDED, "its service routine began")]
@@ -92,7 +96,7 @@ def accesses_before(run: Run, row: int, record: Record) -> Rows:
 
 
 def _beside(run: Run, look: int) -> list[Link]:
-    """Return links of a later look than the one that the walk continues with: what it saw and what delayed it."""
+    """Return links that are only shown: a look after the one that the search follows, its change and its delays."""
     record = run.record(look)
     changed = change_seen(run, look, record)
     links = [Link(look, INFERRED, "looked at as well", aside=True)]
@@ -142,7 +146,11 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
 
 
 def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return the read of a write's read-modify-write, and the change of the flag that the write handed back."""
+    """Return links to the read of a write's read-modify-write, and to the change whose value the write only wrote back.
+
+    The list is empty if the write does not belong to a read-modify-write.
+    flag: the change whose causes led to this write, or None.
+    """
     read = read_modify_writes(run, record.where).read_of(row)
     if read is None:
         return []

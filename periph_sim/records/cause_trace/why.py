@@ -93,12 +93,12 @@ def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> in
     if subject.kind is Kind.EDGE:
         return 1 - int(run.table.value[rows[0]] != 0) if len(rows) else None
     if subject.kind is Kind.FLAG:
-        return None  # of a variable
+        return None  # the first value of a variable is not known
     return 0
 
 
 def _reads(run: Run, subject: RecordedSignal, after: int, until: int | None) -> Rows:
-    """Return the recorded reads of the field between two of its changes."""
+    """Return the recorded reads of the subject's field after row `after` and before row `until`, if that is given."""
     if subject.register is None or subject.field is None:
         return np.empty(0, np.int64)
     rows = run.accesses_of(subject.unit, "R", subject.module, subject.register.name)

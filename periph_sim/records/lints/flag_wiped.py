@@ -1,11 +1,11 @@
-"""A flag of the transfer under way that a write of I2CSTR clears though the firmware never looked at it.
+"""A flag of the current transfer that a write of I2CSTR clears although the firmware has never read it.
 
-    i2c.I2CSTR.SCD = 1       writes back every 1 that it read: SDIR that rose meanwhile is gone
+    i2c.I2CSTR.SCD = 1       writes back every 1 that it read, and so clears SDIR if it was 1
     i2c.I2CSTR.all = 0xFFFF  clears everything
 
-A plain write of nothing but such flags is taken for meant. A flag left from an earlier transfer may be cleared unseen,
-and so may the one that a bit-field write names, all after the STOP, and ARDY, which carries nothing: it says that
-registers may be loaded.
+A plain write that sets no bits but those of such flags is considered intentional. Nor is it a fault to clear a flag
+left from an earlier transfer, the flag that a bit-field write names, any flag after the STOP, or ARDY, which only says
+that registers may be loaded.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Writes that want to set a read-only field: they have no effect.
+"""Writes that try to change a read-only field, which has no effect.
 
-A write that gives back what the field holds, as every bit-field assignment does, is none; nor is one of 0.
+A write that writes back the value of the field, as every bit-field assignment does, is no fault; nor is a write of 0.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""A place that reads one register for longer than the bound, with no other access between; or till the run is over.
+"""A place that reads one register, with no other access in between, for longer than the bound or until the run ends.
 
-So does a loop of several reads, of one register or of more, that are made in the same order again and again; but for
-those that take something, as of SCIRXBUF: such a loop works.
+A loop that makes several reads in the same order again and again is judged in the same way, unless a read in it removes
+data, as a read of SCIRXBUF does: such a loop makes progress.
 
 Skipped polls are not recorded, so a wait is the stretch from its first recorded read to the next access of the same
 routine elsewhere, or to the end of the run. What the firmware computed meanwhile without an access counts as waiting;
-a single read is no wait, as the firmware may have gone on without the register. A wait that the end of the run cuts
-short is at fault, however short, if its place never got past it.
+a single read is no wait, as the firmware may have continued without the register. A wait that is cut off by the end of
+the run is a fault, however short, if no earlier wait at its place has ended.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ..register_maps import reads_take, register_of
 from ..run import Rows, Run
 
 Bools = NDArray[np.bool_]
-LONGEST_PASS = 4  # reads
+LONGEST_PASS = 4  # maximum number of reads in a pass of a loop
 SAYS = "a place that polls registers for longer than --bound, or to the end of the run without ever getting past"
 
 

@@ -1,6 +1,6 @@
-"""A wait that ends at once, in the middle of a transfer, by a flag that rose before the transfer began.
+"""A wait in the middle of a transfer that ends at once, because its flag rose before the transfer began.
 
-Judged of reads that name the flag, which recordings of Python firmware have.
+Only reads that name the flag are judged; recordings of Python firmware contain them.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Writes that change nothing on this chip: TRX and I2CCNT as slave, STT and STP while the module is held in reset.
 
-TRX tells a master, or the free data format, its direction; a slave takes it from the address. I2CCNT does not limit a
-slave-receiver; of a slave-transmitter the guide can be read either way (option `cnt_in_slave_tx`). A write that a later
-use as master may need is none of these.
+TRX sets the direction of a master and of the free data format; the direction of a slave comes from the address. I2CCNT
+does not limit a slave-receiver; for a slave-transmitter the guide is ambiguous (option `cnt_in_slave_tx`). A write that
+a later use as master may need is no fault.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A slave that takes XRDY = 1 for a read request: it loads I2CDXR though no master reads from it.
+"""A slave that treats XRDY = 1 as a read request: it loads I2CDXR although no master reads from it.
 
 XRDY is 1 in idle, so firmware has to read SDIR or AAS too. The fault is judged by its result: the last read of XRDY
 before a write of I2CDXR showed XRDY = 1 and SDIR = 0, and SDIR was still 0 at the write, as slave and not in FIFO mode.

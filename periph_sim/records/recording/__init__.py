@@ -84,8 +84,8 @@ def format_of(path: Path) -> RecordingFormat | None:
 def recording(path: Path, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple[Subscribe, EndedAt]]:
     """Yield two functions: one for a scene to subscribe with, and one to call with the last tick and the units' clocks.
 
-    modules: unit -> its modules. BadRecording when the suffix is unknown or the place
-    cannot be written to.
+    modules: by unit, the names of its modules and named pins. Raise BadRecording if the suffix is unknown or the file
+    cannot be written.
     """
     chosen = _chosen(path)
     writers: list[Writer] = []

@@ -22,7 +22,8 @@ MODE: Literal["wb"] = "wb"
 KINDS = (*OF_SIGNALS, Kind.BUS, Kind.FRAME)
 
 PICOSECONDS = 10**12
-SAID = {Kind.BUS: "bus.I2C.text", Kind.FRAME: "bus.UART.text"}  # "0x68 R ACK", "0x55": the last thing, until the next
+# Text signals with values such as "0x68 R ACK" and "0x55". Each value is kept until the next record.
+SAID = {Kind.BUS: "bus.I2C.text", Kind.FRAME: "bus.UART.text"}
 
 
 class FstFile:
@@ -53,7 +54,7 @@ class FstFile:
 
 def open_writer(file: IO[bytes], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> FstFile:
     try:
-        library()  # before the run, which would be for nothing
+        library()  # raise an error for a missing library before the run, not after it
     except NoFstLibrary as error:
         raise BadRecording(str(error)) from None
     return FstFile(file, timebase, modules)

@@ -1,4 +1,4 @@
-"""Our own records, one JSON array a line: number, tick, kind, where, what, value, text, cause, field.
+"""Records of periph_sim as text, one JSON array per line: number, tick, kind, where, what, value, text, cause, field.
 
 The first line says the version and how many ticks a second has. The value of an address or a byte on the bus, and of a
 UART frame, is text as people write it: "0x21 R ACK", "0x11 ACK", "0x55"; that of a START or STOP is null.

@@ -3,7 +3,7 @@
     records --> process "dsp":        threads "firmware" and "interrupts", slices that nest; notes
                 process "dsp.I2C-A":  a counter for each register field that changed
                 process "bus":        transfers with their bytes, decoded from SCL and SDA; what each party said
-                process "wires":      a counter a wire, 0 or 1
+                process "wires":      a counter for each wire, 0 or 1
 
 `ts` is microseconds with three decimals, rounded down to a nanosecond, which is as fine as the viewers are; `args.tick`
 of slices and instants is the exact time, in ticks of `otherData.ticks_per_second`. Counters have no other arguments,
@@ -91,7 +91,7 @@ class PerfettoWriter:
         track = self._track("bus", "transfers")
         per_second = Fraction(self._per_second)
         for transfer in i2c.transfers(Capture(Path(), per_second, length, channels, sampled=False)):
-            if not transfer.phases:  # its START is out of sight
+            if not transfer.phases:  # its START is before the recording
                 continue
             self._begin(track, _title(transfer), transfer.phases[0].start.at)
             for place, byte in ((place, byte) for phase in transfer.phases for place, byte in enumerate(phase.bytes)):

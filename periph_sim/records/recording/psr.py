@@ -1,6 +1,6 @@
-"""Our own records, columnar: the whole run as typed arrays in one zip; layout in `traces/formats/psr.py`.
+"""Records of periph_sim by column: the whole run as typed arrays in one zip file; layout in `traces/formats/psr.py`.
 
-records as they happen --> growing arrays, 44 bytes a record --> written when the run is over
+records as they happen --> growing arrays, 44 bytes per record --> written when the run is over
 """
 
 from __future__ import annotations

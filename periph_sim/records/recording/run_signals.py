@@ -75,7 +75,7 @@ class RunSignals:
     """The signals of a run. `write` adds its records; `signals`, `lines` and `bits` return the result."""
 
     def __init__(self, timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
-        """modules: unit -> its modules, `I2C-A`, `SCI-A`, `pin:MODEL`."""
+        """modules: by unit, the names of its modules, as `I2C-A`, and of its named pins, as `pin:MODEL`."""
         self.per_second = timebase.per_second
         self._signals: dict[str, Signal] = {}
         self._wires = {name: self._signal(f"wires.{name}", initial=1) for name in WIRES}

@@ -73,7 +73,7 @@ class CaseFile:
 
 
 def _converted(tree: Mapping[str, Any], named: set[str]) -> dict[str, object] | None:
-    """Return the fields of a case that these keys of a tree say. None if one of them is wrong."""
+    """Return the fields of a case that these keys of a tree define; None if one of them is wrong."""
     keys, mistakes = keys_of(Case), list[Mistake]()
     fields: dict[str, object] = {}
     for said in named:

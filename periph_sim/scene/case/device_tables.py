@@ -41,7 +41,7 @@ def _length_alone(value: object) -> object:
 
 STRETCH = Annotated[StretchTable, Before(_length_alone, DurationRange | StretchTable)]
 OWN = {"nack": (), "wrong": ("value",), "flip": ("bit",), "hold": ("length", "clocks"), "off": ()}
-WHICH_BYTES = ("bytes", "access", "phases", "share")  # an outage strikes them all
+WHICH_BYTES = ("bytes", "access", "phases", "share")  # keys that an outage does not have, since it affects all bytes
 
 
 class DeviceFault(Strikes, frozen=True, kw_only=True):
@@ -85,4 +85,4 @@ class DeviceTable(BusParty, frozen=True, kw_only=True):
 
     model: str
     address: Address | None = None
-    own: dict[str, Any] = {}  # the keys that are its model's
+    own: dict[str, Any] = {}  # the keys that its model adds

@@ -7,7 +7,7 @@ from ...core.suggest import did_you_mean
 from .model import BadCase
 from .origin import Source, key_of
 
-SHOWN = 60  # characters of a wrong value that a message repeats
+SHOWN = 60  # maximum number of characters of a wrong value in a message
 
 
 def explain(source: Source, error: BadTable, tree: object = None) -> str:
@@ -30,7 +30,7 @@ def complaint(first: Mistake) -> str:
         return "it is missing"
     found = repr(first.found)
     told = first.found is NOTHING
-    if first.error is not None:  # BadCase: of a file that the value names
+    if first.error is not None:  # BadCase about a file that the value names
         told |= found in first.what or "but it is" in first.what or isinstance(first.error, BadCase)
         told |= isinstance(first.found, dict)
     if told or len(found) > SHOWN:

@@ -1,7 +1,7 @@
 """The JSON schema of case files, for editors.
 
 All of it is read from the models: the tables of `Case`, the kinds of faults and motions with their settings, and the
-options of a unit. What firmware takes as settings only the firmware knows, so that table is left open.
+options of a unit. Only the firmware knows its settings, so the schema allows any keys in that table.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ DIALECT = "http://json-schema.org/draft-07/schema#"  # editors of TOML know noth
 
 def case_schema() -> Schema:
     """Return the schema as a tree, for `json.dumps`."""
-    here = Path()  # whose project may have plugins
+    here = Path()  # the folder whose project may have plugins
     faults = {f"fault {name}": kind.Settings for name, kind in known(here, "attach", kinds_of_fault()).items()}
     frames = host_frames()
     motions = {f"motion {name}": settings for name, settings in frames.motion_settings().items()}
@@ -76,7 +76,7 @@ def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) ->
 
 
 def _watches(common: Schema, kinds: Mapping[str, object], schemas: Schema) -> Iterator[Schema]:
-    """Yield the schema of a watcher's table for each kind."""
+    """Yield the schema of the table of each kind of watcher."""
     for name in kinds:
         own = schemas[name]
         properties = {**common["properties"], **own["properties"], "kind": {"enum": [name.partition(" ")[2]]}}

@@ -2,7 +2,7 @@
 
     int, Annotated[...], a `Table` ... --schema_of--> {"type": "integer"} ...
 
-Tables inside are written once each, in `definitions`. What no schema can say, only the loader checks.
+Tables inside are written once each, in `definitions`. Only the loader checks what a schema cannot express.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def schema_of(annotation: Any, definitions: Schema) -> Schema:
     if is_table(annotation):
         name = annotation.__name__
         if name not in definitions:
-            definitions[name] = {}  # a table may be in itself
+            definitions[name] = {}  # a placeholder, since a table may contain itself
             definitions[name] = schema_of_table(annotation, definitions)
         return {"$ref": f"#/$defs/{name}"}
     return {} if annotation in (Any, object) else PLAIN[annotation]

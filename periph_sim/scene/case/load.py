@@ -18,7 +18,7 @@ from .model import BadCase, Case
 from .named_files import texts_in
 from .origin import SHOWN, Place, Source
 
-WIDEST = 2**63 - 1  # of an integer: what TOML promises, and what compiled code counts with
+WIDEST = 2**63 - 1  # largest integer: the limit of TOML and of compiled code
 _TOO_LONG = re.compile(r"[0-9_]{4300}")  # Python parses no integer of more digits
 
 
@@ -26,7 +26,7 @@ NAMES = {"name", "measure", "chip", "model", "pair", "breaks", "order"}  # keys 
 
 
 class UnknownKey(BadCase):
-    """A case, or a change of one, that names a key or an entry that is none."""
+    """Error: a case, or a change of a case, names an unknown key or entry."""
 
 
 def load(path: Path | str, changes: list[str] | None = None) -> Case:
@@ -41,7 +41,7 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
 
 
 def shared_case(path: Path, text: str, changes: tuple[str, ...]) -> Case:
-    """Return the case that a text says, with changes applied. BadCase if it says none.
+    """Return the case in a text, with changes applied. Raise BadCase if the text is not a valid case.
 
     path: of the file with the text. The case is shared: a dict or a list in it must not be changed.
     """
@@ -152,7 +152,7 @@ def tree_of(path: Path, text: str) -> dict[str, Any]:
 
 
 def refuse_unusable(source: Source, tree: object, place: Place = ()) -> None:
-    """Raise BadCase, with file, line and key, for an integer beyond 64 bits or a name that is no printable line."""
+    """Raise BadCase, with file, line and key, for an integer beyond 64 bits or a name with unprintable characters."""
     if isinstance(tree, dict):
         for key, value in tree.items():
             _check_name(source, key, (*place, key))

@@ -1,6 +1,6 @@
 """Measures of a user's own: lines such as `"late rounds" = "count of record round missed"`.
 
-[measures] of a case, file of `measures_from` --> sentences by name; BadCase with file and line for one that is none
+[measures] of a case, file of `measures_from` --> sentences by name; BadCase with file and line for an invalid one
 """
 
 from __future__ import annotations

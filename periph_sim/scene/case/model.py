@@ -75,7 +75,7 @@ class Controller(Table, frozen=True, kw_only=True):
 
     rate: BusRate = Fraction(100_000)
     ppm: Ppm = Fraction(0)
-    low: Length | None = None  # else half a period
+    low: Length | None = None  # None: half a period of SCL
     high: Length | None = None
     hold: Duration = Fraction(300, 10**9)
     filter: Duration = Fraction(0)
@@ -87,11 +87,11 @@ class Controller(Table, frozen=True, kw_only=True):
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
-    initialise: Length | None = None  # before the first round; else no chip is set up
+    initialise: Length | None = None  # time before the first round at which chips are set up; None: no chip is set up
     check: Literal["expect", "host"] = "expect"  # what "wrong bytes" compares with
     on_nack: Literal["go on", "give up"] = "go on"  # with the next phase of a transfer, where a written byte is refused
     stuck_after: Length = Fraction(25, 1000)
-    clear_after: Length | None = None  # else the bus is never cleared
+    clear_after: Length | None = None  # None: the bus is never cleared
     beside_outside: bool = False  # stays where the outside drives SDA and SCL; else the outside replaces it
 
     def as_rounds(self) -> RoundsTable:
@@ -120,7 +120,7 @@ class RoundsTable(Table, frozen=True, kw_only=True):
     period: Length
     rounds: Annotated[int, Meta(ge=1)] | None = None
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
-    check: Literal["expect", "host"] = "expect"  # as of a [controller]
+    check: Literal["expect", "host"] = "expect"  # as in [controller]
     ack_polling: bool = False  # a write of the address alone is no request
     stuck_after: Length = Fraction(25, 1000)
 
@@ -150,7 +150,7 @@ class ChipTable(BusParty, frozen=True, kw_only=True):
     """A sensor chip on SDA and SCL. registers: written before the run, by name. powered: for how long it was then."""
 
     model: str  # of `devices.chips`
-    address: Address | None = None  # else the chip's first
+    address: Address | None = None  # None: the first address that the chip can have
     values: ValueTable
     registers: dict[str, Byte] = {}
     powered: Duration = Fraction(1)

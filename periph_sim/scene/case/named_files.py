@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 BESIDE = {".py": "*.py", ".asm": "*.inc", ".c": "*.h"}  # what a source may read from its own folder
-LONGEST = 200  # characters of a path
+LONGEST = 200  # maximum number of characters of a path
 
 
 def texts_in(tree: object) -> Iterator[str]:

@@ -8,7 +8,7 @@ from msgspec import Struct
 
 from ...core.shorten import shorten
 
-SHOWN = 120  # characters of a change that a message quotes
+SHOWN = 120  # maximum number of characters of a change in a message
 Place = tuple[str | int, ...]  # keys and entry numbers from the top of a case down
 
 

@@ -44,11 +44,11 @@ def _by_variable(value: object) -> object:
 
 
 Exact = Annotated[Fraction, Before(_exact, int | float | str)]
-Answer = Annotated[Value, Before(_scalar)]  # to an open question
+Answer = Annotated[Value, Before(_scalar)]  # an answer to an open question
 Length = Annotated[Duration, After(_above_zero)]
 Address = Annotated[int, Meta(ge=0, le=0x7F)]
 Byte = Annotated[int, Meta(ge=0, le=0xFF)]
-BusRate = Annotated[Frequency, Meta(le=5_000_000)]  # UM10204's fastest
+BusRate = Annotated[Frequency, Meta(le=5_000_000)]  # the fastest mode of UM10204
 Crystal = Annotated[Frequency, Meta(ge=4_000_000, le=150_000_000)]  # SPRS439: X1/X2 and XCLKIN
 Ppm = Annotated[Exact, Meta(ge=-100_000, le=100_000)]
 RateError = Annotated[Exact, Meta(ge=-50, le=50)]

@@ -33,7 +33,7 @@ UNITS = (("s", 1), ("ms", 10**3), ("us", 10**6), ("ns", 10**9))
 
 
 def _only_one(table: Table, what: str, keys: tuple[str, ...], names: tuple[str, ...] = ()) -> None:
-    """ValueError unless exactly one of these keys is given. names: of them in a file, where they differ."""
+    """Raise ValueError unless exactly one of these keys is given. names: their names in a file, if they differ."""
     said = names or keys
     given = [name for key, name in zip(keys, said, strict=True) if getattr(table, key) is not None]
     if not given:

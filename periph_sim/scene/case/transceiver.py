@@ -84,5 +84,5 @@ def de_pin(case: Case, entry: int) -> Pin:
 
 
 def pulled_down(case: Case, unit: str) -> frozenset[int]:
-    """Return the GPIO numbers of a unit that a resistor holds low while they are not driven."""
+    """Return the GPIO numbers of a unit that a resistor pulls low while they are not driven."""
     return frozenset(one.de for one in on_pairs(case) if one.sci.unit == unit and one.table.pull == "down")

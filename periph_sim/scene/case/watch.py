@@ -20,7 +20,7 @@ class WatchTable(Table, frozen=True, kw_only=True):
     wire: str
     tolerance: Length
     why: str = ""
-    own: dict[str, Any] = {}  # the keys that are its kind's
+    own: dict[str, Any] = {}  # the keys that its kind adds
 
 
 def with_watches(budgets: tuple[Budget, ...], watches: Mapping[str, WatchTable]) -> tuple[Budget, ...]:

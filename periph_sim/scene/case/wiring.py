@@ -37,7 +37,7 @@ LAST_PIN = 87
 GPIO = re.compile(r"GPIO(\d+)")
 
 Pin = tuple[str, int]  # unit, GPIO number
-Node = Pin | str  # or a wire's name
+Node = Pin | str  # a pin, or the name of a wire
 
 
 class Cable(Table, frozen=True, kw_only=True):
@@ -49,7 +49,7 @@ class Cable(Table, frozen=True, kw_only=True):
 
 
 class Wiring(Struct, frozen=True):
-    """pins: by unit, the wire of each GPIO number that has one."""
+    """The wiring of a case. pins: by unit, the wire of each GPIO number that has a wire."""
 
     pins: Mapping[str, Mapping[int, str]]
 
@@ -188,7 +188,7 @@ def _named(case: Case) -> Iterator[tuple[str, int, str]]:
 
 
 class _Joints:
-    """Pins and names that are one wire."""
+    """Groups of pins and names that are the same wire."""
 
     def __init__(self) -> None:
         self._groups: dict[Node, list[Node]] = {}
@@ -207,7 +207,7 @@ class _Joints:
 
 
 def _check(case: Case, entry: int, group: list[Node]) -> None:
-    """Refuse a wire of two names, and one that two transmitters drive."""
+    """Raise BadCase for a wire with two names, and for a wire that two transmitters drive."""
     names = [node for node in group if isinstance(node, str)]
     if len(names) > 1:
         what = f"it joins {' and '.join(names)}, two names of one wire; give it one"

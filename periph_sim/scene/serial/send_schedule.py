@@ -39,13 +39,13 @@ class Send:
         self._ppm = ppm
         self._most = table.times if table.times is not None else None if table.period is not None else 1
         self._asked = 0
-        self._due = NO_TIME  # when it was to begin for the first time
+        self._due = NO_TIME  # the tick at which the first burst is due
         if table.at is not None:
             self.happened(context.start + context.ticks(table.at, ppm))
 
     @property
     def ticks(self) -> int:
-        """The length of a burst in ticks."""
+        """The duration of a burst, in ticks."""
         return self._burst.edges(0)[1]
 
     def why_never(self) -> str:

@@ -29,7 +29,7 @@ from .content import content_of, encoded, show_characters
 from .send_schedule import Send
 from .triggers import EventTrigger, TextTrigger
 
-WHO = "serial"  # as a party on a line
+WHO = "serial"  # name of the party on a line
 IDLE_BITS = 11  # before a block in idle-line mode: ten, and one for clocks that differ
 OFF = Fraction(5, 100)  # by which an SCI may be faster than the rate that it is read at
 
@@ -37,7 +37,7 @@ Entry = SendTable | ExpectTable
 
 
 class SerialSide:
-    """Made before wires are, so that the events that it waits for are recorded; `attach` puts it on them."""
+    """The outside parties, created before the wires so that the events they wait for are recorded; see `attach`."""
 
     def __init__(self, case: Case, table: SerialTable, scope: Scope, recorder: Recorder) -> None:
         """Subscribe to the events of all entries. Raise BadCase, with its line, for an invalid event."""
@@ -166,7 +166,7 @@ class SerialSide:
         return self._senders[wire]
 
     def _check_free(self, sci: SciLines, *place: str | int) -> None:
-        """Refuse a line that somebody else drives."""
+        """Raise BadCase for a line that another party drives."""
         others = [f"{one.unit}.{one.module}.TX" for one in self._lines.values() if one.tx == sci.rx]
         if self._case.host is not None and sci.rx == "RX":
             others.append("the host")
@@ -274,6 +274,6 @@ class SerialSide:
 
 
 def _if_driven(driver: Driver, told: Callable[[Heard], None], heard: Heard) -> None:
-    """Tell of a frame that began while a driver was on: it is that driver's."""
+    """Report a frame that began while a driver was on, since that driver sent it."""
     if driver.was_on(heard.begin):
         told(heard)

@@ -11,12 +11,12 @@ from hashlib import blake2b
 
 from ....core.records import Kind, Record, Recorder
 
-PART = 64  # bytes on the bus
-DIGEST = 4  # bytes of a digest
+PART = 64  # number of bus bytes after which a digest is stored
+DIGEST = 4  # length of a digest, in bytes
 
 
 class BusBytes:
-    """Digests of the bytes so far, without their times."""
+    """Computes digests of the bytes on the bus so far. The times of the bytes are not part of them."""
 
     def __init__(self, recorder: Recorder) -> None:
         self._hash = blake2b(digest_size=DIGEST)
@@ -34,5 +34,5 @@ class BusBytes:
 
     @property
     def digests(self) -> list[str]:
-        """Hexadecimal digests: one per whole part, one for the rest."""
+        """The digests in hexadecimal: one after every PART bytes, and one after the last byte."""
         return [*self._digests, self._hash.hexdigest()] if self._count % PART else [*self._digests]

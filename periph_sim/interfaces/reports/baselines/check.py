@@ -160,10 +160,10 @@ class Start(Protocol):
 
 
 def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int) -> None:
-    """Run again to find the chains that explain changed figures, and accesses that moved without changing one.
+    """Run cases again to explain changed figures, and to find accesses that moved without changing a figure.
 
-    A run ends after the last occurrence in the baseline's budgets. If figures and digest equal the baseline's,
-    nothing can have moved, and the run is skipped.
+    A run ends after the last occurrence whose chain is needed. If the figures and the digest of event times equal those
+    of the baseline, nothing can have moved, and the run is skipped.
     """
     runs: list[Callable[[], Chains] | None] = []
     for one in checks:

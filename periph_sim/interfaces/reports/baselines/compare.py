@@ -21,16 +21,18 @@ NOT_EARLIER = ("SCI bytes from units",)  # counts that those versions did not wr
 CHAIN = "chain"
 BUS_BYTES = "bus bytes"
 MOST_MOVED = 3  # moved accesses shown per case
-SAME = Fraction(1, 1000)  # seconds by which an occurrence may move and still be the same
+SAME = Fraction(1, 1000)  # seconds: an occurrence that moved by less is still the same one
 VALUES = ("worst", "least")
 INSTANTS = ("worst_at", "least_at")
 
 
 @dataclass
 class Change:
-    """A figure that changed. budget: None for a figure of the whole case. why: an explanation, or "".
+    """A figure that changed.
 
-    note: it is shown and cannot fail.
+    budget: the name of the budget; None for a figure of the whole case.
+    why: an explanation, or "".
+    note: True if the change is only shown and does not make the check fail.
     """
 
     budget: str | None
@@ -46,7 +48,7 @@ class Change:
 
 
 def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]:
-    """Return the changes in the order of the case's budgets, without chains. tolerance: for times, in cycles."""
+    """Return the changes in the order of the case's budgets, without chains. tolerance: cycles allowed for times."""
     changes = []
     for figure in ("case", "simulated", "ticks_per_second", "ticks_per_cycle"):
         old, new = getattr(before, figure), getattr(now, figure)
@@ -115,7 +117,11 @@ def _budget(name: str, before: Baseline, old: Figures, now: Baseline, new: Figur
 
 
 def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
-    """Return the figures to compare: if only one number was kept, largest, smallest and count are equal."""
+    """Return the names of the figures to compare, without those that only repeat the worst value.
+
+    A measure with a single value that is not a time has it as both its worst and its least value, and a measure that
+    counts has it as its count, too.
+    """
     one = [f.unit != "time" and (f.worst, f.worst_at) == (f.least, f.least_at) for f in (old, new)]
     if not all(one):
         return (*VALUES, *INSTANTS, "count")
@@ -173,7 +179,7 @@ def _cycles(of: Baseline, ticks: int | None, nothing: str) -> str:
 
 
 def _counted(value: int | None, unit: str) -> str:
-    """Format a number that is not a time; percent and LSB are kept in millionths."""
+    """Format a number that is not a time; percentages and values in LSB are stored in millionths."""
     if value is None:
         return "none"
     if unit == "%":

@@ -30,7 +30,7 @@ COARSE = ("START", "repeated START", "STOP")
 
 @dataclass(frozen=True)
 class Wanted:
-    """An occurrence of a measure. at: ticks from the run's begin. length: ticks of a time, else 0."""
+    """An occurrence of a measure. at: ticks from the start of the run. length: duration in ticks, 0 for an instant."""
 
     measure: str
     at: int
@@ -38,7 +38,7 @@ class Wanted:
 
 
 class EventLine(NamedTuple):
-    """A chain, and the firmware location of each line, or ""."""
+    """The lines of a chain, and for each of them its location in the firmware; "" if that is unknown."""
 
     lines: list[str]
     places: list[str]
@@ -46,7 +46,10 @@ class EventLine(NamedTuple):
 
 @output_muted()
 def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
-    """Run the case again until the last occurrence, and return the chain of each."""
+    """Return the chain of events of each wanted occurrence, by the same names.
+
+    The case is run again until the last of these occurrences is over.
+    """
     if not wanted:
         return {}
     kept: list[Record] = []

@@ -16,7 +16,7 @@ BYTES = 16
 
 
 class EventDigest:
-    """start: the run's first tick, origin of its times."""
+    """Computes the digest of a run's events. start: the first tick of the run, from which times are counted."""
 
     def __init__(self, recorder: Recorder, start: int) -> None:
         self._start = start

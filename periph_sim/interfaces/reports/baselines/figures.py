@@ -14,7 +14,7 @@ from typing import Literal
 
 from ....core.table import Table
 
-SCHEMA: Literal[1] = 1  # of the file; other versions are refused
+SCHEMA: Literal[1] = 1  # version of the file format; other versions are refused
 
 
 class Figures(Table, frozen=True, kw_only=True):
@@ -60,7 +60,7 @@ class Baseline(Table, frozen=True, kw_only=True):
     def chains_of(self, other: Baseline) -> dict[str, list[str]] | None:
         """Return the other's chains if this run's must equal them: equal figures, and equal times of all events.
 
-        None if a run is needed.
+        Return None if a run is needed to find the chains.
         """
         chains = {name: one.chain for name, one in other.budgets.items()}
         same = self.digest and self.digest == other.digest and self.with_chains(chains).budgets == other.budgets

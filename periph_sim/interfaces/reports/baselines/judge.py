@@ -17,7 +17,7 @@ State = Literal["equal", "changed", "missing", "written"]
 
 @dataclass
 class Finding:
-    """One thing that makes `check` fail. line: of the case file, 1 at least."""
+    """One reason why `check` fails. line: the line in the case file, at least 1."""
 
     budget: str | None
     line: int
@@ -26,9 +26,11 @@ class Finding:
 
 @dataclass
 class CaseCheck:
-    """The result of checking a case. state: of its baseline. diff: the change by `--update-baseline`, unified.
+    """The result of checking a case.
 
-    causes: for budgets that broke unexpectedly, the explanation of the worst occurrence.
+    state: the state of its baseline.
+    diff: the change that `--update-baseline` makes, as a unified diff.
+    causes: for each budget that broke unexpectedly, the explanation of its worst occurrence.
     """
 
     outcome: Outcome

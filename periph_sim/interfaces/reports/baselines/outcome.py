@@ -34,11 +34,13 @@ REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
 
 @dataclass
 class Outcome:
-    """The result of running a case file. lines: of budgets and their joined conditions in the file; 0 if
-    unknown.
+    """The result of running a case file.
 
-    changes: the "key=value" texts applied to the case. typical: the least critical values of its budgets.
-    trouble: sentences about firmware that waits forever. values: of each budget, if kept.
+    lines: the line of each budget and of its joined conditions in the file; 0 if unknown.
+    changes: the "key=value" texts applied to the case.
+    typical: the least critical values of its budgets.
+    trouble: sentences about firmware that waits forever.
+    values: the values of each budget, if they are kept.
     """
 
     path: Path
@@ -69,7 +71,7 @@ class Outcome:
 
 @dataclass
 class RejectedCase:
-    """A case that cannot be run. why: one sentence for the user. outside: it needs an outside party; not an error."""
+    """A case that cannot be run. why: one sentence. outside: True if it needs an outside party, which is no error."""
 
     path: Path
     why: str
@@ -96,17 +98,17 @@ def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = Fals
 
 
 def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> Chains:
-    """Run a case again, as far as needed, and return the chains of these budgets."""
+    """Run a case again until the last wanted occurrence, and return the chains of these budgets."""
     try:
         return Chains(path, chains(load(path, list(changes)), wanted))
-    except REFUSED as error:  # it ran before: the file or its firmware was changed meanwhile
+    except REFUSED as error:  # the case ran before, so its file or firmware has been changed meanwhile
         raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
 
 
 def run_explained(
     path: Path, changes: tuple[str, ...], verdicts: list[Verdict], typical: list[Verdict]
 ) -> dict[str, Chain]:
-    """Run a case again, as far as needed, and explain these worst occurrences; by budget."""
+    """Run a case again and return the chains that explain the worst occurrences in `verdicts`, by budget name."""
     try:
         return {name: one.chain for name, one in explain(load(path, list(changes)), verdicts, typical).items()}
     except REFUSED as error:

@@ -13,7 +13,7 @@ from ....timing.measures.measure import MILLIONTHS
 from ....timing.values import Values
 from ....traces.drawing.svg_diagram import nice_step
 
-MOST = 60  # bins
+MOST = 60  # maximum number of bins
 SHOWN = (("median", 500), ("p95", 950), ("p99", 990))
 UNITS = (("ns", 1), ("us", 10**3), ("ms", 10**6), ("s", 10**9))
 
@@ -29,10 +29,11 @@ class Bin:
 
 @dataclass(frozen=True)
 class Distribution:
-    """All numbers are in `unit`, which depends on their size. limits: key and value. quantiles: name and value (nearest
-    rank).
+    """The distribution of the values of a budget. All numbers are in `unit`, which depends on their size.
 
-    counted: the values are whole counts, so a bin of width 1 contains one distinct value.
+    counted: True if the values are whole counts, so that a bin of width 1 contains one distinct value.
+    limits: key and value of each limit.
+    quantiles: name and value (nearest rank) of each quantile.
     """
 
     unit: str

@@ -13,7 +13,12 @@ NOTHING = figure(0.0, "us")
 
 @dataclass(frozen=True)
 class Step:
-    """tick, at: from the occurrence's begin; length: "" for an instant; place: in the firmware, "" if unknown."""
+    """One event of the explanation.
+
+    tick, at: its time from the begin of the occurrence, as a number and as text.
+    length: its duration as text, "" for an instant.
+    place: its location in the firmware, "" if unknown.
+    """
 
     tick: int
     at: str
@@ -24,7 +29,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Share:
-    """A part of the time. percent: of the occurrence; more: the excess over the typical occurrence, or ""."""
+    """A part of the time of an occurrence, in percent. more: the excess over the typical occurrence, or ""."""
 
     what: str
     length: str

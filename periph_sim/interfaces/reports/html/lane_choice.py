@@ -33,7 +33,7 @@ class LaneChoice:
 
     @cached_property
     def bus(self) -> bool:
-        """True for I2C, and if nothing shows what the occurrence is about."""
+        """True if the occurrence is about the I2C bus, or if nothing shows what it is about."""
         return bool(BUS.search(self._text)) or not (self.serial or self.window.chain_texts)
 
     @cached_property

@@ -17,11 +17,16 @@ Standing = Literal["good", "known", "bad"]
 
 @dataclass(frozen=True)
 class BudgetReport:
-    """One budget. distribution: None if it has one number per run. timeline: None if it has no instant.
+    """The report of one budget.
 
-    limits: key and text of each. must_break: from the case. explanation: how the worst value came about. failure: what
-    failed, and why. over_time: the values over the run, None if one number per run. others: more occurrences
-    beyond a limit, in order of time: instant (ticks from the run's begin) and timeline.
+    limits: key and text of each limit.
+    must_break: True if the case says that the budget breaks.
+    distribution, over_time: None if the budget has a single number per run.
+    timeline: the timeline around the worst value; None if that has no instant.
+    explanation: how the worst value came about.
+    failure: what failed, and why.
+    others: more occurrences beyond a limit, in order of time: the instant, in ticks from the start of the run, and the
+    timeline.
     """
 
     verdict: Verdict

@@ -17,14 +17,19 @@ from ....timing.values import Values
 from ....timing.verdict import Verdict
 
 COLUMNS = 240
-MOST = 2_000  # violations with their instants
+MOST = 2_000  # maximum number of violations that are kept with their instants
 SHOWN = 6  # violations besides the worst that get waves
 PARTS = SHOWN - SHOWN // 2
 
 
 @dataclass(frozen=True)
 class Column:
-    """at: ticks from the run's begin. low, high: of the values in this part. beyond: some are beyond a limit."""
+    """One part of the run.
+
+    at: its begin, in ticks from the start of the run.
+    low, high: the least and the greatest value in this part.
+    beyond: True if some of its values are beyond a limit.
+    """
 
     at: int
     low: int
@@ -34,9 +39,11 @@ class Column:
 
 @dataclass(frozen=True)
 class OverTime:
-    """Values in `unit` of Values. end: of the run, in ticks.
+    """The values of a budget over the run, in the unit of `Values`.
 
-    violations: instant and value, in order of time, the first MOST of `violation_count`. which: the verdict's limit.
+    end: the end of the run, in ticks from its start.
+    which: the limit that the verdict names.
+    violations: instant and value of the first MOST violations, in order of time.
     """
 
     unit: str
@@ -50,7 +57,7 @@ class OverTime:
 
 
 def over_time(values: Values, verdict: Verdict, end: int) -> OverTime:
-    """Return the values over time. end: of the run, in ticks from its begin."""
+    """Return the values over time. end: the end of the run, in ticks from its start."""
     order = np.argsort(values.at, kind="stable")
     at, data = values.at[order], values.values[order]
     beyond = _beyond(data, verdict, values.limits)

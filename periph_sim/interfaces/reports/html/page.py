@@ -45,7 +45,7 @@ Row = tuple[int, CaseReport, int, BudgetReport]
 
 
 def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
-    """Return HTML without references to other files. title: of the page, and of its overview if it has several cases.
+    """Return HTML without references to other files. title: title of the page and of the overview of several cases.
 
     command: the command line that made it."""
     rows = _worst_first(cases)

@@ -20,8 +20,8 @@ WIDTH, HEIGHT = 560, 244
 LEFT, RIGHT, TOP, BOTTOM = 46, 18, 58, 40
 BREAK = 78  # width of the part after a break
 REACH = 1.5  # a limit is on scale up to this many widths of the values
-ROWS = 2  # of texts of limits
-CHARACTER = 6.6  # width of a character
+ROWS = 2  # number of rows for the texts of limits
+CHARACTER = 6.6  # width of a character, in units of the drawing
 LEAST = 24  # minimum bins of the axis, so a single value is a narrow bar
 
 
@@ -36,7 +36,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Rule:
-    """A vertical line with its text. anchor: the text's alignment at the line. row: of the text, from below."""
+    """A vertical line with its text. anchor: alignment of the text at the line. row: row of the text, from below."""
 
     x: float
     text: str
@@ -46,7 +46,11 @@ class Rule:
 
 @dataclass(frozen=True)
 class Plot:
-    """width, height: of the drawing; left, right, top, bottom: of the axes' box in it."""
+    """Layout of the plot, in units of the drawing.
+
+    width, height: the size of the drawing.
+    left, right, top, bottom: the edges of the box that the axes enclose.
+    """
 
     bars: tuple[Bar, ...]
     limits: tuple[Rule, ...]

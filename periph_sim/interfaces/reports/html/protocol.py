@@ -42,7 +42,11 @@ class Row:
 
 
 def rows(window: Window, seen: Callable[[int, int], bool], zero: int) -> list[Row]:
-    """Return rows in time order. seen: if a range of ticks is shown. zero: origin of their times, in ticks."""
+    """Return the rows in time order.
+
+    seen: returns True if a range of ticks (begin, end) is shown.
+    zero: the tick from which the times of rows are counted.
+    """
     names = {channel.name for channel in window.edges.channels}
     found = [*_i2c_rows(window)] if {"SCL", "SDA"} <= names else []
     found += _frame_rows(window)

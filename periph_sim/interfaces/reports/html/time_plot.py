@@ -1,9 +1,11 @@
-"""Layout of an OverTime plot: positions in percent of the field, for any page width.
+"""Layout of the plot of a budget's values over the run (`OverTime`).
 
-5.1 us |- - - - - - - - - - - -  max      a dot or a stroke per column, limits across,
-       |  .  .  | .  .   . |              values beyond a limit drawn again on top
+5.1 us |- - - - - - - - - - - -  max      each column is a dot or a stroke; limits are horizontal lines;
+       |  .  .  | .  .   . |              values beyond a limit are drawn a second time, on top
    0 us |__________________________
        0 s         5 s         10 s
+
+The field is the area that the axes enclose. Positions are in percent of the field, so they fit any page width.
 """
 
 from __future__ import annotations
@@ -16,9 +18,9 @@ from ....traces.drawing.svg_diagram import nice_step
 from .over_time import OverTime
 from .plot import number
 
-WIDTH, HEIGHT = 1000, 100  # of the field, for the paths
+WIDTH, HEIGHT = 1000, 100  # size of the field in the units of the SVG paths
 NEAR = 1.5  # a limit is drawn if it is within this many spreads of the values
-ROOM = 0.08  # margin above and below, as a part of the field
+ROOM = 0.08  # margin above and below, as a fraction of the height of the field
 
 
 Place = Callable[[float], float]

@@ -28,7 +28,12 @@ class SpanLabel:
 
 @dataclass
 class Wave:
-    """A binary signal. initial: level before the first edge; at: ticks of its edges; says: text of each edge."""
+    """A binary signal.
+
+    initial: the level before the first edge.
+    at: the ticks of the edges.
+    says: for each edge, the index of its text.
+    """
 
     name: str
     unit: str
@@ -90,12 +95,17 @@ Lane = Wave | Boxes | Marks
 
 @dataclass(frozen=True)
 class Timeline:
-    """Around one worst occurrence.
+    """The timeline around one worst occurrence.
 
-    origin: tick of time 0, from the run's begin; begin, end: of the occurrence; other ticks are relative to `origin`.
-    per_second: ticks. cycles: ticks per SYSCLKOUT cycle by unit; the first unit's for lanes without a unit.
-    shown: the initial range; kept: the available ranges, one or two. groups: a name and its lanes.
-    rows: of the protocol table, in time order.
+    origin: the tick of time 0, counted from the start of the run. All other ticks are relative to it.
+    begin, end: the begin and the end of the occurrence.
+    per_second: ticks per second.
+    cycles: ticks per SYSCLKOUT cycle, by unit. Lanes without a unit use those of the first unit.
+    shown: the range that is visible at first.
+    kept: the available ranges, one or two.
+    groups: name and lanes of each group.
+    says: the texts that lanes refer to by index.
+    rows: the rows of the protocol table, in time order.
     """
 
     origin: int
@@ -111,7 +121,7 @@ class Timeline:
 
     def json(self) -> dict[str, Any]:
         return {
-            "origin": str(self.origin),  # may exceed a double's integer range
+            "origin": str(self.origin),  # as text, since it may exceed the integers that a double represents
             "begin": self.begin,
             "end": self.end,
             "perSecond": self.per_second,
@@ -149,7 +159,7 @@ def _head(lane: Lane) -> dict[str, Any]:
 
 
 def _steps(at: Iterable[int]) -> list[int]:
-    """Return each as the distance from the one before; the first from 0."""
+    """Return each tick as its distance from the previous one, and the first as its distance from 0."""
     before = 0
     steps = []
     for tick in at:

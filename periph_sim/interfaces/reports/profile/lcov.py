@@ -80,7 +80,7 @@ def _instructions(image: Image) -> Iterator[Instruction]:
 
 
 def tracefile(files: dict[str, FileCoverage], name: str) -> str:
-    """Return the tracefile's text. name: of the test."""
+    """Return the tracefile's text. name: the name of the test."""
     return "".join(f"{line}\n" for file, of_file in files.items() for line in _record(file, of_file, name))
 
 

@@ -8,7 +8,7 @@ from ....core.text_table import paragraph, text_table
 from ....processor.image.profile import Profile
 from ....processor.instruction_location import parsed
 
-LONGEST_TEXT = 20  # functions shown without -v
+LONGEST_TEXT = 20  # number of functions that are shown without -v
 FINE = 1000  # us: shorter times are shown to the nanosecond
 PlaceOf = Callable[[str, str], str]  # location of the first instruction of a unit's function
 

@@ -29,7 +29,7 @@ ERROR = "error"  # verdict of a run that failed
 class Job:
     """Common data of all runs of a sweep. shown: the file as the caller named it, for messages.
 
-    length: instead of the case's own duration, in seconds.
+    length: the duration of each run in seconds, instead of that of the case.
     """
 
     file: str
@@ -40,7 +40,7 @@ class Job:
 
 @dataclass
 class Row:
-    """The figures of a run, named as in a `Result`. verdict: "error" if `error` says why the run failed."""
+    """The figures of a run, named as in a `Result`. verdict: "error" if the run failed; `error` then says why."""
 
     verdict: str
     error: str = ""
@@ -54,13 +54,13 @@ class Row:
 
 
 def rows_of(job: Job, runs: Sequence[Sequence[str]]) -> list[Row]:
-    """Return the rows of some runs, made one after the other. runs: the changes of each, as `--set` has them."""
+    """Execute some runs one after the other and return their rows. runs: the changes of each run, as for `--set`."""
     return [_row(job, changes) for changes in runs]
 
 
 @lru_cache(maxsize=4)
 def _prepared(file: str, text: str) -> PreparedScene:
-    """Return a file's prepared scene, which a worker keeps for the runs to come, until the file has another text."""
+    """Return the prepared scene of a file. A worker keeps it for later runs, as long as the file has the same text."""
     return PreparedScene(file)
 
 

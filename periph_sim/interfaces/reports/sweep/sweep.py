@@ -155,7 +155,7 @@ def _by(executor: Executor, job: Job, parts: Sequence[Texts]) -> Iterator[list[R
 
 
 def _by_processes(job: Job, parts: Sequence[Texts], jobs: int) -> Iterator[list[Row]]:
-    """As `_by`, in our own processes. If one dies, the runs it was doing are repeated one by one."""
+    """Like `_by`, in processes of this package. If a process dies, its unfinished runs are repeated one by one."""
     done = 0
     while done < len(parts):
         with processes(jobs) as pool:

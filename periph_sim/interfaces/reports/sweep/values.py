@@ -14,7 +14,7 @@ from ....scene.case.model import BadCase
 
 RANGE = re.compile(r"(?P<first>.+?)\s+to\s+(?P<last>.+?)\s+step\s+(?P<step>.+)")
 NUMBER = re.compile(r"(-?\d+(?:\.\d+)?)\s*([a-zA-Z%]*)")
-MOST = 1_000_000  # values of a range; more means a step in the wrong unit
+MOST = 1_000_000  # maximum number of values of a range; more of them suggest a step in the wrong unit
 
 
 def values_of(key: str, text: str) -> list[str]:

@@ -14,14 +14,17 @@ from time import process_time
 from ....scene.case.model import Case
 from .observe import built
 
-FEWEST, MOST = 5, 15  # runs of each row
+FEWEST, MOST = 5, 15  # minimum and maximum number of runs of each row
 PATIENCE = 20.0  # seconds of CPU time after which repeating stops
 
 
 @dataclass(frozen=True)
 class Cost:
-    """cpu_s: CPU seconds per simulated second, the median of all runs. spread_s: the interquartile range
-    divided by the root of their number, about a standard error of that median.
+    """The CPU time of a row.
+
+    cpu_s: CPU seconds per simulated second, the median of all runs.
+    spread_s: the interquartile range divided by the square root of the number of runs, which is about the standard
+    error of the median.
     """
 
     cpu_s: float
@@ -34,9 +37,10 @@ class Cost:
 
 
 def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Fraction) -> dict[str, Cost]:
-    """Return the cost of each row, a case and the suffix of its recording. Rows take turns.
+    """Return the cost of each row, by name. Each pass runs every row once, so that changes of load affect all rows.
 
-    start: seconds simulated before, not counted. length: seconds counted.
+    rows: the case of each row, and the suffix of its recording or "".
+    start: simulated seconds that are not counted. length: the simulated seconds after them, which are counted.
     """
     seconds: dict[str, list[float]] = {name: [] for name in rows}
     began = process_time()

@@ -25,14 +25,17 @@ from ....timing.verdict import NOT_JUDGED
 
 SAMPLE = 6  # bytes of a read that carries a whole sample
 UNITS = ("s", 1), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)
-DIGITS = 13  # of seconds; further digits are rounding of ticks
+DIGITS = 13  # digits of a time in seconds; further digits come from the rounding to ticks
 
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """verdicts: of the budgets that this run can measure, by name. times: occurrences of time budgets, in seconds.
+    """The results of one run that are compared with another run.
 
-    samples: codes of each chip in the controller's order, int64[n, 3]. others: bytes of other reads, by address.
+    verdicts: the verdict of each budget that this run can measure, by name.
+    times: the occurrences of each time budget, in seconds.
+    samples: the codes read from each chip in the controller's order, int64[n, 3].
+    others: the bytes of other reads, by address.
     """
 
     verdicts: dict[str, str]
@@ -87,7 +90,10 @@ class Errors:
 
 @contextmanager
 def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterator[Scene]:
-    """Build a scene and finish its recording after its run. record: the suffix of a temporary file, "" for none."""
+    """Yield a new scene of the case; when the context ends, finish its recording and delete the file.
+
+    record: suffix of the temporary file that is recorded to, or "" for no recording.
+    """
     with TemporaryDirectory() as folder:
         path = Path(folder, f"run{record}") if record else None
         with if_recorded(path, case.recorded_modules) as (subscribe, ended_at):

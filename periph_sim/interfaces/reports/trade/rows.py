@@ -25,9 +25,11 @@ Make = Callable[[Sequence[str]], Case]
 
 @dataclass(frozen=True)
 class Row:
-    """changes: of the case, as for `--set`. units: the case whose units are used; None: the case's own.
+    """One choice for the scene.
 
-    record: the suffix of the recording to write, "" for none.
+    changes: the changes of the case, as for `--set`.
+    units: the case whose units are used; None for those of the case itself.
+    record: the suffix of the recording to write, or "".
     """
 
     name: str

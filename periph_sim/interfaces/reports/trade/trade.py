@@ -117,7 +117,10 @@ class _Runs:
         return found
 
     def errors_of_recorded(self, length: Fraction, unrecorded: Errors) -> dict[str, Errors]:
-        """Return the errors of rows with a recording: `unrecorded` if recording changes nothing in `length` seconds."""
+        """Return the errors of each row with a recording, by name.
+
+        They are `unrecorded` if recording changes nothing in `length` seconds, else the differences that it causes.
+        """
         found: dict[str, Errors] = {}
         for row in self.running:
             if row.record:

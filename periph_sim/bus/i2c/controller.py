@@ -15,12 +15,11 @@ Source: UM10204 sections 3.1.1 to 3.1.10 (bus protocol), Table 10 (times).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from ...core.event_queue import Event
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder, Topic
-from ...core.sampler import watch
+from ...core.sampler import Sampler, watch
 from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire
@@ -29,9 +28,6 @@ from .bus_clear import BusClear
 from .filtered_bus import FilteredBus
 from .line_events import SCL
 from .transfer import BusTiming, Phase, Transfer
-
-if TYPE_CHECKING:
-    from ...core.sampler import Sampler
 
 # Purposes of events.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)

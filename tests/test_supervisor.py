@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from subprocess import PIPE, Popen
 
@@ -197,7 +198,13 @@ def test_a_signal_stops_a_run_and_removes_its_temporary_files(
     slow: Path, number: int, send: Callable[[int, int], None]
 ):
     """A terminal, and `timeout`, send it to both processes, so that the worker receives it twice."""
-    process = Popen([*COMMAND, "run", slow, "--html", "page.html"], stdout=PIPE, stderr=PIPE, start_new_session=True)
+    process = Popen(
+        [*COMMAND, "run", slow, "--html", "page.html"],
+        stdout=PIPE,
+        stderr=PIPE,
+        start_new_session=True,
+        preexec_fn=partial(signal.signal, number, signal.SIG_DFL),  # `nohup` and `&` of a script ignore some
+    )
     begun(process, "began1")
     assert any(path.name.startswith(".page") for path in Path().iterdir())
     send(process.pid, number)

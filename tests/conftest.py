@@ -107,6 +107,7 @@ UNCOUNTED = (
     "tests/form/test_linked.py",
     "tests/form/test_none.py",
     "tests/processor/host_code/test_sources.py",
+    "tests/test_earlier_project.py",
     "tests/mutants/",
     "tests/options/test_unrecorded.py",
     "tests/processor/test_stall_watch.py::test_it_works_in_parallel_worker_processes",

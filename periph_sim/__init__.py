@@ -98,6 +98,7 @@ _HOMES = {
     "traces.capture.capture": ("BadCapture", "Capture"),
 }
 _OTHER_NAMES = {"read_capture": ("traces.formats", "read"), "write_capture": ("traces.formats", "write")}
+_FORMER_PACKAGES = ("dissertation", "sensors")
 _PLACES = {name: (home, name) for home, names in _HOMES.items() for name in names} | _OTHER_NAMES
 
 
@@ -115,11 +116,13 @@ def __getattr__(name: str) -> object:
 
 
 class _MovedModules:
-    """Finder of modules by their names in an earlier version, asked after all others."""
+    """Finder of modules by their names in an earlier version. names: the beginnings of names that it looks up."""
 
-    @staticmethod
-    def find_spec(name: str, path: object = None, target: object = None) -> ModuleSpec | None:
-        if not name.startswith(f"{__name__}."):
+    def __init__(self, *names: str) -> None:
+        self._names = names
+
+    def find_spec(self, name: str, path: object = None, target: object = None) -> ModuleSpec | None:
+        if not name.startswith(self._names):
             return None
         from .removed import moved_module
 
@@ -127,7 +130,9 @@ class _MovedModules:
 
 
 choose()
-sys.meta_path.append(_MovedModules)
+# An update may leave the folders of former packages behind, which Python would import as empty packages.
+sys.meta_path.insert(0, _MovedModules(*(f"{__name__}.{package}" for package in _FORMER_PACKAGES)))
+sys.meta_path.append(_MovedModules(f"{__name__}."))
 
 
 def __dir__() -> list[str]:

@@ -65,3 +65,12 @@ def test_what_a_moved_package_contains_is_the_same_by_both_names():
     assert came.stderr.count("FutureWarning: periph_sim.sensors is now periph_sim.imu") == 1
     with pytest.warns(FutureWarning), pytest.raises(ModuleNotFoundError, match=r"periph_sim\.imu\.nothing"):
         import_module("periph_sim.sensors.nothing")
+
+
+def test_a_folder_that_an_update_left_behind_does_not_hide_the_moved_package(tmp_path: Path):
+    (tmp_path / "sensors" / "__pycache__").mkdir(parents=True)
+    code = f"import periph_sim; periph_sim.__path__.append({str(tmp_path)!r}); from periph_sim.sensors import motion"
+    came = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert came.returncode == 0 and "periph_sim.sensors is now periph_sim.imu" in came.stderr
+    packages = {name.split(".")[1] for name in MOVED if name.count(".") == 1}
+    assert packages == set(periph_sim._FORMER_PACKAGES)

@@ -4,4 +4,4 @@ from __future__ import annotations
 
 
 class InputError(ValueError):
-    """Bad input. The message is one sentence for the user, with which commands end."""
+    """An error in the user's input. Its message is one sentence, which the command prints before it exits."""

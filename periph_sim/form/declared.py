@@ -1,4 +1,4 @@
-"""What the annotations of a source declare in C: types, and heads of functions."""
+"""Types and function signatures in C, as the annotations of a source declare them."""
 
 from __future__ import annotations
 

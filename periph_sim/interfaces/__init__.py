@@ -1,1 +1,1 @@
-"""What users see: commands, reports and the pytest plugin."""
+"""The user interfaces: commands, reports and the pytest plugin."""

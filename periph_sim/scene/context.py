@@ -57,7 +57,7 @@ class CaseTicks(Struct, frozen=True):
 
 
 class SceneContext(CaseTicks, frozen=True):
-    """What the builders of a scene's parts get.
+    """The context that each builder of a scene's parts receives.
 
     wire: returns the wire with a given name, and creates it at the first request.
     wiring: the names of the wires at each unit's pins.

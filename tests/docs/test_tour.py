@@ -39,7 +39,7 @@ def calls() -> tuple[Calls, Calls]:
 
 @pytest.mark.parametrize(("walk", "most"), [(BYTE, 250), (ACCESS, 100)])
 def test_what_the_last_function_does_comes_from_the_first(calls: tuple[Calls, Calls], walk: str, most: int) -> None:
-    """From the first call of the last function back to the nearest one of each that stands before it."""
+    """Search back from the first call of the last function for the nearest call of each function above it."""
     run, names = calls[0], WALKS[walk]
     at = end = run.index(names[-1])
     for name in reversed(names[:-1]):

@@ -1,4 +1,4 @@
-"""What a measure remembers: it is plain values, and no older than the measure states."""
+"""The memory of each measure consists of plain values, which are no older than the measure states."""
 
 from __future__ import annotations
 

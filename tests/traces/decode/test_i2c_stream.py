@@ -29,7 +29,7 @@ TROUBLE = ("hold", "spike", "spike")
 
 
 def streamed(capture: Capture) -> list[i2c.Event]:
-    """The events that a stream decoder sees, each bit with the position at which it was told of."""
+    """Return the events that a stream decoder reports, each bit with the position at which it was reported."""
     found: list[i2c.Event] = []
     for span in capture.known(*capture.channels):
         scl, sda = (channel.cut(span) for channel in capture.channels)

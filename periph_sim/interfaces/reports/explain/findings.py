@@ -1,8 +1,8 @@
-"""What the records around an instant show: a finding for each kind of record, whatever budget the instant belongs to.
+"""Findings from the records around an instant, one for each kind of record; the kind of budget plays no part.
 
 an address or byte that was not acknowledged --> the write of I2COAR, IRS or NACKMOD, or the missing one
 bytes of a read                              --> the write of I2CDXR of each, or the device's memory
-a round that is due, a line held low         --> the transfers before, the wait that goes on, the byte nobody read
+a round that is due, a line held low         --> the transfers before, the wait that goes on, the unread byte
 words in the FIFO                            --> the last read before, the next one, and the firmware in between
 """
 
@@ -205,7 +205,7 @@ def _round_before(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _hung(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the lines that are low, the wait that goes on, and the byte that nobody read."""
+    """Find the lines that are low, the wait that goes on, and the byte that was not read."""
     at = evidence.window.begin
     if ends.thing not in LATE or any(phase.begin == at for phase in evidence.phases):
         return Finding()

@@ -45,7 +45,7 @@ def pulses(dsp: Dsp, settings: object) -> None:
 
 
 def high(**limits: str) -> Chain:
-    """Why the pulse nearest to this limit is as long as it is."""
+    """Return the explanation of the length of the pulse that is nearest to this limit."""
     programs = {"dsp": Firmware("pulses", pulses, None)}
     budget = {"name": "high", "measure": "from edge GOOD rise to edge GOOD fall", **limits}
     made = case("8 ms", unit={"dsp": UNIT}, budget=[budget])
@@ -104,7 +104,7 @@ def test_the_parts_add_up_to_the_whole(cycles: int):
 
 
 def test_a_short_one_has_none():
-    """1 us is told as other code, what takes more by the access behind it."""
+    """Code of 1 us is reported as other code, longer code by the access that follows it."""
     assert [str(part) for part in computed(130).parts] == ["other code", "hardware, after GPIO.GPBCLEAR written"]
     assert "code before GPIO.GPBCLEAR written" in map(str, computed(200).parts)
 

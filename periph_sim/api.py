@@ -13,8 +13,7 @@ from typing import Any
 from .core.convert import BadTable
 from .scene.case.load import apply, built, refusal
 from .scene.case.model import Case
-from .scene.case.named_files import texts_in
-from .scene.case.origin import Source
+from .scene.case.origin import Source, texts_in
 from .scene.firmware_loader import Firmware
 from .scene.prepared import PreparedScene, Program
 from .scene.result import Result

@@ -34,7 +34,6 @@ from ..outside.session import Session
 from ..records.if_recorded import if_recorded
 from ..scene.case.load import load
 from ..scene.case.model import Case
-from ..scene.clocks import clocks_of
 from ..scene.firmware_loader import Firmware
 from ..scene.result import Result
 from .axis import Axis
@@ -136,7 +135,7 @@ class F28335:
                 self._show(session.advance(until))
             self._result = session.finish()
             self._over = True
-            self._ended_at(session.scene.kernel.now, clocks_of(session.scene))
+            self._ended_at(session.scene.kernel.now, session.scene.clocks())
             self._files.close()
         return self._result
 

@@ -40,7 +40,7 @@ def _replayed(
             raise OutsideError(f"{log}: it is the log of {found}, and {other}; replay it with its own case")
         for tick, levels, sent in reader.instants():
             for wire, count in sent.items():
-                session.scene.sent_from_outside(wire, count)
+                session.scene.uart.sent(wire, count)
             session.apply(tick, levels)
             session.advance(tick + 1)
         if reader.end > session.now:

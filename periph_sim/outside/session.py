@@ -188,7 +188,7 @@ class Session:
         if name in self._serial:
             raise OutsideError(f"{name} has its other end already; use that, or close the session")
         self._serial[name] = line
-        self.scene.sent_from_outside(line.rx, 0)
+        self.scene.uart.sent(line.rx, 0)
         if self._log is not None:
             self._log.serial(line.rx)
         self._fed.append(line.feed)
@@ -216,7 +216,7 @@ class Session:
     def _acted(self, tick: int, levels: Mapping[str, int]) -> None:
         begun = [line.rx for line in self._serial.values() if line.begins(tick - self._start)]
         for wire in begun:
-            self.scene.sent_from_outside(wire, 1)
+            self.scene.uart.sent(wire, 1)
         if self._log is not None:
             self._log.instant(tick - self._start, levels, begun)
 

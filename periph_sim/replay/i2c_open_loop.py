@@ -29,8 +29,8 @@ from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.wire import Wire
 from ..scene.case.model import Case
+from ..scene.context import SceneWires
 from ..scene.scene import Scene
-from ..scene.wires import SceneWires
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c as decode
 from .compare import TIMING, Divergence, compare

@@ -28,7 +28,10 @@ from .context import CaseTicks, SceneContext
 from .plugins import sensors_of
 
 if TYPE_CHECKING:
+    from ..bus.i2c.bit_skip import BitParty, BitSkip
+    from ..core.agent import Agent
     from ..core.wire import Wire
+    from ..processor.dsp import Dsp
 
 
 class HeadPlan(Struct, frozen=True):
@@ -59,6 +62,7 @@ class ControllerAgent(Struct, frozen=True):
 def _agent_of(context: SceneContext) -> type[I2cController]:
     if not skips_bits(context):
         return I2cController
+
     from ..bus.i2c.skipping_controller import SkippingController
 
     return SkippingController
@@ -187,3 +191,28 @@ def _request(case: Case, known: Mapping[str, ChipData], table: RequestTable, *pl
     assert table.address is not None
     name = table.name or f"{table.address:#04x}"
     return Request(name, table.address, table.pointer, table.count, table.write, table.expect)
+
+
+MODULE = "I2C-A"
+
+
+def bit_skip_of(context: SceneContext, controller: I2cController | None, units: Mapping[str, Dsp]) -> BitSkip:
+    """Return the object that skips bits on SCL and SDA.
+
+    The controller agent clocks the bus; without one it is the unit that is the master.
+    """
+    from ..bus.i2c.bit_skip import BitSkip
+    from ..bus.i2c.skipping_controller import SkippingController
+
+    modules: dict[Agent, BitParty] = {}
+    bit_skip = BitSkip(context.kernel, context.wire("SCL"), context.wire("SDA"), controller, modules)
+    for dsp in units.values():
+        if MODULE in dsp.sockets:
+            from ..processor.i2c_bit_skip import party_of  # a scene without the module does not import it
+
+            socket = dsp.socket(MODULE)
+            modules[socket] = party_of(socket, dsp.clock, bit_skip, clocks=controller is None)
+    if controller is not None:
+        assert isinstance(controller, SkippingController)
+        controller.bit_skip = bit_skip
+    return bit_skip

@@ -15,18 +15,23 @@ is idle, not stuck. Units that wait only for each other are stuck.
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING, cast
 
 from ..core.chip import NEVER
 from ..core.wire import Wire
 from ..f28335.i2c.register_map import STR_NACK
 from ..f28335.pie.register_map import CPU_VECTORS, GROUPS, LINES, PIEIER
+from .stuck_lines import doing, waits
 
 if TYPE_CHECKING:
     from ..f28335.gpio.module import Gpio
     from ..f28335.i2c.module import I2c
     from ..processor.dsp import Dsp
     from ..processor.polling import Spin
+    from .scene import Scene
+
 
 OFF = ("IER = 0", "INTM = 1")  # by whether INTM is
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
@@ -177,3 +182,56 @@ def wires_into(dsp: Dsp, module: str) -> list[Wire]:
         return []
     foreign = {pin for signal, pin in part.pins.items() if signal not in inputs}
     return [wire for pin, wire in wires.items() if pin not in foreign]
+
+
+SETTLED = Fraction(1, 1_000_000)  # seconds in which outputs and holds that were begun are over
+
+
+def deadlocks_of(scene: Scene) -> list[str]:
+    """Return a sentence for each unit whose firmware waits for what cannot come: for what, since when, why it cannot.
+
+    If firmware let no simulated time pass and so ended the run, only that is reported.
+    """
+    if scene.stalled:
+        return [scene.stalled]
+    instant = partial(_instant, scene)
+    stuck = dict.fromkeys(scene.units, "")
+    before = -1
+    while len(stuck) != before:  # a unit that is not stuck may end the wait of another one
+        before, may_move = len(stuck), partial(_may_move, scene, set(stuck))
+        found = {name: deadlock_reason(scene.units[name], may_move, instant) for name in stuck}
+        stuck = {name: why for name, why in found.items() if why}
+    return [f"{name} {_wait(scene, scene.units[name])} and would for ever: {why}" for name, why in stuck.items()]
+
+
+def _wait(scene: Scene, dsp: Dsp) -> str:
+    """Return the wait that a unit is in or that a service routine interrupts, as a phrase."""
+    found = dsp.program.unanswered_wait()
+    if found is None:
+        return doing(dsp, scene.timebase, scene.start)
+    return waits(found.what, found.place, _instant(scene, dsp.clock.tick(found.since)))
+
+
+def _instant(scene: Scene, tick: int) -> str:
+    return scene.timebase.show(tick - scene.start)
+
+
+def _may_move(scene: Scene, stuck: set[str], wire: Wire, parties: list[str]) -> bool:
+    """Return True if a party may move the wire: not stuck, and not only answering or waiting in a round."""
+    coming = scene.kernel.next_time()
+    if coming <= scene.kernel.now + scene.timebase.ticks(SETTLED):
+        return True
+    held = wire.held_by()
+    for who in parties:
+        name = who.partition(".")[0]
+        if name in scene.units:
+            may = name not in stuck
+        elif wire.name in ("SCL", "SDA") and (name in scene.chips or name in scene.devices):
+            may = who in held and coming < NEVER
+        elif name == "controller" and scene.head is not None:
+            may = scene.head.at_rest or coming < NEVER
+        else:
+            may = True
+        if may:
+            return True
+    return False

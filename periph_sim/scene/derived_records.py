@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from ..timing.derived.byte_records import ByteRecords
     from ..timing.derived.origins import Origins
     from ..timing.derived.transfer_records import TransferRecords
+    from .case.model import BadCase, Case
     from .scene import Scene
+
 
 KINDS = (Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA, Kind.BUS)
 OF_BYTES = {"wrong bytes", "bytes compared"}
@@ -54,9 +56,21 @@ class DerivedRecords:
 
             RoundRecords(self._recorder, scene.bus.rounds, scene.bus.period)
         if named[Kind.RECEIVER]:
-            scene.record_receivers()
+            scene.uart.record_receivers()
         if "stuck" in named[Kind.BUS]:
-            scene.watch_for_stuck_lines()
+            self._watch_for_stuck_lines(scene)
+
+    def _watch_for_stuck_lines(self, scene: Scene) -> None:
+        """Report lines that stay low, as a controller agent does where there is one."""
+        if scene.head is None:
+            from ..bus.i2c.stuck_watch import STUCK_AFTER, StuckWatch
+
+            length = STUCK_AFTER if scene.case.rounds is None else scene.case.rounds.stuck_after
+            limit = scene.timebase.ticks(length, "nearest")
+            for name in ("SCL", "SDA"):
+                StuckWatch(
+                    scene.kernel, self._recorder, scene.wires[name], limit, scene.stuck.report, scene.bus.bit_skip
+                )
 
     def finish(self, scene: Scene) -> None:
         """Record what is incomplete at the end of the run."""
@@ -79,9 +93,7 @@ class DerivedRecords:
         checks_host = scene.case.checks_host
         origins: Origins | None = None
         if "age" in named or (named & OF_BYTES and checks_host):
-            from .read_origins import origins_of
-
-            origins = origins_of(scene)
+            origins = _origins_of(scene)
             scene.on_frame(origins.frame)
             scene.on_transfer(origins.transfer)
         if named & OF_BYTES:
@@ -101,3 +113,32 @@ class DerivedRecords:
             errors = ErrorRecords(self._recorder, scene.host_agent.truth_at, scene.host_agent.host.due)
             scene.on_frame(errors.frame)
             scene.on_transfer(errors.transfer)
+
+
+MODEL_PIN = "MODEL"  # what a case calls the pin that firmware raises while its models run
+
+
+def _origins_of(scene: Scene) -> Origins:
+    """Return the origins of a scene's reads. BadCase if values of sensor models could not be recognized."""
+    from ..core.sampler import watch
+    from ..devices.host_frames import host_frames
+    from ..timing.derived.origins import FrameOrigins, ModelOrigins
+
+    if scene.model is None:
+        return FrameOrigins(host_frames())
+    codes = scene.model.codes()
+    if codes is None:
+        raise _mistake(scene.case, "the firmware has sensor models, but no setting says their arithmetic")
+    if MODEL_PIN not in scene.wires:
+        what = "what sensor models show can be checked only with the pin that is high while they run"
+        raise _mistake(scene.case, f"{what}; give the unit pins = {{ {MODEL_PIN} = 34 }}")
+    origins = ModelOrigins(codes)
+    watch([scene.wires[MODEL_PIN]], origins.model_pin)
+    for dsp in scene.units.values():
+        dsp.on_reset.append(origins.reset)
+    return origins
+
+
+def _mistake(case: Case, what: str) -> BadCase:
+    """Return an error about the key `check` of [rounds] or [controller], the table that defines the rounds."""
+    return case.mistake(what, "rounds" if case.line("rounds") else "controller", "check")

@@ -17,8 +17,7 @@ from ..processor.error_origin import FirmwareStalled, defined_at, flaw_of
 from ..processor.user_code import PASSES, UserCode
 from .case.device_tables import DeviceTable
 from .context import SceneContext
-from .firmware_files import module_of_file, why_not_loaded
-from .firmware_loader import BadSetting, filled
+from .firmware_loader import BadSetting, filled, module_of_file, why_not_loaded
 
 CLASS = "Device"
 

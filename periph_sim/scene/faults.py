@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from random import Random
-from typing import TYPE_CHECKING
 
 from ..bus.faults import FaultContext, FaultKind, Repeated, kinds
+from ..core.kernel import Kernel
+from ..core.sampler import watch
+from ..core.state import State
 from ..core.suggest import did_you_mean
+from ..core.wire import Wire
+from ..f28335.i2c.register_map import I2C_MAP
+from ..processor.dsp import Dsp
 from . import plugins
 from .context import SceneContext
 from .firmware_loader import BadSetting, filled
-from .module_reset import ModuleReset
-
-if TYPE_CHECKING:
-    from ..core.wire import Wire
-    from ..processor.dsp import Dsp
 
 RESET = ".XRS"  # a unit's reset pin, as a wire
 MODULE_RESET = ".IRS"  # a unit's bit I2CMDR.IRS, as a wire
@@ -80,3 +81,33 @@ def _kind(context: SceneContext, entry: int, name: str) -> FaultKind:
     if name not in found:
         raise case.mistake(f"there is no fault {name!r}; {did_you_mean(name, found)}", "fault", entry, "kind")
     return found[name]
+
+
+I2CMDR = I2C_MAP["I2CMDR"]
+IRS = I2CMDR["IRS"].mask
+
+
+class ModuleReset:
+    """Clears I2CMDR.IRS of a unit while a wire is low, and restores it when the wire rises."""
+
+    STATE = State("_was_on")
+
+    def __init__(self, kernel: Kernel, unit: Dsp, wire: Wire) -> None:
+        self._kernel = kernel
+        self._clock = unit.clock
+        self._socket = unit.socket("I2C-A")
+        self._was_on: bool  # IRS when the wire fell; the wire is high at first
+        watch([wire], self._changed)
+
+    def _changed(self, tick: int, level: int) -> None:
+        """Write I2CMDR.IRS in the cycle of this edge."""
+        cycle = self._clock.cycle_at(tick)
+        self._kernel.call_at(self._clock.tick(cycle), partial(self._write, cycle, level))
+
+    def _write(self, cycle: int, level: int) -> None:
+        value = self._socket.peek(cycle, I2CMDR.offset)
+        if not level:
+            self._was_on = bool(value & IRS)
+            self._socket.write(cycle, I2CMDR.offset, value & ~IRS)
+        elif self._was_on:
+            self._socket.write(cycle, I2CMDR.offset, value | IRS)

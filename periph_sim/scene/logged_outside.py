@@ -16,7 +16,7 @@ from ..core.agent import Agent
 from ..core.kernel import Kernel
 from ..core.suggest import did_you_mean
 from ..core.wire import Wire
-from .case.model import Case
+from .context import SceneContext
 from .outside_log import BadLog, Instant, LogReader
 
 WHO = "outside"  # name of the party in records and in messages about who holds a line
@@ -55,13 +55,12 @@ class LoggedOutside(Agent):
             self._reader.close()
 
 
-def logged_outside(
-    case: Case, kernel: Kernel, wires: Mapping[str, Wire], start: int, ticks_per_second: int
-) -> LoggedOutside:
+def logged_outside(context: SceneContext, wires: Mapping[str, Wire]) -> LoggedOutside:
     """Return the agent that replays the log of [outside].
 
     Raise BadCase, with its line, if the log is unreadable, damaged, or of other wires or clocks.
     """
+    case, ticks_per_second = context.case, context.timebase.per_second
     assert case.outside is not None and case.outside.log is not None
     path = case.folder / case.outside.log
     try:
@@ -77,7 +76,7 @@ def logged_outside(
         unfinished = _checked(path, status.st_mtime_ns, status.st_size)
     except BadLog as error:
         raise case.mistake(str(error), "outside", "log") from None
-    logged = LoggedOutside(kernel, {name: wires[name] for name in reader.head.wires}, path, start)
+    logged = LoggedOutside(context.kernel, {name: wires[name] for name in reader.head.wires}, path, context.start)
     logged.unfinished = unfinished
     return logged
 

@@ -15,10 +15,9 @@ if TYPE_CHECKING:
     from ..timing.measures.reply import Expected, Reply
     from ..timing.measures.watched_wire import WatchedWire
     from .bus_side import BusSide
-    from .context import SceneContext
+    from .context import SceneContext, SceneWires
     from .release_delay import ReleaseDelay
     from .serial.side import SerialSide
-    from .wires import SceneWires
 
 
 class MeasuredParts:
@@ -44,7 +43,7 @@ class MeasuredParts:
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:
         context = self._context
-        return parts.watcher_of(context.case, self._wires, context.timebase, context.start, measure)
+        return parts.watch.watcher_of(context.case, self._wires, context.timebase, context.start, measure)
 
     def rounds_at_start(self) -> Callable[[], bool]:
         return self._bus.rounds.at_start
@@ -61,7 +60,7 @@ class MeasuredParts:
     def value_of(self, place: str, name: str) -> int:
         unit, _, module = place.partition(".")
         if module not in self._units[unit].sockets:
-            return parts.variable_value(self._units[unit], name)
+            return parts.image_watching.variable_value(self._units[unit], name)
         socket = self._units[unit].socket(module)
         chip = socket.chip
         register_name, _, field_name = name.partition(".")
@@ -81,6 +80,10 @@ class MeasuredParts:
         return self._units[unit or next(iter(self._units))].clock_history
 
     def i2c_release_delay(self, unit: str) -> ReleaseDelay:
+        from ..f28335.i2c.options import I2cOptions
+
         dsp = self._units[unit]
-        i2c = dsp.plan.answers(parts.I2cOptions)
-        return parts.ReleaseDelay(self._context.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, dsp.plan.system)
+        i2c = dsp.plan.answers(I2cOptions)
+        return parts.release_delay.ReleaseDelay(
+            self._context.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, dsp.plan.system
+        )

@@ -11,12 +11,14 @@ outside is then a second controller, or a device.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
+from ..core.suggest import did_you_mean
 from ..core.time import Timebase
+from ..core.wire import Wire
 from ..timing.budget_plan import BadBudget, BudgetPlan, plan_of
 from ..timing.measures.measure import Measure
-from .case.model import Case, OutsideTable
+from .case.model import BadCase, Case, OutsideTable
 from .limits import limits_of
 from .scope import scope_of_case
 
@@ -103,3 +105,28 @@ def _measures(plan: BudgetPlan) -> Iterator[Measure]:
     yield plan.make()
     for _, part in plan.joined:
         yield from _measures(part)
+
+
+def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
+    """Raise BadCase, with its line, if [outside] names an unknown wire, or one twice."""
+    assert case.outside is not None
+    names = case.outside.wires
+    for entry, name in enumerate(names):
+        if name not in wires:
+            what = f"there is no wire {name!r}; {did_you_mean(name, wires) if wires else 'the case has none'}"
+        elif name in names[:entry]:
+            what = f"{name} is named twice; once is enough"
+        else:
+            continue
+        raise case.mistake(what, "outside", "wires")
+
+
+def not_run(case: Case) -> BadCase:
+    """Return the error for a case that is driven from outside and cannot be run like others."""
+    assert case.outside is not None
+    wires = " and ".join(case.outside.wires)
+    what = (
+        f"{wires} {'is' if len(case.outside.wires) == 1 else 'are'} driven from outside, and a run has no outside party"
+    )
+    way_out = "step it with periph_sim.outside.Session, or give its log, a [controller] or a [host]"
+    return case.mistake(f"{what}; {way_out}", "outside")

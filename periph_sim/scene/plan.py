@@ -52,7 +52,7 @@ class ScenePlan:
         if not (case.unit or case.chip or case.device or case.controller or case.host):
             raise case.mistake("there is nothing to run; give it a [unit.NAME] with its firmware", "unit")
         if case.outside is not None:
-            case = parts.as_driven(case)
+            case = parts.outside_parties.as_driven(case)
         self.case = case
         self._before = before
         self._kept = kept
@@ -82,17 +82,19 @@ class ScenePlan:
 
     def unit(self, name: str) -> UnitPlan:
         """Return what a unit consists of. BadCase for what it cannot have."""
-        return self._part(f"unit {name}", lambda plan, case: parts.unit_plan(plan._ticks_of(case), plan.wiring, name))
+        return self._part(
+            f"unit {name}", lambda plan, case: parts.unit.unit_plan(plan._ticks_of(case), plan.wiring, name)
+        )
 
     @property
     def head(self) -> HeadPlan:
         """The requests of the [controller] and their schedule. BadCase for requests that cannot be made."""
-        return self._part("head", lambda plan, case: parts.head_plan(plan._ticks_of(case)))
+        return self._part("head", lambda plan, case: parts.controller.head_plan(plan._ticks_of(case)))
 
     @property
     def host(self) -> HostPlan:
         """The schedule of the [host]."""
-        return self._part("host", lambda plan, case: parts.host_plan(plan._ticks_of(case)))
+        return self._part("host", lambda plan, case: parts.host.host_plan(plan._ticks_of(case)))
 
     def _ticks_of(self, case: Case) -> CaseTicks:
         """Return the ticks for a part that is made of this case."""

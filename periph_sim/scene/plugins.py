@@ -22,7 +22,7 @@ from ..core.input_files import note_input
 from ..devices.sensor_rounds import ChipData, known_sensors
 from ..processor.user_code import PASSES, UserCode
 from .case.model import BadCase, Case
-from .firmware_files import module_of_file, why_not_loaded
+from .firmware_loader import module_of_file, why_not_loaded
 from .project import project_of
 
 if TYPE_CHECKING:

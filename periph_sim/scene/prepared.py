@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from ..core.input_files import inputs_of_one_command, note_inputs_of
 from ..core.settings import duration
 from ..core.table import separate
-from .case.case_file import CaseFile
+from .case.load import CaseFile
 from .case.model import BadCase, Case
 from .firmware_loader import Firmware
 from .plan import ScenePlan
@@ -125,7 +125,6 @@ class PreparedScene:
         self, changes: Sequence[str], length: Fraction | None, firmware: Mapping[str, Firmware], record: Path
     ) -> Result:
         from ..records.if_recorded import if_recorded
-        from .clocks import clocks_of
 
         with inputs_of_one_command():
             case = self.plan(changes).case
@@ -133,7 +132,7 @@ class PreparedScene:
             with if_recorded(record, case.recorded_modules) as (subscribe, ended_at):
                 scene = self.scene(changes, subscribe, firmware)
                 result = scene.run(length)
-                ended_at(scene.kernel.now, clocks_of(scene))
+                ended_at(scene.kernel.now, scene.clocks())
         return result
 
 

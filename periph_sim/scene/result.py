@@ -1,10 +1,22 @@
-"""The result of a run: the figures that tables and `--json` show."""
+"""The result of a run: the figures and notes that tables and `--json` show."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, cast
 
-from ..timing.verdict import Verdict
+from ..core.chip import joined
+from ..core.counted import counted
+from ..timing.verdict import FAIL, NOT_JUDGED, PASS, Verdict
+from .case.optimizations import obsolete_fidelity
+
+if TYPE_CHECKING:
+    from ..devices.chips.register_chip import RegisterChip
+    from ..f28335.descriptor import ModuleDescriptor
+    from ..f28335.gpio.module import Gpio
+    from ..processor.dsp import Dsp
+    from .scene import Scene
+
 
 # Counts that tell of the simulator, not of the case.
 SKIPPED = "polls_skipped"
@@ -38,3 +50,146 @@ class Result:
     sci_bytes_sent: int = 0
     bytes_skipped: int = 0
     fidelity: str = "exact"  # the only one; for readers of `--json` of earlier versions
+
+
+ON_THE_HOST = (
+    "its C sources run on the host, where int has 32 bits, long and pointers 64, char 8 (on the chip 16, 32, 22, 16), "
+    "and addresses count bytes"
+)
+
+
+def result_of(scene: Scene, length: int, wall: float) -> Result:
+    """Return the result of a run of `length` ticks, which took `wall` seconds."""
+    verdicts = [limit.verdict(scene.start) for limit in scene.limits]
+    deadlocks = scene.deadlocks()
+    stuck = [*scene.stuck.sentences[:10], *deadlocks]
+    failed = not all(v.passed for v in verdicts) or bool(deadlocks) or scene.stuck.hangs()
+    counts = {"rounds": 0, "missed": 0, "nacked": scene.bus.nacked, "frames": 0, "stuck": len(scene.stuck.sentences)}
+    if scene.head is not None:
+        counts |= {"rounds": scene.head.rounds, "missed": scene.head.missed}
+    elif scene.bus.asked is not None:
+        counts |= {"rounds": scene.bus.rounds.completed, "missed": scene.bus.rounds.missed}
+    if scene.host is not None:
+        counts |= {"frames": scene.host.frames}
+    if scene.frames is not None:
+        counts["beyond_16_bits"] = scene.frames.beyond.total()
+    counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
+    counts[SKIPPED] = sum(dsp.program.polls_skipped for dsp in scene.units.values())
+    counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
+    parts: dict[str, Dsp | RegisterChip] = {
+        **scene.units,
+        **{name: on_bus.chip for name, on_bus in scene.chips.items()},
+    }
+    wrong, first_wrong = wrong_bytes(scene)
+    return Result(
+        case=scene.case.name,
+        verdict=FAIL if failed else PASS if verdicts else NOT_JUDGED,
+        simulated_s=float(scene.timebase.seconds(length)),
+        wall_s=round(wall, 6),
+        events=scene.kernel.events,
+        wire_bytes=scene.bytes_on_bus(),
+        sci_bytes=scene.uart.characters + (0 if scene.host is None else scene.host.bytes),
+        sci_bytes_sent=scene.uart.sent_by_units(),
+        budgets=verdicts,
+        counts=counts,
+        unknowns=sorted({f"{name}.{t}" for name, part in parts.items() for t in part.touched}),
+        notes=notes_of(scene),
+        stuck=stuck,
+        wrong=wrong,
+        first_wrong=first_wrong,
+        bytes_skipped=min(scene.bus.passed, scene.bytes_on_bus()),
+        estimated=[name for name, unit in scene.case.unit.items() if unit.sources],
+    )
+
+
+def wrong_bytes(scene: Scene) -> tuple[dict[str, int], str]:
+    """Return how often each byte was wrong, and the first wrong read as a sentence, if a budget looks at them."""
+    compared = None if scene.derived is None else scene.derived.bytes
+    return ({}, "") if compared is None else (compared.wrong_places, compared.first_wrong)
+
+
+def notes_of(scene: Scene) -> list[str]:
+    """Return the notes on each unit and chip, a line each: broken duties, unmodelled parts, an ended main."""
+    obsolete = [obsolete_fidelity(scene.case.fidelity)] if scene.case.fidelity else []
+    lines = [*obsolete, *scene.case.replaced, *([scene.log_ends_early] if scene.log_ends_early else [])]
+    for name, dsp in scene.units.items():
+        for module, socket in dsp.sockets.items():
+            for tick, note in joined(socket.notes) if socket.notes else ():
+                at = scene.timebase.show(tick - scene.start)
+                place = dsp.note_places.get((socket.name, tick))
+                where = f", {place.for_people()}" if place else ""
+                text = note.text.removeprefix(f"{module}: ")  # an SCI names itself, which is in front already
+                lines.append(f"{name} {module}, first at {at}{where}: {text} [{note.source}]")
+        for note, n in dsp.processor.notes.counts.items():
+            place = dsp.processor.notes.places.get(note)
+            where = f", {'first ' * (n > 1)}at {place.for_people()}" if place else ""
+            if note.code == "overflow":
+                at = scene.timebase.show(dsp.processor.notes.first_at[note] - scene.start)
+                where = f", first at {at}" + (f", {place.for_people()}" if place else "")
+            lines.append(f"{name}: {note.text} [{note.source}] ({counted(n, 'time')}{where})")
+        if dsp.watchdog_resets:
+            first, place = dsp.watchdog_resets[0]
+            where = f" at {place}" if place else ""
+            at = scene.timebase.show(first - scene.start)
+            lines.append(
+                f"{name}: its watchdog reset it{where}, first at {at} ({counted(len(dsp.watchdog_resets), 'time')})"
+            )
+        if "GPIO" in dsp.sockets:
+            lines += unwired_pins(dsp)
+        if scene.case.unit[name].sources:
+            lines.append(f"{name}: {ON_THE_HOST}")
+        if dsp.program.returned_at is not None:
+            at = scene.timebase.show(dsp.clock.tick(dsp.program.returned_at) - scene.start)
+            lines.append(f"{name}: {dsp.program.ending(at)}")
+    for name, party in scene.note_logs().items():
+        for note, (tick, times) in party.notes.items():
+            at = scene.timebase.show(tick - scene.start)
+            lines.append(f"{name}, first at {at}: {note.text} [{note.source}] ({counted(times, 'time')})")
+    return lines + _missed_rounds(scene) + scene.uart.notes()
+
+
+def _missed_rounds(scene: Scene) -> list[str]:
+    """Return a note on rounds that the controller could not begin, unless a budget judges them."""
+    head, table = scene.head, scene.case.controller
+    judged = any(part.budget.measure == "missed rounds" for limit in scene.limits for part in limit.parts)
+    if head is None or table is None or not head.missed or judged:
+        return []
+    period = scene.timebase.show(scene.timebase.ticks(table.period, "nearest"))
+    return [
+        f"controller: {counted(head.missed, 'round')} that were due every {period} did not begin, because the one "
+        "before was still running; a budget on 'missed rounds' judges that"
+    ]
+
+
+def unwired_pins(dsp: Dsp) -> list[str]:
+    """Return notes on pins by GPxMUX at the end of the run; empty if every module in use has its wires."""
+    gpio, part = cast("Gpio", dsp.socket("GPIO").chip), dsp.plan.part
+    told = []
+    for module in dsp.sockets:
+        descriptor = part.by_name[module]
+        if descriptor.bus:
+            continue
+        pins = {end: _pins(gpio, descriptor, signal) for end, signal in descriptor.wires.items()}
+        bare = {end: min(on) for end, on in pins.items() if on and not set(on) & set(dsp.plan.wires)}
+        if bare:
+            places = " and ".join(f"{end} on GPIO{pin}" for end, pin in bare.items())
+            keys = ", ".join(
+                f"{_key(dsp.plan.wires[part.pins[descriptor.wires[end]]].name)} = {pin}" for end, pin in bare.items()
+            )
+            told.append(
+                f"{dsp.name}: {module} has {places}, where the case has no wire; add pins = {{ {keys} }} to the unit"
+            )
+    return told
+
+
+def _pins(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int, ...]:
+    """Return the pins that GPxMUX connects to a signal."""
+    if signal in descriptor.outputs:
+        return gpio.sink(signal)
+    source = gpio.source(signal)
+    return () if source is None else (source,)
+
+
+def _key(name: str) -> str:
+    """Return a name as a TOML key."""
+    return f'"{name}"' if "." in name else name

@@ -8,7 +8,7 @@ It builds only what the case names: no host, no RX wire; no controller, no agent
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
 from time import perf_counter
@@ -23,21 +23,19 @@ from ..core.uncollected import uncollected
 from ..processor.error_origin import FirmwareStalled
 from . import parts
 from .bus_side import SPIKE, BusSide
-from .case.model import Case, RoundsTable
-from .context import SceneContext
+from .case.model import Case
+from .context import SceneContext, SceneWires
 from .measured_parts import MeasuredParts
 from .plan import ScenePlan
-from .result import Result
-from .strict import insist
+from .result import Result, result_of
 from .stuck_lines import StuckLines, doing
-from .summary import result_of
 from .uart_side import UartSide
-from .wires import SceneWires
 
 if TYPE_CHECKING:
     from ..bus.faults import Repeated
     from ..bus.i2c.byte_counter import I2cByteCounter
     from ..bus.i2c.transfer import Transfer
+    from ..core.chip import Note
     from ..core.snapshot import Snapshot
     from ..core.wire import Wire
     from ..devices.chips.register_chip import Source
@@ -48,13 +46,13 @@ if TYPE_CHECKING:
     from ..devices.truth import Truth
     from ..processor.dsp import Dsp
     from ..timing.budgets import BudgetJudge
-    from ..timing.rounds import Asked
     from ..timing.verdict import Verdict
     from .devices import DeviceOnBus, NoteLog
     from .firmware_loader import Firmware
     from .firmware_model import FirmwareModel
     from .host import HostAgent
     from .sensor_chips import ChipOnBus
+    from .serial.side import SerialSide
 
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
@@ -86,16 +84,20 @@ class Scene:
         self.recorder = Recorder()
         wiring, scope, ticks = plan.wiring, plan.scope, plan.ticks
         self.timebase, self.start = ticks.timebase, ticks.start
-        self.limits = parts.limits_of(case, scope, self.timebase, self.start) if case.budget else []
+        self.limits = parts.limits.limits_of(case, scope, self.timebase, self.start) if case.budget else []
         for limit in self.limits:
             if keep_values and limit.measure.series:
                 limit.measure.keep()
             for measure in limit.own_measures:
                 measure.subscribe(self.recorder)
-        serial = None if case.serial is None else parts.SerialSide(case, case.serial, scope, self.recorder)
+        serial: SerialSide | None = None
+        if case.serial is not None:
+            from .serial.side import SerialSide
+
+            serial = SerialSide(case, case.serial, scope, self.recorder)
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)
-        self.derived = parts.DerivedRecords(self.recorder) if self.recorder.names_things else None
+        self.derived = parts.derived_records.DerivedRecords(self.recorder) if self.recorder.names_things else None
         self.kernel = Kernel(self.start)
         self.wires = self.WIRES(self.kernel, self.recorder)
         self.units: dict[str, Dsp] = {}
@@ -114,7 +116,7 @@ class Scene:
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
         self.frames: FrameSource | None = None  # source of the frames of the host; None if it sends a ramp
         self._counter: I2cByteCounter | None = None  # counts the bytes on the wires, if needed
-        self.bus = BusSide(case, self.wires, self._ticks(SPIKE))
+        self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # a sentence, if [outside] has the log of an unfinished session
         self.stalled = ""  # a sentence about firmware that let no time pass and so ended the run; "" if there is none
@@ -123,42 +125,49 @@ class Scene:
         context = SceneContext(case, self.timebase, self.start, self.kernel, self.recorder, wire, wiring)
         self.measured = MeasuredParts(context, self.wires, self.units, self.bus, serial)
         for name in case.unit:
-            built = parts.build_unit(context, name, plan.unit(name), (programs or {}).get(name))
+            built = parts.unit.build_unit(context, name, plan.unit(name), (programs or {}).get(name))
             self.units[name], self.firmware[name] = built.dsp, built.firmware
             self.model = self.model or built.model
         self._build_targets(context, sources or {})
-        shared = case.outside is not None and parts.drives_bus(case.outside)  # the bus has other parties
+        outside = case.outside
+        shared = outside is not None and parts.outside_parties.drives_bus(outside)  # the bus has other parties
         if case.controller is not None:
-            side = parts.build_head(context, case.controller, plan.head, self.stuck.report)
+            side = parts.controller.build_head(context, case.controller, plan.head, self.stuck.report)
             self.head = self.stuck.head = side.head
             self.requests, self.bus.asked = list(plan.head.requests), plan.head.asked
             side.controller.beside_others = shared
             if not shared:
                 self.head.on_transfer.append(self.bus.count)
-            if parts.skips_bits(context):
-                self.bus.bit_skip = parts.bit_skip_of(context, side.controller, self.units)
+            if parts.controller.skips_bits(context):
+                self.bus.bit_skip = parts.controller.bit_skip_of(context, side.controller, self.units)
         has_bus = "SCL" in self.wires and "SDA" in self.wires
-        if has_bus and self.head is None and parts.skips_bits(context):
-            self.bus.bit_skip = parts.bit_skip_of(context, None, self.units)
+        if has_bus and self.head is None and parts.controller.skips_bits(context):
+            self.bus.bit_skip = parts.controller.bit_skip_of(context, None, self.units)
         if has_bus and (self.head is None or shared):
             lines = self.wires["SCL"], self.wires["SDA"]
             if self.recorder.wants(Kind.BUS):
-                self._counter = parts.BusRecorder(self.kernel, self.recorder, *lines)
+                from ..bus.i2c.event_recorder import BusRecorder
+
+                self._counter = BusRecorder(self.kernel, self.recorder, *lines)
             else:
-                self._counter = parts.I2cByteCounter(*lines)
+                from ..bus.i2c.byte_counter import I2cByteCounter
+
+                self._counter = I2cByteCounter(*lines)
         if case.rounds is not None:
-            self.bus.asked = self._asked_by_master(context, case.rounds)
+            if "SCL" not in self.wires:
+                raise case.mistake("it needs a bus, and no unit has I2C-A", "rounds")
+            self.bus.asked = parts.controller.rounds_of(context, case.rounds)
         if has_bus and (shared or case.rounds is not None):
             self.on_transfer(self.bus.count_nacked)
         if case.host is not None:
-            self.host_agent = parts.HostAgent(context, case.host, plan.host, self.model)
+            self.host_agent = parts.host.HostAgent(context, case.host, plan.host, self.model)
             self.host = self.host_agent.host
             self.frames, self.truth = self.host_agent.frames, self.host_agent.truth
         for transceiver in case.transceiver:
             self.wires.wire(transceiver.pair)
         if case.fault:
-            self.faults = parts.build_faults(context, self.wires, self.units)
-        self._uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self.measured)
+            self.faults = parts.faults.build_faults(context, self.wires, self.units)
+        self.uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self.measured)
         self._there = self._what_is_there()
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
@@ -168,12 +177,12 @@ class Scene:
         for limit in self.limits:
             for measure in limit.own_measures:
                 measure.listen(self.measured)
-        if case.outside is not None:
-            parts.check_outside(case, self.wires)
-            self._uart.count(case.outside.wires)
-            if case.outside.log is not None:
-                log = parts.logged_outside(case, self.kernel, self.wires, self.start, self.timebase.per_second)
-                log.on_sent = self._uart.sent
+        if outside is not None:
+            parts.outside_parties.check_outside(case, self.wires)
+            self.uart.count(outside.wires)
+            if outside.log is not None:
+                log = parts.logged_outside.logged_outside(context, self.wires)
+                log.on_sent = self.uart.sent
                 self.log_ends_early = log.unfinished
 
     # Building ------------------------------------------------------------------
@@ -186,7 +195,7 @@ class Scene:
             "rounds": self.bus.asked is not None,
             "I2C-A": "SCL" in self.wires,
             "host": self.host is not None,
-            "SCI": self._uart.has_sci,
+            "SCI": self.uart.has_sci,
             "serial": self.case.serial is not None,
         }
 
@@ -197,9 +206,11 @@ class Scene:
             measure = limit.budget.measure
             what = f"{measure!r} needs {NEEDS.get(needs, needs)} in the scene, which has none"
             raise self.case.mistake(what, "budget", entry, "measure")
-        if needs == "serial" and self.case.serial is not None and isinstance(limit.measure, parts.Reply):
+        if needs == "serial" and self.case.serial is not None:
+            from ..timing.measures.reply import Reply
+
             expected = [one.name for one in self.case.serial.expect]
-            if limit.measure.name not in expected:
+            if isinstance(limit.measure, Reply) and limit.measure.name not in expected:
                 what = f"no reply {limit.measure.name!r} is expected; {did_you_mean(limit.measure.name, expected)}"
                 raise self.case.mistake(what, "budget", entry, "measure")
         if self.truth is None and needs == "host" and limit.measure.unit == "LSB":
@@ -212,18 +223,18 @@ class Scene:
     def _build_targets(self, context: SceneContext, sources: Mapping[str, Source]) -> None:
         """Build the sensor chips and the other devices on SCL and SDA."""
         for name, table in self.case.chip.items():
-            chip = self.chips[name] = parts.build_chip(context, name, sources.get(name))
-            parts.put_on_bus(context, name, table, chip)
+            chip = self.chips[name] = parts.sensor_chips.build_chip(context, name, sources.get(name))
+            parts.devices.put_on_bus(context, name, table, chip)
         if self.case.device:
             self._build_devices(context)
         if self.case.strict:
             for name, log in self.note_logs().items():
-                log.on_note = partial(insist, self.units, name)
+                log.on_note = partial(_raise_in_firmware, self.units, name)
 
     def _build_devices(self, context: SceneContext) -> None:
         taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
         try:
-            self.devices = parts.build_devices(context, self.wires, taken)
+            self.devices = parts.devices.build_devices(context, self.wires, taken)
         except FirmwareStalled as stalled:  # in a user's file: the run ends as it begins
             self.stalled = str(stalled)
 
@@ -231,9 +242,6 @@ class Scene:
         """Return the log of notes of each chip and device, by its name."""
         chips = {name: chip.log for name, chip in self.chips.items()}
         return chips | {name: device.log for name, device in self.devices.items()}
-
-    def _ticks(self, length: Fraction) -> int:
-        return self.timebase.ticks(length, "nearest")
 
     # What measures and displays listen to and ask ------------------------------
 
@@ -243,43 +251,9 @@ class Scene:
     def on_round(self, told: Callable[[Round], None]) -> None:
         self.bus.rounds.on_round.append(told)
 
-    def _asked_by_master(self, context: SceneContext, table: RoundsTable) -> Asked:
-        if "SCL" not in self.wires:
-            raise self.case.mistake("it needs a bus, and no unit has I2C-A", "rounds")
-        return parts.rounds_of(context, table)
-
     def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None:
         if self.host is not None:
             self.host.sent.append(told)
-
-    def watch_for_stuck_lines(self) -> None:
-        """Report lines that stay low, as a controller agent does where there is one."""
-        if self.head is None:
-            length = parts.STUCK_AFTER if self.case.rounds is None else self.case.rounds.stuck_after
-            for name in ("SCL", "SDA"):
-                wire, limit = self.wires[name], self._ticks(length)
-                parts.StuckWatch(self.kernel, self.recorder, wire, limit, self.stuck.report, self.bus.bit_skip)
-
-    def record_receivers(self) -> None:
-        """Record what the receivers of SCIs do, and the characters that are sent to them."""
-        self._uart.record_receivers()
-
-    def sci_bytes(self) -> int:
-        """The number of characters that parties other than units have sent to SCIs."""
-        sent = 0 if self.host is None else self.host.bytes
-        return sent + self._uart.characters
-
-    def sent_from_outside(self, wire: str, count: int) -> None:
-        """Add to the characters on a wire that the outside drives by bytes. count: 0 before the first."""
-        self._uart.sent(wire, count)
-
-    def sci_bytes_sent(self) -> int:
-        """The number of characters that the SCIs of units have sent."""
-        return self._uart.sent_by_units()
-
-    def serial_notes(self) -> list[str]:
-        """Return notes on errors on serial lines, and on sends that never began."""
-        return self._uart.notes()
 
     def bytes_on_bus(self) -> int:
         """Return the number of complete bytes on the I2C bus, including addresses.
@@ -305,7 +279,7 @@ class Scene:
         """
         outside = self.case.outside
         if outside is not None and outside.log is None:
-            raise parts.not_run(self.case)
+            raise parts.outside_parties.not_run(self.case)
         began = self.kernel.now
         try:
             end = self.timebase.end_of_run(began, self.case.duration if duration is None else duration)
@@ -336,7 +310,7 @@ class Scene:
         Measures are not part of it. Scenes of images with equal states have equal futures. Of Python firmware and C
         sources the stack is missing.
         """
-        return parts.state_of_scene(self)
+        return parts.state.state_of_scene(self)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Continue from a snapshot of a scene of the same case, program and records. This scene must not have run.
@@ -345,7 +319,7 @@ class Scene:
         since the stack of Python firmware or C sources cannot be restored. NotRestorable, with nothing changed, for a
         snapshot of another scene; and after such a run, if it ends in another state.
         """
-        parts.restore_scene(self, snapshot)
+        parts.state.restore_scene(self, snapshot)
 
     def close(self) -> None:
         """End the firmware where it waits, and notify no subscriber any more. The scene can be read, but not run.
@@ -359,12 +333,16 @@ class Scene:
         length = min(length, self.kernel.now - self.start) if self.stalled else length
         self.kernel.materialize()
         self.bus.finish(self.kernel.now)
-        self._uart.finish(self.kernel.now)
+        self.uart.finish(self.kernel.now)
         if self.derived is not None:
             self.derived.finish(self)
         for limit in self.limits:
             limit.finish(self.kernel.now)
         return result_of(self, length, self._wall)
+
+    def clocks(self) -> Mapping[str, Sequence[tuple[int, Fraction]]]:
+        """Return (first tick, SYSCLKOUT in Hz) of each interval of constant frequency, by unit."""
+        return {name: unit.clock_history for name, unit in self.units.items()}
 
     def typical(self) -> list[Verdict]:
         """Return the least critical occurrence of each budget, as verdicts. Call it after `run`."""
@@ -373,7 +351,13 @@ class Scene:
 
     def deadlocks(self) -> list[str]:
         """Return a sentence for each unit whose firmware waits for what cannot come."""
-        return parts.deadlocks_of(self)
+        return parts.deadlock.deadlocks_of(self)
+
+
+def _raise_in_firmware(units: Mapping[str, Dsp], name: str, note: Note) -> None:
+    """Raise a note of a chip or device as an error of the firmware. name: the name of the chip or device."""
+    for dsp in units.values():
+        dsp.processor.notes.raise_if_strict(note, name)
 
 
 def _let_go(recorder: Recorder, units: Mapping[str, Dsp]) -> None:

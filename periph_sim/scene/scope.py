@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..core.suggest import did_you_mean
-from ..timing.language.scope import MAPS, Scope
-from . import parts
-from .case.model import Case
+from ..timing.language.scope import MAPS, BadEvent, Scope
+from .case.model import BadCase, Case
+from .case.origin import Source
 from .case.wiring import Wiring, sci_lines, wiring_of
 
 if TYPE_CHECKING:
@@ -44,8 +44,45 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
         pairs,
         {name: _ImageNames(unit.image) for name, unit in case.unit.items() if unit.image},
         next((name for name, unit in case.unit.items() if not unit.firmware), ""),
-        parts.measures_of(case) if case.measures or case.measures_from else {},
+        _own_measures(case) if case.measures or case.measures_from else {},
     )
+
+
+def _own_measures(case: Case) -> dict[str, str]:
+    """Return the user's own measures: sentences by name, each checked as far as no scene is needed for that.
+
+    They are in [measures] of the case and in the file of `measures_from`, as `"late rounds" = "count of record round
+    missed"`. BadCase, with file and line, for an invalid one.
+    """
+    from ..timing.measures.factory import check_measure
+    from .case.load import read
+
+    sentences = dict(case.measures)
+    file = case.folder / case.measures_from
+    source = Source(file, "")
+    if case.measures_from:
+        text, tree = read(file, "measures")
+        source = Source(file, text)
+        for name, sentence in tree.items():
+            if not isinstance(sentence, str):
+                raise _mistake(case, source, name, "it is no sentence in quotes")
+            if name in sentences:
+                what = f"{file} has a measure {name!r}, too; give one of them another name"
+                raise case.mistake(what, "measures", name)
+            sentences[name] = sentence
+    for name in sentences:
+        try:
+            check_measure(name, sentences)
+        except BadEvent as error:
+            raise _mistake(case, source, name, str(error)) from None
+    return sentences
+
+
+def _mistake(case: Case, source: Source, name: str, what: str) -> BadCase:
+    """Return an error about a name of the case, or of the file that it names."""
+    if name in case.measures:
+        return case.mistake(what, "measures", name)
+    return BadCase(f"{source.where((name,))}: {name}: {what}")
 
 
 class _ImageNames:

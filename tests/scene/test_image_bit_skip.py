@@ -10,7 +10,6 @@ from periph_sim.core.records import RECORDED, Kind, Record
 from periph_sim.records.races import races
 from periph_sim.records.run import Run as RecordedRun
 from periph_sim.scene.case.load import load
-from periph_sim.scene.clocks import clocks_of
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
 from periph_sim.traces.formats.record_table import Columns
@@ -44,7 +43,7 @@ def recorded_run(*changes: str) -> RecordedRun:
     scene = Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, columns.add))
     scene.run()
     table = columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, case.recorded_modules)
-    return RecordedRun(replace(table, clocks=clocks_of(scene)))
+    return RecordedRun(replace(table, clocks=scene.clocks()))
 
 
 def test_polls_that_were_skipped_are_put_back_where_they_would_have_been():

@@ -13,7 +13,7 @@ from periph_sim.core.convert import keys_of
 from periph_sim.f28335.gpio.routes import routes_of
 from periph_sim.imu import noise
 from periph_sim.imu.models import counts, sensed_motion
-from periph_sim.scene import firmware_files
+from periph_sim.scene import firmware_loader
 from periph_sim.scene.case import load as loading
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import KEPT, shared
@@ -79,11 +79,11 @@ def test_changed_firmware_is_seen_and_unchanged_firmware_is_compiled_once(tmp_pa
     ended, compiled = [], []
     for cycles in (1000, 1000, 3000):
         program.write_text(FIRMWARE.format(cycles=cycles), encoding="utf-8")
-        before = firmware_files._code_of.cache_info().misses
+        before = firmware_loader._code_of.cache_info().misses
         scene = Scene(load(file))
         scene.run()
         ended.append(scene.units["dsp"].program.returned_at)
-        compiled.append(firmware_files._code_of.cache_info().misses - before)
+        compiled.append(firmware_loader._code_of.cache_info().misses - before)
     assert ended[0] == ended[1]
     assert ended[2] - ended[1] == 2000
     assert compiled == [1, 0, 1]

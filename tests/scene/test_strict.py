@@ -14,8 +14,8 @@ from periph_sim.processor.dsp import Dsp
 from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.result import notes_of
 from periph_sim.scene.scene import Scene
-from periph_sim.scene.summary import notes_of
 from tests.scene import small
 
 CASE = """\

@@ -12,8 +12,8 @@ import click
 from ...core.examples import EXAMPLES
 from ...core.suggest import did_you_mean
 from ...processor.image_files.assemble import sources_of
-from ...scene.case.named_files import texts_in
-from ...scene.firmware_files import SHIPPED
+from ...scene.case.origin import texts_in
+from ...scene.firmware_loader import SHIPPED
 from ...traces.capture.capture import Capture
 
 TEMPLATES = Path(__file__).with_name("templates")

@@ -12,7 +12,6 @@ import click
 
 from ...records.if_recorded import if_recorded
 from ...scene.case.load import load
-from ...scene.clocks import clocks_of
 from ...scene.result import Result
 from ...scene.scene import Scene
 from .command_line import command_line
@@ -77,7 +76,7 @@ def run(
         with progress(loaded.name) as on_progress:
             scene = Scene(loaded, subscribe, keep_values=html is not None)
             result = scene.run(length, on_progress)
-        ended_at(scene.kernel.now, clocks_of(scene))
+        ended_at(scene.kernel.now, scene.clocks())
         chains = _chains(scene, result, length) if explain else {}
         if unfinished is not None:
             from ...timing.values import values_of

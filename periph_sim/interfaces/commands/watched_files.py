@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ...core.input_files import note_inputs_of, read_regular
-from ...scene.case.named_files import named_files, texts_in
+from ...scene.case.origin import named_files, texts_in
 from ..reports.baselines.files import path_for
 
 Stamps = dict[Path, tuple[int, int]]

@@ -20,9 +20,8 @@ from ...core.table import Table
 from ...devices.host_frames import host_frames
 from ...timing.budget_schema import Budget
 from .device_tables import BusParty, DeviceTable
-from .named_files import named_files
 from .optimizations import Disabled, Fidelity
-from .origin import Source, key_of, line_of
+from .origin import Source, key_of, line_of, named_files
 from .scalars import (
     Address,
     Answer,

@@ -1,7 +1,7 @@
 """Schedule of one entry of [[serial.send]]: one or more bursts on a line after its trigger.
 
-at, event, text --> happened --delay--> fire --> BurstSender
-                                '--period--> fire ...
+at, records --EventTrigger--, characters --TextTrigger--> happened --delay--> fire --> BurstSender
+                                                             '--period--> fire ...
 """
 
 from __future__ import annotations
@@ -11,10 +11,49 @@ from fractions import Fraction
 from functools import partial
 
 from ...bus.uart.burst_sender import Burst, BurstSender
+from ...bus.uart.reader import Heard
 from ...core.state import State
 from ...core.time import NO_TIME
+from ...timing.language.events import Matcher
+from ...timing.measures.event_pairing import EventMeasure
 from ..case.serial import SendTable
 from ..context import SceneContext
+
+
+class EventTrigger(EventMeasure):
+    """Calls `happened(tick)` each time an event happens."""
+
+    def __init__(self, event: Matcher, happened: Callable[[int], None]) -> None:
+        super().__init__(event)
+        self._happened = happened
+
+    def happened(self, place: int, tick: int, value: int) -> None:
+        self._happened(tick)
+
+    def never(self) -> str:
+        """Return why it did not happen, as a phrase."""
+        return self.missing()
+
+
+class TextTrigger:
+    """Calls `happened(tick)` at the end of the last of these characters, each time they come; overlaps count once."""
+
+    STATE = State("_came")
+
+    def __init__(self, characters: bytes, happened: Callable[[int], None]) -> None:
+        self._wanted = characters
+        self._happened = happened
+        self._came = b""
+
+    def character(self, heard: Heard) -> None:
+        if not heard.good:
+            self._came = b""
+            return
+        self._came = (self._came + bytes([heard.value]))[-len(self._wanted) :]
+        if self._came == self._wanted:
+            self._came = b""
+            self._happened(heard.end)
+
 
 BEHIND = "its time is after the end of the run"
 

@@ -26,8 +26,7 @@ from ..case.wiring import SciLines, sci_lines, sci_named
 from ..context import SceneContext
 from ..pairs import Pairs
 from .content import content_of, encoded, show_characters
-from .send_schedule import Send
-from .triggers import EventTrigger, TextTrigger
+from .send_schedule import EventTrigger, Send, TextTrigger
 
 WHO = "serial"  # name of the party on a line
 IDLE_BITS = 11  # before a block in idle-line mode: ten, and one for clocks that differ

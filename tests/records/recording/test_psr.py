@@ -12,7 +12,6 @@ import pytest
 
 from periph_sim.records.recording import BadRecording, recording, rewrite
 from periph_sim.scene.case.load import load
-from periph_sim.scene.clocks import clocks_of
 from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
 from periph_sim.traces.capture.resample import resampled
@@ -27,7 +26,7 @@ def record(case_name: str, path: Path) -> Path:
     with recording(path, case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
         scene.run()
-        ended_at(scene.kernel.now, clocks_of(scene))
+        ended_at(scene.kernel.now, scene.clocks())
     return path
 
 
@@ -110,7 +109,7 @@ def test_it_tells_the_clocks_that_the_program_set_up(tmp_path: Path):
     with recording(tmp_path / "own.psr", case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
         scene.run()
-        ended_at(scene.kernel.now, clocks_of(scene))
+        ended_at(scene.kernel.now, scene.clocks())
     table = psr.read_table(tmp_path / "own.psr")
     crystal = 20 * (1 + Fraction(50, 10**6))
     megahertz = [hz / 10**6 for _, hz in table.clocks["dsp"]]

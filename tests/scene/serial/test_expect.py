@@ -11,7 +11,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.interfaces.commands.result_text import legend
 from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.serial.triggers import TextTrigger
+from periph_sim.scene.serial.send_schedule import TextTrigger
 from periph_sim.timing.verdict import Verdict
 from tests.scene.serial.programs import answers, says, scene, send, unit
 

@@ -6,8 +6,10 @@ from typing import Any
 
 import pytest
 
+from periph_sim.bus.uart.reader import Heard
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
+from periph_sim.scene.serial.send_schedule import TextTrigger
 from tests.scene.serial.programs import answers, hears, scene, send, unit
 
 BIT = 26_240  # ticks of a bit of the SCI with BRR = 40, 3 GHz
@@ -205,3 +207,23 @@ def test_what_a_unit_sends_and_what_is_sent_to_it_do_not_meet():
     table = {"send": [{"to": "SCI-C", "at": "100 us", "bytes": "10 20 30"}]}
     scene({"dsp": main}, unit={"dsp": unit("SCI-C")}, serial=table, duration="2 ms").run()
     assert words == [0x10, 0x20, 0x30]
+
+
+@pytest.mark.parametrize(
+    ("wanted", "line", "marks"),
+    [
+        (b"OK", "xOKxOK", "  ^  ^"),
+        (b"OK", "OOKK", "  ^ "),
+        (b"aba", "ababab", "  ^   "),  # the second one overlaps the first
+        (b"aa", "aaaaa", " ^ ^ "),
+        (b"a", "aba", "^ ^"),
+        (b"OK", "O?K.OK", "     ^"),  # a wrong character in the text
+    ],
+)
+def test_a_text_sets_off_at_its_last_character(wanted: bytes, line: str, marks: str):
+    """Characters end at ticks 100, 200, 300 ...; a ? is a wrong one."""
+    came: list[int] = []
+    trigger = TextTrigger(wanted, came.append)
+    for number, character in enumerate(line, 1):
+        trigger.character(Heard(100 * number - 90, 100 * number, ord(character), character != "?", 0))
+    assert came == [100 * number for number, mark in enumerate(marks, 1) if mark == "^"]

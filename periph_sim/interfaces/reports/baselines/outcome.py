@@ -15,7 +15,7 @@ from ....f28335.memory.memory_map import NoSuchAddress
 from ....processor.error_origin import FirmwareError
 from ....scene.case.load import load
 from ....scene.case.model import BadCase, Case
-from ....scene.outside_wires import not_run
+from ....scene.outside_parties import not_run
 from ....scene.result import Result
 from ....scene.scene import Scene
 from ....timing.budgets import BudgetJudge

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from ....bus.i2c.transfer import Transfer
 from ....records.if_recorded import if_recorded
 from ....scene.case.model import BadCase, Case
-from ....scene.clocks import clocks_of
 from ....scene.plugins import sensors_of
 from ....scene.scene import Scene
 from ....timing.budget_schema import Budget
@@ -99,7 +98,7 @@ def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterato
         with if_recorded(path, case.recorded_modules) as (subscribe, ended_at):
             scene = Scene(case, subscribe, keep_values=keep_values)
             yield scene
-            ended_at(scene.kernel.now, clocks_of(scene))
+            ended_at(scene.kernel.now, scene.clocks())
 
 
 def observe(case: Case, length: Fraction, record: str = "") -> Observed:

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import pytest
+
 from periph_sim.core.chip import Note
+from periph_sim.firmware import sci_fifo_receiver
 from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
-from tests.scene.small import case
+from tests.scene.runs import TIMING
+from tests.scene.small import case, scene_with
 
 STUCK = {"name": "stuck", "measure": "stuck", "max": 5}
 
@@ -58,3 +63,44 @@ def test_times_of_notes_count_from_the_begin_of_the_run():
     notes, stuck = told("0 s")
     assert len(notes) == 4 and all("at " in note for note in notes) and len(stuck) == 1
     assert told("7 ms") == (notes, stuck)
+
+
+def receives_on_gpio36(dsp: Dsp) -> None:
+    sci_fifo_receiver(dsp, 40, 12)
+    gpio = dsp.module("GPIO")
+    dsp.eallow()
+    gpio.GPAMUX2.GPIO28 = 0
+    gpio.GPBMUX1.GPIO36 = 1  # SCIRXDA
+    dsp.compute(10)
+
+
+def test_an_input_on_another_pin_than_the_wire_is_noted_with_the_key_to_add(monkeypatch: pytest.MonkeyPatch):
+    result = scene_with(monkeypatch, receives_on_gpio36, ["SCI-A", "GPIO"], host={}).run()
+    notes = [note for note in result.notes if "has no wire" in note]
+    assert notes == [
+        "dsp: SCI-A has RX on GPIO36, where the case has no wire; add pins = { RX = 36 } to the unit",
+    ]
+
+
+def test_a_module_without_pins_is_not_noted(monkeypatch: pytest.MonkeyPatch):
+    result = scene_with(monkeypatch, lambda dsp: dsp.compute(10), ["SCI-A", "GPIO"], host={}).run()
+    assert [note for note in result.notes if "has no wire" in note] == []
+
+
+JUDGED = "budget=[{name='stretch', measure='stretch', max='1 ms'}, {name='missed', measure='missed rounds', max=99}]"
+
+
+@pytest.mark.parametrize(("period", "missed"), [("5 ms", 0), ("1 ms", 12)])
+def test_missed_rounds_that_no_budget_judges_are_noted(period: str, missed: int):
+    changes = [f"controller.period='{period}'", "budget=[{name='stretch', measure='stretch', max='1 ms'}]"]
+    result = Scene(load(TIMING / "responder.toml", changes)).run(Fraction(25, 1000))
+    assert result.verdict == "pass" and result.counts["missed"] == missed
+    assert result.notes == [
+        "controller: 12 rounds that were due every 1000.000 us did not begin, because the one before was still "
+        "running; a budget on 'missed rounds' judges that"
+    ] * bool(missed)
+
+
+def test_where_a_budget_judges_them_there_is_no_note():
+    result = Scene(load(TIMING / "responder.toml", ["controller.period='1 ms'", JUDGED])).run(Fraction(25, 1000))
+    assert result.counts["missed"] == 12 and result.notes == []

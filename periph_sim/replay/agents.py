@@ -21,10 +21,8 @@ from ..core.records import Recorder
 from ..core.time import Timebase
 from ..core.wire import Wire
 from ..traces.decode import i2c as decode
-from .as_master import stretched_answers
-from .compare import CONDITIONS, TIMING, Comparison, Divergence, Happened, compare
-from .event_names import i2c_words
-from .i2c_script import controllers_half, hurried, moves, usual_hold
+from .compare import CONDITIONS, TIMING, Comparison, Divergence, Happened, compare, i2c_words
+from .i2c_script import controllers_half, hurried, moves, stretched_answers, usual_hold
 from .i2c_setup import HOLD, Played
 from .wire_log import WireLog
 

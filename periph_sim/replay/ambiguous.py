@@ -18,8 +18,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ..traces.decode.uart import Event, Frame, Line, RejectedStart
-from .compare import Happened
-from .event_names import byte_words
+from .compare import Happened, byte_words
 
 LIKELY = Fraction(1, 4)  # minimum length, in bits, of a rejected start that a receiver may accept
 AHEAD = 8  # number of words that must agree where comparison resumes

@@ -8,11 +8,12 @@ comparison, since later events still correspond to each other; any other differe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import zip_longest
 
+from ..traces.decode import i2c
 from ..traces.diff.align import align
 
 NOTHING = "nothing more"
@@ -129,3 +130,33 @@ def _in_both(expected: Sequence[Happened], found: Sequence[Happened]) -> int:
 
 def _seconds(at: Fraction | None) -> float | None:
     return None if at is None else float(at)
+
+
+def i2c_words(events: Iterable[i2c.Event], per_second: Fraction, origin: int = 0) -> list[Happened]:
+    """Convert I2C events. origin: the position at which the capture began."""
+    return [Happened(_i2c(event), (event.at - origin) / per_second) for event in events]
+
+
+def _i2c(event: i2c.Event) -> str:
+    match event:
+        case i2c.Start():
+            return "START"
+        case i2c.RepeatedStart():
+            return "repeated START"
+        case i2c.Address(_, value, read, _):
+            return f"address {value:02X} {'read' if read else 'write'}"
+        case i2c.Data(_, value, read):
+            return f"data {'read' if read else 'write'} {value:02X}"
+        case i2c.Ack():
+            return "ACK"
+        case i2c.Nack():
+            return "NACK"
+        case i2c.Stop():
+            return "STOP"
+        case i2c.Cut(_, bits):
+            return f"cut off after {''.join(map(str, bits))}"
+
+
+def byte_words(value: int, frame_error: bool, parity_error: bool) -> str:
+    """Format a received word: 55, 00 FE, 41 PE."""
+    return f"{value:02X}{' FE' if frame_error else ''}{' PE' if parity_error else ''}"

@@ -22,16 +22,12 @@ from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
 from .agents import CapturedController, Plan, agents_own, asked_once_more, first_judged, without_firmware
-from .compare import TIMING, Comparison, compare
-from .divergence_history import AS_SLAVE, CaptureOrigin, with_history
-from .event_names import i2c_words
-from .history import FlagHistory
-from .i2c_setup import LEAD, PATIENCE, STEP, TAIL, Answering, answering, played
+from .compare import TIMING, Comparison, compare, i2c_words
+from .divergence_history import AS_SLAVE, CaptureOrigin, FlagHistory, with_history
+from .i2c_setup import PATIENCE, STEP, TAIL, Answering, answering, played
 from .picture import closed_loop_picture
-from .report import Report
-from .scene_setup import alone, taken
-from .tolerance import tolerance_of
-from .verdict import FAIL, NOT_JUDGED, verdict_of
+from .report import FAIL, NOT_JUDGED, Report, verdict_of
+from .scene_setup import LEAD, alone, taken, tolerance_of
 from .wire_log import WireLog
 
 if TYPE_CHECKING:

@@ -24,16 +24,13 @@ from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
 from . import BadReplay
-from .as_master import as_master
-from .compare import compare
-from .divergence_history import AS_MASTER, CaptureOrigin, with_history
-from .event_names import i2c_words
-from .history import FlagHistory
-from .i2c_setup import HOLD, LEAD, PATIENCE, STEP, TAIL, events_of, played
+from .compare import compare, i2c_words
+from .divergence_history import AS_MASTER, CaptureOrigin, FlagHistory, with_history
+from .i2c_script import as_master
+from .i2c_setup import HOLD, PATIENCE, STEP, TAIL, events_of, played
 from .picture import closed_loop_picture
-from .report import Report
-from .scene_setup import alone, settings_of, taken, unit_with
-from .verdict import verdict_of
+from .report import Report, verdict_of
+from .scene_setup import LEAD, alone, settings_of, taken, unit_with
 from .wire_log import WireLog
 
 if TYPE_CHECKING:
@@ -74,7 +71,7 @@ class I2cMasterReplay:
         self._unit = unit = unit_with(case, "I2C-A")
         timebase = Timebase(*(int(one.oscclk * one.pll / 2) for one in case.unit.values()))
         self._per_position = timebase.per_second / part.rate
-        self._half = half = as_master(part, self._per_position)
+        self._half = half = as_master(part.transfers, part.long_low, self._per_position)
         if not half.script:
             raise BadReplay(f"{capture.path}: no transfer that this module can do as master: {self._why()}")
         self._scripted = "script" in settings_of(case, unit)

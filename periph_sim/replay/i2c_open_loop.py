@@ -33,16 +33,12 @@ from ..scene.context import SceneWires
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c as decode
-from .compare import TIMING, Divergence, compare
-from .divergence_history import AS_SLAVE, CaptureOrigin, with_history
-from .event_names import i2c_words
-from .history import FlagHistory
-from .i2c_setup import LEAD, TAIL, Played, answering, played
+from .compare import TIMING, Divergence, compare, i2c_words
+from .divergence_history import AS_SLAVE, CaptureOrigin, FlagHistory, with_history
+from .i2c_setup import TAIL, Played, answering, played
 from .picture import LINES, Side, divergence_picture, last_agreed, title_of
-from .report import Report
-from .scene_setup import alone, taken
-from .tolerance import tolerance_of
-from .verdict import verdict_of
+from .report import Report, verdict_of
+from .scene_setup import LEAD, alone, taken, tolerance_of
 from .wire_log import WireLog
 
 if TYPE_CHECKING:

@@ -1,19 +1,26 @@
-"""A capture's I2C transfers as two halves: the controller's actions, and the targets' answers.
+"""A capture's I2C transfers as two halves, for agents and for firmware that play one of them.
 
     decode.i2c transfers --> Moves of SCL and SDA, a list for each     (the controller's half)
+                         --> AsMaster: "50 W 00 Sr 50 R 6", the pause before it, or why the F28335 cannot do that
                          --> Turn: address, answer, its end              (the targets' half)
+                         --> AsTarget: address, replies, asleep, busy
 
 The controller's half keeps every SCL edge of the capture: the lines do not show who held SCL low, so a stretch of
 the captured target becomes the controller's own delay. Of SDA it keeps the controller's decisions: START, STOP,
 the bits it sent and the ACKs it gave. If an SDA change shares a sample with an SCL edge, or was not visible to the
-controller, it is moved inside the low phase, half a sample or more away from both edges.
+controller, it is moved inside the low phase, half a sample or more away from both edges. For firmware that is the
+master, a low phase much longer than usual counts as the target's, where a target may stretch, that is from the
+address's ACK on.
+
+A run of refused addresses becomes a time in which firmware that is the target does not answer: from the STOP of the
+write before it, or from the start, up to the middle between the last NACK and the START of the first answered turn.
 """
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from statistics import median
 
@@ -210,3 +217,141 @@ class _ControllersHalf:
         if level != self._sda:
             self._sda = level
             self.edges.append(Edge(at, False, level))
+
+
+@dataclass
+class AsTarget:
+    """The settings of firmware that plays a captured target. Times are in positions of the capture."""
+
+    address: int
+    replies: list[bytes] = field(default_factory=list)  # one for each read
+    asleep: Fraction | None = None  # the firmware does not answer from the start up to this time
+    busy: list[Fraction] = field(default_factory=list)  # times without answers after each write that a STOP ended
+    refused: int = 0  # number of NACKs that neither `asleep` nor `busy` can reproduce
+
+
+def as_target(address: int, turns: Iterable[Turn], end: int) -> AsTarget:
+    """Return the settings for one address. end: the position at which NACKs at the end of the capture are over."""
+    found = AsTarget(address)
+    refused: list[Turn] = []
+    last: Turn | None = None  # the last answered turn
+    for turn in turns:
+        if turn.address != address:
+            continue
+        if not turn.answer.ack:
+            refused.append(turn)
+            continue
+        if refused:
+            _out_of_reach(found, last, refused, Fraction(refused[-1].answered + turn.begin, 2))
+            refused = []
+        last = turn
+        if turn.read:
+            found.replies.append(turn.answer.data)
+        elif turn.stop is not None:
+            found.busy.append(Fraction(0))
+    if refused:
+        _out_of_reach(found, last, refused, Fraction(end))
+    return found
+
+
+def _out_of_reach(found: AsTarget, after: Turn | None, refused: list[Turn], until: Fraction) -> None:
+    if after is None:
+        found.asleep = until
+    elif not after.read and after.stop is not None:
+        found.busy[-1] = until - after.stop
+    else:
+        found.refused += len(refused)
+
+
+CUT = "the capture, or its known part, ends before their STOP"
+BROKEN = "the controller broke off a byte with a repeated START or STOP"
+EMPTY = "START without an address byte"
+NO_DATA = "a read of no byte, whose address was acknowledged"
+AGAINST = "the controller continued after a NACK"
+
+
+@dataclass
+class AsMaster:
+    """The settings of firmware that plays the controller, and the targets' answers.
+
+    script, pauses: one entry for each transfer in `done`; pauses are in positions.
+    done: the transfers in the script.
+    answers: the answers of the targets, indexed by their addresses.
+    left_out: the number of omitted transfers for each reason.
+    """
+
+    script: list[str] = field(default_factory=list)
+    pauses: list[Fraction] = field(default_factory=list)
+    done: list[Transfer] = field(default_factory=list)
+    answers: dict[int, list[Answer]] = field(default_factory=dict)
+    left_out: dict[str, int] = field(default_factory=dict)
+
+
+def as_master(transfers: list[Transfer], long_low: Fraction, ticks_per_position: Fraction) -> AsMaster:
+    """Return the script, and the targets' answers to it. long_low: as for `stretched_answers`."""
+    found = AsMaster()
+    over: int | None = None
+    for transfer in transfers:
+        why = obstacle(transfer)
+        if why:
+            found.left_out[why] = found.left_out.get(why, 0) + 1
+            continue
+        begin = transfer.phases[0].start.at
+        found.pauses.append(Fraction(begin if over is None else begin - over))
+        over = None if transfer.stop is None else transfer.stop.at
+        found.script.append(" Sr ".join(_text(phase) for phase in transfer.phases))
+        found.done.append(transfer)
+    found.answers = stretched_answers(found.done, long_low, ticks_per_position)
+    return found
+
+
+def stretched_answers(
+    transfers: list[Transfer], long_low: Fraction, ticks_per_position: Fraction
+) -> dict[int, list[Answer]]:
+    """Return the targets' answers with their stretches, indexed by address.
+
+    long_low: the limit, in positions, above which a low phase of SCL is a stretch.
+    """
+    answers: dict[int, list[Answer]] = defaultdict(list)
+    phases = [phase for transfer in transfers for phase in transfer.phases if is_addressed(phase)]
+    for phase, turn in zip(phases, turns(transfers), strict=True):
+        stretches = _stretches(phase, long_low, ticks_per_position)
+        answers[turn.address].append(replace(turn.answer, stretches=stretches))
+    return answers
+
+
+def obstacle(transfer: Transfer) -> str:
+    """Return why the F28335 as master cannot do a transfer; empty if it can."""
+    if transfer.stop is None:
+        return CUT
+    for phase in transfer.phases:
+        if not phase.bytes:
+            return EMPTY
+        if any(byte.acked is False for byte in phase.bytes[:-1]):
+            return AGAINST
+        if any(byte.acked is None for byte in phase.bytes):
+            return BROKEN
+        if phase.read and len(phase.bytes) == 1 and phase.bytes[0].acked:
+            return NO_DATA
+    return ""
+
+
+def _text(phase: Phase) -> str:
+    assert phase.address is not None
+    data = phase.data
+    if phase.read:
+        return f"{phase.address:02X} R {len(data)}" + (" ACK" if data and phase.bytes[-1].acked else "")
+    return " ".join([f"{phase.address:02X} W", *(f"{byte:02X}" for byte in data)])
+
+
+def _stretches(phase: Phase, long_low: Fraction, ticks_per_position: Fraction) -> tuple[tuple[int, int, int], ...]:
+    found = []
+    for number, byte in enumerate(phase.bytes, -1):
+        for place, low in _lows(byte):
+            if (number >= 0 or place == 8) and low > long_low:
+                found.append((number, place, int(low * ticks_per_position)))
+    return tuple(found)
+
+
+def _lows(byte: Byte) -> list[tuple[int, int]]:
+    return [(place, bit.low) for place, bit in enumerate(byte.bits) if bit.low is not None]

@@ -15,18 +15,14 @@ from statistics import median
 from ..bus.i2c.scripted_target import Answer
 from ..core.counted import counted
 from ..scene.case.model import Case
-from ..traces.capture.capture import Capture
-from ..traces.capture.gaps import gap_notes
+from ..traces.capture.capture import Capture, gap_notes
 from ..traces.capture.sampling import sample_step, stamp_notes
 from ..traces.decode import i2c as decode
-from ..traces.decode.sampling_rate import impossible_rate
+from ..traces.decode.scl_times import impossible_rate
 from . import BadReplay
-from .as_target import AsTarget, as_target
-from .i2c_script import Turn, most_frequent, turns
-from .scene_setup import settings_of, undeclared, unit_with
-from .time_base import check_length, rate_of
+from .i2c_script import AsTarget, Turn, as_target, most_frequent, turns
+from .scene_setup import LEAD, check_length, rate_of, settings_of, undeclared, unit_with
 
-LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
 STEP = Fraction(25, 1000)  # simulated seconds between reports of progress
 TAIL = Fraction(1, 10_000)  # the wires are observed this long after the last move
 PATIENCE = Fraction(200, 1000)  # a replay ends when SCL is held low for longer; an SHT21 stretches for up to 85 ms

@@ -1,4 +1,6 @@
-"""Preparation of a case for a replay: the agent that the capture replaces is removed, open settings are filled in.
+"""Preparation of a case for a replay, and checks of the capture's time base.
+
+The agent that the capture replaces is removed, and open settings are filled in.
 
 Only settings that the firmware's module names in `REPLAY` are filled in: another firmware may use `address` or `busy`
 for something else. Budgets are not judged in a replay: its verdict is the agreement of the wires with the capture.
@@ -9,9 +11,17 @@ from __future__ import annotations
 import inspect
 from collections.abc import Iterable, Mapping
 from dataclasses import is_dataclass
+from fractions import Fraction
 
 from ..scene.case.model import Case
 from ..scene.firmware_loader import BadFirmware, load_firmware
+from ..scene.scene import Scene
+from ..traces.capture.capture import Capture
+from ..traces.capture.sampling import rate_text
+from . import BadReplay
+
+LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
+LONGEST = 24 * 3600  # simulated seconds
 
 
 def unit_with(case: Case, module: str) -> str:
@@ -64,3 +74,31 @@ def alone(case: Case, unit: str, agent: str, forced: Mapping[str, object], offer
     settings = {name: value for name, value in offered.items() if name in known} | old.settings | dict(forced)
     units = {**case.unit, unit: old.model_copy(update={"settings": settings})}
     return case.model_copy(update={"unit": units, agent: None, "budget": ()})
+
+
+def rate_of(capture: Capture) -> Fraction:
+    """Return the number of positions in a second. BadReplay if the file states none."""
+    if capture.rate is None:
+        raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
+    return capture.rate
+
+
+def check_length(capture: Capture, end: int) -> None:
+    """Raise BadReplay if playing up to position `end` takes longer than a day."""
+    rate = rate_of(capture)
+    if end > LONGEST * rate:
+        raise BadReplay(
+            f"{capture.path}: at {rate_text(rate)} there are {float(end / rate / 3600):.0f} hours to play; expected at "
+            f"most {LONGEST // 3600}; state the right rate with --rate, or cut it with periph-sim convert --window"
+        )
+
+
+def tolerance_of(given: Fraction | None, rate: Fraction, scene: Scene) -> Fraction:
+    """Return the largest time, in seconds, by which an event may be early or late.
+
+    given: the user's tolerance. By default it is a sample period of the capture, which is the uncertainty of its edges,
+    and one SYSCLKOUT cycle of the slowest unit, to which the chip rounds its inputs. rate: samples a second.
+    """
+    if given is not None:
+        return given
+    return 1 / rate + max(1 / dsp.clock.hz for dsp in scene.units.values())

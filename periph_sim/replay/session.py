@@ -30,19 +30,16 @@ from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
 from ..timing.budgets import BudgetJudge
 from ..timing.verdict import Verdict
-from ..traces.capture.capture import Capture
-from ..traces.capture.gaps import gap_notes
+from ..traces.capture.capture import Capture, gap_notes
 from ..traces.decode import uart
 from . import BadReplay
-from .history import FlagHistory
+from .divergence_history import FlagHistory
 from .i2c_closed_loop import I2cReplay
-from .i2c_setup import LEAD, PATIENCE, TAIL, Answering
+from .i2c_setup import PATIENCE, TAIL, Answering
 from .line_errors import line_errors
-from .report import Report
-from .scene_setup import alone, unit_with
-from .time_base import check_length, rate_of
+from .report import FAIL, NOT_JUDGED, PASS, Report
+from .scene_setup import LEAD, alone, check_length, rate_of, unit_with
 from .uart import LineFormat, ticks_of
-from .verdict import FAIL, NOT_JUDGED, PASS
 
 if TYPE_CHECKING:
     from ..records.recording import Subscribe

@@ -26,25 +26,21 @@ from ..processor.dsp import Dsp
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
-from ..traces.capture.capture import Capture, Channel
-from ..traces.capture.gaps import gap_notes
+from ..traces.capture.capture import Capture, Channel, gap_notes
 from ..traces.decode import uart as decode
 from . import BadReplay
 from .ambiguous import Word, settled
 from .compare import NOTHING, Divergence, Happened, compare
-from .divergence_history import AS_RECEIVER, CaptureOrigin, with_history
-from .history import FlagHistory
+from .divergence_history import AS_RECEIVER, CaptureOrigin, FlagHistory, with_history
 from .line_errors import line_errors
 from .picture import Side, divergence_picture, title_of
-from .report import Report
-from .scene_setup import alone, settings_of, unit_with
-from .time_base import check_length, rate_of
-from .verdict import verdict_of
+from .report import Report, verdict_of
+from .scene_setup import LEAD, alone, check_length, rate_of, settings_of, unit_with
 
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
-LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
+
 TAKEN = Fraction(100, 10**6)  # seconds in which the firmware can read the last word
 STEPS = 100  # number of reports of progress
 TOLERANCE = Fraction(2, 100)  # largest difference in rate at which two UARTs agree on every bit of a long frame

@@ -10,10 +10,9 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.replay import BadReplay
-from periph_sim.replay.as_master import AGAINST, CUT
 from periph_sim.replay.i2c_master import I2cMasterReplay
-from periph_sim.replay.report import Report
-from periph_sim.replay.verdict import headline
+from periph_sim.replay.i2c_script import AGAINST, CUT
+from periph_sim.replay.report import Report, headline
 from periph_sim.scene.case.load import load as load_case
 from tests.captures.test_captures_decode import load
 from tests.captures.test_captures_replay_i2c import CASE, FIRST, NAMES, lines

@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 from firmware.python.captured_master import Part, parts
-from periph_sim.replay import as_master as reasons
-from periph_sim.replay.as_master import as_master
+from periph_sim.replay import i2c_script as reasons
+from periph_sim.replay.i2c_script import as_master
 from periph_sim.replay.i2c_setup import played
 from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.writers import I2cWave
@@ -43,7 +43,8 @@ def wave_of(text: str, half: int = 20) -> I2cWave:
 
 def told(text: str) -> reasons.AsMaster:
     capture = of_bytes(bytes(wave_of(text).samples), ("SCL", "SDA"), 4_000_000)
-    return as_master(played(capture, "SCL", "SDA"), Fraction(10))
+    part = played(capture, "SCL", "SDA")
+    return as_master(part.transfers, part.long_low, Fraction(10))
 
 
 @pytest.mark.parametrize(

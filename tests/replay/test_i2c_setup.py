@@ -10,8 +10,8 @@ import pytest
 
 from periph_sim.replay import BadReplay
 from periph_sim.replay.i2c_setup import Played, played
+from periph_sim.replay.scene_setup import check_length, rate_of
 from periph_sim.replay.session import SessionReplay
-from periph_sim.replay.time_base import check_length, rate_of
 from periph_sim.replay.uart import UartReplay
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats

@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 
 from periph_sim.replay import BadReplay
-from periph_sim.replay.report import Report
+from periph_sim.replay.report import Report, headline
 from periph_sim.replay.session import SessionReplay
 from periph_sim.replay.uart import LineFormat, UartReplay, line_format
-from periph_sim.replay.verdict import headline
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Span

@@ -13,8 +13,7 @@ from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
 from ...core.state import State
 from ...core.wire import Wire
-from ...traces.decode.i2c_states import KINDS, START, STOP
-from ...traces.decode.i2c_stream import BYTE_OVER
+from ...traces.decode.i2c_stream import BYTE_OVER, KINDS, START, STOP
 from .byte_counter import I2cByteCounter
 
 WHO = "bus"

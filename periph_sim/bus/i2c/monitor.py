@@ -21,8 +21,7 @@ from ...core.sampler import watch
 from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire
-from ...traces.decode.i2c_states import BITS, SCL, SDA
-from ...traces.decode.i2c_stream import I2cStream
+from ...traces.decode.i2c_stream import BITS, SCL, SDA, I2cStream
 from .bit_skip import BitParty
 from .bit_times import SKIPPED_BITS, BitTimes
 from .transfer import Phase, Transfer

@@ -46,7 +46,7 @@ def compliance(
     from ...replay.channels import channel_map
     from ...traces import formats
     from ...traces.compliance import Verdict, check
-    from ...traces.compliance.text_report import as_json as as_dict
+    from ...traces.compliance.report import as_json as as_dict
 
     try:
         given = read_capture(capture, rate, salvage)

@@ -16,7 +16,7 @@ from ...core.suggest import did_you_mean
 from ...records.recording import format_of, recording_formats, rewrite
 from ...traces import formats
 from ...traces.capture.excerpt import window_of, with_channels, within
-from ...traces.capture.resample import rate_text, resampled
+from ...traces.capture.sampling import rate_text, resampled
 from ...traces.formats import BadCapture, psr
 from .input_options import RATE, SALVAGE, rate_given, read_capture
 from .usage_error import usage_errors_in_one_sentence

@@ -15,7 +15,7 @@ from ...core.shorten import shorten
 from ...traces.capture.capture import Capture
 from ...traces.capture.sampling import sample_step
 from ...traces.decode.event_rows import Rows, grouped, merged
-from ...traces.decode.long_lows import long_lows
+from ...traces.decode.scl_times import long_lows
 from . import decode_exports
 from . import decoded_text as event_text
 from .decode_buses import Bus, asked_for

@@ -14,16 +14,14 @@ from typing import NamedTuple
 import click
 
 from ...core.suggest import did_you_mean
-from ...traces.capture.bus_names import buses_named
-from ...traces.capture.capture import Capture, Channel, listed
-from ...traces.capture.gaps import gap_notes
+from ...traces.capture.capture import Capture, Channel, gap_notes, listed
+from ...traces.capture.channel_names import buses_named
 from ...traces.decode import spi
 from ...traces.decode.event_rows import Rows, i2c_rows, no_rows, spi_rows, uart_rows
 from ...traces.decode.i2c_table import i2c_table
-from ...traces.decode.sampling_rate import impossible_rate
-from ...traces.decode.uart_format import width_of
+from ...traces.decode.scl_times import impossible_rate
 from ...traces.decode.uart_line import line_of
-from ...traces.decode.uart_table import uart_table
+from ...traces.decode.uart_table import uart_table, width_of
 
 UART_LINES = ("rx", "tx")
 FLAGS = ("invert", "vote")  # settings without a value

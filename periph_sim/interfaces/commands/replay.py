@@ -17,10 +17,9 @@ from ...replay.i2c_closed_loop import I2cReplay
 from ...replay.i2c_master import I2cMasterReplay
 from ...replay.i2c_open_loop import I2cOpenReplay
 from ...replay.i2c_setup import PATIENCE
-from ...replay.report import Report
+from ...replay.report import AMBIGUOUS, PASS, Report, headline
 from ...replay.session import SessionReplay
 from ...replay.uart import UartReplay, line_format
-from ...replay.verdict import AMBIGUOUS, PASS, headline
 from ...scene.case.load import load
 from ...scene.case.model import Case
 from ...traces.capture.capture import Capture

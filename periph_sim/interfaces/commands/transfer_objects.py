@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...traces.decode.event_rows import ADDRESS, ADDRESS_LOW, CUT, DETAILS, EVENTS, START, WORD, Rows
-from ...traces.decode.long_lows import LongLows
+from ...traces.decode.scl_times import LongLows
 from .bulk_text import Numbers
 from .decoded_text import Clock, in_transfer
 

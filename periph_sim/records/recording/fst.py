@@ -11,7 +11,7 @@ from typing import IO, Literal
 
 from ...core.records import Kind, Record
 from ...core.time import Timebase
-from ...traces.formats.fst_writer import TEXT, NoFstLibrary, Variable, fst_bytes, library
+from ...traces.formats.fst_ghw import TEXT, NoFstLibrary, Variable, fst_bytes, library
 from ..record_text import on_the_bus
 from . import BadRecording
 from .run_signals import KINDS as OF_SIGNALS

@@ -12,7 +12,7 @@ from typing import IO, Literal
 
 from ...core.time import Timebase
 from ...traces.capture.capture import Channel
-from ...traces.capture.resample import resampled
+from ...traces.capture.sampling import resampled
 from ...traces.formats import sigrok_sr
 from .run_signals import KINDS, RunSignals
 

@@ -15,8 +15,8 @@ from fractions import Fraction
 from typing import IO, Literal
 
 from ...core.time import GHZ, Timebase
-from ...traces.capture.resample import resampled
-from ...traces.formats.vcd_writer import write_to
+from ...traces.capture.sampling import resampled
+from ...traces.formats.vcd import write_to
 from .run_signals import KINDS, RunSignals
 
 __all__ = ["KINDS", "MODE", "SUFFIX", "open_writer"]

@@ -16,8 +16,7 @@ from ...bus.i2c.bit_skip import BitParty
 from ...bus.i2c.bit_times import SKIPPED_BITS, BitTimes
 from ...core.time import NO_TIME
 from ...core.wire import Wire
-from ...traces.decode.i2c_states import BITS, FALL, KINDS, RISE, START, STOP
-from ...traces.decode.i2c_stream import I2cStream
+from ...traces.decode.i2c_stream import BITS, FALL, KINDS, RISE, START, STOP, I2cStream
 
 SCL, SDA = 0, 1  # which wire it is that is pulled
 

@@ -14,6 +14,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,6 +29,8 @@ Levels = NDArray[np.uint8]
 
 MOST_DIGITS = 40  # of a number in text; Python refuses to read one of over 4300
 MOST_NAMED = 12  # channels in a message
+MOST_LISTED = 3  # spans in a note
+UNKNOWN = 2  # a state beside 0 and 1
 UNITS = {"": 1, "hz": 1, "khz": 10**3, "mhz": 10**6, "ghz": 10**9}
 FASTEST = 10**15  # samples a second
 RATE = re.compile(rf"\s*(\d{{1,{MOST_DIGITS}}}(?:\.\d{{0,{MOST_DIGITS}}})?(?:[eE]\+?\d\d?)?)\s*([A-Za-z]*)\s*")
@@ -80,6 +83,24 @@ class Channel:
         """Return the level just before each position."""
         done = np.searchsorted(self.edges, positions, side="left")
         return (self.initial ^ (done & 1)).astype(np.uint8)
+
+    def without_glitches(self, shortest: int) -> Channel:
+        """Return the line without pulses of fewer than `shortest` positions, high or low. It must be known throughout.
+
+            shortest = 3     __-_______----____        __________----____
+                             __--_-----___-____   -->  ______----________
+
+        A pulse is dropped with both its edges, from left to right; of a run of short pulses that leaves the line at the
+        other level, the last edge stays. The levels before the first edge and after the last are no pulses.
+        """
+        if shortest <= 1 or len(self.edges) < 2:
+            return self
+        near = np.diff(self.edges) < shortest  # edge n and n + 1 bound a short pulse
+        if not near.any():
+            return self
+        begins = np.flatnonzero(np.append(True, ~near))  # edges that begin a run of edges close to each other
+        ends = np.flatnonzero(np.append(~near, True))
+        return channel_of_edges(self.name, self.index, self.initial, self.edges[ends[(ends - begins) & 1 == 0]])
 
     def cut(self, span: Span) -> Channel:
         """Return the line within a span, positions unchanged; `initial` is the level where the span begins."""
@@ -151,30 +172,9 @@ def listed(channels: Sequence[Channel]) -> str:
 
 
 def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | None], length: int) -> Channel:
-    """Build a Channel from states in order of time: the line is at `levels[i]` from `at[i]` on, None for unknown.
-
-    Of several states at one position the last counts; a state that changes nothing is dropped.
-    An unknown stretch keeps the level before it (at the start, the level after it): no edge lies within it.
-    """
-    states = dict(zip(at, levels, strict=True))
-    initial = next((level for level in states.values() if level is not None), 1)
-    edges: list[int] = []
-    holes: list[Span] = []
-    now = initial
-    unknown_since: int | None = None if 0 in states else 0
-    for position, level in states.items():
-        if level is None:
-            unknown_since = position if unknown_since is None else unknown_since
-            continue
-        if unknown_since is not None:
-            holes.append(Span(unknown_since, position))
-            unknown_since = None
-        if level != now:
-            edges.append(position)
-            now = level
-    if unknown_since is not None:
-        holes.append(Span(unknown_since, length))
-    return channel_of_edges(name, index, initial, np.array(edges, np.int64), tuple(holes))
+    """Build a Channel from levels in order of time, None for unknown, as `channel_of_states` does from arrays."""
+    states = [UNKNOWN if level is None else level for level in levels]
+    return channel_of_states(name, index, np.fromiter(at, np.int64), np.array(states, np.uint8), length)
 
 
 def channel_of_edges(name: str, index: int, initial: int, edges: Positions, unknown: tuple[Span, ...] = ()) -> Channel:
@@ -194,3 +194,84 @@ def rate_of(text: str) -> Fraction:
     if rate > FASTEST:
         raise ValueError(f"{text.strip()!r} is no sample rate; expected at most 1000 THz, a sample each femtosecond")
     return rate
+
+
+def channel_of_states(name: str, index: int, at: Positions, states: Levels, length: int) -> Channel:
+    """Build a Channel from positions, which may repeat but never fall, and the states from each on: 0, 1 or UNKNOWN.
+
+    Of several states at one position the last counts; a state that changes nothing is dropped.
+    An unknown stretch keeps the level before it (at the start, the level after it): no edge lies within it.
+    """
+    if len(at):
+        last = np.append(at[1:] != at[:-1], True)
+        at, states = at[last], states[last]
+    changed = np.append(True, states[1:] != states[:-1])[: len(at)]
+    at, states = at[changed], states[changed]
+    known = states != UNKNOWN
+    levels, places = states[known], at[known]
+    initial = int(levels[0]) if len(levels) else 1
+    edges = places[np.diff(levels, prepend=np.uint8(initial)) != 0]
+    ends = np.append(at[1:], length)[: len(at)]
+    holes = list(zip(at[~known].tolist(), ends[~known].tolist(), strict=True))
+    begin = int(at[0]) if len(at) else length
+    if begin and holes and holes[0][0] == begin:
+        holes[0] = (0, holes[0][1])
+    elif begin:
+        holes.insert(0, (0, begin))
+    return channel_of_edges(name, index, initial, edges, tuple(Span(*hole) for hole in holes))
+
+
+def changes(capture: Capture) -> tuple[Positions, NDArray[np.int64], Levels]:
+    """Return (at, which, states): from `at[i]` on, channel number `which[i]` is at `states[i]`, 0, 1 or UNKNOWN.
+
+    They are sorted by position and channel. The first `len(channels)` are the states at position 0.
+    """
+    each = [_states(channel, capture.length) for channel in capture.channels]
+    at = np.concatenate([np.empty(0, np.int64), *(positions for positions, _ in each)])
+    states = np.concatenate([np.empty(0, np.uint8), *(values for _, values in each)])
+    which = np.repeat(np.arange(len(each)), [len(positions) for positions, _ in each])
+    order = np.lexsort((which, at))
+    return at[order], which[order], states[order]
+
+
+def _states(channel: Channel, length: int) -> tuple[Positions, Levels]:
+    """Return one channel's positions, from 0 on, and the state from each on; no state repeats."""
+    begins = np.array([span.begin for span in channel.unknown], np.int64)
+    ends = np.array([span.end for span in channel.unknown if span.end < length], np.int64)
+    at = np.unique(np.concatenate([np.zeros(1, np.int64), channel.edges, begins, ends]))
+    states = channel.at(at)
+    hole = np.searchsorted(begins, at, side="right") - 1
+    spans = np.array([span.end for span in channel.unknown] or [0], np.int64)
+    states[(hole >= 0) & (at < spans[hole])] = UNKNOWN
+    kept = np.append(True, states[1:] != states[:-1])
+    return at[kept], states[kept]
+
+
+def gaps(capture: Capture, *channels: Channel) -> list[Span]:
+    """Return the spans in which the level of at least one of the channels is unknown, in order, neighbours joined."""
+    known = [Span(0, 0), *capture.known(*channels), Span(capture.length, capture.length)]
+    between = (Span(before.end, behind.begin) for before, behind in pairwise(known))
+    return [span for span in between if span.begin < span.end]
+
+
+def gap_notes(capture: Capture, *channels: Channel) -> list[str]:
+    """Return one note on where and for how long the channels were not recorded, or none."""
+    found = gaps(capture, *channels)
+    if not found:
+        return []
+    names = " and ".join(shorten(channel.name, 60) for channel in channels)
+    if capture.rate is None:
+        total = f"{sum(span.end - span.begin for span in found)} samples"
+        places = [f"sample {span.begin} to sample {span.end}" for span in found[:MOST_LISTED]]
+    else:
+        total = _seconds(capture.rate, sum(span.end - span.begin for span in found))
+        times = [tuple(_seconds(capture.rate, bound) for bound in span) for span in found[:MOST_LISTED]]
+        places = [" to ".join(bounds) for bounds in times]
+    if len(found) > MOST_LISTED:
+        places.append(f"and {len(found) - MOST_LISTED} more")
+    spans = "1 span was" if len(found) == 1 else f"{len(found)} spans were"
+    return [f"{names}: {spans} not recorded, {total} in all, {', '.join(places)}; nothing is decoded across them"]
+
+
+def _seconds(rate: Fraction, positions: int) -> str:
+    return f"{float(positions / rate):.9f} s"

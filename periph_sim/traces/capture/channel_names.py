@@ -1,8 +1,19 @@
-"""Find the channels of a capture that are named like a line of a bus, such as `scl`."""
+"""Find the buses of a capture by the names of its channels: pairs of SCL and SDA, and serial lines.
+
+SCL, SDA                                             one bus
+EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two: the other words, or the numbers, are equal
+Channel 0 (SDA), Channel 1 (SCL)                     one: no other channel could be meant
+SCL_A, SDA_A, SCL_B                                  one, and SCL_B is left over
+tb.scl, tb.dut.scl, tb.sda, tb.dut.sda               one, if both scopes show the same edges
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
 
 from .capture import Capture, Channel
 
@@ -15,3 +26,66 @@ def channels_named(capture: Capture, line: str) -> list[Channel]:
     names = {channel.index: channel.name.rpartition(".")[2].casefold() for channel in capture.channels}
     found = [channel for channel in capture.channels if names[channel.index].strip() == line]
     return found or [c for c in capture.channels if line in re.split(r"[^0-9a-z]+", names[c.index])]
+
+
+LINE = re.compile(r"(scl|sda|rx|tx)(\d*)")
+PLACE = re.compile(r"channel|(ch|d|a)?\d+")  # an analyser's input, not part of the name of a bus
+
+Key = tuple[str, ...]
+
+
+class Named(NamedTuple):
+    """i2c: SCL and SDA of each bus. uart: lines called RX or TX. left_over: SCL or SDA lines without a partner."""
+
+    i2c: list[tuple[Channel, Channel]]
+    uart: list[Channel]
+    left_over: list[Channel]
+
+
+class _Line(NamedTuple):
+    line: str
+    key: Key  # scope, other words of the name, number of the line
+    channel: Channel
+
+
+def buses_named(capture: Capture) -> Named:
+    """Return the buses of a capture, in the order of their channels."""
+    lines = [line for channel in capture.channels if (line := _line(channel))]
+    lines = [line for n, line in enumerate(lines) if not any(_same(line, before) for before in lines[:n])]
+    left = [line for line in lines if line.line in ("scl", "sda")]
+    found: list[tuple[Channel, Channel]] = []
+    for alike in (lambda line: line.key, _key_without_places, lambda _: ()):
+        for scl, sda in _pairs(left, alike):
+            found.append((scl.channel, sda.channel))
+            left = [line for line in left if line is not scl and line is not sda]
+    found.sort(key=lambda pair: min(pair[0].index, pair[1].index))
+    uart = [line.channel for line in lines if line.line in ("rx", "tx")]
+    return Named(found, uart, [line.channel for line in left])
+
+
+def _line(channel: Channel) -> _Line | None:
+    scope, _, name = channel.name.casefold().rpartition(".")
+    words = re.split(r"[^0-9a-z]+", name)
+    for place, word in enumerate(words):
+        if match := LINE.fullmatch(word):
+            others = (other for other in (*words[:place], *words[place + 1 :]) if other)
+            return _Line(match[1], (scope, *others, f"#{match[2]}"), channel)
+    return None
+
+
+def _same(line: _Line, other: _Line) -> bool:
+    """True if two names are of one wire, as in the scopes of a simulation."""
+    a, b = line.channel, other.channel
+    return line.line == other.line and len(a.edges) > 0 and a.initial == b.initial and np.array_equal(a.edges, b.edges)
+
+
+def _key_without_places(line: _Line) -> Key:
+    return tuple(word for word in line.key if not PLACE.fullmatch(word))
+
+
+def _pairs(lines: Iterable[_Line], alike: Callable[[_Line], Key]) -> list[tuple[_Line, _Line]]:
+    """Return SCL and SDA of equal keys, where there is exactly one of each."""
+    groups: dict[Key, dict[str, list[_Line]]] = {}
+    for line in lines:
+        groups.setdefault(alike(line), {"scl": [], "sda": []})[line.line].append(line)
+    return [(scl[0], sda[0]) for scl, sda in (group.values() for group in groups.values()) if len(scl) == len(sda) == 1]

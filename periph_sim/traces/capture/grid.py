@@ -1,6 +1,6 @@
-"""Conversion of times in text to integer positions, exactly or with an error.
+"""Conversion of times to integer positions and back, exactly or with an error.
 
-"0.000016460", ISO 8601 --> ticks (a power of ten a second) --> samples of a known rate
+"0.000016460", ISO 8601 --> ticks (a power of ten a second) <--> samples of a known rate
 """
 
 from __future__ import annotations
@@ -9,12 +9,18 @@ import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
 
 from ...core.shorten import shorten
+from .capture import BadCapture, Capture, Positions
+from .sampling import rate_text
 
 DECIMAL = re.compile(r"\s*([+-]?)(\d{1,40})(?:\.(\d{0,40}))?\s*")  # more digits are no time
 ISO = re.compile(r"\s*(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d)(?:\.(\d{1,40}))?(Z|[+-]\d\d:?\d\d)?\s*")
 
+FINEST = 15  # decimals of a second that are written: femtoseconds
 LEAST_DECIMALS = 9  # nanoseconds, to which Saleae's exports are exact at whole-nanosecond sample periods
 
 
@@ -40,31 +46,65 @@ def exact_time(text: str) -> tuple[int, int]:
     raise ValueError(f"{shorten(repr(text.strip()))} is neither seconds nor an ISO 8601 time")
 
 
-def ticks_of(times: Sequence[tuple[int, int]]) -> tuple[list[int], int]:
-    """Return (ticks, ticks a second): all times exactly, on the coarsest power of ten that is at least nanoseconds."""
-    decimals = max((d for _, d in times), default=0)
-    decimals = max(decimals, LEAST_DECIMALS)
-    ticks = [digits * 10 ** (decimals - d) for digits, d in times]
-    while decimals > LEAST_DECIMALS and not any(t % 10 for t in ticks):
-        ticks = [t // 10 for t in ticks]
-        decimals -= 1
-    return ticks, 10**decimals
+def decimals_for(capture: Capture, least: int, rounded_to: int, otherwise: str = "") -> tuple[int, bool]:
+    """Return (decimals of a second, from `least` to FINEST, in which times are written, whether they are exact).
+
+    The fewest with which each sample is exact, else with which a sample is `rounded_to` units of the last decimal, so
+    that a reader that knows the rate gets the same samples. BadCapture if there is no rate, or it is too high;
+    otherwise: what else is expected of it.
+    """
+    rate = capture.rate
+    if rate is None:
+        raise BadCapture(capture.path, "its rate", "none stated", "positions with a time", "state it with --rate")
+    able = range(least, FINEST + 1)
+    for decimals in able:
+        if Fraction(10**decimals) % rate == 0:
+            return decimals, True
+    for decimals in able:
+        if 10**decimals >= rounded_to * rate:
+            return decimals, False
+    most = f"up to {10**FINEST // rounded_to // 10**9} GHz{otherwise}"
+    raise BadCapture(capture.path, "its rate", rate_text(rate), most, "write .psr")
 
 
-def snap(ticks: Sequence[int], per_second: Fraction, rate: Fraction) -> list[int]:
+def nearest(times: Positions, ratio: Fraction) -> Positions:
+    """Return the whole number nearest to each time multiplied by `ratio`, exactly.
+
+    They are Python's integers, in an array of objects, if the arithmetic does not fit 64 bits.
+    """
+    top, bottom = ratio.numerator, ratio.denominator
+    if len(times) and 2 * (int(abs(times).max()) * top + bottom) >= 1 << 63:
+        times = times.astype(object)
+    return (2 * times * top + bottom) // (2 * bottom)
+
+
+def quantized(ticks: Positions, per_second: Fraction, rate: Fraction) -> Positions:
     """Return the nearest sample number of each time. OffGrid if one is further off than its writer's rounding explains.
 
-    Where a sample period is whole ticks there is nothing to round and a time must fall on a sample;
-    else the writer may have rounded or cut by up to a tick.
+    Where a sample period is whole ticks there is nothing to round and a time must fall on a sample; else the writer may
+    have rounded or cut by up to a tick. OverflowError if a sample number exceeds 64 bits.
     """
     period = per_second / rate  # ticks a sample
-    allowed = Fraction(0) if period.denominator == 1 else Fraction(1)
-    samples = []
-    top, bottom = period.denominator, period.numerator  # samples = ticks * top / bottom
-    for which, tick in enumerate(ticks):
-        sample = (2 * tick * top + bottom) // (2 * bottom)
-        off = tick * top - sample * bottom  # in ticks / top
-        if abs(off) > allowed * top:
-            raise OffGrid(which, Fraction(off, top))
-        samples.append(sample)
-    return samples
+    samples = nearest(ticks, 1 / period)
+    off = ticks.astype(samples.dtype) * period.denominator - samples * period.numerator
+    beyond = np.flatnonzero(abs(off) > (0 if period.denominator == 1 else period.denominator))
+    if len(beyond):
+        which = int(beyond[0])
+        raise OffGrid(which, Fraction(int(off[which]), period.denominator))
+    return samples.astype(np.int64)
+
+
+def on_grid(
+    path: Path, lines: Sequence[Positions], last: int, per_second: Fraction, rate: Fraction, said: str
+) -> tuple[list[Positions], int]:
+    """Return the sample numbers of the times of each line, and of the time `last`.
+
+    BadCapture if a time is on no sample; said: its description, with {} for the time.
+    """
+    moments = np.unique(np.concatenate([np.array([last], np.int64), *lines]))
+    try:
+        samples = quantized(moments, per_second, rate)
+    except OffGrid as off:
+        found, expected = said.format(moments[off.which]), f"times on the grid of {rate} Hz"
+        raise BadCapture(path, "its times", found, expected, "state the right rate or none") from off
+    return [samples[np.searchsorted(moments, at)] for at in lines], int(samples[-1])

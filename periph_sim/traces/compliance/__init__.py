@@ -7,8 +7,7 @@ In a test: `check(capture, "SCL", "SDA", Mode.FAST).assert_compliant()`.
 
 from __future__ import annotations
 
-from ..capture.capture import Capture
-from ..capture.gaps import gap_notes
+from ..capture.capture import Capture, gap_notes
 from ..capture.sampling import stamp_notes
 from .limits import Mode
 from .measure import measure

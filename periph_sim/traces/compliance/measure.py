@@ -21,6 +21,8 @@ Rules:
     this bit, a rising one by the driver of the bit before, which released it. SDA falling ahead of STOP is the
     controller's.
 - Unknown spans are never crossed.
+- Spikes are removed first, as the filter of an I2C input does it: a level that lasts no longer than a spike may last is
+  removed, and the rest keeps its place, so of an edge that rings the last one counts. `limits.SPIKE` defines a spike.
 """
 
 from __future__ import annotations
@@ -33,11 +35,51 @@ from numpy.typing import NDArray
 
 from ..capture.capture import Capture, Channel, Positions, Span
 from ..decode.i2c import Party
-from ..decode.i2c_states import BITS
+from ..decode.i2c_stream import BITS
 from ..decode.i2c_table import I2cEdges, edges_of
-from .limits import LIMIT, Mode
+from .limits import LIMIT, SPIKES_TO, Mode
 from .resolution import Resolution
-from .spikes import without_spikes
+
+
+def without_spikes(
+    scl: Channel, sda: Channel, mode: Mode, resolution: Resolution
+) -> tuple[Channel, Channel, Positions, Positions]:
+    """Return (SCL, SDA, begins of spikes, their lengths). In Standard-mode, which has no filter, nothing is a spike.
+
+    Only what surely is a spike at this resolution is one.
+    """
+    most = LIMIT["tSP"].bounds[mode].most
+    none = np.zeros(0, np.int64)
+    if most is None:
+        return scl, sda, none, none
+    short, long = resolution.surely_at_most(most), resolution.surely_at_most(SPIKES_TO * most)
+    clock, clock_begins, clock_lengths = _filtered(scl, _lengths(scl) <= long)
+    lengths = _lengths(sda)
+    ends = sda.edges + lengths
+    falls = np.append(clock.edges[clock.levels == 0], np.iinfo(np.int64).max)
+    next_fall = falls[np.searchsorted(falls, sda.edges)]
+    high = (clock.before(sda.edges) == 1) & (clock.at(sda.edges) == 1) & (ends < next_fall)
+    data, data_begins, data_lengths = _filtered(sda, (lengths <= short) | high & (lengths <= long))
+    begins = np.concatenate((clock_begins, data_begins))
+    order = np.argsort(begins, kind="stable")
+    return clock, data, begins[order], np.concatenate((clock_lengths, data_lengths))[order]
+
+
+def _lengths(channel: Channel) -> Positions:
+    """Return the duration of the level after each edge; the last one holds for ever."""
+    return np.append(np.diff(channel.edges), np.iinfo(np.int64).max // 2)[: len(channel.edges)]
+
+
+def _filtered(channel: Channel, short: NDArray[np.bool_]) -> tuple[Channel, Positions, Positions]:
+    """Return the channel without the levels that are too short, and their begins and lengths."""
+    if not short.any():
+        return channel, channel.edges[:0], channel.edges[:0]
+    edges, levels = channel.edges[~short], channel.levels[~short]
+    before = np.concatenate((np.array([channel.initial], np.uint8), levels))[:-1]
+    real = levels != before
+    left = Channel(channel.name, channel.index, channel.initial, edges[real], levels[real], channel.unknown)
+    return left, channel.edges[short], _lengths(channel)[short]
+
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 Flags = NDArray[np.bool_]

@@ -1,14 +1,17 @@
-"""The verdict on one trace, from its rows of limits: pass, fail or undecidable, a text, or an AssertionError."""
+"""The verdict on one trace, from its rows of limits: pass, fail or undecidable, as text, JSON or an AssertionError.
+
+Only texts and JSON contain floats; everything else is in whole numbers.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
 
-from .limits import Mode
+from ...core.text_table import paragraph, text_table
+from .limits import STRETCHED, Bounds, Mode
 from .resolution import Resolution
-from .text_report import failure, table
-from .verdict import Row, Verdict
+from .verdict import Occurrence, Row, Verdict
 
 
 @dataclass(frozen=True)
@@ -57,3 +60,181 @@ class Report:
 
     def __str__(self) -> str:
         return table(self)
+
+
+MEASURED = ("symbol", "limit", "min", "max", "count", "verdict")
+RULES = ("symbol", "from -> to", "worst begins at", "by")
+
+
+def table(report: Report) -> str:
+    """Format a head line, the measured times of each limit, its begin, end and worst place, notes, and the verdict."""
+    lines = text_table(MEASURED, [_measured(report, row) for row in report.rows], (2, 3, 4))
+    rules = text_table(RULES, [_rule(report, row) for row in report.rows], (2,))
+    remarks = [line for note in _remarks(report) for line in paragraph(f"note: {note}")]
+    return "\n".join([_title(report), "", *lines, "", *rules, "", *remarks, _conclusion(report)])
+
+
+def failure(report: Report, strict: bool) -> str:
+    """Format the rows that do not pass, with their worst places, for an AssertionError."""
+    wanted = {Verdict.FAIL, Verdict.UNDECIDABLE} if strict else {Verdict.FAIL}
+    lines = [f"{report.name} does not keep the I2C limits of mode {report.mode.value}:"]
+    for row in report.rows:
+        if row.verdict in wanted:
+            beyond = row.failed or row.undecided
+            begins, ends = row.limit.begins, row.limit.ends
+            lines.append(
+                f"  {row.limit.symbol} ({begins} -> {ends}) {row.verdict.value}: {limit_text(row.bounds)}, "
+                f"{beyond} of {row.count}"
+            )
+            lines.extend(f"    {_place(report, place)}" for place in row.worst)
+    return "\n".join(lines)
+
+
+def as_json(report: Report) -> dict[str, object]:
+    """Convert a report to JSON: times as numbers in seconds, positions as in the capture."""
+    return {
+        "capture": report.name,
+        "mode": report.mode.value,
+        "verdict": report.verdict.value,
+        "positions_per_second": float(report.resolution.rate),
+        "exact_to_ns": float(report.resolution.period),
+        "starts": report.starts,
+        "both_lines_at_once": report.shared,
+        "rows": [_json_row(report, row) for row in report.rows],
+        "notes": _remarks(report),
+    }
+
+
+def limit_text(bounds: Bounds) -> str:
+    """Format bounds: `min 4.7 us`, `0 to 3.45 us`, `max 50 ns`, or `-`."""
+    if bounds.least is None and bounds.most is None:
+        return "-"
+    if bounds.most is None:
+        return f"min {_short(Fraction(bounds.least or 0))}"
+    if bounds.least is None:
+        return f"max {_short(Fraction(bounds.most))}"
+    return f"{_number(bounds.least, bounds.most)} to {_short(Fraction(bounds.most))}"
+
+
+def _measured(report: Report, row: Row) -> tuple[str, ...]:
+    resolution = report.resolution
+    verdict = "undecidable" if row.verdict is Verdict.UNDECIDABLE else row.verdict.value
+    if row.failed:
+        verdict = f"FAIL, {row.failed} of {row.count}"
+        verdict += f", {row.undecided} undecidable" if row.undecided else ""
+    elif row.undecided:
+        verdict += f", {row.undecided} of {row.count}"
+    return (
+        row.limit.symbol,
+        limit_text(row.bounds),
+        _short(resolution.ns(row.least)) if row.least is not None else "-",
+        _short(resolution.ns(row.most)) if row.most is not None else "-",
+        str(row.count) if row.count else "-",
+        verdict,
+    )
+
+
+def _rule(report: Report, row: Row) -> tuple[str, ...]:
+    worst = row.worst[0] if row.worst else None
+    measured = f"{row.limit.begins} -> {row.limit.ends}"
+    if row.limit.symbol == "fSCL" and row.bounds.least is not None:
+        measured += f", {10**6 // row.bounds.least} kHz"
+    return (
+        row.limit.symbol,
+        measured,
+        f"{float(report.seconds(worst.at)):.9f} s" if worst is not None else "-",
+        worst.party.value if worst is not None and worst.party else "",
+    )
+
+
+def _title(report: Report) -> str:
+    return f"{report.name}: I2C limits of mode {report.mode.value}, {_exactness(report)}"
+
+
+def _exactness(report: Report) -> str:
+    period = report.resolution.period
+    return f"each time good to {_short(period)} either way" if period else "times exact"
+
+
+def _remarks(report: Report) -> list[str]:
+    excused = [row for row in report.rows if row.excused]
+    found = []
+    if excused:
+        counts = ", ".join(f"{row.limit.symbol} {row.excused}" for row in excused)
+        found.append(f"beyond a maximum where it does not bind: {counts}; {STRETCHED}")
+    unsure = [row for row in report.rows if row.unsure and row.bounds.most is not None]
+    if unsure:
+        counts = ", ".join(f"{row.limit.symbol} {row.unsure}" for row in unsure)
+        found.append(f"a maximum that binds only where SCL is not stretched, which these samples do not tell: {counts}")
+    spikes = report.row("tSP")
+    if spikes.count:
+        found.append(f"tSP: {spikes.count} spikes were put aside; {spikes.limit.rule}")
+    elif spikes.verdict is Verdict.UNDECIDABLE:
+        found.append("tSP: no spike is seen, but one may lie between two samples")
+    if report.shared:
+        found.append(f"both lines change at once at {report.shared} positions; which came first is not known")
+    return [*found, *report.notes]
+
+
+def _conclusion(report: Report) -> str:
+    if report.verdict is Verdict.NOT_JUDGED:
+        return "NOT JUDGED: nothing was measured"
+    failed, open_rows = report.symbols_with(Verdict.FAIL), report.symbols_with(Verdict.UNDECIDABLE)
+    if failed:
+        return f"FAIL: {', '.join(failed)}"
+    if open_rows:
+        return f"UNDECIDABLE at this sample rate: {', '.join(open_rows)}; nothing that can be decided fails"
+    return "PASS"
+
+
+def _place(report: Report, place: Occurrence) -> str:
+    by = f", driven by the {place.party.value}" if place.party else ""
+    length = _short(report.resolution.ns(place.length))
+    return f"{length} at {float(report.seconds(place.at)):.9f} s (position {place.at}){by}"
+
+
+def _json_row(report: Report, row: Row) -> dict[str, object]:
+    def seconds(positions: int | None) -> float | None:
+        return None if positions is None else float(report.seconds(positions))
+
+    return {
+        "symbol": row.limit.symbol,
+        "from": row.limit.begins,
+        "to": row.limit.ends,
+        "limit_min_ns": row.bounds.least,
+        "limit_max_ns": row.bounds.most,
+        "min_s": seconds(row.least),
+        "max_s": seconds(row.most),
+        "count": row.count,
+        "failed": row.failed,
+        "undecided": row.undecided,
+        "excused": row.excused,
+        "unsure": row.unsure,
+        "verdict": row.verdict.value,
+        "worst": [
+            {
+                "at": place.at,
+                "at_s": seconds(place.at),
+                "length_s": seconds(place.length),
+                "party": place.party.value if place.party else None,
+            }
+            for place in row.worst
+        ],
+    }
+
+
+def _short(ns: Fraction) -> str:
+    """Format a time in a suitable unit with at most three decimals."""
+    for unit, size in (("ns", 1), ("us", 10**3), ("ms", 10**6)):
+        if abs(ns) < 1000 * size:
+            return f"{_trimmed(ns / size)} {unit}"
+    return f"{_trimmed(ns / 10**9)} s"
+
+
+def _number(ns: int, beside: int) -> str:
+    return _trimmed(Fraction(ns, 1000 if beside >= 1000 else 1))
+
+
+def _trimmed(value: Fraction) -> str:
+    text = f"{float(value):.3f}"
+    return text.rstrip("0").rstrip(".")

@@ -1,6 +1,9 @@
 """Events of any protocol as rows of one shape, so that several buses of a capture share one list.
 
 I2cTable, UartTable, events of an SPI line --> Rows (numbers) --> in order of time
+
+Source of the purposes of reserved addresses: UM10204, section 3.1.12, table "Reserved addresses", and sections 3.1.11
+(10-bit), 3.1.13 (general call), 3.1.15 (START byte), 3.1.17 (device ID), 5.3 (Hs-mode).
 """
 
 from __future__ import annotations
@@ -15,8 +18,33 @@ from numpy.typing import NDArray
 from ..capture.capture import Positions
 from . import i2c_table, spi
 from .i2c_table import I2cTable
-from .reserved_addresses import PURPOSES, purpose_of
 from .uart_table import UartTable
+
+PURPOSES = (
+    "general call",
+    "START byte",
+    "CBUS",
+    "other bus format",
+    "future use",
+    "Hs-mode controller code",
+    "10-bit",
+    "device ID",
+)
+
+
+def purpose_of(byte: int) -> str:
+    """Return the purpose of an address byte with its R/W bit; empty for a device's address."""
+    high = byte >> 1
+    if high == 0:
+        return "START byte" if byte & 1 else "general call"
+    if high < 4:
+        return ("CBUS", "other bus format", "future use")[high - 1]
+    if high < 8:
+        return "Hs-mode controller code"
+    if high >= 0x7C:
+        return "device ID"
+    return "10-bit" if high >= 0x78 else ""
+
 
 # The words of a row, by number; those of I2C as in i2c_table.Kind.
 OF_I2C = ("start", "repeated start", "address", "address low", "data", "ack", "nack", "stop", "cut")

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..capture.capture import Capture
-from .i2c_states import BITS
+from .i2c_stream import BITS
 from .i2c_table import I2cEdges, I2cRowKind, I2cTable, bit_counts, bits_of, i2c_edges, i2c_table
 
 

@@ -2,7 +2,16 @@
 
     levels --> START, STOP, rises and falls of SCL; which of them ends a whole byte
 
-It follows `i2c_states`, as the decoder of arrays does (`i2c_table`).
+Its table of states is also that of the decoder of arrays (`i2c_table`):
+
+    EVENTS >> 3 * (before << 2 | now) & 7     event between two samples; levels: bit 0 is SCL, bit 1 is SDA
+    COUNTED[rises]                            bits that count if START or STOP comes after this number of SCL rises
+
+START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, SCL counts. The SCL
+pulse in which START or STOP comes holds no bit, unless it is the ninth: the sender sampled the ACK when SCL rose.
+Agents on the simulated bus have a table of their own, since the decoders are an oracle for them.
+
+Source: UM10204 sections 3.1.3 to 3.1.6.
 """
 
 # core: compiled
@@ -12,10 +21,26 @@ from __future__ import annotations
 from typing import final
 
 from ...core.state import State
-from .i2c_states import BITS, EVENTS, FALL, KINDS, RISE, SDA, START
 
+SCL, SDA = 1, 2
+BITS = 9  # of a byte, its ACK included
+
+NOTHING, FALL, RISE, START, STOP = range(5)
+KINDS = 7  # mask of these
 BYTE = KINDS + 1  # added to the event that ends a byte: SCL's fall, or START or STOP in the ninth pulse
 BYTE_OVER = FALL + BYTE
+
+
+def _event(before: int, now: int) -> int:
+    if (before ^ now) & SCL:
+        return RISE if now & SCL else FALL
+    if before == now or not now & SCL:
+        return NOTHING
+    return STOP if now & SDA else START
+
+
+EVENTS = sum(_event(pair >> 2, pair & 3) << 3 * pair for pair in range(16))
+COUNTED = (0, *range(BITS - 1), BITS)
 
 
 @final

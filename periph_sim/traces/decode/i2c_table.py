@@ -2,7 +2,7 @@
 
     edges --> clock rises with SDA's level | START and STOP --> phases --> bytes --> rows in order of time
 
-The rules are those of `decode.i2c`, which gives the same as objects, with the timing of each bit; `i2c_states` has them
+The rules are those of `decode.i2c`, which gives the same as objects, with the timing of each bit; `i2c_stream` has them
 as a table. Here nothing is done edge by edge: a capture of a million edges takes some tens of milliseconds.
 
 10-bit addresses (UM10204, section 3.1.11): after an acknowledged 11110xx with R/W = 0 the next byte is their lower
@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..capture.capture import Capture, Channel, Positions
-from .glitch_filter import without_glitches
-from .i2c_states import BITS, COUNTED, EVENTS, KINDS, START
+from .i2c_stream import BITS, COUNTED, EVENTS, KINDS, START
 
 Flags = NDArray[np.bool_]
 Counts = NDArray[np.int64]
@@ -136,7 +135,7 @@ def i2c_edges(capture: Capture, scl: str | int, sda: str | int, glitch: int = 0)
     """Yield the edges of each span in which both lines are known."""
     clock, data = capture.channel(scl), capture.channel(sda)
     for span in capture.known(clock, data):
-        yield edges_of(without_glitches(clock.cut(span), glitch), without_glitches(data.cut(span), glitch))
+        yield edges_of(clock.cut(span).without_glitches(glitch), data.cut(span).without_glitches(glitch))
 
 
 def _edges(line: Channel, level: int) -> Positions:

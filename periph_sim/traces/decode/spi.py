@@ -26,7 +26,6 @@ import numpy as np
 from msgspec import Struct
 
 from ..capture.capture import Capture, Channel, Positions
-from .glitch_filter import without_glitches
 
 
 class SpiFormat(Struct, frozen=True):
@@ -109,7 +108,7 @@ def events(
     lines = [None if name is None else capture.channel(name) for name in (clk, mosi, miso, cs)]
     found: list[Event] = []
     for span in capture.known(*(line for line in lines if line is not None)):
-        clock, *others = (None if line is None else without_glitches(line.cut(span), glitch) for line in lines)
+        clock, *others = (None if line is None else line.cut(span).without_glitches(glitch) for line in lines)
         assert clock is not None
         found += _events(format_, clock, *others)
     return found

@@ -20,10 +20,8 @@ from numpy.typing import NDArray
 from ...core.counted import counted
 from ..capture.capture import Capture, Channel, Span
 from ..capture.sampling import sample_step
-from .glitch_filter import without_glitches
-from .uart_format import sample_point_step
 from .uart_line import Line, line_of
-from .uart_table import UartRowKind, breaks_of, frames_of
+from .uart_table import UartRowKind, breaks_of, frames_of, sample_point_step
 
 Pulses = NDArray[np.int64]
 
@@ -84,7 +82,7 @@ def guess(
     if capture.rate is None:
         raise ValueError(f"{capture.path}: a guess of the baud rate needs a time base; state the rate")
     spans, step = capture.known(wire), sample_step(capture)
-    parts = [without_glitches(wire.cut(span), glitch) for span in spans]
+    parts = [wire.cut(span).without_glitches(glitch) for span in spans]
     found = [
         tried
         for turned in ((False, True) if invert is None else (invert,))

@@ -33,8 +33,7 @@ from ...core.input_files import note_input, open_regular
 from ...core.registered import registered
 from ...core.suggest import did_you_mean
 from ..capture.capture import BadCapture, Capture, Channel, Span, rate_of
-from ..capture.resample import resampled
-from ..capture.sampling import on_samples
+from ..capture.sampling import on_samples, resampled
 from .atomic_write import atomic_write
 
 __all__ = ["BadCapture", "Capture", "Channel", "Format", "Span", "formats", "rate_of", "read", "whole", "write"]

@@ -12,6 +12,7 @@ Source: the demo captures that come with DSView (header versions 2 and 3): INI t
 from __future__ import annotations
 
 import re
+from array import array
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
@@ -19,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..capture import size_limits as limits
-from ..capture.buffer import PositionBuffer
 from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_edges, rate_of
 from .packed_samples import BLOCK
 from .zip_member import Archive, Damage
@@ -75,7 +75,7 @@ class Bits:
         self._rest = b""  # an incomplete word at the end of the last block
         self._first = 0
         self._last = 0
-        self._edges = PositionBuffer()
+        self._edges = array("q")
 
     def feed(self, block: bytes) -> None:
         """Read a block of any size."""
@@ -95,7 +95,7 @@ class Bits:
     def back(self, mark: tuple[int, bytes, int, int]) -> None:
         """Discard all blocks since the mark."""
         self.length, self._rest, self._last, edges = mark
-        self._edges.cut(edges)
+        del self._edges[edges:]
 
     def channel(self, name: str, index: int, length: int) -> Channel:
         """Return the line up to `length`, unknown after the last sample that was fed; nothing may be fed afterwards."""
@@ -103,7 +103,7 @@ class Bits:
         if self._rest:
             self._compare(self._rest.ljust(WORD, b"\0"), 8 * (len(self._rest) - WORD))
             self._rest = b""
-        edges = self._edges.done()
+        edges = np.frombuffer(self._edges, np.int64)
         unknown = (Span(known, length),) if known < length else ()
         return channel_of_edges(name, index, self._first, edges[: np.searchsorted(edges, known)], unknown)
 
@@ -121,7 +121,8 @@ class Bits:
         if len(busy):
             bits = np.unpackbits(flips[busy].astype("<u8").view(np.uint8), bitorder="little").view(np.bool_)
             at = np.flatnonzero(bits)
-            self._edges.append((busy[at >> 6] << 6) + (at & 63), self.length - behind - 8 * len(block))
+            start = self.length - behind - 8 * len(block)
+            self._edges.frombytes(((busy[at >> 6] << 6) + (at & 63) + start).tobytes())
         self._last = int(words[-1]) >> 63
 
 

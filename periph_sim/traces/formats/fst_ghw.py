@@ -1,7 +1,5 @@
 """FST (GTKWave, Verilator, Icarus) and GHW (GHDL): binary waveforms of simulators, read as edges at integer ticks.
 
-`fst_writer` writes FST.
-
     file --> a separate process with the library `pywellen` --> positions and states --> Capture
 
 Chosen as for VCD: tick 0 is position 0; `z` is high; states other than 0 and 1 are unknown; a vector is a channel
@@ -9,6 +7,9 @@ for each bit, `name[k]` counted from its width (the library does not report decl
 ignored. The end is the last time that an FST file names; GHW has none, so there it is the last change.
 
 VCD is not read this way: the library loses the end of a capture, and declared ranges of vectors.
+
+FST is written by GTKWave's own library, `fstapi.c`, as `pylibfst` provides it: the extra `fst`. It keeps temporary
+files beside the one that it writes, and so gets its own folder.
 """
 
 from __future__ import annotations
@@ -18,17 +19,19 @@ import re
 import struct
 import subprocess
 import sys
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
+from itertools import groupby, takewhile
+from operator import itemgetter
 from pathlib import Path
-from typing import Any, NoReturn
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from ..capture.capture import BadCapture, Capture, Channel, Positions
-from ..capture.changes import UNKNOWN
-from ..capture.grid import OffGrid
-from ..capture.line_states import channel_of_states, quantized
-from .fst_writer import write
+from ..capture.capture import UNKNOWN, BadCapture, Capture, Channel, changes, channel_of_states
+from ..capture.grid import nearest, on_grid
+from .vcd import LETTERS, OURS, channel_names, timescale_of
 
 __all__ = ["NAME", "SUFFIXES", "WRITTEN", "read", "recognises", "write"]
 
@@ -67,10 +70,9 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
         _bad(path, "its times", f"tick {max(last, end or 0)}", f"at most {MOST_TICKS}", "dump a shorter run")
     length = end if end is not None and end > last else last + 1
     if rate is not None:
-        moments = np.unique(np.concatenate([np.array([last], np.int64), *(at for at, _ in signals)]))
-        samples = _samples(path, moments, ticks or rate, rate)
-        signals = [(samples[np.searchsorted(moments, at)], letters) for at, letters in signals]
-        length = max(int(samples[-1]) + 1, int(-(-length * rate // (ticks or rate))))
+        lines, last = on_grid(path, [at for at, _ in signals], last, ticks or rate, rate, "a change at tick {}")
+        signals = [(at, letters) for at, (_, letters) in zip(lines, signals, strict=True)]
+        length = max(last + 1, int(-(-length * rate // (ticks or rate))))
     channels: list[Channel] = []
     for name, width, place in head["variables"]:
         at, letters = signals[place]
@@ -122,15 +124,96 @@ def _ticks(head: dict[str, Any]) -> Fraction | None:
     return Fraction(10**-exponent, factor) if exponent <= 0 else Fraction(1, factor * 10**exponent)
 
 
-def _samples(path: Path, moments: Positions, ticks: Fraction, rate: Fraction) -> Positions:
-    try:
-        return quantized(moments, ticks, rate)
-    except OffGrid as off:
-        found = f"a change at tick {moments[off.which]}"
-        raise BadCapture(
-            path, "its times", found, f"times on the grid of {rate} Hz", "state the right rate or none"
-        ) from off
-
-
 def _bad(path: Path, place: str, found: str, expected: str, way_out: str) -> NoReturn:
     raise BadCapture(path, place, found, expected, way_out)
+
+
+TEXT = 0  # the width of a variable whose values are texts
+
+
+class Variable(NamedTuple):
+    """name: with its scopes, `dsp.I2C_A.I2CSTR`. changes: (time, value) in order, from time 0 on, values as
+    `width` letters of 0, 1, x, or as text."""
+
+    name: str
+    width: int
+    changes: Iterable[tuple[int, str]]
+
+
+class NoFstLibrary(ImportError):
+    """`pylibfst` is not installed."""
+
+
+def library() -> Any:
+    """Return `pylibfst`. NoFstLibrary explains how to install it."""
+    try:
+        import pylibfst
+    except ImportError:
+        raise NoFstLibrary(
+            "FST is written by pylibfst, which is not installed: pip install 'periph-sim[fst]'"
+        ) from None
+    return pylibfst
+
+
+def write(capture: Capture, path: Path) -> tuple[str, ...]:
+    """Write a capture. Return notes on losses. BadCapture if positions have no time, or one that is too fine."""
+    try:
+        library()
+    except NoFstLibrary as error:
+        raise BadCapture(path, "its format", "no library for it", "one", str(error)) from None
+    _, per_second, notes = timescale_of(capture)
+    names, notes = channel_names(capture), list(notes)
+    at, which, states = changes(capture)
+    times = nearest(np.append(at, capture.length), per_second / (capture.rate or per_second))
+    variables = []
+    for number, name in enumerate(names):
+        rows = which == number
+        letters = [LETTERS[state] for state in states[rows].tolist()]
+        variables.append(Variable(name, 1, zip(times[:-1][rows].tolist(), letters, strict=True)))
+    path.write_bytes(fst_bytes(per_second, variables, int(times[-1])))
+    return tuple(notes)
+
+
+def fst_bytes(per_second: Fraction, variables: Sequence[Variable], end: int) -> bytes:
+    """Return the file. per_second: times a second, a power of ten. end: the end time."""
+    fst = library()
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "x.fst"
+        _write(fst.lib, fst.ffi.NULL, path, per_second, variables, end)
+        return path.read_bytes()
+
+
+def _write(lib: Any, null: Any, path: Path, per_second: Fraction, variables: Sequence[Variable], end: int) -> None:
+    file = lib.fstWriterCreate(str(path).encode(), 1)
+    lib.fstWriterSetTimescale(file, 1 - len(str(int(per_second))))
+    lib.fstWriterSetDate(file, b"")  # equal runs give equal files
+    lib.fstWriterSetVersion(file, OURS.encode())
+    handles = _declared(lib, null, file, [(one.name, one.width) for one in variables])
+    events = [(time, number, value.encode()) for number, one in enumerate(variables) for time, value in one.changes]
+    for time, changed in groupby(sorted(events, key=itemgetter(0)), key=itemgetter(0)):
+        lib.fstWriterEmitTimeChange(file, time)
+        for _, number, value in changed:
+            if variables[number].width == TEXT:
+                lib.fstWriterEmitVariableLengthValueChange(file, handles[number], value, len(value))
+            else:
+                lib.fstWriterEmitValueChange(file, handles[number], value)
+    lib.fstWriterEmitTimeChange(file, end)
+    lib.fstWriterClose(file)
+
+
+def _declared(lib: Any, null: Any, file: Any, variables: Sequence[tuple[str, int]]) -> list[int]:
+    """Declare variables and return their handles. Those of one scope are declared together, since scopes are nested."""
+    handles = [0] * len(variables)
+    inside: list[str] = []
+    for number in sorted(range(len(variables)), key=lambda number: variables[number][0].split(".")[:-1]):
+        name, width = variables[number]
+        *scopes, name = name.split(".")
+        same = sum(1 for _ in takewhile(lambda both: both[0] == both[1], zip(inside, scopes, strict=False)))
+        for _ in inside[same:]:
+            lib.fstWriterSetUpscope(file)
+        for scope in scopes[same:]:
+            lib.fstWriterSetScope(file, lib.FST_ST_VCD_MODULE, scope.encode(), null)
+        inside = scopes
+        kind = lib.FST_VT_GEN_STRING if width == TEXT else lib.FST_VT_VCD_WIRE
+        handles[number] = lib.fstWriterCreateVar(file, kind, lib.FST_VD_IMPLICIT, width, name.encode(), 0)
+    return handles

@@ -8,6 +8,7 @@ and nearly all time grow with the number of edges, which is limited.
 
 from __future__ import annotations
 
+from array import array
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..capture import size_limits as limits
-from ..capture.buffer import PositionBuffer
 from ..capture.capture import BadCapture, Channel, channel_of_edges
 
 BLOCK = 1 << 19  # bytes scanned at once: fits the caches of a processor
@@ -44,7 +44,7 @@ class Scan:
         self._path = path
         self._unitsize = unitsize
         self._names = channels
-        self._edges = {bit: PositionBuffer() for bit in channels}
+        self._edges = {bit: array("q") for bit in channels}
         self._first = 0
         self._last = 0
 
@@ -65,12 +65,12 @@ class Scan:
         """Discard all blocks since the mark."""
         self.length, self._last, self.rest = mark.length, mark.last, mark.rest
         for edges, length in zip(self._edges.values(), mark.edges, strict=True):
-            edges.cut(length)
+            del edges[length:]
 
     def channels(self) -> tuple[Channel, ...]:
         """Return every channel, in the order given; nothing may be fed afterwards."""
         return tuple(
-            channel_of_edges(self._names[bit], bit, self._first >> bit & 1, edges.done())
+            channel_of_edges(self._names[bit], bit, self._first >> bit & 1, np.frombuffer(edges, np.int64))
             for bit, edges in self._edges.items()
         )
 
@@ -84,7 +84,7 @@ class Scan:
             flips[1:] ^= now[:-1]
             flips[0] ^= words.dtype.type(self._last)
             for bit, edges in self._edges.items():
-                edges.append(at[(flips & words.dtype.type(1 << bit)) != 0], self.length)
+                edges.frombytes((at[(flips & words.dtype.type(1 << bit)) != 0] + self.length).tobytes())
             if sum(len(edges) for edges in self._edges.values()) > limits.MOST_EDGES:
                 place, most = f"sample {self.length + len(words)}", limits.MOST_EDGES
                 raise BadCapture(

@@ -35,9 +35,8 @@ from numpy.typing import NDArray
 
 from ...core.input_files import open_regular
 from ...core.records import RECORDED, Kind
-from ..capture.capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
-from ..capture.grid import OffGrid
-from ..capture.line_states import quantized
+from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_edges
+from ..capture.grid import on_grid
 from .record_table import COLUMNS, TABLES, TOPIC, RecordTable, Topics
 
 NAME = "periph-sim records (.psr)"
@@ -362,24 +361,16 @@ def _at_rate(capture: Capture, rate: Fraction) -> Capture:
     ratio = capture.rate
     if capture.sampled or ratio is None:
         return replace(capture, rate=rate)
-
-    def placed(positions: Positions) -> Positions:
-        try:
-            return quantized(positions, ratio, rate)
-        except OffGrid as off:
-            found = f"an edge at position {positions[off.which]} of {ratio} a second"
-            raise BadCapture(
-                capture.path, "its times", found, f"times on the grid of {rate} Hz", "state the right rate or none"
-            ) from off
-
+    said = f"an edge at position {{}} of {ratio} a second"
     channels = []
     length = int(-(-capture.length * rate // ratio))
     for c in capture.channels:
-        edges = placed(c.edges)
+        lines = [c.edges, np.array(c.unknown, np.int64).reshape(-1)]
+        (edges, bounds), _ = on_grid(capture.path, lines, 0, ratio, rate, said)
         if (np.diff(edges, prepend=0) <= 0).any():
             found = f"two edges of {c.name} in one sample of {rate} Hz"
             raise BadCapture(capture.path, "its times", found, "one", "state the right rate or none")
         length = max([length, *(edges[-1:] + 1).tolist()])
-        unknown = tuple(Span(*placed(np.array(span, np.int64)).tolist()) for span in c.unknown)
+        unknown = tuple(Span(*span) for span in bounds.reshape(-1, 2).tolist())
         channels.append(channel_of_edges(c.name, c.index, c.initial, edges, unknown))
     return Capture(capture.path, rate, length, tuple(channels), True, capture.notes)

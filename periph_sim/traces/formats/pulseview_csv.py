@@ -29,6 +29,7 @@ import numpy as np
 
 from ..capture import size_limits as limits
 from ..capture.capture import BadCapture, Capture, Channel, Positions, channel_of_edges, rate_of
+from ..capture.grid import nearest
 from .csv_rows import NUMBER, BadRow, Rows, Time
 
 NAME = "PulseView or DSView CSV"
@@ -213,7 +214,8 @@ def _timed(
         else:
             rate = head.rate
             ratio = rate / (per_second * 10**decimals)
-            positions, length = _nearest(at, ratio), int(_nearest(np.array([last]), ratio)[0]) + 1
+            positions = nearest(np.append(at, last), ratio).astype(np.int64)
+            positions, length = positions[:-1], int(positions[-1]) + 1
     except OverflowError:
         raise BadCapture(
             path, "its times", "times that need over 64 bits", "times of one kind", "export again"
@@ -233,14 +235,6 @@ def _since_first(at: Positions, decimals: int, last: Time) -> tuple[int, Positio
     if end >= 1 << 62 or abs(first) >= 1 << 62:
         raise OverflowError
     return decimals + finer, at * 10**finer - first, end
-
-
-def _nearest(times: Positions, ratio: Fraction) -> Positions:
-    """Return the sample nearest to each time, exactly. OverflowError beyond 64 bits."""
-    top, bottom = ratio.numerator, ratio.denominator
-    if 2 * int(times[-1]) * top + bottom < 1 << 63:
-        return (2 * times * top + bottom) // (2 * bottom)
-    return np.array([(2 * int(time) * top + bottom) // (2 * bottom) for time in times], np.int64)
 
 
 def _no_rows(path: Path) -> BadCapture:

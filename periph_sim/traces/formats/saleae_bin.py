@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import re
 import struct
+from array import array
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -25,7 +26,6 @@ from numpy.typing import NDArray
 
 from ...core.input_files import open_regular
 from ..capture import size_limits as limits
-from ..capture.buffer import PositionBuffer
 from ..capture.capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
 
 NAME = "Saleae binary (digital_N.bin or their folder)"
@@ -119,7 +119,7 @@ class _Line:
         self._path = path
         self._grid = grid
         self._notes = notes
-        self._flips = PositionBuffer()
+        self._flips = array("q")
 
     def channel(self, index: int, chunks: list[Chunk], length: int) -> Channel:
         unknown: list[Span] = []
@@ -131,7 +131,7 @@ class _Line:
                 if begin > known_to:
                     unknown.append(Span(known_to, begin))
                 if chunk.initial != level:  # it changed in the gap
-                    self._flips.append(np.array([begin]))
+                    self._flips.append(begin)
                 before = len(self._flips)
                 end = self._changes(file, chunk)
                 level = chunk.initial ^ (len(self._flips) - before) & 1
@@ -140,7 +140,7 @@ class _Line:
                     break
         if known_to < length:
             unknown.append(Span(known_to, length))
-        edges = _odd(self._flips.done())
+        edges = _odd(np.frombuffer(self._flips, np.int64))
         initial = chunks[0].initial
         if len(edges) and edges[0] == 0:
             initial, edges = initial ^ 1, edges[1:]
@@ -162,9 +162,9 @@ class _Line:
                     raise BadCapture(self._path, place, "times out of order", "begin, rising times, end", way_out)
                 place = f"byte {chunk.at + 8 * (done + good)}"
                 self._notes.append(f"{self._path.name} has times out of order from {place} on: they are dropped")
-                self._flips.append(self._grid.places(self._path, times[:good]))
+                self._flips.frombytes(self._grid.places(self._path, times[:good]).tobytes())
                 return float(steps[good])
-            self._flips.append(self._grid.places(self._path, times))
+            self._flips.frombytes(self._grid.places(self._path, times).tobytes())
             last = float(times[-1])
         return last if chunk.cut else None
 

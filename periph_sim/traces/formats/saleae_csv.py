@@ -23,11 +23,18 @@ from typing import Protocol
 
 import numpy as np
 
-from ..capture.capture import MOST_DIGITS, BadCapture, Capture, Levels, Positions
-from ..capture.changes import UNKNOWN, changes
-from ..capture.grid import LEAST_DECIMALS, OffGrid, exact_time
-from ..capture.line_states import channel_of_states, quantized
-from ..capture.resample import rate_text
+from ..capture.capture import (
+    MOST_DIGITS,
+    UNKNOWN,
+    BadCapture,
+    Capture,
+    Levels,
+    Positions,
+    changes,
+    channel_of_states,
+)
+from ..capture.grid import LEAST_DECIMALS, OffGrid, decimals_for, exact_time, nearest, quantized
+from ..capture.sampling import rate_text
 from ..capture.size_limits import MOST_EDGES
 
 NAME = "Saleae CSV"
@@ -37,7 +44,6 @@ HEADER = re.compile(rb'(?:\xef\xbb\xbf)?"?Time ?\[s\]"?[,\r\n]')
 STATES = {"0": 0, "1": 1, "X": UNKNOWN, "x": UNKNOWN}
 MOST_CELLS = MOST_EDGES  # a byte each while reading
 MOST_POSITIONS = 1 << 62
-MOST_DECIMALS = 15  # femtoseconds
 ROUNDED_TO = 10  # units of the last decimal in a sample, at least, if decimals are not exact
 CELLS = "01X"
 NO_END = "the format has no row for the end, so the last change is used"
@@ -68,45 +74,29 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
     """Write a capture. Return notes on rounded times. BadCapture if positions have no time, or one that is too fine."""
-    decimals, notes = _decimals(capture)
+    decimals, exact = decimals_for(capture, LEAST_DECIMALS, ROUNDED_TO)
     per_second = 10**decimals
-    ratio = per_second / (capture.rate or Fraction(per_second))
-    top, bottom = ratio.numerator, ratio.denominator
+    rate = capture.rate or Fraction(per_second)
     at, which, states = changes(capture)
+    *times, end = nearest(np.append(at, capture.length - 1), per_second / rate).tolist()
     with path.open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerow(["Time [s]", *(channel.name for channel in capture.channels)])
         now = ["X"] * len(capture.channels)
         before = 0
 
-        def row(position: int) -> None:
-            ticks = (2 * position * top + bottom) // (2 * bottom)
-            file.write(f"{ticks // per_second}.{ticks % per_second:0{decimals}},{','.join(now)}\n")
+        def row(time: int) -> None:
+            file.write(f"{time // per_second}.{time % per_second:0{decimals}},{','.join(now)}\n")
 
-        for position, line, state in zip(at.tolist(), which.tolist(), states.tolist(), strict=True):
-            if position != before:
+        for time, line, state in zip(times, which.tolist(), states.tolist(), strict=True):
+            if time != before:
                 row(before)
-                before = position
+                before = time
             now[line] = CELLS[state]
-        for position in sorted({before, capture.length - 1}):
-            row(position)
-    return notes
-
-
-def _decimals(capture: Capture) -> tuple[int, tuple[str, ...]]:
-    """Return (decimals of a second, a note if they are not exact)."""
-    rate = capture.rate
-    if rate is None:
-        raise BadCapture(capture.path, "its rate", "none stated", "positions with a time", "state it with --rate")
-    able = range(LEAST_DECIMALS, MOST_DECIMALS + 1)
-    exact = [n for n in able if Fraction(10**n) % rate == 0]
-    fine = [n for n in able if 10**n >= ROUNDED_TO * rate]
+        for time in sorted({before, end}):
+            row(time)
     if exact:
-        return exact[0], ()
-    if not fine:
-        most = 10**MOST_DECIMALS // ROUNDED_TO // 10**9
-        raise BadCapture(capture.path, "its rate", rate_text(rate), f"up to {most} GHz", "write .psr")
-    said = f"times are rounded to {fine[0]} decimals; a reader that uses {rate_text(rate)} gets the same samples"
-    return fine[0], (said,)
+        return ()
+    return (f"times are rounded to {decimals} decimals; a reader that uses {rate_text(rate)} gets the same samples",)
 
 
 class _Table:

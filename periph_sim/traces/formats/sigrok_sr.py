@@ -27,7 +27,7 @@ from ...core.counted import counted
 from ..capture import size_limits as limits
 from ..capture.capture import MOST_DIGITS, BadCapture, Capture, Channel, rate_of
 from ..capture.channel_names import channels_named
-from ..capture.resample import rate_text
+from ..capture.sampling import rate_text
 from .packed_samples import BLOCK, Scan
 from .zip_member import Archive, Damage
 

@@ -1,4 +1,4 @@
-"""Value change dumps (IEEE 1364, four-state), read as edges at integer ticks; `vcd_writer` writes them.
+"""Value change dumps (IEEE 1364, four-state), read as edges at integer ticks, and written.
 
     lines of bytes --> one array of positions and one of states a bit --> Channel
 
@@ -12,6 +12,8 @@ Chosen:
 - A vector is a channel for each bit, `name[k]`. Reals, strings, events and parameters are ignored.
 - A last `#N` with nothing after it is the end: N positions. Else the last change is the last position.
 - With salvage the changes before an error are kept, if lines were declared and there was a time.
+- pyvcd writes, in the coarsest timescale in which a sample is a whole number of ticks. At rates such as 24 MHz there is
+  none: then times are rounded to a tick so fine that a reader that knows the rate gets the same samples back.
 """
 
 from __future__ import annotations
@@ -21,17 +23,79 @@ from array import array
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import partial
+from itertools import count
 from pathlib import Path
-from typing import NoReturn
+from typing import IO, NoReturn
 
 import numpy as np
 
-from ..capture.capture import BadCapture, Capture, Positions
-from ..capture.changes import UNKNOWN
-from ..capture.grid import OffGrid
-from ..capture.line_states import channel_of_states, quantized
+from ..capture.capture import UNKNOWN, BadCapture, Capture, changes, channel_of_states
+from ..capture.grid import decimals_for, nearest, on_grid
+from ..capture.sampling import rate_text
 from ..capture.size_limits import MOST_EDGES
-from .vcd_writer import MOST_TICKS, OURS, SCOPE, SECONDS, write
+
+SECONDS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}  # decimals of each unit
+MOST_TICKS = 1 << 62
+ROUNDED_TO = 1000  # ticks in a sample, at least, if the timescale does not divide it
+LETTERS = "01x"
+OURS, SCOPE = "periph-sim", "capture"  # variables need a scope; reading our own files drops it
+
+
+def write(capture: Capture, path: Path) -> tuple[str, ...]:
+    """Write a capture. Return notes on losses. BadCapture if positions have no time, or it is too fine or too long."""
+    with path.open("w", encoding="utf-8", newline="\n") as file:
+        return write_to(file, capture)
+
+
+def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,)) -> tuple[str, ...]:
+    """Write to an open file. scope: prefix of all names."""
+    from vcd import VCDWriter
+
+    scale, per_second, notes = timescale_of(capture)
+    at, which, states = changes(capture)
+    names = channel_names(capture)
+    renamed = [f"{c.name!r} {name}" for c, name in zip(capture.channels, names, strict=True) if c.name != name]
+    if renamed:
+        notes.append(f"names that VCD cannot hold were changed: {', '.join(renamed)}")
+    first = len(names)
+    times = nearest(np.append(at, capture.length), per_second / (capture.rate or per_second)).tolist()
+    if times[-1] > MOST_TICKS:
+        found, most = f"{times[-1]} ticks of {scale}", f"at most {MOST_TICKS}"
+        raise BadCapture(Path(file.name), "its length", found, most, "cut a window")
+    with VCDWriter(file, timescale=scale, date="", version=OURS) as writer:
+        lines = [
+            writer.register_var((*scope, *scopes), name, "wire", size=1, init=LETTERS[state])
+            for (*scopes, name), state in zip((name.split(".") for name in names), states.tolist(), strict=False)
+        ]
+        rows = zip(times[first:-1], which[first:].tolist(), states[first:].tolist(), strict=True)
+        for time, line, state in rows:
+            writer.change(lines[line], time, LETTERS[state])
+        writer.close(times[-1])
+    return tuple(notes)
+
+
+def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
+    """Return (`10 ns`, its ticks a second, a note if samples are not whole ticks)."""
+    decimals, exact = decimals_for(capture, 0, ROUNDED_TO, ", or a whole number of femtoseconds a sample")
+    unit, size = next((unit, size) for unit, size in SECONDS.items() if size >= decimals)
+    scale = f"{10 ** (size - decimals)} {unit}"
+    if exact:
+        return scale, Fraction(10**decimals), []
+    assert capture.rate is not None
+    said = f"a sample of {rate_text(capture.rate)} is no whole number of ticks, so times are rounded to {scale}; "
+    return scale, Fraction(10**decimals), [said + "a reader that uses that rate gets the same samples"]
+
+
+def channel_names(capture: Capture) -> list[str]:
+    """Return names without blanks, without empty parts, and without duplicates."""
+    names: list[str] = []
+    for channel in capture.channels:
+        parts = [re.sub(r"\s+|^\$", "_", part.strip()) for part in channel.name.split(".")]
+        name = ".".join(parts) if all(parts) else f"channel_{channel.index}"
+        same = (f"{name}_{number}" for number in count(2))
+        names.append(name if name not in names else next(other for other in same if other not in names))
+    return names
+
 
 __all__ = ["NAME", "SUFFIXES", "read", "recognises", "write"]
 
@@ -56,9 +120,6 @@ class Line:
         self.states = bytearray()
         self.put_at = self.at.append
         self.put_state = self.states.append
-
-    def positions(self) -> Positions:
-        return np.frombuffer(self.at, np.int64) if self.at else np.empty(0, np.int64)
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -245,26 +306,15 @@ class _Reader:
     def _capture(self, rate: Fraction | None) -> Capture:
         ticks = self._per_second
         length = self._now + 1 if self._moved or self._now == 0 else self._now
-        placed = {id(line): line.positions() for _, line in self._names}
+        lines = [np.array(line.at, np.int64) for _, line in self._names]
         if rate is not None:
-            moments = np.unique(np.concatenate([np.array([self._now], np.int64), *placed.values()]))
-            samples = self._samples(moments, ticks or rate, rate)
-            placed = {key: samples[np.searchsorted(moments, at)] for key, at in placed.items()}
-            length = int(samples[-1]) + (1 if length > self._now else 0)
+            lines, last = on_grid(self._path, lines, self._now, ticks or rate, rate, "a change at #{}")
+            length = last + (1 if length > self._now else 0)
         channels = tuple(
-            channel_of_states(name, index, placed[id(line)], np.frombuffer(line.states, np.uint8), length)
-            for index, (name, line) in enumerate(self._names)
+            channel_of_states(name, index, at, np.frombuffer(line.states, np.uint8), length)
+            for index, (at, (name, line)) in enumerate(zip(lines, self._names, strict=True))
         )
         return Capture(self._path, rate or ticks, length, channels, rate is not None, self._notes)
-
-    def _samples(self, moments: Positions, ticks: Fraction, rate: Fraction) -> Positions:
-        try:
-            return quantized(moments, ticks, rate)
-        except OffGrid as off:
-            found = f"a change at #{moments[off.which]}"
-            raise BadCapture(
-                self._path, "its times", found, f"times on the grid of {rate} Hz", "state the right rate or none"
-            ) from off
 
     def _too_many(self, number: int) -> NoReturn:
         self._bad(number, f"more than {MOST_EDGES} changes", "a shorter run", "dump fewer lines")

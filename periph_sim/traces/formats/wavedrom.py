@@ -13,8 +13,7 @@ from fractions import Fraction
 from math import gcd
 from pathlib import Path
 
-from ..capture.capture import BadCapture, Capture
-from ..capture.changes import changes
+from ..capture.capture import BadCapture, Capture, changes
 
 NAME = "WaveDrom (.wavedrom.json)"
 SUFFIXES = (".wavedrom.json",)

@@ -14,7 +14,7 @@ from periph_sim.records.recording import BadRecording, recording, rewrite
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
-from periph_sim.traces.capture.resample import resampled
+from periph_sim.traces.capture.sampling import resampled
 from periph_sim.traces.formats import psr
 
 WORDS = {"address": r"0x[0-9A-F]{2} [RW] N?ACK", "byte": r"0x[0-9A-F]{2}( N?ACK)?", "end": r"0x[0-9A-F]{2}"}

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.traces.capture.capture import BadCapture, Capture, Channel, Span, channel_of, rate_of
+from periph_sim.traces.capture.capture import BadCapture, Capture, Channel, Span, channel_of, gap_notes, gaps, rate_of
+from tests.profiles import examples
+from tests.traces.decode.drawing import drawn
+from tests.traces.decode.random_lines import captures
 
 STATES = st.lists(st.sampled_from([0, 1, None]), min_size=1, max_size=40)
 
@@ -114,3 +118,71 @@ def test_what_is_no_rate_is_refused(text: str):
 def test_what_a_damaged_file_holds_cannot_break_the_sentence():
     error = BadCapture(Path("x.vcd"), "line 1", "a\x1db\nc\u2028°", "a name", "mend it")
     assert str(error) == "x.vcd, line 1: found a\\x1db\\nc\\u2028°, expected a name; mend it"
+
+
+LINES = drawn("""
+    SCL ??--__--??__----
+    SDA --__--??--??----
+""")
+SCL, SDA = LINES.channels
+
+
+def test_the_spans_in_which_a_line_is_unknown():
+    assert gaps(LINES, SCL) == [(0, 2), (8, 10)]
+    assert gaps(LINES, SDA) == [(6, 8), (10, 12)]
+    assert gaps(LINES, SCL, SDA) == [(0, 2), (6, 12)], "the spans of both, joined where they touch"
+    assert gaps(drawn("SCL --__")) == []
+
+
+def test_a_note_says_which_lines_how_long_and_where():
+    assert gap_notes(LINES, SCL, SDA) == [
+        "SCL and SDA: 2 spans were not recorded, 0.000008000 s in all, 0.000000000 s to 0.000002000 s, "
+        "0.000006000 s to 0.000012000 s; nothing is decoded across them"
+    ]
+    assert gap_notes(replace(LINES, rate=None), SDA) == [
+        "SDA: 2 spans were not recorded, 4 samples in all, sample 6 to sample 8, sample 10 to sample 12; "
+        "nothing is decoded across them"
+    ]
+    known = drawn("SCL --__")
+    assert gap_notes(known, *known.channels) == []
+
+
+def test_of_many_spans_the_first_three_are_listed():
+    capture = drawn("RX ?-?-?-?-?-?-?-")
+    (note,) = gap_notes(capture, *capture.channels)
+    assert note.startswith("RX: 7 spans were not recorded") and note.count(" to ") == 3 and "and 4 more" in note
+
+
+@pytest.mark.parametrize(
+    ("before", "shortest", "after"),
+    [
+        ("__-_______----____", 2, "__________----____"),
+        ("__--_-____----____", 3, "__________----____"),
+        ("___---______---___", 3, "___---______---___"),
+        ("__-_------___-____", 3, "____------________"),  # the last edge of a bounce stays
+        ("-_----_-_-_-______", 2, "------------______"),
+        ("-_", 9, "-_"),  # what is before the first edge and behind the last is no pulse
+        ("-_-", 9, "---"),
+        ("--__--", 1, "--__--"),
+        ("------", 4, "------"),
+    ],
+)
+def test_short_pulses_go_with_both_edges(before: str, shortest: int, after: str):
+    line = drawn(f"X {before}").channel("X").without_glitches(shortest)
+    expected = drawn(f"X {after}").channel("X")
+    assert (line.initial, line.edges.tolist(), line.levels.tolist()) == (
+        expected.initial,
+        expected.edges.tolist(),
+        expected.levels.tolist(),
+    )
+
+
+@given(captures(("X",)))
+@settings(max_examples=examples(40), deadline=None)
+def test_no_pulse_that_is_left_is_short_and_the_end_is_the_same(capture: Capture):
+    line = capture.channel("X")
+    line = line.without_glitches(4)
+    assert all(b - a >= 4 for a, b in zip(line.edges[:-1].tolist(), line.edges[1:].tolist(), strict=True))
+    assert len(line.edges) % 2 == len(capture.channel("X").edges) % 2
+    again = line.without_glitches(4)
+    assert again.edges.tolist() == line.edges.tolist()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.traces.capture.channel_names import channels_named
-from tests.traces.decode.drawing import of_bytes
+from periph_sim.traces.capture.channel_names import buses_named, channels_named
+from tests.traces.decode.drawing import drawn, of_bytes
 
 
 def found(line: str, *names: str) -> list[str]:
@@ -25,3 +25,48 @@ def test_a_channel_of_another_name(name: str):
 def test_the_name_itself_goes_before_a_word_and_two_words_are_two():
     assert found("rx", "RX", "RX ready") == ["RX"]
     assert found("rx", "host RX", "RX ready") == ["host RX", "RX ready"]
+
+
+@pytest.mark.parametrize(
+    ("names", "i2c", "uart", "left_over"),
+    [
+        ("SCL SDA", "SCL/SDA", "", ""),
+        ("sda D1 i2c_scl", "i2c_scl/sda", "", ""),
+        ("Channel_0_(SDA) Channel_1_(SCL)", "Channel_1_(SCL)/Channel_0_(SDA)", "", ""),
+        ("SCL2 SDA2 SCL1 SDA1", "SCL2/SDA2 SCL1/SDA1", "", ""),
+        ("24LC515_SCL LM75_SCL LM75_SDA 24LC515_SDA", "24LC515_SCL/24LC515_SDA LM75_SCL/LM75_SDA", "", ""),
+        (
+            "Channel_0_(A_SCL) Channel_1_(A_SDA) D2_B_SCL D3_B_SDA",
+            "Channel_0_(A_SCL)/Channel_1_(A_SDA) D2_B_SCL/D3_B_SDA",
+            "",
+            "",
+        ),
+        ("SCL SDA SCL_B SDA_B", "SCL/SDA SCL_B/SDA_B", "", ""),
+        ("SCL_A SDA_A SCL_B", "SCL_A/SDA_A", "", "SCL_B"),
+        ("SCL SDA_A SDA_B", "", "", "SCL SDA_A SDA_B"),
+        ("tb.a.scl tb.a.sda tb.b.scl tb.b.sda", "tb.a.scl/tb.a.sda tb.b.scl/tb.b.sda", "", ""),
+        ("UART_RX GPS_TX host.rx MISCL RXD scl.enable", "", "UART_RX GPS_TX host.rx", ""),
+    ],
+)
+def test_names_say_what_belongs_together(names: str, i2c: str, uart: str, left_over: str):
+    found = buses_named(of_bytes(b"\0", tuple(name.replace("_", " ") for name in names.split())))
+    assert [f"{scl.name}/{sda.name}".replace(" ", "_") for scl, sda in found.i2c] == i2c.split()
+    assert [line.name.replace(" ", "_") for line in found.uart] == uart.split()
+    assert [line.name.replace(" ", "_") for line in found.left_over] == left_over.split()
+
+
+def test_a_wire_with_a_name_in_each_scope_is_one():
+    found = buses_named(
+        drawn(
+            """
+            tb.scl      --_-_-
+            tb.sda      -__---
+            tb.dut.scl  --_-_-
+            tb.dut.sda  -__---
+            tb.old.rx   ------
+            tb.new.rx   ------
+            """
+        )
+    )
+    assert [(scl.name, sda.name) for scl, sda in found.i2c] == [("tb.scl", "tb.sda")]
+    assert len(found.uart) == 2

@@ -10,7 +10,7 @@ import pytest
 from periph_sim.traces import formats
 from periph_sim.traces.compliance import Mode, Verdict, check
 from periph_sim.traces.compliance.limits import LIMITS, Bounds
-from periph_sim.traces.compliance.text_report import as_json, limit_text
+from periph_sim.traces.compliance.report import as_json, limit_text
 from tests.traces.compliance.bus import EASY, Odd, drawn, sampled
 from tests.traces.decode.drawing import drawn as lines
 from tests.unwrapped import unwrapped

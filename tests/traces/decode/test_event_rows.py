@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,6 +18,7 @@ from periph_sim.traces.decode.event_rows import (
     joined,
     merged,
     no_rows,
+    purpose_of,
     uart_rows,
 )
 from periph_sim.traces.decode.i2c_table import I2cTable
@@ -175,3 +177,26 @@ def test_groups_are_those_of_a_walk_from_row_to_row(drawn: list[tuple[int, int, 
     found = np.split(rows.value, first[1:]) if len(of) else []
     assert [part.tolist() for part in found] == [*wanted.values()]
     assert first.tolist() == np.cumsum([0, *(len(numbers) for numbers in wanted.values())])[:-1].tolist()
+
+
+TABLE = """
+0000 000 0 general call
+0000 000 1 START byte
+0000 001 X CBUS
+0000 010 X other bus format
+0000 011 X future use
+0000 1XX X Hs-mode controller code
+1111 1XX X device ID
+1111 0XX X 10-bit
+"""
+
+
+def matches(pattern: str, byte: int) -> bool:
+    return all(p in ("X", b) for p, b in zip(pattern, f"{byte:08b}", strict=True))
+
+
+@pytest.mark.parametrize("byte", range(256))
+def test_each_address_byte_is_for_what_the_table_says(byte: int):
+    rows = [row.split(" ", 3) for row in TABLE.strip().splitlines()]
+    named = [purpose for *bits, purpose in rows if matches("".join(bits), byte)]
+    assert named == ([purpose_of(byte)] if purpose_of(byte) else [])

@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
-from periph_sim.traces.decode.i2c_states import BITS, COUNTED, KINDS, RISE, SCL, SDA, START
-from periph_sim.traces.decode.i2c_stream import BYTE_OVER, I2cStream
+from periph_sim.traces.decode.i2c_stream import BITS, BYTE_OVER, COUNTED, KINDS, RISE, SCL, SDA, START, I2cStream
 from tests.captures.test_captures_decode import i2c_lines
 from tests.profiles import examples
 from tests.traces.decode.drawing import of_bytes

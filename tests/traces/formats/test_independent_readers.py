@@ -13,7 +13,7 @@ import pywellen
 from hypothesis import given, settings
 
 from periph_sim.traces import formats
-from periph_sim.traces.capture.changes import changes
+from periph_sim.traces.capture.capture import changes
 from periph_sim.traces.decode import i2c, uart
 from periph_sim.traces.formats import Capture
 from tests.profiles import examples

@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given, settings
 
 from periph_sim.traces import formats
-from periph_sim.traces.capture.capture import channel_of
-from periph_sim.traces.capture.changes import changes
+from periph_sim.traces.capture.capture import changes, channel_of
 from periph_sim.traces.formats import Capture
 from tests.profiles import examples
 from tests.traces.formats.strategies import captures

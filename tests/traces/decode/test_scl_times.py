@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from periph_sim.traces import formats
-from periph_sim.traces.decode.sampling_rate import impossible_rate
+from periph_sim.traces.decode.scl_times import impossible_rate
 from tests.traces.decode.drawing import drawn
 from tests.traces.formats.make_traces import FOLDER
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.traces.diff.similarity import ENOUGH, is_similar, similar_runs
+from periph_sim.traces.diff.matching import ENOUGH, is_similar, similar_runs
 from tests.traces.diff.runs import group
 
 READ_68 = "START 0, address 68 R 1, ACK 2, byte 01 3, ACK 4, byte 02 5, NACK 6, STOP 7"

@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.replay.history import FlagHistory
+from periph_sim.replay.divergence_history import FlagHistory
 
 AAS, XRDY, IRS, OTHER = "I2CSTR.AAS", "I2CSTR.XRDY", "I2CMDR.IRS", "I2CCNT.ICDC"
 

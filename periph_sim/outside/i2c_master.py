@@ -38,6 +38,8 @@ class Master:
     than 25 ms, and if another controller wins the bus.
     """
 
+    _reads: bool  # True if the present transfer reads; set by `start`, before `held` becomes True
+
     def __init__(self, session: Session) -> None:
         missing = [line for line in LINES if line not in session.lines]
         if missing:
@@ -46,7 +48,6 @@ class Master:
         self._session = session
         self._fell = 0  # the tick of the last fall of SCL, while SCL is held low
         self.held = False
-        self._reads = False  # True if the present transfer reads
         self.rate = "100 kHz"
 
     @property

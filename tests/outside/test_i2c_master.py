@@ -175,6 +175,10 @@ def test_single_bits_break_off_in_a_byte_and_a_clear_frees_the_bus() -> None:
     with pytest.raises(OutsideError, match=r"bits: found \(1, 2\), expected 0, pulled low, or 1, let go"):
         master.bits(1, 2)
     assert (master.reads, master.writes) == (False, True)
+    stranger = session.scene.wire("SDA").attach("stranger")
+    stranger.drive(0)  # only one of the lines is high after it
+    assert not master.clear() and session.level("SCL") == 1
+    stranger.drive(1)
     session.scene.wire("SCL").attach("stranger").drive(0)
     assert not master.clear()
 

@@ -115,6 +115,16 @@ def test_a_start_that_cannot_be_lets_go_of_the_bus() -> None:
     assert session.level("SCL") == 1
 
 
+def test_a_stop_that_cannot_be_is_in_the_next_report() -> None:
+    """S 50W A, then SDA is held, so there is no STOP."""
+    session = slave(registers="0a")
+    driver = adapter(session)
+    assert driver.receive(WRITE) == ACKED
+    session.scene.wire("SDA").attach("stranger").drive(0)
+    assert driver.receive(b"p\xc0\x00") == TIMED_OUT
+    assert session.level("SCL") == 1
+
+
 def test_arbitration_that_is_lost_is_reported() -> None:
     driver = I2cDriver(beside_another_controller(), 0)
     assert driver.receive(b"s\xfe\xc0\x00p") == b"44"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import select
 import sys
 import termios
 import tty
@@ -15,6 +16,7 @@ import pytest
 
 from periph_sim.outside import OutsideError, Session
 from periph_sim.outside.live import pseudo_terminal, pty_door
+from periph_sim.outside.live.backlog import MOST
 from periph_sim.outside.live.loop import Loop
 from periph_sim.outside.live.pacing import Pacer
 from periph_sim.outside.live.pty_door import PtyDoor
@@ -86,6 +88,19 @@ def test_what_comes_while_nobody_listens_waits(tmp_path: Path) -> None:
         served.passes("1 ms")
     assert sent == len(data)
     assert got == bytes(byte + 1 & 0xFF for byte in data)
+    os.close(file)
+    served.door.close()
+
+
+def test_it_waits_for_its_terminal_until_the_line_has_enough_to_send(tmp_path: Path) -> None:
+    served = Served(tmp_path)
+    file = client(served.door.path)
+    ready, _, _ = select.select(served.door.files(), [], [], 0)
+    os.write(file, b"a")
+    written, _, _ = select.select(served.door.files(), [], [], 1)
+    assert (ready, written) == ([], list(served.door.files()))
+    served.line.write(bytes(MOST))
+    assert served.door.files() == []
     os.close(file)
     served.door.close()
 

@@ -11,6 +11,8 @@ from periph_sim.core.time import Timebase
 from periph_sim.devices.sensor_rounds import Round
 from periph_sim.outside import Session
 from periph_sim.outside.live.pacing import Pacer
+from periph_sim.outside.live.view.board import Board
+from periph_sim.outside.live.view.door import ViewDoor
 from periph_sim.outside.live.view.last_round import LastRound
 from periph_sim.outside.live.view.status import Status
 from tests.outside.live.view.imu import FRAME, Clock, Imu
@@ -55,6 +57,34 @@ def test_a_snapshot_tells_counts_rates_readings_and_attitude() -> None:
     assert [value * 660 for value in values["magnetometer"]] == pytest.approx([-16, -79, 31])
     assert told["flags"] == []
     assert json.loads(json.dumps(told)) == told
+
+
+def test_bytes_that_wait_for_the_line_are_shown_apart_from_those_sent() -> None:
+    imu = watched()
+    imu.line.write(FRAME)
+    assert imu.status.snapshot()["totals"] | {"I2C bytes": 0, "rounds": 0} == {
+        "SCI bytes in": 12,
+        "SCI bytes out": 0,
+        "waiting": 12,
+        "I2C bytes": 0,
+        "rounds": 0,
+    }
+
+
+def test_a_snapshot_is_put_four_times_a_second_and_at_the_end() -> None:
+    """
+    clock, ms   0   240  250  499  500  close
+    snapshot    1         2         3    4, over
+    """
+    imu, now, board = watched(), [0.0], Board()
+    door, seen = ViewDoor(imu.status, board, lambda: now[0]), []
+    for now[0] in (0.0, 0.24, 0.25, 0.499, 0.5):
+        door.turn()
+        seen.append(board.after(0, 0)[0])
+    assert seen == [1, 1, 2, 2, 3] and door.files() == []
+    door.close()
+    number, last = board.after(3, 0)
+    assert number == 4 and last is not None and last["over"] and board.closed
 
 
 def test_budgets_and_lateness_so_far() -> None:

@@ -115,7 +115,7 @@ class Reaction(Agent):
         self._lines()
         self._due = self._first_event()
         self._silent = -1
-        if self._scl and not self._routes():
+        if self._scl:
             self._silent = min([chip.silent_edges() for _, chip in self._modules])
             of = [(chip.filter_width, self._clocks[socket]) for socket, chip in self._modules]
             hz = [clock.hz for _, clock in of]
@@ -192,15 +192,6 @@ class Reaction(Agent):
         event = self._mark.following
         kernel.cancel(self._mark)
         return event
-
-    def _routes(self) -> bool:
-        """True if an edge is on its way from a pad to a module."""
-        if not self._routers:
-            return False
-        event = self._events()
-        while event is not None and not isinstance(event.agent, Router):
-            event = event.following
-        return event is not None
 
     def _effect(self, event: Event) -> int:
         """Return the tick before which an event moves no pin."""

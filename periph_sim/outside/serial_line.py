@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Literal
 
 from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.reader import Heard, UartReader
+from ..core.chip import NEVER
 from ..scene.case.model import BadCase
 from ..scene.case.wiring import sci_named
 from .errors import OutsideError
@@ -129,7 +130,7 @@ class SerialLine:
         """Put frames that begin before tick `until` on the line. The session calls it before it advances."""
         parts = self._parts
         while self._queue:
-            begin = max(self._free, self._session.now * parts)
+            begin = self._begin()
             if begin >= until * parts:
                 return
             first = self._queue[0]
@@ -146,6 +147,14 @@ class SerialLine:
             if self._place == len(data):
                 self._queue.popleft()
                 self._place = 0
+
+    def next_begin(self) -> int:
+        """Return the tick at which a waiting byte or a waiting change of a break moves RX next; NEVER if none waits."""
+        return self._begin() // self._parts if self._queue else NEVER
+
+    def _begin(self) -> int:
+        """Return the time at which the first entry of `_queue` may begin, in parts of a tick."""
+        return max(self._free, self._session.now * self._parts)
 
     def begins(self, tick: int) -> bool:
         """Return True if a frame begins in this tick. Call it in order of time, for each tick in which RX moves."""

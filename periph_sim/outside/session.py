@@ -12,7 +12,7 @@ give the same records, however time was stepped in between.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -88,7 +88,6 @@ class Session:
         self._master: Master | None = None
         self._serial: dict[str, SerialLine] = {}
         self._result: Result | None = None
-        self._fed: list[Callable[[int], None]] = []
 
     def __enter__(self) -> Session:
         return self
@@ -114,8 +113,8 @@ class Session:
         self._check_tick(until)
         if until < self._now:
             raise OutsideError(f"{self._at(until)} is past: the session is at {self._at(self._now)}")
-        for feed in self._fed:
-            feed(until)
+        for line in self._serial.values():
+            line.feed(until)
         if until > self._now:
             if self._log is not None:
                 self._log.begin()
@@ -130,9 +129,15 @@ class Session:
         return [change._replace(at=change.at - self._start) for change in changes] if changes else changes
 
     def next_output(self) -> int | None:
-        """Return the tick before which none of our pins moves unless `apply` is called; None if none will move."""
+        """Return the tick before which none of our pins moves unless more is put; None if none will move.
+
+        More is put by `apply` and by writes to a serial line. Where bytes wait for such a line already, the tick is not
+        after the begin of the first of them.
+        """
         self._open()
         due = self._reaction.due()
+        for line in self._serial.values():
+            due = min(due, self._start + line.next_begin())
         return None if due >= NEVER else max(due - self._start, self._now)
 
     # Lines -----------------------------------------------------------------------
@@ -191,7 +196,6 @@ class Session:
         self.scene.uart.sent(line.rx, 0)
         if self._log is not None:
             self._log.serial(line.rx)
-        self._fed.append(line.feed)
         return line
 
     # The end -----------------------------------------------------------------------

@@ -10,11 +10,13 @@ from typing import Any
 import pytest
 
 from periph_sim.firmware import start_i2c, start_pie
+from periph_sim.outside import OutsideError
 from periph_sim.outside.door import Change
 from periph_sim.outside.session import Session
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware
 from tests.outside.sessions import BUS, FIRMWARE, Records, case
+from tests.outside.test_serial_line import echo
 from tests.profiles import explores
 
 Moves = list[tuple[int, dict[str, int]]]
@@ -101,6 +103,12 @@ def pin_answer() -> Firmware:
     return Firmware("pin answer", main, None)
 
 
+def two_units() -> Case:
+    """Another unit on the bus, which hears addresses that are not its own."""
+    one = {"firmware": str(FIRMWARE / "register_slave.py"), "modules": ["I2C-A"], "settings": REGISTERS}
+    return case(unit={"dsp": one, "other": one | {"settings": REGISTERS | {"address": 0x22}}})
+
+
 PROGRAMS = {
     "slow reader behind synchronised pins": lambda: slow_reader(True),
     "restless": restless,
@@ -114,6 +122,7 @@ CASES = {
     "slow reader behind synchronised pins": lambda: case(modules=("I2C-A", "GPIO")),
     "program and interrupt at a pin": lambda: on_pins(),
     "restless": lambda: case(),
+    "two units": two_units,
     "polling": lambda: case(),
     "interrupts": lambda: with_settings("register_slave", ("I2C-A",), REGISTERS),
     "synchronised pins and frames": lambda: with_settings(
@@ -228,6 +237,68 @@ def test_no_pin_moves_before_next_output_and_who_waits_for_it_loses_nothing(name
         assert stepped(name, moves, end, finely="synchronised" in name, recorded=False)[1] == moved
     assert all(one[0] < other[0] for one, other in pairwise(moves))
     assert moved <= steps < MOST_STEPS.get(name, 20 if name in PROGRAMS else 4) * len(moves)
+
+
+def written(*values: int) -> Moves:
+    """S, these bytes and a released bit behind each, P, at 100 kHz."""
+    half, at, sda = 15_000, 3_000_000, 0
+    moves: Moves = [(at, {"SDA": 0}), (at + half, {"SCL": 0})]
+    at += half
+    for value in values:
+        for place in range(8, -1, -1):
+            level = (value << 1 | 1) >> place & 1
+            if level != sda:
+                moves.append((at + 900, {"SDA": level}))
+                sda = level
+            moves += [(at + half, {"SCL": 1}), (at + 2 * half, {"SCL": 0})]
+            at += 2 * half
+    return [*moves, (at + 900, {"SDA": 0}), (at + half, {"SCL": 1}), (at + 2 * half, {"SDA": 1})]
+
+
+@pytest.mark.parametrize(
+    ("name", "address", "moved", "lazily", "finely"),
+    [
+        ("interrupts", 0x50, 6, 102, 102),
+        ("polling", 0x50, 6, 71, 70),
+        ("polling", 0x51, 0, 31, 31),
+        ("slow reader", 0x50, 6, 63, 63),
+        ("slow reader behind synchronised pins", 0x50, 6, 115, 177),
+    ],
+)
+def test_a_transfer_costs_few_steps(name: str, address: int, moved: int, lazily: int, finely: int) -> None:
+    moves = written(address << 1, 0x02, 0xC3)
+    end = moves[-1][0] + 100_000
+    assert stepped(name, moves, end, finely=False)[1:] == (moved, lazily)
+    assert stepped(name, moves, end, finely=True)[1:] == (moved, finely)
+
+
+def test_an_sci_s_pin_moves_at_the_tick_that_is_foretold() -> None:
+    """A byte on RX, and the byte that answers it on TX: 0x59 is sent as 0 1001 1010 1."""
+    found = []
+    for finely in (False, True):
+        session, line, _ = echo()
+        with session:
+            session.advance(session.ticks("1 ms"))
+            line.write(bytes([0x58]))  # it waits, so its edges are not put yet
+            moved: list[Change] = []
+            end = session.now + session.ticks("300 us")
+            for at in range(session.now, end, session.ticks("7 us")) if finely else (end,):
+                while (due := session.next_output()) is not None and due < at:
+                    assert session.advance(due) == []
+                    moved += session.advance(due + 1)
+                assert session.advance(at) == []
+            found.append(moved)
+    assert found[0] == found[1] and [change.level for change in found[0]] == [0, 1] * 4 and found[0][0].line == "TX"
+
+
+def test_nothing_is_foretold_where_nothing_can_move() -> None:
+    ended = Firmware("ended", lambda dsp, settings: None, None)
+    with Session(case(modules=("I2C-A",)), BUS, programs={"dsp": ended}) as session:
+        session.advance(session.ticks("1 ms"))
+        assert session.next_output() is None
+        session.finish()
+        with pytest.raises(OutsideError, match="the session is finished"):
+            session.next_output()
 
 
 Pulses = list[tuple[int, int, int]]

@@ -104,6 +104,10 @@ def test_the_loop_waits_for_the_clock_behind_what_a_client_did(tmp_path: Path, m
 def test_who_reads_no_answers_is_not_heard_until_it_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(i2cdriver_door, "MOST", 100)
     served = Served(tmp_path)
+    for waiting, waited_for in ((99, 1), (100, 0)):
+        served.door.back.add(bytes(waiting))
+        assert len(served.door.files()) == waited_for
+        served.door.back.clear()
     asked = b"eA" * 40_000
     sent, got = 0, b""
     for _ in range(60):

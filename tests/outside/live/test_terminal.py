@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from pathlib import Path
 from queue import SimpleQueue
 
@@ -60,6 +61,25 @@ def test_it_greets_and_shows_what_the_sci_answers(console: Console, tmp_path: Pa
     console.press("\x1d")
     talk.join(30)
     assert not talk.is_alive() and terminal.failed == ""
+    terminal.serial.close()
+
+
+def test_it_ends_behind_the_thread_that_shows_answers(
+    console: Console, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended, reader = [], miniterm.Miniterm.reader
+
+    def slow(self: Terminal) -> None:
+        reader(self)
+        time.sleep(0.2)
+        ended.append(True)
+
+    monkeypatch.setattr(miniterm.Miniterm, "reader", slow)
+    terminal, talk = talking(written(tmp_path))
+    assert console.shows("hello\r\n")
+    console.press("\x1d")
+    talk.join(30)
+    assert ended == [True]
     terminal.serial.close()
 
 

@@ -13,7 +13,7 @@ from periph_sim.outside import Session
 from periph_sim.outside.live.pacing import Pacer
 from periph_sim.outside.live.view.board import Board
 from periph_sim.outside.live.view.door import ViewDoor
-from periph_sim.outside.live.view.last_round import LastRound
+from periph_sim.outside.live.view.last_round import KEPT, LastRound
 from periph_sim.outside.live.view.status import Status
 from tests.outside.live.view.imu import FRAME, Clock, Imu
 from tests.outside.sessions import case
@@ -206,6 +206,14 @@ def test_the_edges_of_a_round_are_those_from_20_us_before_to_20_us_behind() -> N
     lines = [{"name": "RX", "first": 1, "edges": [20.0, 2020.0]}]
     assert alone.wave(0) == {"title": "the serial lines", "at_s": 0.00998, "length": 2040.0, "lines": lines}
     assert alone.tag_of(Kind.EDGE, "TX", "level") == UNWANTED
+    for at in range(20_000, 20_000 + KEPT - 1):  # one of the edges of before is kept
+        alone.on_record(0, at, at & 1)
+    alone.on_record(0, 12_000 * us, 0)
+    full = alone.wave(0)
+    assert full is not None and full["lines"][0]["edges"] == [2020.0]
+    alone._round(Round(1, 0, 0, 12_000 * us))
+    full = alone.wave(0)
+    assert full is not None and len(full["lines"][0]["edges"]) == KEPT == 16_384
 
 
 def test_without_rounds_it_is_what_the_serial_lines_did() -> None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .processor.dsp import Dsp
     from .processor.error_origin import FirmwareError
     from .records.cause_trace.why import why
-    from .records.lint_runner import lint
+    from .records.lint import lint
     from .records.recording import BadRecording
     from .records.run import NotInRun, Run
     from .scene.case.json_schema import case_schema
@@ -79,7 +79,7 @@ _HOMES = {
     "processor.dsp": ("Dsp",),
     "processor.error_origin": ("FirmwareError",),
     "records.cause_trace.why": ("why",),
-    "records.lint_runner": ("lint",),
+    "records.lint": ("lint",),
     "records.recording": ("BadRecording",),
     "records.run": ("NotInRun", "Run"),
     "interfaces.reports.baselines.check": ("check",),

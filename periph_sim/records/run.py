@@ -166,6 +166,12 @@ class Run:
         """Return the rows at which a field changed."""
         return self.rows(Kind.FLAG, f"{unit}.{module}", f"{register.name}.{f.name}")
 
+    def rises(self, unit: str, module: str, register: Register, f: Field) -> Rows:
+        """Return the rows at which a field of one bit became 1."""
+        changes = self.changes(unit, module, register, f)
+        risen: Rows = changes[self.table.value[changes] == 1]
+        return risen
+
     def changed_before(self, unit: str, module: str, register: Register, f: Field, row: int) -> int | None:
         """Return the row of the field's last change before a row, or None."""
         return self.last(self.changes(unit, module, register, f), int(self.table.tick[row]), row)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.records.lint_runner import lint
+from periph_sim.records.lint import lint
 from periph_sim.scene.case.load import load
 from tests.firmware_mutants.__main__ import main
 from tests.firmware_mutants.argued import ARGUMENTS, WITHOUT_EFFECT, argument_of, means

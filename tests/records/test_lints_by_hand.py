@@ -13,8 +13,7 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.records.lint_finding import Options
-from periph_sim.records.lint_runner import all_lints, lint
+from periph_sim.records.lint import Options, all_lints, lint
 from periph_sim.records.run import Run
 from tests.records.scenes import CYCLE, by_hand
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.records.lint_finding import Options
-from periph_sim.records.lint_runner import lint
+from periph_sim.records.lint import Options, lint
 from periph_sim.scene.case.load import load
 from tests.records.scenes import recorded
 

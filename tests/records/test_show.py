@@ -6,12 +6,11 @@ from typing import Any
 
 import pytest
 
-from periph_sim.records import lint_text_report as show_lint
+from periph_sim.records import lint as show_lint
 from periph_sim.records import races_text_report as show_races
 from periph_sim.records.cause_trace import text_report as show_why
 from periph_sim.records.cause_trace.why import why
-from periph_sim.records.lint_finding import Finding
-from periph_sim.records.lint_runner import all_lints
+from periph_sim.records.lint import Finding, all_lints
 from periph_sim.records.races import distances, races
 from tests.records.scenes import by_hand
 from tests.records.test_races import RRDY, SCD, flag, read, write
@@ -257,4 +256,4 @@ def test_findings_as_text_and_as_json():
             "source": "table 8",
         }
     ]
-    assert found["run"] == "the run" and found["lints"] == {name: one.SAYS for name, one in all_lints().items()}
+    assert found["run"] == "the run" and found["lints"] == {name: one.says for name, one in all_lints().items()}

@@ -24,10 +24,9 @@ def lint(run: Path, bound: str, sysclk: str | None, as_json: bool) -> int:
 
     RUN is the output of `run --record x.psr`. Exit status 0: nothing found; 1: something found.
     """
-    from ...records.lint_finding import Options
-    from ...records.lint_runner import lint as lint_of
-    from ...records.lint_text_report import as_json as as_dict
-    from ...records.lint_text_report import text
+    from ...records.lint import Options, text
+    from ...records.lint import as_json as as_dict
+    from ...records.lint import lint as lint_of
 
     options = Options(time_given("--bound", bound))
     with usage_errors_in_one_sentence():

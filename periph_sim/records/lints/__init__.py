@@ -1,1 +1,1 @@
-"""One file, one lint: SAYS, and `faults(run, options)`, which yields the accesses at fault (`lint_finding.py`)."""
+"""Lints, each a function with `finds` that yields the accesses at fault (`lint.py`)."""

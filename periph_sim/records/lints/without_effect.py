@@ -1,59 +1,82 @@
-"""Writes that change nothing on this chip: TRX and I2CCNT as slave, STT and STP while the module is held in reset.
-
-TRX sets the direction of a master and of the free data format; the direction of a slave comes from the address. I2CCNT
-does not limit a slave-receiver; for a slave-transmitter the guide is ambiguous (option `cnt_in_slave_tx`). A write that
-a later use as master may need is no fault.
-"""
+"""Lints of writes that change nothing."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...core.registers import Cpu
 from ...f28335.i2c.register_map import I2CCNT, I2CMDR
-from ..lint_finding import Fault, Options, held
+from ..lint import Fault, Options, finds, held
+from ..lost_flags import pairs
 from ..run import Group, Rows, Run
 
-SAYS = "a write without effect: TRX or I2CCNT as slave, STT or STP with IRS = 0"
+Bools = NDArray[np.bool_]
 TRX_TEXT = "writes TRX as slave, whose direction the address tells: without effect"
 COUNT_TEXT = "writes I2CCNT as slave: without effect on what it receives, and by default on what it sends"
 LOST_TEXT = "writes {} with IRS = 0: lost, as the module is held in reset"
 STT, STP, IRS, MST, TRX, FDF = (I2CMDR[name] for name in ("STT", "STP", "IRS", "MST", "TRX", "FDF"))
 
 
-def faults(run: Run, options: Options) -> Iterator[Fault]:
+@finds("a write that sets a read-only field to what it does not hold")
+def read_only(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield writes that try to change a read-only field.
+
+    A write that writes back the value of the field, as every bit-field assignment does, is no fault; nor is a write of
+    0.
+    """
+    value = run.table.value
+    for group in run.accesses:
+        fields = [f for f in group.register.fields if f.cpu is Cpu.R]
+        if group.way != "W" or not fields:
+            continue
+        reads, writes = pairs(run, group)
+        for f in fields:
+            wanted = f.mask & value[group.rows]
+            kept = f.mask & np.array(run.values(group.unit, group.module, group.register, f, group.rows)) << f.lsb
+            at = np.searchsorted(group.rows, writes)
+            kept[at] = value[reads] & f.mask  # a field that changes between read and write is given back as it was read
+            rows = group.rows[(wanted != 0) & (wanted != kept)]
+            if len(rows):
+                name = f"{group.module}.{group.register.name}.{f.name}"
+                yield Fault(group.unit, rows, f"writes {name}, which is read-only", group.register.source)
+
+
+@finds("a write without effect: TRX or I2CCNT as slave, STT or STP with IRS = 0")
+def without_effect(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield writes that change nothing on this chip: TRX and I2CCNT as slave, STT and STP while the module is in reset.
+
+    TRX sets the direction of a master and of the free data format; the direction of a slave comes from the address.
+    I2CCNT does not limit a slave-receiver; for a slave-transmitter the guide is ambiguous (option `cnt_in_slave_tx`). A
+    write that a later use as master may need is no fault.
+    """
     for group in run.accesses:
         if group.way != "W":
             continue
         if group.register is I2CCNT:
-            rows = group.rows[
-                _slave(run, group) & ~_master_before(run, group, np.append(group.rows[1:], len(run.table)))
-            ]
-            yield Fault(group.unit, rows, COUNT_TEXT, "SPRUG03B section 5.10 and table 18")
+            until = np.append(group.rows[1:], len(run.table))
+            yield Fault(group.unit, _as_slave(run, group, until), COUNT_TEXT, "SPRUG03B section 5.10 and table 18")
         if group.register is I2CMDR:
             yield from _of_mode(run, group)
 
 
 def _of_mode(run: Run, group: Group) -> Iterator[Fault]:
+    value = run.table.value[group.rows]
     named = np.array([name == TRX.name for name in run.table.texts("field", group.rows)], bool)
     others = run.changes(group.unit, group.module, I2CMDR, TRX)
     until = np.append(others, len(run.table))[np.searchsorted(others, group.rows + 1, "right")]
-    plain = run.table.value[group.rows] & (MST.mask | FDF.mask) == 0
-    rows = group.rows[named & plain & _slave(run, group) & ~_master_before(run, group, until)]
-    yield Fault(group.unit, rows, TRX_TEXT, "SPRUG03B tables 5 and 6 (TRX)")
-    enabled = held(run, group, I2CMDR, "IRS") | (run.table.value[group.rows] & IRS.mask != 0)
+    plain = value & (MST.mask | FDF.mask) == 0
+    yield Fault(group.unit, _as_slave(run, group, until, named & plain), TRX_TEXT, "SPRUG03B tables 5 and 6 (TRX)")
+    enabled = held(run, group, I2CMDR, "IRS") | (value & IRS.mask != 0)
     for f in (STT, STP):
-        rows = group.rows[~enabled & (run.table.value[group.rows] & f.mask != 0)]
+        rows = group.rows[~enabled & (value & f.mask != 0)]
         yield Fault(group.unit, rows, LOST_TEXT.format(f.name), f"SPRUG03B table 5 ({f.name})")
 
 
-def _slave(run: Run, group: Group) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    return ~held(run, group, I2CMDR, "MST")
-
-
-def _master_before(run: Run, group: Group, until: Rows) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Return True for each write after which the module becomes master before the row beside it."""
-    changes = run.changes(group.unit, group.module, I2CMDR, MST)
-    rises = changes[run.table.value[changes] == 1]
-    return np.searchsorted(rises, until) > np.searchsorted(rises, group.rows)
+def _as_slave(run: Run, group: Group, until: Rows, chosen: Bools | bool = True) -> Rows:
+    """Return the chosen writes as slave after which the module does not become master before the row beside each."""
+    rises = run.rises(group.unit, group.module, I2CMDR, MST)
+    master_before = np.searchsorted(rises, until) > np.searchsorted(rises, group.rows)
+    return group.rows[~held(run, group, I2CMDR, "MST") & ~master_before & chosen]

@@ -1,13 +1,4 @@
-"""A place that reads one register, with no other access in between, for longer than the bound or until the run ends.
-
-A loop that makes several reads in the same order again and again is judged in the same way, unless a read in it removes
-data, as a read of SCIRXBUF does: such a loop makes progress.
-
-Skipped polls are not recorded, so a wait is the stretch from its first recorded read to the next access of the same
-routine elsewhere, or to the end of the run. What the firmware computed meanwhile without an access counts as waiting;
-a single read is no wait, as the firmware may have continued without the register. A wait that is cut off by the end of
-the run is a fault, however short, if no earlier wait at its place has ended.
-"""
+"""The lint of waits: places and loops that poll registers."""
 
 from __future__ import annotations
 
@@ -16,16 +7,26 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ..lint_finding import Fault, Options
+from ..lint import Fault, Options, finds
 from ..register_maps import reads_take, register_of
 from ..run import Rows, Run
 
 Bools = NDArray[np.bool_]
 LONGEST_PASS = 4  # maximum number of reads in a pass of a loop
-SAYS = "a place that polls registers for longer than --bound, or to the end of the run without ever getting past"
 
 
-def faults(run: Run, options: Options) -> Iterator[Fault]:
+@finds("a place that polls registers for longer than --bound, or to the end of the run without ever getting past")
+def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield reads of a place that polls one register for longer than the bound, or until the run ends.
+
+    There is no other access in between. A loop that makes several reads in the same order again and again is judged in
+    the same way, unless a read in it removes data, as a read of SCIRXBUF does: such a loop makes progress.
+
+    Skipped polls are not recorded, so a wait is the stretch from its first recorded read to the next access of the same
+    routine elsewhere, or to the end of the run. What the firmware computed meanwhile without an access counts as
+    waiting; a single read is no wait, as the firmware may have continued without the register. A wait that is cut off
+    by the end of the run is a fault, however short, if no earlier wait at its place has ended.
+    """
     table = run.table
     bound = int(options.bound * run.per_second)
     for unit in run.units:

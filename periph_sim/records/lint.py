@@ -1,0 +1,140 @@
+"""Lints: checks of what firmware did in a recorded run. The functions in `lints/` are found automatically.
+
+Run --each lint--> rows at fault --> findings, one for each place and fault --> text, JSON
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.counted import counted
+from ..core.discover import modules_with
+from ..core.registers import Register
+from . import lints
+from .run import Group, Rows, Run
+
+
+class Fault(NamedTuple):
+    """Accesses of one unit with one kind of fault.
+
+    rows: the accesses at fault, in order; empty if there is no fault.
+    source: the section of the manual that gives the rule.
+    """
+
+    unit: str
+    rows: Rows
+    text: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of lints. bound: seconds that a wait on one register may take."""
+
+    bound: Fraction = Fraction(20, 1000)
+
+
+Faults: TypeAlias = "Callable[[Run, Options], Iterator[Fault]]"
+
+
+class Lint(NamedTuple):
+    """says: what the lint finds, in one sentence. faults: the function that yields the faults of a run."""
+
+    says: str
+    faults: Faults
+
+
+_LINTS: dict[str, Lint] = {}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One fault at one place in the firmware. first: the tick at which it occurred first."""
+
+    lint: str
+    unit: str
+    place: str
+    count: int
+    first: int
+    text: str
+    source: str
+
+
+def finds(says: str) -> Callable[[Faults], Faults]:
+    """Return a decorator that makes a function a lint; its name is that of the function, with hyphens."""
+
+    def register(faults: Faults) -> Faults:
+        _LINTS[faults.__name__.replace("_", "-")] = Lint(says, faults)
+        return faults
+
+    return register
+
+
+@cache
+def all_lints() -> dict[str, Lint]:
+    """Return the lints by name, in the order of their names."""
+    modules_with("finds", lints.__name__, lints.__path__)
+    return dict(sorted(_LINTS.items()))
+
+
+def lint(run: Run | Path | str, options: Options | None = None) -> list[Finding]:
+    """Return the findings of all lints, ordered by their first time. run: a recorded run, or its file."""
+    if not isinstance(run, Run):
+        run = Run.read(run)
+    found = []
+    for name, one in all_lints().items():
+        for fault in one.faults(run, options or Options()):
+            for place, rows in run.by_place(fault.rows):
+                first = int(run.table.tick[rows[0]])
+                found.append(Finding(name, fault.unit, place, len(rows), first, fault.text, fault.source))
+    return sorted(found, key=lambda finding: (finding.first, finding.lint, finding.place))
+
+
+def accesses(run: Run, way: str, register: Register) -> Iterator[Group]:
+    """Yield the accesses of one way ("R" or "W") to a register, by unit and module."""
+    return (group for group in run.accesses if group.way == way and group.register is register)
+
+
+def held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:
+    """Return True for each access of a group at which a field of the same module was 1."""
+    found: NDArray[np.bool_] = run.values(group.unit, group.module, register, register[name], group.rows) == 1
+    return found
+
+
+def text(run: Run, findings: list[Finding]) -> str:
+    """Return the findings as text, each with its place, source, lint and first time; then their number."""
+    lines = []
+    for f in findings:
+        times = "once" if f.count == 1 else f"{f.count} times, first"
+        lines.append(f"{f.unit} {f.place}: {f.text} [{f.source}]")
+        lines.append(f"  {f.lint}, {times} at {run.at(f.first)}")
+    places = counted(len(findings), "finding") if findings else "nothing found"
+    return "\n".join([*lines, f"{run.name}: {places} by {len(all_lints())} lints"])
+
+
+def as_json(run: Run, findings: list[Finding]) -> dict[str, object]:
+    """Return the findings for JSON, with times in seconds."""
+    return {
+        "run": run.name,
+        "lints": {name: one.says for name, one in all_lints().items()},
+        "findings": [
+            {
+                "lint": f.lint,
+                "unit": f.unit,
+                "place": f.place,
+                "count": f.count,
+                "first_s": float(run.seconds(f.first)),
+                "text": f.text,
+                "source": f.source,
+            }
+            for f in findings
+        ],
+    }

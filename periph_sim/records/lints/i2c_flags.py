@@ -1,0 +1,124 @@
+"""Lints of flags in I2CSTR: cleared unseen, left from an earlier transfer, or taken for another one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...f28335.i2c.register_map import I2CDXR, I2CFFTX, I2CMDR, I2CSTR
+from ..lint import Fault, Options, accesses, finds, held
+from ..read_modify_write import read_modify_writes
+from ..register_maps import one_clears
+from ..run import Group, Rows, Run
+
+SOURCE = "SPRUG03B table 10"
+WIPED = "clears I2CSTR.{} along, {}: it rose in this transfer and the firmware has not looked at it"
+STALE = "sees I2CSTR.{} = 1, which rose before this transfer began and was never cleared"
+XRDY_SOURCE = "SPRUG03B table 10 (XRDY, SDIR, AAS), table 8 (BCM)"
+XRDY_ALONE = "loads I2CDXR as slave on XRDY alone: its last look at it showed SDIR = 0, so no master was reading yet"
+SDIR_WIPED = (
+    "loads I2CDXR as slave with SDIR = 0 though a master reads: the firmware itself cleared SDIR in this transfer, "
+    "by writing I2CSTR at {}"
+)
+
+
+@finds("a flag of the present transfer cleared by a write of I2CSTR before the firmware ever looked at it")
+def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield writes of I2CSTR that clear a flag of the current transfer although the firmware has never read it.
+
+        i2c.I2CSTR.SCD = 1       writes back every 1 that it read, and so clears SDIR if it was 1
+        i2c.I2CSTR.all = 0xFFFF  clears everything
+
+    A plain write that sets no bits but those of such flags is considered intentional. Nor is it a fault to clear a flag
+    left from an earlier transfer, the flag that a bit-field write names, any flag after the STOP, or ARDY, which only
+    says that registers may be loaded.
+    """
+    table = run.table
+    for group in accesses(run, "W", I2CSTR):
+        of = group.unit, group.module
+        own = read_modify_writes(run, group.unit)
+        reads = np.setdiff1d(run.accesses_of(group.unit, "R", group.module, I2CSTR.name), own.reads)
+        starts, stops = run.rises(*of, I2CSTR, I2CSTR["BB"]), run.rises(*of, I2CSTR, I2CSTR["SCD"])
+        flags = sum(f.mask for f in one_clears(I2CSTR))
+        for f in (f for f in one_clears(I2CSTR) if f.name != "ARDY"):
+            changes = run.changes(*of, I2CSTR, f)
+            falls = np.flatnonzero(table.value[changes] == 0)
+            by, rose = run.made_by(changes[falls]), np.append(changes, -1)[falls - 1]
+            looks = run.looking_at(reads, f)
+            seen = np.append(looks, -1)[np.searchsorted(looks, by) - 1] > rose
+            began = np.append(starts, np.iinfo(np.int64).max)[np.searchsorted(starts, by) - 1]
+            here = (rose > began) & (np.append(stops, -1)[np.searchsorted(stops, by) - 1] < began)
+            busy = run.values(*of, I2CSTR, I2CSTR["BB"], np.maximum(by, 0)) == 1
+            named = np.array([name == f.name for name in table.texts("field", np.maximum(by, 0))], bool)
+            meant = ~np.isin(by, own.writes) & (table.value[np.maximum(by, 0)] & ~flags == 0)
+            rows = by[np.isin(by, group.rows) & ~seen & here & busy & ~named & ~meant]
+            for plain, how in ((True, "by a plain write"), (False, "by a bit-field write of another flag")):
+                some = rows[np.isin(rows, own.writes) != plain]
+                yield Fault(group.unit, some, WIPED.format(f.name, how), SOURCE)
+
+
+@finds("a look at SCD, RRDY, ARDY or NACK that sees a 1 from before the present transfer")
+def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield reads in the middle of a transfer that end a wait at once, because the flag rose before the transfer began.
+
+    Only reads that name the flag are judged; recordings of Python firmware contain them.
+    """
+    table = run.table
+    for group in accesses(run, "R", I2CSTR):
+        of = group.unit, group.module
+        looks = np.setdiff1d(group.rows, read_modify_writes(run, group.unit).reads)
+        starts = run.rises(*of, I2CSTR, I2CSTR["BB"])
+        for name in ("SCD", "RRDY", "ARDY", "NACK"):
+            f = I2CSTR[name]
+            named = np.array([text == name for text in table.texts("field", looks)], bool)
+            rows = looks[named & (table.value[looks] & f.mask != 0)]
+            rises = run.rises(*of, I2CSTR, f)
+            rose = np.append(rises, -1)[np.searchsorted(rises, rows) - 1]
+            began = np.append(starts, -1)[np.searchsorted(starts, rows) - 1]
+            busy = run.values(*of, I2CSTR, I2CSTR["BB"], rows) == 1
+            rows = rows[busy & (rose < began)]
+            yield Fault(group.unit, rows, STALE.format(name), SOURCE)
+
+
+@finds("XRDY polled without SDIR or AAS being looked at: I2CDXR loaded as slave though SDIR was read as 0")
+def xrdy_alone(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield writes of a slave that treats XRDY = 1 as a read request: it loads I2CDXR although no master reads from it.
+
+    XRDY is 1 in idle, so firmware has to read SDIR or AAS too. The fault is judged by its result: the last read of XRDY
+    before a write of I2CDXR showed XRDY = 1 and SDIR = 0, and SDIR was still 0 at the write, as slave and not in FIFO
+    mode. Firmware that checks SDIR would not have written. Only reads of XRDY or of the whole register since the
+    previous write of I2CDXR count. A byte that is loaded without such a read is no fault of this kind, nor is a write
+    after which the firmware becomes master (its next write of I2CMDR has MST = 1). If the firmware itself cleared SDIR
+    since it was addressed, that is reported instead.
+    """
+    for group in accesses(run, "W", I2CDXR):
+        reads = run.accesses_of(group.unit, "R", group.module, I2CSTR.name)
+        looks = run.looking_at(np.setdiff1d(reads, read_modify_writes(run, group.unit).reads), I2CSTR["XRDY"])
+        last = np.append(looks, -1)[np.searchsorted(looks, group.rows) - 1]
+        seen = np.where(last > np.append(-1, group.rows[:-1]), run.table.value[last], 0)
+        modes = run.accesses_of(group.unit, "W", group.module, I2CMDR.name)
+        mode_after = np.append(run.table.value[modes], 0)[np.searchsorted(modes, group.rows)]
+        master = held(run, group, I2CMDR, "MST") | (mode_after & I2CMDR["MST"].mask != 0)
+        slave = held(run, group, I2CMDR, "IRS") & ~master & ~held(run, group, I2CMDR, "FDF")
+        alone = (seen & I2CSTR["XRDY"].mask != 0) & (seen & I2CSTR["SDIR"].mask == 0)
+        alone &= ~held(run, group, I2CSTR, "SDIR")
+        found = np.flatnonzero(alone & slave & ~held(run, group, I2CFFTX, "I2CFFEN"))
+        rows, by = group.rows[found], _sdir_wiped_by(run, group)[found]
+        if (by < 0).any():
+            yield Fault(group.unit, rows[by < 0], XRDY_ALONE, XRDY_SOURCE)
+        for spot, writes in run.by_place(np.unique(by[by >= 0])):
+            yield Fault(group.unit, rows[np.isin(by, writes)], SDIR_WIPED.format(spot), XRDY_SOURCE)
+
+
+def _sdir_wiped_by(run: Run, group: Group) -> Rows:
+    """Return for each access the firmware's write that cleared SDIR since the module was addressed, or -1."""
+    value = run.table.value
+    changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["SDIR"])
+    addressed = run.changes(group.unit, group.module, I2CSTR, I2CSTR["AAS"])
+    last = np.append(changes, -1)[np.searchsorted(changes, group.rows) - 1]
+    since = np.append(addressed, -1)[np.searchsorted(addressed, group.rows) - 1]
+    writes = run.accesses_of(group.unit, "W", group.module, I2CSTR.name)
+    by = np.where(last >= 0, run.made_by(last), -1)
+    here = (last > since) & (since >= 0) & (value[last] == 0) & (value[since] == 1) & np.isin(by, writes)
+    return np.where(here, by, -1)

@@ -52,7 +52,7 @@ class DerivedRecords:
             self._transfers = TransferRecords(self._recorder)
             scene.on_transfer(self._transfers.transfer)
         if named[Kind.ROUND]:
-            from ..timing.derived.round_records import RoundRecords
+            from ..timing.derived.transfer_records import RoundRecords
 
             RoundRecords(self._recorder, scene.bus.rounds, scene.bus.period)
         if named[Kind.RECEIVER]:

@@ -19,7 +19,8 @@ from ..core.wire import Wire
 from ..timing.budget_plan import BadBudget, BudgetPlan, plan_of
 from ..timing.measures.measure import Measure
 from .case.model import BadCase, Case, OutsideTable
-from .limits import limits_of
+from .context import CaseTicks
+from .limits import limit_plans
 from .scope import scope_of_case
 
 BUS = frozenset(("SDA", "SCL"))
@@ -86,7 +87,9 @@ def _judged(case: Case, driven: Case) -> Iterator[bool]:
     """Yield for each budget whether the driven case can judge it."""
     timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
     start = timebase.ticks(case.start, "nearest")
-    limits_of(case, scope_of_case(case), timebase, start)  # BadCase for what is wrong with or without the party
+    limit_plans(
+        CaseTicks(case, timebase, start), scope_of_case(case)
+    )  # BadCase for what is wrong with or without the party
     rounds = case.controller or case.rounds
     lost = case.host is not None and driven.host is None
     compares = rounds is not None and rounds.check == "host"

@@ -24,6 +24,7 @@ from .context import CaseTicks
 from .scope import scope_of_case
 
 if TYPE_CHECKING:
+    from ..timing.budget_plan import BudgetPlan
     from .controller import HeadPlan
     from .host import HostPlan
     from .unit import UnitPlan
@@ -75,10 +76,21 @@ class ScenePlan:
 
         If another file defines some of them, they are read again at each access, since the file may have changed.
         """
-        wiring = self.wiring
-        if self.case.measures_from or any(unit.image for unit in self.case.unit.values()):
-            return scope_of_case(self.case, wiring)
+        if self._names_of_files:
+            return scope_of_case(self.case, self.wiring)
         return self._part("scope", lambda plan, case: scope_of_case(case, plan.wiring))
+
+    @property
+    def limits(self) -> tuple[BudgetPlan, ...]:
+        """The plan of each budget, which is made anew if its names are, too. BadCase for an invalid budget."""
+        if self._names_of_files:
+            return parts.limits.limit_plans(self.ticks, self.scope)
+        return self._part("limits", lambda plan, case: parts.limits.limit_plans(plan._ticks_of(case), plan.scope))
+
+    @property
+    def _names_of_files(self) -> bool:
+        """True if another file than the case's defines names that budgets may use."""
+        return bool(self.case.measures_from) or any(unit.image for unit in self.case.unit.values())
 
     def unit(self, name: str) -> UnitPlan:
         """Return what a unit consists of. BadCase for what it cannot have."""

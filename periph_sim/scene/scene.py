@@ -84,7 +84,7 @@ class Scene:
         self.recorder = Recorder()
         wiring, scope, ticks = plan.wiring, plan.scope, plan.ticks
         self.timebase, self.start = ticks.timebase, ticks.start
-        self.limits = parts.limits.limits_of(case, scope, self.timebase, self.start) if case.budget else []
+        self.limits = parts.limits.limits_of(case, plan.limits, self.timebase) if case.budget else []
         for limit in self.limits:
             if keep_values and limit.measure.series:
                 limit.measure.keep()

@@ -84,8 +84,6 @@ class BudgetJudge:
             part.measure.finish(now)
             part._found = part.measure.close(now)
         if self.joined:
-            from .measures.combined import combine
-
             lacking = combine([part.measure for part in self.parts])
             for part, lacks in zip(self.parts, lacking, strict=True):
                 if lacks:
@@ -214,3 +212,25 @@ class BudgetJudge:
         tenths, rest = divmod(value * 10_000_000_000, self._timebase.per_second)  # of a nanosecond
         middle = 2 * rest - self._timebase.per_second
         return (tenths + (middle > 0 or (middle == 0 and tenths % 2))) / 10_000  # a half goes to the even one
+
+
+def combine(measures: list[Measure]) -> list[int]:
+    """Leave each measure only the values of occurrences that the first one has, too; all of them keep their values.
+
+        age            a   b       c    d            the first one says which occurrences count
+        value error    a   b   x        d   y        of c it has no value: nothing is proven
+
+    Occurrences are the same if they begin at the same tick. Return for each measure how many it has no value of; if
+    any, all its values are dropped.
+    """
+    import numpy as np  # only joined conditions need it
+
+    _, wanted = measures[0].all_kept()
+    lacking = [0]
+    measure: Measure
+    for measure in measures[1:]:
+        _, at = measure.all_kept()
+        lacking.append(int((~np.isin(wanted, at)).sum()))
+        there = np.flatnonzero(np.isin(at, wanted))
+        measure.only(there[:0] if lacking[-1] else there)
+    return lacking

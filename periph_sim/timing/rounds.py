@@ -135,8 +135,8 @@ class BusRounds:
     def __init__(self, asked: Asked | None, begun_at: Callable[[], int]) -> None:
         self.on_transfer: list[Callable[[Transfer], None]] = []
         self.on_round: list[Callable[[Round], None]] = []
-        self.on_due: list[Callable[[int], None]] = []
-        self.on_missed: list[Callable[[int], None]] = []
+        self.on_due: list[Callable[[int], object]] = []
+        self.on_missed: list[Callable[[int], object]] = []
         self.on_other: list[Callable[[Transfer], None]] = []
         self._begun_at = begun_at
         self._startup = [] if asked is None else list(asked.startup)

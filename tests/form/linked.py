@@ -28,7 +28,6 @@ CHAINS = {
     ("timing.measures.event_pairing", "ValueTest", "others"),
     ("timing.measures.modifies", "Access", "after"),
     ("timing.measures.modifies", "Access", "before"),
-    ("timing.measures.cleared_flags", "Look", "following"),
     ("timing.measures.pair", "Open", "following"),
 }
 NO_CHAINS = {

@@ -11,8 +11,8 @@ from periph_sim.imu.host_frame import MotionFrames
 from periph_sim.outside.session import Session
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.derived.frame_history import FrameHistory
-from periph_sim.timing.measures.tally import Tally
+from periph_sim.timing.derived.origins import FrameHistory
+from periph_sim.timing.measures.measure import Tally
 from tests.outside.sessions import FIRMWARE, case
 from tests.reachable import held
 from tests.scene.runs import TIMING

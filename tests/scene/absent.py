@@ -123,7 +123,6 @@ ROWS: dict[str, Row] = {
     "budgets": Row(("timing.budgets", "timing.measures."), present=("slave",)),
     "budgets on lost flags": Row(
         (
-            "timing.measures.lost_flags",
             "timing.measures.watched",
             "timing.measures.modifies",
             "timing.measures.cleared_flags",

@@ -19,6 +19,7 @@ from periph_sim.imu.shared_models import model_of
 from periph_sim.processor.python.recognised import comparison_of
 from periph_sim.scene.case.load import _loaded, load
 from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings_for
+from periph_sim.scene.prepared import PreparedScene
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_plan import _nearest_tick
 from periph_sim.timing.language.events import event_of
@@ -50,9 +51,10 @@ def works_nothing_out(make: Callable[[], object], shared: Mapping[str, Any]) -> 
 
 
 def test_a_second_scene_parses_and_works_out_nothing_anew():
-    first, _ = recorded_scene([])
+    recorded_scene([])
     works_nothing_out(lambda: recorded_scene([]), SHARED)
-    second, _ = recorded_scene(["seed=5"])  # another case with the same budgets
+    prepared = PreparedScene(TIMING / "imu_hil.toml")
+    first, second = prepared.scene(), prepared.scene(["seed=5"])  # another case with the same budgets
     for one, other in zip(first.limits, second.limits, strict=True):
         assert one._limits is other._limits
         assert one.measure is not other.measure

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.host_frames import host_frames
 from periph_sim.imu.sensors import SENSORS as CHIPS
-from periph_sim.timing.derived.origin import Origin
-from periph_sim.timing.derived.origins import FrameOrigins
+from periph_sim.timing.derived.origins import FrameOrigins, Origin
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import Ran, run_file

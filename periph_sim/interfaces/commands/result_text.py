@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from ...core.counted import counted
 from ...scene.case.model import Case
 from ...scene.result import SKIPPED, Result
-from ...timing.format_value import broken, figure, limit, simulated
-from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict
+from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict, broken, figure, limit, simulated
 from .assumptions import assumptions
 from .tables import PlainTable, Screen, plain_table, say
 

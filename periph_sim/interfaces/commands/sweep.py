@@ -195,7 +195,7 @@ def _table(came: Sweep) -> tuple[PlainTable, list[int]]:
     """Return a table with a row for each budget, and the runs that it names."""
     import numpy as np
 
-    from ...timing.format_value import figure, limit
+    from ...timing.verdict import figure, limit
     from .tables import plain_table
 
     table = plain_table()

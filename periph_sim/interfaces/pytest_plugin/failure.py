@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...core.text_table import text_table
-from ...timing.format_value import figure, instant, limit
-from ...timing.verdict import Verdict
+from ...timing.verdict import Verdict, figure, instant, limit
 from ..reports.explain.chain import Chain
 from ..reports.explain.picture import text_picture
 from ..reports.explain.text_report import text

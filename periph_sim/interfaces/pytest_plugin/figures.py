@@ -95,7 +95,7 @@ def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
     budgets = judged(reports)
     if not budgets:
         return []
-    from ...timing.format_value import figure, instant, limit
+    from ...timing.verdict import figure, instant, limit
 
     titles: tuple[str, ...] = ("case/budget", "seen", "limit", "when", "", "judged by")
     rows: list[tuple[str, ...]] = []

@@ -29,11 +29,11 @@ from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import UNWANTED, Kind, Listener, Recorder
 from ...core.time import NO_TIME
 from ...devices.sensor_rounds import known_sensors
-from .origin import ReadOrigins
 from .transfer_records import begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
+    from .origins import Origins
 
 MODEL = "model"  # the span in which firmware computes sensor models
 
@@ -59,10 +59,10 @@ class ChipTopics:
 class AgeRecords(Listener):
     """origins: of what reads carry; None where only model ages are wanted."""
 
-    origins: ReadOrigins | None
+    origins: Origins | None
     _model_run: Topic
 
-    def __init__(self, recorder: Recorder, origins: ReadOrigins | None = None) -> None:
+    def __init__(self, recorder: Recorder, origins: Origins | None = None) -> None:
         self.origins = origins
         self._chips = {chip.address: ChipTopics(recorder, name) for name, chip in known_sensors().items()}
         self._model_run = recorder.topic(Kind.DATA, MODEL, "model run")

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import Kind, Recorder
-from .origin import ReadOrigins
 from .transfer_records import I2C, begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
+    from .origins import Origins
 
 
 class ByteRecords:
@@ -30,14 +30,14 @@ class ByteRecords:
     its place, as in "gyroscope byte 0". first_wrong: the first wrong read, as a sentence.
     """
 
-    _origins: ReadOrigins | None
+    _origins: Origins | None
     _asked: Topic
     _compared: Topic
     _wrong: Topic
     _never_shown: Topic
     _not_known: Topic
 
-    def __init__(self, recorder: Recorder, origins: ReadOrigins | None) -> None:
+    def __init__(self, recorder: Recorder, origins: Origins | None) -> None:
         self.wrong_places: dict[str, int] = {}
         self.first_wrong = ""
         self._origins = origins

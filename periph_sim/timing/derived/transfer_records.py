@@ -1,4 +1,6 @@
-"""Records of complete I2C transfers, as values of their phases that budgets measure.
+"""Records of I2C transfers and of the rounds that they make, as values that budgets measure.
+
+Of a transfer and its phases, which are made when it is over:
 
 thing     tick                                                          value
 phase     START of each addressed phase                                 its address
@@ -19,9 +21,12 @@ from typing import TYPE_CHECKING
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import Kind, Recorder
 from ...core.time import NO_TIME
+from ...devices.sensor_rounds import Round
+from ..rounds import BusRounds
 
 if TYPE_CHECKING:
     from ...core.records import Topic
+
 
 I2C = "I2C"  # the place of these records
 
@@ -84,3 +89,32 @@ class TransferRecords:
         first: Phase = transfer.phases[0]
         if first.start_at != NO_TIME and not transfer.all_acked():
             self._refused.emit(first.start_at, len(transfer.phases))
+
+
+class RoundRecords:
+    """Makes the records of rounds. period: ticks from one round's due time to the next one's.
+
+    thing     tick                     value
+    due       when it was due          0; of each round, once it is known whether it began
+    missed    when it was due          0; or the START that shows that a request is missing
+    begin     its begin                0; of each complete round, when it is over
+    end       its last STOP            0
+    next      when the next is due     0; of each complete round, which may have ended later
+    refused   when it was due          number of its requests whose address was not acknowledged, if any
+    """
+
+    def __init__(self, recorder: Recorder, rounds: BusRounds, period: int) -> None:
+        names = ("due", "missed", "begin", "end", "next", "refused")
+        self._topics: dict[str, Topic] = {what: recorder.topic(Kind.ROUND, I2C, what) for what in names}
+        self._period = period
+        rounds.on_due.append(self._topics["due"].emit)
+        rounds.on_missed.append(self._topics["missed"].emit)
+        rounds.on_round.append(self.round)
+
+    def round(self, over: Round) -> None:
+        """Record a round that is over."""
+        self._topics["begin"].emit(over.start)
+        self._topics["end"].emit(over.end)
+        self._topics["next"].emit(over.due + self._period)
+        if over.nacked:
+            self._topics["refused"].emit(over.due, over.nacked)

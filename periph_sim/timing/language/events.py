@@ -35,8 +35,7 @@ from msgspec.structs import replace
 from ...core.records import Kind, Record
 from ...core.suggest import did_you_mean
 from ...devices.sensor_rounds import known_sensors
-from .derived import RECORDS, Thing
-from .scope import LINES, BadEvent, Scope
+from .scope import LINES, RECORDS, BadEvent, Scope, Thing
 from .tokens import Words
 
 EVERYTHING = -1  # all bits of a value

@@ -2,14 +2,19 @@
 
     Case, RecordTable --> Scope --> where a record of a named thing comes from, or BadEvent with near names
 
-It knows what could happen there, not what did: a name it lets through is a name that a record can bear.
+It knows what could happen there, not what did: a name it lets through is a name that a record can bear. `RECORDS` has
+the things that are derived from a run's other records; the head of the file in `timing/derived` that makes a thing, or
+of `scene/sci_monitor.py`, describes its tick and value.
+
+    "record round missed" --> Kind.ROUND, "missed"; needs rounds in the scene
+    "value of record data age" --> its value is a time, and belongs to a read
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from ...core.records import Kind
 from ...core.registers import Field, Register, RegisterMap
@@ -18,6 +23,41 @@ from ...f28335.parts.f28335 import PART
 
 if TYPE_CHECKING:
     from ...traces.formats.record_table import RecordTable
+
+
+class Thing(NamedTuple):
+    """needs: what the scene must have, as of a `Measure`. unit: of its value. by_read: it is of one phase."""
+
+    needs: str
+    unit: str = "value"
+    by_read: bool = False
+
+
+ON_BUS = Thing("I2C-A")
+IN_ROUND = Thing("rounds")
+AT_SCI = Thing("SCI")
+OF_HOST = Thing("host")
+BYTES = Thing("rounds", "bytes")
+AGE = Thing("host", "time", by_read=True)
+ERROR = Thing("host", "LSB", by_read=True)
+
+RECORDS: dict[str, dict[str, Thing]] = {
+    "transfer": {
+        **dict.fromkeys(("phase", "read", "acknowledge", "answer", "refused"), ON_BUS),
+        "stretch": Thing("I2C-A", "time", by_read=True),
+        "held": Thing("I2C-A", "time"),
+    },
+    "round": dict.fromkeys(("due", "missed", "begin", "end", "next", "refused"), IN_ROUND),
+    "receiver": {**dict.fromkeys(("character", "received", "lost"), AT_SCI), "words": Thing("SCI", "words")},
+    "data": {
+        **dict.fromkeys(("bytes asked", "bytes compared", "wrong bytes", "zeros", "unknown bytes"), BYTES),
+        **dict.fromkeys(("chip read", "unknown age", "model run", "sample", "unknown error"), OF_HOST),
+        **dict.fromkeys(("age", "model age"), AGE),
+        **dict.fromkeys(("value error", "value error at frame"), ERROR),
+    },
+    "bus": {"stuck": ON_BUS},
+}
+
 
 MAPS: dict[str, RegisterMap] = {module.name: module.registers for module in PART.modules}
 LINES = tuple(wire for module in PART.modules if module.plain for wire in module.wires)

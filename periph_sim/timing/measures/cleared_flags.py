@@ -85,48 +85,9 @@ class Cleared:
         self.count += count
 
 
-@final
-class Look:
-    """Record number of the last read of a field, "" for the whole register. following: that of another field."""
-
-    __slots__ = ("field", "following", "number")
-
-    field: str
-    number: int
-    following: Look | None
-
-
-@final
-class Looks:
-    """The last reads of a register, field by field."""
-
-    __slots__ = ("_first",)
-
-    def __init__(self) -> None:
-        self._first: Look | None = None
-
-    def add(self, field: str, number: int) -> None:
-        """Add a read."""
-        look = self._first
-        while look is not None and look.field is not field:  # a register's names are one object each
-            look = look.following
-        if look is None:
-            look = self._first
-            while look is not None and look.field != field:
-                look = look.following
-        if look is None:
-            look = Look()
-            look.field, look.following, self._first = field, self._first, look
-        look.number = number
-
-    def last(self, field: str) -> int:
-        """Return the record number of the last read that showed a field; NEVER_YET for none."""
-        last, look = NEVER_YET, self._first
-        while look is not None:
-            if look.number > last and look.field in ("", field):
-                last = look.number
-            look = look.following
-        return last
+def last_look(looks: dict[str, int], field: str) -> int:
+    """Return the record number of the last read that showed a field; NEVER_YET for none. looks: by name of a field."""
+    return max(looks.get("", NEVER_YET), looks.get(field, NEVER_YET))
 
 
 @final
@@ -138,13 +99,13 @@ class Place:
     between: by flag, the writes that cleared it though it rose after their read.
     along: by flag, the writes that cleared it after it was read as 1.
     unseen: those of `along` before which the firmware had not read the flag since it rose.
-    looks: reads made for these writes.
+    looks: record numbers of the last reads made for these writes, by field; "" for the whole register.
     """
 
     __slots__ = ("along", "always", "between", "looks", "named", "proven", "unseen")
 
     def __init__(self) -> None:
-        self.looks = Looks()
+        self.looks: dict[str, int] = {}
         self.proven = 0
         self.always = -1
         self.named: set[str] = set()
@@ -164,7 +125,7 @@ class Place:
 class ClearedRegister:
     """A register with flags that writing 1 clears. status: hardware sets flags of it. last: its last read-modify-write.
 
-    looks: plain reads. places: the places of its writes.
+    looks: the last plain reads, as of a place. places: the places of its writes.
     """
 
     __slots__ = ("flags", "last", "looks", "places", "status")
@@ -174,7 +135,7 @@ class ClearedRegister:
     def __init__(self, register: Clearable) -> None:
         self.flags = [Flag(field, self) for field in register.flags]
         self.status = register.status
-        self.looks = Looks()
+        self.looks: dict[str, int] = {}
         self.places: dict[str, Place] = {}
         self.last: Modify | None = None
 
@@ -187,9 +148,9 @@ class ClearedRegister:
 
     def looked_at(self, flag: Flag, place: Text) -> int:
         """Return the record number of the last read that showed this flag, except reads for the writes of a place."""
-        last: int = self.looks.last(flag.name)
+        last: int = last_look(self.looks, flag.name)
         other: Place
         for at, other in self.places.items():
             if at != place:
-                last = max(last, other.looks.last(flag.name))
+                last = max(last, last_look(other.looks, flag.name))
         return last

@@ -227,7 +227,7 @@ def _of_a_race(said: Said, scope: Scope) -> Maker:
         from .race import Race  # works on recorded runs, too, which no other measure needs imported
 
         return partial(Race, raced(said.unit, said.name, scope))
-    from .lost_flags import ClearedAlong, LostFlags
+    from .modifies import ClearedAlong, LostFlags
 
     if said.form == "cleared":
         return partial(ClearedAlong, clearing(said.unit, said.name, scope))

@@ -1,17 +1,94 @@
 """Base class of all measures, which follow the records of a run and keep the worst value and its tick.
 
-What it keeps of its values is in `taken_values`. Measures with a fixed name are rows in `registry`.
+No history of values is kept, so memory does not grow with the run, unless `keep` asks for all values. For percentiles
+`Tally` counts equal values in bounded memory. Measures with a fixed name are rows in `registry`.
 """
 
 # core: compiled
 
 from __future__ import annotations
 
-from ...core.records import UNWANTED, Kind, Recorder, Subjects
+from array import array
+from collections.abc import Callable
+from typing import TYPE_CHECKING, final
+
+from ...core.records import UNWANTED, Kind, Listener, Recorder, Subjects
 from ...core.state import State
 from ...core.time import NO_TIME
 from .measured_scene import MeasuredScene
-from .taken_values import TakenValues
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+MOST = 1 << 15  # cells
+
+
+@final
+class Cell:
+    """count: of its values. value: the largest. at: when that was first."""
+
+    __slots__ = ("at", "count", "value")
+
+    count: int
+    value: int
+    at: int
+
+
+@final
+class Tally:
+    """Histogram of values for percentiles.
+
+        value, tick --> cell of the value: count, first tick --> percentile
+
+    Up to `most` different values have a cell each, and percentiles are exact. With more values the cells become twice
+    as wide until half of `most` are left. A cell represents the largest value in it, so a percentile is a measured
+    value and never too small.
+    """
+
+    def __init__(self, most: int = MOST) -> None:
+        self._most = most
+        self._cells: dict[int, Cell] = {}
+        self._shift = 0  # of a value, to the number of its cell
+
+    def __len__(self) -> int:
+        return len(self._cells)
+
+    def add(self, value: int, at: int) -> None:
+        number = value >> self._shift
+        cell: Cell | None = self._cells.get(number)
+        if cell is None:
+            cell = self._cells[number] = Cell()
+            cell.count, cell.value, cell.at = 1, value, at
+            if len(self._cells) > self._most:
+                self._widen()
+        else:
+            cell.count += 1
+            if value > cell.value:
+                cell.value, cell.at = value, at
+
+    def percentile(self, per_mille: int) -> tuple[int, int]:
+        """Return (value, first tick) of the least value that `per_mille` of the values do not exceed (nearest rank)."""
+        rank, passed = -(-per_mille * sum(cell.count for cell in self._cells.values()) // 1000), 0
+        for _, cell in sorted(self._cells.items()):
+            passed += cell.count
+            if passed >= rank:
+                return cell.value, cell.at
+        raise AssertionError("there is no value")
+
+    def _widen(self) -> None:
+        """Make cells twice as wide until half are left, so that values far apart do not widen them each time."""
+        while len(self._cells) > self._most // 2:
+            self._shift += 1
+            narrow, self._cells = self._cells, {}
+            for number, cell in narrow.items():
+                wide = self._cells.setdefault(number >> 1, cell)
+                if wide is not cell:
+                    wide.count += cell.count
+                    if (cell.value, -cell.at) > (wide.value, -wide.at):
+                        wide.value, wide.at = cell.value, cell.at
+
 
 LOOKS_BACK = (
     *("this occurrence", "the occurrence before", "this transfer", "this round", "the round before"),
@@ -21,8 +98,11 @@ MILLIONTHS = 1_000_000  # parts of the time and LSB are counted in these
 READ = "read"  # an occurrence: one addressed phase, read or written, identified by its START
 
 
-class Measure(TakenValues):
+class Measure(Listener):
     """Base of all measures.
+
+    worst, least: the largest and the smallest value. not_before: the first tick that counts. occasions: number of times
+    that there was something to measure, counted on the bus and not by the firmware; None if it has no such count.
 
     unit: "time" (ticks), "%" and "LSB" (millionths) or a word for what is counted. series: True if it takes one value
     after the other, which have percentiles. occurrence: what a value belongs to; measures of the same occurrences can
@@ -44,15 +124,24 @@ class Measure(TakenValues):
     refuted_at = NO_TIME
     refuted_until = NO_TIME
 
+    def __init__(self) -> None:
+        self.count = 0
+        self.worst = 0
+        self.least = 0
+        self.worst_at = NO_TIME
+        self.least_at = NO_TIME
+        self.cut_off = 0  # number of these that the end of the run cut off
+        self.not_before = NO_TIME
+        self.occasions: int | None = 0 if self.asked else None
+        self.tap: Callable[[int, int], None] | None = None  # called with each value that is taken
+        self._kept: tuple[array[int], array[int]] | None = None
+        self._tally: Tally | None = None
+        self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit
+
     @property
     def subjects(self) -> Subjects:
         """The subjects whose records it needs, by kind, without the kinds of which it needs all."""
         return {}
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit
-        self.occasions = 0 if self.asked else None
 
     @property
     def silent(self) -> bool:
@@ -105,3 +194,78 @@ class Measure(TakenValues):
 
     def finish(self, now: int) -> None:  # core: python
         """Handle the end of the run."""
+
+    # Values -----------------------------------------------------------------------------
+
+    def keep(self) -> None:
+        """Keep every value, for distributions and joined conditions."""
+        self._kept = array("q"), array("q")
+
+    def tally(self) -> None:
+        """Count values that are equal, for percentiles."""
+        self._tally = Tally()
+
+    @property
+    def tallied(self) -> bool:
+        return self._tally is not None
+
+    @property
+    def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
+        """(values, when each was), both int64[count], in order; None unless `keep` was called."""
+        if self._kept is None:
+            return None
+        import numpy as np  # with the first percentile: most runs need none
+
+        values, at = self._kept
+        return np.array(values, np.int64), np.array(at, np.int64)
+
+    def all_kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return `kept` of a measure that keeps its values."""
+        assert self.kept is not None
+        return self.kept
+
+    def only(self, places: NDArray[np.int64]) -> None:
+        """Keep only the values at these places."""
+        values, at = (column[places].tolist() for column in self.all_kept())
+        self.count = self.cut_off = 0
+        self.occasions = None  # the measure that it is joined to has them
+        self.keep()
+        if self._tally is not None:
+            self.tally()
+        for value, when in zip(values, at, strict=True):
+            self.take(value, when)
+
+    def percentile(self, per_mille: int) -> tuple[int, int]:
+        """Return (value, first tick) of the least value that `per_mille` of the values do not exceed (nearest rank)."""
+        assert self._tally is not None
+        return self._tally.percentile(per_mille)
+
+    def occasion(self, at: int, number: int = 1) -> None:
+        """Count occasions. at: as given to `take`."""
+        if at >= self.not_before:
+            assert self.occasions is not None
+            self.occasions += number
+
+    def take(self, value: int, at: int) -> None:
+        if at < self.not_before:
+            return
+        if not self.count or value > self.worst:
+            self.worst, self.worst_at = value, at
+        if not self.count or value < self.least:
+            self.least, self.least_at = value, at
+        self.count += 1
+        if self._kept is not None:
+            self._kept[0].append(value)
+            self._kept[1].append(at)
+        if self._tally is not None:
+            self._tally.add(value, at)
+        if self.tap is not None:
+            self.tap(value, at)
+
+    def take_unfinished(self, value: int, at: int) -> None:
+        """Take the value of an unfinished occurrence, which exceeds all before."""
+        least, least_at, alone = self.least, self.least_at, not self.count
+        self.take(value, at)
+        self.cut_off += 1
+        if not alone:
+            self.least, self.least_at = least, least_at

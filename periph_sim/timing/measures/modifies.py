@@ -19,11 +19,14 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import final
 
-from ...core.records import NOWHERE, OF_MODIFIES, UNWANTED, Kind, RecordSink
+from ...core.records import NOWHERE, OF_MODIFIES, UNWANTED, Kind, Recorder, RecordSink, Subjects
 from ...form.c_types import Text
 from ...processor.instruction_location import statement
 from ...records.modify_window import MODIFY, OVERTAKEN
-from .cleared_flags import CLEARABLE, Cleared, ClearedRegister, Flag, Modify, Place
+from .cleared_flags import CLEARABLE, CLEARABLE_FLAGS, Cleared, ClearedRegister, Flag, Modify, Place
+from .measure import Measure
+from .measured_scene import MeasuredScene
+from .watched import Watched
 
 
 @final
@@ -213,7 +216,7 @@ class Modifies(RecordSink):
             register, made = one.register, one.modify
             if register is not None and one.reads:
                 if made is None:
-                    register.looks.add(one.field, one.number)
+                    register.looks[one.field] = one.number
                 else:
                     self._judge(register, one, made)
             after, one.after, self._spare = one.after, self._spare, one
@@ -243,7 +246,7 @@ class Modifies(RecordSink):
                     _one_more(place.along, flag, made)
                     if register.looked_at(flag, made.place) < made.rose[number]:
                         _one_more(place.unseen, flag, made)
-        place.looks.add(read.field, read.number)
+        place.looks[read.field] = read.number
 
     def finish(self) -> None:
         """Evaluate the remaining accesses at the end of the run."""
@@ -295,3 +298,58 @@ def _alike(read: Access, write: Access) -> bool:
     if read.text is not write.text and statement(read.text) != statement(write.text):
         return False
     return read.field == write.field
+
+
+class LostFlags(Measure):
+    """Flags that a read-modify-write cleared unintentionally and that firmware had not read since they rose.
+
+    worst is the number of lost flags, count that of the writes. A plain write clears what it is meant to clear. Without
+    any write nothing is proven.
+    """
+
+    unit = "flags"
+    series = False
+    kinds = frozenset({Kind.ACCESS, Kind.FLAG})
+
+    def __init__(self, watched: Watched) -> None:
+        super().__init__()
+        self.watched = watched
+        self.modifies = Modifies(watched.concerns, watched.is_about, not watched.register)
+
+    @property
+    def subjects(self) -> Subjects:
+        watched = self.watched
+        if watched.register:
+            return {Kind.FLAG: {f"{watched.unit}.{watched.module}.{watched.register}"}}
+        return {Kind.FLAG: [f"{unit}.{register}" for unit in watched.units for register in CLEARABLE]}
+
+    def listen(self, scene: MeasuredScene) -> None:
+        self.modifies.clock_is(scene.ticks_per_second(), scene.clock_history(self.watched.unit))
+
+    def subscribe(self, recorder: Recorder) -> None:
+        recorder.subscribe((Kind.ACCESS,), self.modifies)
+        recorder.subscribe((Kind.FLAG,), self.modifies, self.subjects, CLEARABLE_FLAGS)
+
+    def finish(self, now: int) -> None:
+        self.modifies.finish()
+        gone = self.gone()
+        self.count = self.modifies.writes
+        self.worst = self.least = gone.count
+        self.worst_at = self.least_at = gone.first
+
+    def gone(self) -> Cleared:
+        return self.modifies.lost()
+
+    def missing(self) -> str:
+        what = self.watched.text or "a register with flags that writing 1 clears"
+        return f"the firmware never wrote {what}"
+
+
+class ClearedAlong(LostFlags):
+    """Number of times that a read-modify-write meant for another flag cleared this one, whether it was read or not.
+
+    For a flag that firmware waits for later, and that no other write may clear.
+    """
+
+    def gone(self) -> Cleared:
+        return self.modifies.cleared(self.watched.field)

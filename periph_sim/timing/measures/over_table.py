@@ -3,12 +3,11 @@
     table = formats.psr.read_table(path)
     timing.between(table, "bus address 0x68 read", "access W I2C-A.I2CDXR") --> durations and starts, int64 ticks
 
-It finds what the budget `from EVENT to EVENT` finds while the run goes on.
+`between` gives the measure of `from EVENT to EVENT` its events.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from ...core.suggest import did_you_mean
 from ...traces.formats.record_table import RecordTable
 from ..language.events import Matcher, matcher, stretch_of
 from ..language.scope import BadEvent, scope_of_table
-from .pair import PAIRINGS
+from .pair import FIRST, PAIRINGS, SECOND, START, Between
 
 SAME = ("same transfer", "same round")
 
@@ -44,34 +43,27 @@ def between(
     """
     pairing, group = _rules(rule)
     scope = scope_of_table(table)
-    first, second = (rows_of(matcher(event, scope), table) for event in (begin, end))
-    starts = np.empty(0, np.int64)
-    if group:
-        starts = rows_of(stretch_of(group, scope).begin, table)
+    first, second = matcher(begin, scope), matcher(end, scope)
+    events = [(row, FIRST) for row in rows_of(first, table).tolist()]
+    events += [(row, SECOND) for row in rows_of(second, table).tolist()]
+    stretch = stretch_of(group, scope) if group else None
+    if stretch is not None:
+        starts = rows_of(stretch.begin, table)
         if group == "round":
             if transfers_in_round is None or transfers_in_round < 1:
                 raise BadEvent("same round needs transfers_in_round, 1 or more: no record says how many a round has")
             starts = starts[::transfers_in_round]
-        first = first[np.searchsorted(starts, first, side="right") > 0]
-    if pairing == "in order":
-        first, second = _in_order(first, second, starts)
-        return Durations(table.tick[second] - table.tick[first], table.tick[first])
-    following = np.searchsorted(second, first, side="right")
-    groups = np.searchsorted(starts, first, side="right")
-    shared = (following[1:] == following[:-1]) & (groups[1:] == groups[:-1])
-    if shared.any() and not pairing:
-        at = table.tick[first[:-1][shared][0]]
+        events += [(row, START) for row in starts.tolist()]
+    measure = Between(first, second, pairing, stretch)
+    measure.keep()
+    for row, place in sorted(events, key=lambda event: (event[0], -event[1])):  # of one record: START, end, begin
+        measure.happened(place, int(table.tick[row]), 0)
+    if measure.again is not None:
         raise BadEvent(
-            f"{begin!r} of tick {at} came again before {end!r}, so it is not known which belong together; "
-            "give the rule in order, next or last"
+            f"{begin!r} of tick {measure.again[0]} came again before {end!r}, so it is not known which belong "
+            "together; give the rule in order, next or last"
         )
-    answered = following < len(second)
-    if pairing == "last":
-        answered[:-1] &= ~shared
-    first, second = first[answered], second[following[answered]]
-    same = np.searchsorted(starts, first, side="right") == np.searchsorted(starts, second, side="right")
-    first, second = first[same], second[same]
-    return Durations(table.tick[second] - table.tick[first], table.tick[first])
+    return Durations(*measure.all_kept())
 
 
 def rows_of(matcher: Matcher, table: RecordTable) -> NDArray[np.int64]:
@@ -106,23 +98,6 @@ def _rules(rule: str) -> tuple[str, str]:
         else:
             raise BadEvent(f"there is no rule {word!r} here; {did_you_mean(word, (*PAIRINGS, *SAME))}")
     return pairing, group
-
-
-def _in_order(first: Ticks, second: Ticks, starts: Ticks) -> tuple[Ticks, Ticks]:
-    """Return the rows of pairs, the n-th with the n-th. An event that waits as a group begins has no partner."""
-    waiting: deque[int] = deque()
-    pairs: list[tuple[int, int]] = []
-    events = [(row, 0) for row in starts.tolist()] + [(row, 1) for row in second.tolist()]
-    for row, what in sorted(events + [(row, 2) for row in first.tolist()]):
-        if what == 0:
-            waiting.clear()
-        elif what == 2:
-            waiting.append(row)
-        elif waiting:
-            pairs.append((waiting.popleft(), row))
-    ones = np.array(pairs, np.int64).reshape(-1, 2)
-    ones = ones[np.argsort(ones[:, 0], kind="stable")]
-    return ones[:, 0], ones[:, 1]
 
 
 def periods(table: RecordTable, event: str) -> Durations:

@@ -44,8 +44,10 @@ class Between(EventMeasure):
     """Time from each event to the event of another kind that belongs to it, or number of third events in between.
 
     counted: the third event: after the first one, up to the second.
-    pairing: one of PAIRINGS; empty if one A at most may wait. group: pairs lie in one transfer or round: a transfer
-    lasts from its START to the next one's, so that what firmware does about a STOP belongs to it.
+    pairing: one of PAIRINGS; empty if one A at most may wait.
+    again: the ticks of two A that waited then; None if there were none.
+    group: pairs lie in one transfer or round: a transfer lasts from its START to the next one's, so that what firmware
+    does about a STOP belongs to it.
     """
 
     STATE = State("_rule _stopped _begun _paired _counted", ticks="_begun_at", chains="_waiting")
@@ -79,7 +81,7 @@ class Between(EventMeasure):
         self._waiting: Open | None = None  # the first of a chain
         self._last: Open | None = None  # of it
         self._spare: Open | None = None  # the first of those that wait no more
-        self._again: tuple[int, int] | None = None
+        self.again: tuple[int, int] | None = None
         self._begun = self._paired = False  # in the group under way
         if group is not None:
             self.asked = f"{group.name}s with {begin.text!r}"
@@ -132,8 +134,8 @@ class Between(EventMeasure):
         if self._waiting is not None:
             if self._only_last:
                 self._clear()
-            elif self._unsaid and self._again is None:
-                self._again = (self._waiting.at, tick)
+            elif self._unsaid and self.again is None:
+                self.again = (self._waiting.at, tick)
         one = self._spare
         if one is None:
             one = Open()
@@ -192,12 +194,12 @@ class Between(EventMeasure):
 
     @property
     def silent(self) -> bool:
-        return not self.count or self.ungiven or self._again is not None
+        return not self.count or self.ungiven or self.again is not None
 
     def missing(self) -> str:
         first, second = (self.matchers[place].text for place in (FIRST, SECOND))
-        if self._again is not None:
-            one, other = (f"{(at - self._began_at) / self._per_second:.6f} s" for at in self._again)
+        if self.again is not None:
+            one, other = (f"{(at - self._began_at) / self._per_second:.6f} s" for at in self.again)
             what = f"{first!r} came at {one} and again at {other} before {second!r}"
             return f"{what}; add after a comma which belong together: in order, next or last"
         if self.ungiven or self._clauses.nothing is not None:

@@ -21,8 +21,7 @@ from periph_sim.imu.host_frames import ramp, shown
 from periph_sim.imu.model_codes import Computed, ModelCodes
 from periph_sim.imu.models.parameters import AccelerometerParameters, ImuParameters
 from periph_sim.imu.sensors import SENSORS as CHIP_DATA
-from periph_sim.timing.derived.origin import BEFORE_ANY, Origin
-from periph_sim.timing.derived.origins import KEPT, RECENT, FrameOrigins, ModelOrigins, Origins
+from periph_sim.timing.derived.origins import BEFORE_ANY, KEPT, RECENT, FrameOrigins, ModelOrigins, Origin, Origins
 
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 CHIPS = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)

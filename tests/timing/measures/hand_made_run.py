@@ -11,8 +11,7 @@ from periph_sim.imu.host_frames import ramp
 from periph_sim.timing.derived.age_records import AgeRecords
 from periph_sim.timing.derived.byte_records import ByteRecords
 from periph_sim.timing.derived.origins import FrameOrigins
-from periph_sim.timing.derived.round_records import RoundRecords
-from periph_sim.timing.derived.transfer_records import TransferRecords
+from periph_sim.timing.derived.transfer_records import RoundRecords, TransferRecords
 from periph_sim.timing.measures.measure import Measure
 from periph_sim.timing.rounds import BusRounds
 from tests.timing.events_by_hand import make
@@ -39,7 +38,8 @@ class HandMadeRun:
         self.bytes = ByteRecords(self.recorder, self.origins if checks_host else None)
         self.ages = AgeRecords(self.recorder, self.origins)
         self.recorder.subscribe((Kind.SPAN,), self.ages)
-        self.rounds = RoundRecords(self.recorder, BusRounds(None, lambda: NO_TIME), period)
+        self.bus_rounds = BusRounds(None, lambda: NO_TIME)
+        self.rounds = RoundRecords(self.recorder, self.bus_rounds, period)
 
     def transfer(self, *phases: Phase, name: str = "chip") -> None:
         over = Transfer(name, list(phases))
@@ -47,11 +47,11 @@ class HandMadeRun:
             party.transfer(over)
 
     def is_due(self, due: int) -> None:
-        self.rounds.due(due)
+        self.bus_rounds.on_due[0](due)
 
     def misses(self, due: int) -> None:
         self.is_due(due)
-        self.rounds.missed(due)
+        self.bus_rounds.on_missed[0](due)
 
     def round(self, due: int, end: int, nacked: int = 0, start: int | None = None) -> None:
         self.is_due(due)

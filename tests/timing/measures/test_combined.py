@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from periph_sim.timing.budget_plan import BadBudget
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.budgets import BudgetJudge
-from periph_sim.timing.measures.combined import combine
+from periph_sim.timing.budgets import BudgetJudge, combine
 from periph_sim.timing.measures.measure import Measure
 from tests.timing.events_by_hand import ONE, records, tell
 from tests.timing.judges import judge

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from periph_sim.bus.i2c.transfer import Phase
 from periph_sim.core.records import Kind, Record
@@ -10,6 +12,7 @@ from periph_sim.core.time import NO_TIME
 from periph_sim.timing.derived.origins import RECENT
 from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.measures.event_values import EventCount
+from periph_sim.timing.measures.measure import Tally
 from periph_sim.timing.measures.registry import MEASURES
 from tests.timing.events_by_hand import make, tell
 from tests.timing.measures.hand_made_run import (
@@ -211,3 +214,30 @@ def test_every_measure_says_what_it_measures_and_begins_empty(name: str):
 def test_an_unknown_measure_is_told():
     with pytest.raises(BadEvent, match="there is no measure 'latency'"):
         make("latency")
+
+
+CELLS = 16
+
+
+@given(
+    st.lists(st.integers(-40, 40) | st.integers(-(10**6), 10**6), min_size=1, max_size=200),
+    st.sampled_from([1, 500, 950, 990, 999, 1000]),
+)
+def test_a_percentile_is_a_value_that_was_measured_near_the_exact_one(values, per_mille: int):
+    of = Tally(CELLS)
+    for place, value in enumerate(values):
+        of.add(value, 10 * place)
+        assert len(of) <= CELLS
+    exact = min(v for v in values if 1000 * sum(other <= v for other in values) >= per_mille * len(values))
+    found, at = of.percentile(per_mille)
+    assert at == 10 * values.index(found)
+    width = 0 if len(set(values)) <= CELLS else 4 * (max(values) - min(values)) // CELLS
+    assert exact <= found <= exact + width
+
+
+def test_values_from_all_over_do_not_widen_the_cells_each_time():
+    of = Tally(CELLS)
+    for place in range(20 * CELLS):
+        of.add(place, place)
+    assert CELLS // 4 < len(of) <= CELLS
+    assert of.percentile(500) == (191, 191)  # of 160 to 191

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from periph_sim.imu.host_frames import ramp
 from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.scene.case.model import BadCase
-from periph_sim.timing.measures.combined import combine
+from periph_sim.timing.budgets import combine
 from periph_sim.timing.measures.measure import Measure
 from periph_sim.timing.values import values_of
 from periph_sim.timing.verdict import Verdict

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from ....timing.format_value import broken
-from ....timing.verdict import Verdict
+from ....timing.verdict import Verdict, broken
 from ..explain.chain import Chain
 from .compare import Change
 from .outcome import Outcome

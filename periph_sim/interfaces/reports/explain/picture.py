@@ -14,7 +14,7 @@ from collections.abc import Iterable
 
 from ....core.records import Kind, Record
 from ....records.register_maps import register_of
-from ....timing.format_value import in_words
+from ....timing.verdict import in_words
 from ....traces.drawing.capture_lanes import wire_lanes
 from ....traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
 from ....traces.drawing.text_diagram import text_diagram

@@ -14,8 +14,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ....core.text_table import columns, together
-from ....timing.format_value import in_words, instant, percentile
-from ....timing.verdict import Verdict
+from ....timing.verdict import Verdict, in_words, instant, percentile
 from .chain import Chain, FirmwarePlace, Part
 
 MOST_PARTS = 6

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ....timing.format_value import figure
+from ....timing.verdict import figure
 from ..explain.chain import Chain, FirmwarePlace, Part
 
 MOST = 6  # parts shown at most

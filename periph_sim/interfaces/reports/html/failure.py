@@ -10,8 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ....timing.format_value import figure, in_words, instant, percentile
-from ....timing.verdict import Verdict
+from ....timing.verdict import Verdict, figure, in_words, instant, percentile
 from ..explain.chain import Chain, Part
 from .over_time import OverTime
 

@@ -17,9 +17,8 @@ from ....scene.case.model import Case
 from ....scene.case.unit_table import Unit
 from ....scene.result import SKIPPED, Result
 from ....timing.budget_schema import Budget, Condition
-from ....timing.format_value import figure, percentile
 from ....timing.values import Values
-from ....timing.verdict import Verdict
+from ....timing.verdict import Verdict, figure, percentile
 from ..explain.explain import Explained, explain_each
 from .distribution import distribution
 from .explanation import explanation

@@ -16,8 +16,7 @@ from importlib.resources import files
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
-from ....timing.format_value import figure, in_words, instant, limit, percentile
-from ....timing.verdict import Verdict
+from ....timing.verdict import Verdict, figure, in_words, instant, limit, percentile
 from .distribution import scale_of
 from .failure import ALLOWED
 from .model import BudgetReport, CaseReport

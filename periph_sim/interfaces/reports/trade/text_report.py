@@ -8,7 +8,7 @@ from itertools import pairwise
 from math import isinf
 
 from ....core.text_table import paragraph, text_table
-from ....timing.format_value import duration_text
+from ....timing.verdict import duration_text
 from .observe import Error
 from .trade import Outcome, Trade
 

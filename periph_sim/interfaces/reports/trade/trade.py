@@ -13,7 +13,7 @@ from ....f28335.memory.memory_map import NoSuchAddress
 from ....processor.error_origin import FirmwareError
 from ....processor.user_code import output_muted
 from ....scene.case.model import BadCase, Case
-from ....timing.format_value import duration_text
+from ....timing.verdict import duration_text
 from .cpu import Cost, costs_of
 from .observe import Errors, Observed, compare, observe
 from .rows import AS_GIVEN, Make, Row

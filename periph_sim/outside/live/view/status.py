@@ -18,8 +18,7 @@ from ....bus.i2c.transfer import Transfer
 from ....scene.plugins import sensors_of
 from ....timing.budget_plan import PER_MILLE
 from ....timing.budgets import BudgetJudge
-from ....timing.format_value import figure, limit
-from ....timing.verdict import FAIL, NOT_JUDGED
+from ....timing.verdict import FAIL, NOT_JUDGED, figure, limit
 from ...serial_line import SerialLine
 from ...session import Session
 from ..pacing import STEPS, TOLERATED, Pacer

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.timing.format_value import figure, in_words, instant, limit, simulated
+from periph_sim.timing.verdict import figure, in_words, instant, limit, simulated
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ from ..core.suggest import did_you_mean
 from ..outside.errors import OutsideError
 from ..outside.log import refuse_input
 from ..outside.session import Session
-from ..records.if_recorded import if_recorded
+from ..records.recording import recording
 from ..scene.case.load import load
 from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
@@ -100,7 +100,7 @@ class F28335:
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
         self._files = ExitStack()
         subscribe, self._ended_at = self._files.enter_context(
-            if_recorded(None if record is None else Path(record), case.recorded_modules)
+            recording(None if record is None else Path(record), case.recorded_modules)
         )
         outside = tuple(dict.fromkeys((*read, *self._driven)))
         self.session = Session(case, outside, log=log, subscribe=subscribe, programs=programs)

@@ -124,12 +124,12 @@ class PreparedScene:
     def _recorded(
         self, changes: Sequence[str], length: Fraction | None, firmware: Mapping[str, Firmware], record: Path
     ) -> Result:
-        from ..records.if_recorded import if_recorded
+        from ..records.recording import recording
 
         with inputs_of_one_command():
             case = self.plan(changes).case
             note_inputs_of(case.files())
-            with if_recorded(record, case.recorded_modules) as (subscribe, ended_at):
+            with recording(record, case.recorded_modules) as (subscribe, ended_at):
                 scene = self.scene(changes, subscribe, firmware)
                 result = scene.run(length)
                 ended_at(scene.kernel.now, scene.clocks())

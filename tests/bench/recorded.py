@@ -15,7 +15,7 @@ from typing import Any
 from periph_sim import form
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.records.if_recorded import if_recorded
+from periph_sim.records.recording import recording
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.traces.formats.record_table import Columns
@@ -64,7 +64,7 @@ def run(name: str, way: str, seconds: Fraction, folder: Path) -> tuple[float, in
     """CPU seconds of the run and of closing its file, and the bytes of that."""
     case = load(TIMING / f"{name}.toml")
     path = folder / f"run{way}" if way.startswith(".") else None
-    with if_recorded(path, case.recorded_modules) as (subscribe, ended_at):
+    with recording(path, case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, _keep_flags if way == FLAGS else subscribe)
 
         def all_of_it() -> None:

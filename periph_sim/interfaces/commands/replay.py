@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 
 from ...core.text_table import columns
-from ...records.if_recorded import if_recorded
+from ...records.recording import recording
 from ...replay.channels import ALL, channel_map, serial_channel
 from ...replay.compare import Change, Divergence
 from ...replay.i2c_closed_loop import I2cReplay
@@ -146,7 +146,7 @@ def replay(
         _refuse_together(loop, role, own, low, patience, baud, frame)
         _refuse_in_session(session, host is not None, "scl" in lines, loop, role, offset)
         after = Fraction(0) if offset is None else _offset(offset)
-        with if_recorded(record, case.recorded_modules) as (subscribe, ended_at):
+        with recording(record, case.recorded_modules) as (subscribe, ended_at):
             player: UartReplay | I2cReplay | I2cOpenReplay | I2cMasterReplay
             if session:
                 other, rx = (given, lines["rx"]) if host is None else host

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...records.if_recorded import if_recorded
+from ...records.recording import recording
 from ...scene.case.load import load
 from ...scene.result import Result
 from ...scene.scene import Scene
@@ -72,7 +72,7 @@ def run(
             from ...traces.formats.atomic_write import atomic_write
 
             unfinished = outputs.enter_context(atomic_write(html))
-        subscribe, ended_at = outputs.enter_context(if_recorded(record, loaded.recorded_modules))
+        subscribe, ended_at = outputs.enter_context(recording(record, loaded.recorded_modules))
         with progress(loaded.name) as on_progress:
             scene = Scene(loaded, subscribe, keep_values=html is not None)
             result = scene.run(length, on_progress)

@@ -18,7 +18,7 @@ import json
 from array import array
 from fractions import Fraction
 from pathlib import Path
-from typing import IO, Literal
+from typing import IO
 
 import numpy as np
 
@@ -27,10 +27,7 @@ from ...core.time import GHZ, Timebase
 from ...traces.capture.capture import Capture, Channel, channel_of
 from ...traces.decode import i2c
 from ..record_text import BusByte, on_the_bus
-
-SUFFIX = ".perfetto.json"
-MODE: Literal["w"] = "w"
-KINDS = (Kind.EDGE, Kind.FLAG, Kind.IRQ, Kind.SPAN, Kind.BUS, Kind.FRAME, Kind.NOTE)
+from . import RecordingWriter
 
 THREAD_OF = {Kind.SPAN: "firmware", Kind.IRQ: "interrupts"}
 
@@ -43,10 +40,12 @@ class Track:
         self.open: list[str] = []  # names of the slices that have not ended, encoded
 
 
-class PerfettoWriter:
+class PerfettoWriter(RecordingWriter):
+    SUFFIX = ".perfetto.json"
+    KINDS = (Kind.EDGE, Kind.FLAG, Kind.IRQ, Kind.SPAN, Kind.BUS, Kind.FRAME, Kind.NOTE)
+
     def __init__(self, file: IO[str], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
-        self._file = file
-        self._per_second = timebase.per_second
+        super().__init__(file, timebase, modules)
         self._separator = ""
         self._pids: dict[str, int] = {}
         self._tracks: dict[tuple[str, str], Track] = {}
@@ -175,5 +174,4 @@ def _channel(index: int, name: str, flat: array[int], length: int) -> Channel:
     return channel_of(name, index, [0, *pairs[:, 0].tolist()], [1, *pairs[:, 1].tolist()], length)
 
 
-def open_writer(file: IO[str], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> PerfettoWriter:
-    return PerfettoWriter(file, timebase, modules)
+FORMATS = (PerfettoWriter,)

@@ -120,3 +120,11 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, monkeypatch, 
         raise AssertionError("nothing may run")
     assert str(caught.value) == sentence
     assert list(tmp_path.iterdir()) == []
+
+
+def test_without_a_path_nothing_is_recorded():
+    recorder = Recorder()
+    with recording(None, {}) as (subscribe, ended_at):
+        subscribe(recorder, Timebase())
+        ended_at(1000)
+    assert not any(recorder.wants(kind) for kind in Kind)

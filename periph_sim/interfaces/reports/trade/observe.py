@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....bus.i2c.transfer import Transfer
-from ....records.if_recorded import if_recorded
+from ....records.recording import recording
 from ....scene.case.model import BadCase, Case
 from ....scene.plugins import sensors_of
 from ....scene.scene import Scene
@@ -95,7 +95,7 @@ def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterato
     """
     with TemporaryDirectory() as folder:
         path = Path(folder, f"run{record}") if record else None
-        with if_recorded(path, case.recorded_modules) as (subscribe, ended_at):
+        with recording(path, case.recorded_modules) as (subscribe, ended_at):
             scene = Scene(case, subscribe, keep_values=keep_values)
             yield scene
             ended_at(scene.kernel.now, scene.clocks())

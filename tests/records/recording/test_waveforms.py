@@ -15,8 +15,7 @@ import pywellen
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.records.recording import BadRecording, recording
-from periph_sim.records.recording.run_signals import KINDS, RunSignals
-from periph_sim.records.recording.sr import rate_for
+from periph_sim.records.recording.waveforms import KINDS, RunSignals, rate_for
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats

@@ -1,4 +1,4 @@
-"""Named signals of a run for waveform files of any format.
+"""Waveform files of a run, .vcd, .fst and .sr: its named signals, which all of these formats show.
 
     EDGE   wires.SCL                     a wire; the four of the bus and the line, pins, and any other that moves
     FLAG   dsp.I2C_A.I2CSTR              a whole register of an I2C or SCI module
@@ -14,24 +14,38 @@ spans there are shows only in the run.
 from __future__ import annotations
 
 from array import array
+from collections.abc import Iterable
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import IO, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.records import Kind, Record
 from ...core.registers import RegisterMap
-from ...core.time import Timebase
+from ...core.time import GHZ, Timebase
 from ...f28335.i2c.register_map import I2C_MAP
 from ...f28335.sci.register_map import SCI_MAP
 from ...traces.capture.capture import Capture, Channel, channel_of_edges
+from ...traces.capture.sampling import resampled
 from ...traces.decode.i2c_table import I2cRowKind as Row
 from ...traces.decode.i2c_table import I2cTable, i2c_table
+from ...traces.formats import sigrok_sr, vcd
+from ...traces.formats.fst_ghw import TEXT, NoFstLibrary, Variable, fst_bytes, library
+from ..record_text import on_the_bus
+from . import BadRecording, RecordingWriter
 
 KINDS = (Kind.EDGE, Kind.FLAG, Kind.IRQ, Kind.SPAN)
 WIRES = ("SCL", "SDA", "RX", "TX")
 MAPS = {"I2C": I2C_MAP, "SCI": SCI_MAP}
+
+RATES = [Fraction(mhz * 10**6) for mhz in (100, 50, 20, 10, 5, 2, 1)]  # of .sr
+MOST_SAMPLES = 1 << 28  # 2.7 s at 100 MHz; packing them takes two to three seconds
+PICOSECONDS = 10**12
+# Text signals of .fst with values such as "0x68 R ACK" and "0x55". Each value is kept until the next record.
+SAID = {Kind.BUS: "bus.I2C.text", Kind.FRAME: "bus.UART.text"}
 
 Numbers = NDArray[np.int64]
 
@@ -76,7 +90,7 @@ class RunSignals:
 
     def __init__(self, timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
         """modules: by unit, the names of its modules, as `I2C-A`, and of its named pins, as `pin:MODEL`."""
-        self.per_second = timebase.per_second
+        self._per_second = timebase.per_second
         self._signals: dict[str, Signal] = {}
         self._wires = {name: self._signal(f"wires.{name}", initial=1) for name in WIRES}
         self._fields: dict[tuple[str, str], tuple[Signal, Signal, int]] = {}  # field, its register, its lowest bit
@@ -148,7 +162,7 @@ class RunSignals:
                 moved = np.flatnonzero(levels[1:] != levels[:-1]) + 1
                 name = signal.name if signal.width == 1 else f"{signal.name}[{bit}]"
                 channels.append(channel_of_edges(name, len(channels), int(levels[0]), at[moved]))
-        return Capture(Path(), Fraction(self.per_second), max(end, last + 1), tuple(channels), False, (), True)
+        return Capture(Path(), Fraction(self._per_second), max(end, last + 1), tuple(channels), False, (), True)
 
 
 def _bus_state(lines: Capture) -> list[Signal]:
@@ -175,3 +189,96 @@ def _while(name: str, table: I2cTable, rows: NDArray[np.bool_]) -> Signal:
     at = np.column_stack((table.at[rows], table.end[rows])).ravel()
     signal.put_all(at, np.tile(np.array([1, 0], np.int64), len(at) // 2))
     return signal
+
+
+class WaveformWriter(RecordingWriter):
+    """Base of the waveform formats, which are written when the run is over."""
+
+    KINDS: ClassVar[Iterable[Kind]] = KINDS
+
+    def __init__(self, file: IO[Any], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
+        super().__init__(file, timebase, modules)
+        self._run = RunSignals(timebase, modules)
+        self.write = self._run.write
+
+
+class VcdWriter(WaveformWriter):
+    """VCD for GTKWave, Surfer, sigrok and scripts: wires, bus state, registers and their fields, interrupts, spans of
+    firmware.
+
+    Chosen:
+    - Bits only, a register as `I2CSTR[15]` to `I2CSTR[0]`: sigrok up to 0.5.2 reads nothing after a change of a vector,
+      and readers such as vcdvcd find no changes of strings. `.fst` has vectors and texts.
+    - Times in nanoseconds, exact where a tick is whole ones, as at 100 MHz, else rounded up: at 150 MHz a tick is
+      1/3 ns, which no timescale divides, and sigrok makes a sample for each unit of time, so it does not finish with
+      picoseconds. `.psr` is exact, `.fst` has picoseconds.
+    """
+
+    SUFFIX = ".vcd"
+
+    def close(self, now: int) -> None:
+        vcd.write_to(self._file, resampled(self._run.bits(now), Fraction(GHZ)), scope=())
+
+
+class SrWriter(WaveformWriter):
+    """sigrok session for PulseView and sigrok-cli, as an analyser would show wires, bus state, interrupts and spans.
+
+    Of the signals of a run those of one bit, registers aside: the first 64, wires first. The rate is the fastest of
+    `RATES` that keeps the file at `MOST_SAMPLES`.
+    """
+
+    SUFFIX, MODE = ".sr", "wb"
+
+    def close(self, now: int) -> None:
+        lines = self._run.lines(now)
+        # Decoders get their channels by name: `SCL` for `wires.SCL`.
+        shown = [replace(c, name=c.name.removeprefix("wires.")) for c in lines.channels[: sigrok_sr.MOST_WIDE]]
+        rate = rate_for(Fraction(lines.length, self._per_second))
+        sigrok_sr.write_to(self._file, resampled(replace(lines, channels=tuple(shown)), rate))
+
+
+def rate_for(seconds: Fraction) -> Fraction:
+    """Return the samples per second of .sr for a run of this length."""
+    return next((rate for rate in RATES if seconds * rate <= MOST_SAMPLES), RATES[-1])
+
+
+class FstWriter(WaveformWriter):
+    """FST for GTKWave and Surfer: registers as vectors, and what parties on the wires say as text.
+
+    The file is small, and quick to open; the extra `fst` brings the library that writes it. Times are in picoseconds,
+    rounded down from ticks.
+    """
+
+    SUFFIX, MODE = ".fst", "wb"
+    KINDS = (*KINDS, *SAID)
+
+    def __init__(self, file: IO[bytes], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
+        try:
+            library()  # raise an error for a missing library before the run, not after it
+        except NoFstLibrary as error:
+            raise BadRecording(str(error)) from None
+        super().__init__(file, timebase, modules)
+        self._said: dict[str, list[tuple[int, str]]] = {name: [(0, "-")] for name in SAID.values()}
+        self.write = self._write
+
+    def _write(self, record: Record) -> None:
+        if record.kind not in SAID:
+            self._run.write(record)
+        elif record.kind is Kind.BUS or record.what == "byte":
+            self._said[SAID[record.kind]].append((self._time(record.tick), on_the_bus(record)))
+
+    def close(self, now: int) -> None:
+        variables = [self._variable(signal) for signal in self._run.signals(now)]
+        variables += [Variable(name, TEXT, said) for name, said in self._said.items()]
+        self._file.write(fst_bytes(Fraction(PICOSECONDS), variables, self._time(now)))
+
+    def _variable(self, signal: Signal) -> Variable:
+        at, values = signal.changes()
+        letters = (f"{value:0{signal.width}b}" for value in values.tolist())
+        return Variable(signal.name, signal.width, zip(map(self._time, at.tolist()), letters, strict=True))
+
+    def _time(self, tick: int) -> int:
+        return tick * PICOSECONDS // self._per_second
+
+
+FORMATS = (VcdWriter, SrWriter, FstWriter)

@@ -17,11 +17,10 @@ import numpy as np
 from ..core.records import Kind
 from ..core.registers import Field
 from ..processor.instruction_location import parsed
-from .lost_flags import ReadModifyWrite, modifies_of
 from .polls import LONGEST_PASS, MOST_READS, NDBool, Polls, skipped_polls
-from .read_modify_write import read_modify_writes
-from .register_choice import groups_of
+from .read_modify_write import ReadModifyWrite, modifies_of, read_modify_writes
 from .run import Group, Rows, Run
+from .subject import groups_of
 
 DECADES = 6  # classes of distances in cycles: 0, 1 to 9, 10 to 99, 100 to 999, 1000 to 9999, and more
 NEVER = np.iinfo(np.int64).max

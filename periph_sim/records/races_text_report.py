@@ -7,8 +7,8 @@ import dataclasses
 from ..core.counted import counted
 from ..core.text_table import paragraph, text_table
 from ..processor.instruction_location import parsed
-from .lost_flags import ReadModifyWrite
 from .races import DECADES, NearMiss, PlaceRaces, Races
+from .read_modify_write import ReadModifyWrite
 
 CLOSEST = ("register", "place", "closest", "cycles", "field", "at")
 COUNTS = ("register", "place", "reads", "polls", *("0", "<10", "<100", "<1k", "<10k", "more"))

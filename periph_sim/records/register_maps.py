@@ -38,3 +38,7 @@ def is_status(register: Register) -> bool:
 def one_clears(register: Register) -> tuple[Field, ...]:
     """Return the fields that writing 1 clears."""
     return tuple(f for f in register.fields if f.on_write is OnWrite.ONE_CLEARS)
+
+
+MODIFY = 4  # maximum cycles between read and write of one read-modify-write
+OVERTAKEN = 3  # the write is one of this number of accesses that follow its read

@@ -6,7 +6,6 @@ RecordTable --> Run: rows of a field, its value at a tick, accesses with place a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import gcd
@@ -56,16 +55,11 @@ class Group(NamedTuple):
     rows: Rows
 
 
-@dataclass(frozen=True)
-class Cycles:
+class Cycles(NamedTuple):
     """The length of a SYSCLKOUT cycle. ticks: number of ticks in a cycle. how: the source of this figure."""
 
     ticks: Fraction
     how: str
-
-    def of(self, ticks: int) -> int:
-        """Return the whole cycles in a number of ticks, rounded to nearest."""
-        return round(Fraction(ticks) / self.ticks)
 
 
 class Run:
@@ -82,7 +76,6 @@ class Run:
         self.per_second: Fraction = table.per_second
         self._sysclk = sysclk
         self._remembered: dict[str, Rows] = {}
-        self._orders: dict[str, tuple[Rows, Rows]] = {}
         self._rows: dict[tuple[Kind, str | None, str | None], Rows] = {}
 
     @classmethod
@@ -188,15 +181,17 @@ class Run:
 
         The main program comes first, then each run of a service routine; the accesses of each are in order.
         """
-        if unit in self._orders:
-            return self._orders[unit]
-        rows = self.rows(Kind.ACCESS, unit)
-        routine = self.table.cause[rows]
-        order = np.argsort(routine, kind="stable")
-        rows, routine = rows[order], routine[order]
-        following = np.append(rows[1:], -1)
-        following[np.append(routine[1:] != routine[:-1], True)] = -1
-        self._orders[unit] = rows, following
+
+        def found() -> Rows:
+            rows = self.rows(Kind.ACCESS, unit)
+            routine = self.table.cause[rows]
+            order = np.argsort(routine, kind="stable")
+            rows, routine = rows[order], routine[order]
+            following = np.append(rows[1:], -1)
+            following[np.append(routine[1:] != routine[:-1], True)] = -1
+            return np.stack([rows, following[: len(rows)]])
+
+        rows, following = self.remembered(f"accesses of {unit}", found)
         return rows, following
 
     def routine(self, unit: str, entry: int) -> Rows:

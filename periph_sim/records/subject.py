@@ -1,4 +1,4 @@
-"""The subject and the tick of a question such as "I2CA.I2CSTR.XRDY@12.345ms".
+"""The things that a question names: a signal and a tick, as "I2CA.I2CSTR.XRDY@12.345ms", or accesses to a register.
 
 Units may be left out where only one has the thing; hyphens and case do not matter.
 """
@@ -16,8 +16,8 @@ from ..core.registers import Field, Register
 from ..core.suggest import did_you_mean
 from ..core.time import TimeError, seconds
 from ..f28335.memory.ram import MEMORY
-from .register_maps import registers_of
-from .run import NotInRun, Run
+from .register_maps import is_status, registers_of
+from .run import Group, NotInRun, Run
 
 COARSEST = Fraction(1, 10**6)  # seconds: coarsest resolution of a shown instant; a coarser time selects no change
 
@@ -137,3 +137,29 @@ def _hint(known: list[RecordedSignal], name: str) -> str:
 
 def _folded(name: str) -> str:
     return name.casefold().replace("-", "")
+
+
+def groups_of(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
+    """Return the groups of accesses to a register, each with the named field, None for the whole register.
+
+    register: None for every status register. Raise NotInRun if the firmware never accessed what is named.
+    """
+    if register is not None:
+        return _accesses_named(run, register)
+    return [(group, None) for group in run.accesses if is_status(group.register)]
+
+
+def _accesses_named(run: Run, name: str) -> list[tuple[Group, Field | None]]:
+    wanted = _folded(name)
+    known: dict[str, list[tuple[Group, Field | None]]] = {}
+    for group in run.accesses:
+        for unit in ("", f"{group.unit}."):
+            text = f"{unit}{group.module}.{group.register.name}"
+            known.setdefault(text, []).append((group, None))
+            for f in group.register.fields:
+                known.setdefault(f"{text}.{f.name}", []).append((group, f))
+    for text, found in known.items():
+        if _folded(text) == wanted:
+            return found
+    registers = [text for text in known if text.count(".") == min(max(name.count("."), 1), 2)]
+    raise NotInRun(f"{run.name}: the firmware never accessed {name!r}; {did_you_mean(name, registers)}")

@@ -13,7 +13,7 @@ from periph_sim.core.records import Kind
 from periph_sim.f28335.i2c.descriptor import FLAGS
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.records.cause_trace import causes, firmware_causes
-from periph_sim.records.cause_trace.holders import holders, mover, wire_rows
+from periph_sim.records.cause_trace.causes import holders, mover, wire_rows
 from periph_sim.records.cause_trace.why import why
 from periph_sim.records.read_modify_write import read_modify_writes
 from tests.records.cause_trace.test_causes import (

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.records.register_choice import groups_of
 from periph_sim.records.register_maps import is_status, one_clears, register_of, registers_of
 from periph_sim.records.run import NotInRun
+from periph_sim.records.subject import groups_of
 from tests.records.scenes import by_hand
 
 

@@ -126,12 +126,11 @@ ROWS: dict[str, Row] = {
             "timing.measures.watched",
             "timing.measures.modifies",
             "timing.measures.cleared_flags",
-            "records.modify_window",
         ),
         with_budget("lost flags", max=0),
     ),
     "budgets on races": Row(
-        ("timing.measures.race", "records.lost_flags", "records.register_choice", "records.run", "traces.formats."),
+        ("timing.measures.race", "records.read_modify_write", "records.subject", "records.run", "traces.formats."),
         with_budget("race I2C-A.I2CSTR.XRDY", min=1),
     ),
     "budgets on values": Row(

@@ -16,9 +16,8 @@ from ...core.counted import counted
 from ...core.records import Kind, Record
 from ...f28335.parts.f28335 import PART
 from ...f28335.pie.register_map import LINES
-from ..run import Run
+from ..run import Rows, Run
 from .firmware_causes import INFERRED, MOST_ACCESSES, RECORDED, Link, accesses_before, causes_of_access, held_up
-from .holders import causes_of_hold, mover
 
 ROUND_A_GATE = 16  # maximum cycles between a module's request and the flag of the PIE
 
@@ -128,9 +127,7 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
 
 def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
     """Return the PIE's flag of an interrupt and the service routines that delayed it; for its end, its begin."""
-    if not record.value:
-        return _recorded(run, record)
-    if record.what not in LINES:
+    if not record.value or record.what not in LINES:
         return _recorded(run, record)
     group, line = LINES[record.what]
     asked = run.rows(Kind.FLAG, f"{record.where}.PIE", f"PIEIFR{group}.INTx{line}")
@@ -147,3 +144,59 @@ def _of_party(run: Run, row: int, record: Record) -> list[Link]:
     rows = np.sort(np.concatenate([run.rows(kind, party) for kind in (Kind.BUS, Kind.FRAME)]))
     found = run.last(rows, record.tick, row)
     return [] if found is None else [Link(found, INFERRED, f"what {party} did last on the wire")]
+
+
+# Parties that pull a wire low --------------------------------------------------
+#
+#     EDGE fell "controller"   HOLD "controller, dsp.SCLA"   HOLD "dsp.SCLA"   EDGE rose
+#     pulled it low first      joined in                     holds it alone
+
+
+def holders(run: Run, row: int, record: Record) -> tuple[str, ...]:
+    """Return the parties that pull the wire low after this record; for a rising edge, those that did before it."""
+    before = _before(run, row, record)
+    return _named(record.text) if not record.value else () if before is None else _named(before.text)
+
+
+def mover(run: Run, row: int, record: Record) -> str:
+    """Return the party that pulled or released the wire with this record; "" if it is not known."""
+    earlier = _before(run, row, record)
+    now, before = _named(record.text), () if earlier is None else _named(earlier.text)
+    moved = [who for who in now if who not in before] or [who for who in before if who not in now]
+    return moved[-1] if moved else ""
+
+
+def wire_rows(run: Run, wire: str) -> Rows:
+    """Return the rows of a wire in order: its edges and the changes of its holders."""
+
+    def both() -> Rows:
+        return np.sort(np.concatenate([run.rows(kind, wire) for kind in (Kind.EDGE, Kind.HOLD)]))
+
+    return run.remembered(f"edges and holders of {wire}", both)
+
+
+def causes_of_hold(run: Run, row: int, record: Record) -> list[Link]:
+    """Return a link to the record since which the present holders have held a line that others released.
+
+    Empty if a party began to hold it with this record, which then has the cause of that.
+    """
+    ours = set(_named(record.text))
+    joined = row
+    rows = wire_rows(run, record.where)
+    for earlier in rows[: np.searchsorted(rows, row)][::-1].tolist():
+        before = run.record(earlier)
+        if before.value or not ours <= set(_named(before.text)):
+            break
+        joined = earlier
+    who = " and ".join(_named(record.text))
+    return [] if joined == row else [Link(joined, RECORDED, f"since then {who} has held it")]
+
+
+def _before(run: Run, row: int, record: Record) -> Record | None:
+    rows = wire_rows(run, record.where)
+    place = int(np.searchsorted(rows, row))
+    return run.record(int(rows[place - 1])) if place else None
+
+
+def _named(text: str) -> tuple[str, ...]:
+    return tuple(text.split(", ")) if text else ()

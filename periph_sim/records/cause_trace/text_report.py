@@ -7,8 +7,7 @@ from ...core.text_table import columns, paragraph, together
 from ..record_text import happened_where, number
 from ..register_maps import register_of
 from ..run import Run
-from .causes import Step
-from .holders import holders
+from .causes import Step, holders
 from .why import AS_RESET, Answer
 
 SKIPPED = (

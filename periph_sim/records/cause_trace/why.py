@@ -14,9 +14,8 @@ import numpy as np
 from ...core.records import Kind
 from ..run import Rows, Run
 from ..subject import RecordedSignal, asked
-from .causes import Step, end_of_walk, walk_back
+from .causes import Step, end_of_walk, holders, walk_back, wire_rows
 from .firmware_causes import RECORDED
-from .holders import holders, wire_rows
 
 DEPTH = 8  # causes walked back
 EFFECTS = 5  # number of shown effects of a record

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...core.registers import Cpu
 from ...f28335.i2c.register_map import I2CCNT, I2CMDR
 from ..lint import Fault, Options, finds, held
-from ..lost_flags import pairs
+from ..read_modify_write import pairs
 from ..run import Group, Rows, Run
 
 Bools = NDArray[np.bool_]

@@ -8,7 +8,7 @@ A read-modify-write is judged when its read is too old for any other write, sinc
 flags that firmware intends to clear at a place are known at the end. A poll that no write follows is dropped, and flags
 that may have been lost are counted by place, so memory does not grow with the run.
 
-The result equals that of `records/lost_flags.py` on the recording of a whole run, at a fraction of the cost.
+The result equals that of `records/read_modify_write.py` on the recording of a whole run, at a fraction of the cost.
 """
 
 # core: compiled
@@ -22,7 +22,7 @@ from typing import final
 from ...core.records import NOWHERE, OF_MODIFIES, UNWANTED, Kind, Recorder, RecordSink, Subjects
 from ...form.c_types import Text
 from ...processor.instruction_location import statement
-from ...records.modify_window import MODIFY, OVERTAKEN
+from ...records.register_maps import MODIFY, OVERTAKEN
 from .cleared_flags import CLEARABLE, CLEARABLE_FLAGS, Cleared, ClearedRegister, Flag, Modify, Place
 from .measure import Measure
 from .measured_scene import MeasuredScene

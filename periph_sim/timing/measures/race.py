@@ -2,7 +2,7 @@
 
     records --Kept--> records.Run, when the run is over --> distances in cycles
 
-The result equals that of `periph-sim races` on a recorded run (`records/races.py`, `records/lost_flags.py`).
+The result equals that of `periph-sim races` on a recorded run (`records/races.py`, `records/read_modify_write.py`).
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...core.state import State
-from ...records.lost_flags import ReadModifyWrite, modifies_of
-from ...records.register_choice import groups_of
+from ...records.read_modify_write import ReadModifyWrite, modifies_of
 from ...records.run import NotInRun, Run
+from ...records.subject import groups_of
 from ...traces.formats.record_table import Columns, RecordTable
 from ..language.scope import scope_of_table
 from .measure import Measure

@@ -396,7 +396,7 @@ def test_the_chain_of_a_stop_goes_to_the_transfer_that_it_ended():
         steps = list(walk_back(run, fall, 3))
         rise = steps[-1].record
         assert happened(rise) == "I2C-A.I2CSTR.SCD set"
-        behind.append(run.cycles.of(steps[0].record.tick - rise.tick))
+        behind.append(run.clock().cycles(rise.tick, steps[0].record.tick))
     near = [cycles for cycles in behind if cycles < 100]
     assert len(near) == 4 and all(models < cycles < models + 100 for cycles in behind if cycles not in near)
 

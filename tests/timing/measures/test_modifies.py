@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import NO_TIME
-from periph_sim.records.lost_flags import LostFlag, modifies_of
-from periph_sim.records.register_choice import groups_of
+from periph_sim.records.read_modify_write import LostFlag, modifies_of
 from periph_sim.records.run import NotInRun, Run
+from periph_sim.records.subject import groups_of
 from periph_sim.timing.measures.cleared_flags import Cleared
 from periph_sim.timing.measures.modifies import Modifies
 from periph_sim.traces.formats.record_table import Columns

@@ -46,7 +46,7 @@ def test_a_distance_is_said_in_the_unit_that_suits_it(cycles: int, said: str):
 
 @pytest.mark.parametrize(("ticks", "cycles"), [(9, 0), (10, 0), (11, 1), (29, 1), (30, 2), (31, 2), (-11, -1)])
 def test_cycles_are_rounded_to_nearest(ticks: int, cycles: int):
-    assert by_hand().cycles.of(ticks) == cycles
+    assert by_hand().clock().cycles(0, ticks) == cycles
 
 
 def access(cycle: int) -> tuple[Any, ...]:

@@ -12,9 +12,9 @@ agents also cause without the firmware is not judged, nor is anything after it. 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from time import perf_counter
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..scene.case.model import Case
@@ -23,18 +23,16 @@ from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
 from .agents import CapturedController, Plan, agents_own, asked_once_more, first_judged, without_firmware
 from .compare import TIMING, Comparison, compare, i2c_words
-from .divergence_history import AS_SLAVE, CaptureOrigin, FlagHistory, with_history
 from .i2c_setup import PATIENCE, STEP, TAIL, Answering, answering, played
-from .picture import closed_loop_picture
+from .replay import BusReplay, Progress
 from .report import FAIL, NOT_JUDGED, Report, verdict_of
 from .scene_setup import LEAD, alone, taken, tolerance_of
-from .wire_log import WireLog
 
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 
-class I2cReplay:
+class I2cReplay(BusReplay):
     """Replay of a capture on a case.
 
     addresses: the addresses of the firmware; if empty, `answering` determines them.
@@ -62,23 +60,19 @@ class I2cReplay:
         lead: Fraction = LEAD,
         patience: Fraction = PATIENCE,
     ) -> None:
-        self._given = (case, capture, scl, sda, addresses, first, longest_low)
+        self._repeated = partial(I2cReplay, case, capture, scl, sda, addresses, first, longest_low, patience=patience)
         self._first = first
         self._patience = patience
-        self._part = part = played(capture, scl, sda, first)
+        part = played(capture, scl, sda, first)
         self._answering = found = answering(case, part, addresses, lead)
-        self._scene = scene = self._build(case, found, subscribe)
-        self.kernel = scene.kernel
-        self.timebase = scene.timebase
-        self.origin = scene.start + scene.timebase.ticks(lead, "nearest")
+        self._filled = taken(case, found.unit, found.offered)
+        scene = self._build(case, found, subscribe)
+        wires = scene.wire("SCL"), scene.wire("SDA")
+        super().__init__(scene, found.unit, lead, part, wires)
         self._tolerance = tolerance
-        self._per_position = scene.timebase.per_second / part.rate
-        self.log = WireLog(scene.wire("SCL"), scene.wire("SDA"))
         low = None if longest_low is None else longest_low * part.rate
         self._agents = Plan(part, found.own, scene.timebase, self.origin, low, self._least_gap())
-        self._controller = CapturedController(
-            self._agents, scene.kernel, scene.wire("SCL"), scene.wire("SDA"), self._plan_end
-        )
+        self._controller = CapturedController(self._agents, scene.kernel, *wires, self._plan_end)
         self._player = self._controller.player
         self._over = False
         others = ", ".join(f"{address:02X}" for address in sorted(part.answers_of_others(found.own)))
@@ -94,16 +88,8 @@ class I2cReplay:
 
     # Running ------------------------------------------------------------------------
 
-    def run(self, progress: Callable[[float], None] | None = None) -> Report:
-        """Play the capture and compare."""
-        wall = perf_counter()
-        stuck = self._drive(progress)
-        wall = perf_counter() - wall
-        return self._report(wall, [stuck] if stuck else [])
-
-    def _drive(self, progress: Callable[[float], None] | None = None, until: int | None = None) -> str:
-        """Play the capture to its end, or up to tick `until`. Return the reason why it cannot continue, or ""."""
-        kernel, timebase = self.kernel, self._scene.timebase
+    def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
+        kernel, timebase = self.kernel, self.timebase
         patience = timebase.ticks(self._patience, "nearest")
         step = timebase.ticks(STEP, "nearest")
         self._controller.go_on()
@@ -125,72 +111,39 @@ class I2cReplay:
         self.kernel.call_at(self._last_tick(), self._end)
 
     def _last_tick(self) -> int:
-        return self.kernel.now + self._scene.timebase.ticks(TAIL, "nearest")
+        return self.kernel.now + self.timebase.ticks(TAIL, "nearest")
 
     def _end(self) -> None:
         self._over = True
         self.kernel.stop()
 
-    def _again(self, history: FlagHistory, until: int) -> None:
-        again = I2cReplay(*self._given, subscribe=history.subscribe, patience=self._patience)
-        history.watch(again._scene)
-        again._drive(until=until)
-
     # Summing up ---------------------------------------------------------------------
 
-    def _report(self, wall: float, stuck: list[str]) -> Report:
-        scene, kernel, part, own = self._scene, self.kernel, self._part, self._answering
-        self._result = result = scene.run(Fraction(0))
-        replayed = self.log.capture(scene.timebase, kernel.now)
-        events = decode.events(replayed, "SCL", "SDA")
-        tolerance = tolerance_of(self._tolerance, part.sample_rate, scene)
-        self._replayed = replayed
-        expected = i2c_words(part.expected, part.rate)
-        found = i2c_words(events, Fraction(scene.timebase.per_second), self.origin)
-        self._compared = expected, found
-        outcome = self._with_agents(compare(expected, found, tolerance), tolerance)
+    def _report(self, stuck: list[str]) -> Report:
+        part, own, now = self._part, self._answering, self.kernel.now
+        self._replayed = self.log.capture(self.timebase, now)
+        events = decode.events(self._replayed, "SCL", "SDA")
+        tolerance = tolerance_of(self._tolerance, part.sample_rate, self._scene)
+        found = i2c_words(events, Fraction(self.timebase.per_second), self.origin)
+        self._compared = i2c_words(part.expected, part.rate), found
+        outcome = self._with_agents(compare(*self._compared, tolerance), tolerance)
         verdict = verdict_of(bool(stuck) or self._fails(outcome), bool(own.asked))
         unjudged = own.unjudged
         if verdict == FAIL and not stuck and self._agents_parted:
             verdict, unjudged = NOT_JUDGED, self._agents_parted
-        byte = int(9 * (part.low + part.high) * self._per_position)
-        place = CaptureOrigin(scene, self.origin, byte)
-        us = Fraction(1_000_000, scene.timebase.per_second)
-        held = self._player.held(kernel.now)
-        return Report(
-            case=scene.case.name,
-            capture=str(part.capture.path),
-            kind="i2c",
+        us = Fraction(1_000_000, self.timebase.per_second)
+        held = self._player.held(now)
+        return self._bus_summary(
+            outcome,
+            events,
+            own.own,
+            tolerance,
+            stuck + part.notes,
             verdict=verdict,
-            events=len(part.expected),
-            agreed=outcome.agreed,
-            captured_events=part.captured_events,
-            transfers=len(part.transfers),
-            captured_transfers=len(part.whole),
-            filled=taken(self._given[0], own.unit, own.offered),
             unjudged=unjudged,
-            first_divergence=outcome.divergence,
-            divergences=with_history(outcome.ranked, place, self._answering.unit, AS_SLAVE, self._again),
-            tolerance_us=float(tolerance * 1_000_000),
-            bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),
-            addresses=[f"{address:02X}" for address in own.own],
-            nacks=sum(isinstance(event, decode.Nack) for event in events),
-            captured_stretch_us=float(part.stretch / part.rate * 1_000_000),
+            transfers=len(part.transfers),
             stretch_worst_us=float(max(self._player.longest, held) * us),
             stretch_total_us=float((self._player.delay + held) * us),
-            lag_worst_us=float(outcome.lag * 1_000_000),
-            lag_samples=float(outcome.lag * part.sample_rate),
-            simulated_s=float(scene.timebase.seconds(kernel.now - scene.start)),
-            wall_s=round(wall, 6),
-            kernel_events=kernel.events,
-            unknowns=result.unknowns,
-            notes=stuck + part.notes + result.notes,
-        )
-
-    def picture(self, report: Report) -> str | None:
-        """Return the first divergence of a run as SVG text; None without any."""
-        return closed_loop_picture(
-            report, self._part.capture, self._given[2:4], self._part, self._replayed, self.origin, self._compared
         )
 
     def _with_agents(self, outcome: Comparison, tolerance: Fraction) -> Comparison:

@@ -15,10 +15,10 @@ An edge of SDA that shares a sample with an edge of SCL is moved half a sample i
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from time import perf_counter
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,17 +34,13 @@ from ..scene.scene import Scene
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c as decode
 from .compare import TIMING, Divergence, compare, i2c_words
-from .divergence_history import AS_SLAVE, CaptureOrigin, FlagHistory, with_history
-from .i2c_setup import TAIL, Played, answering, played
-from .picture import LINES, Side, divergence_picture, last_agreed, title_of
+from .i2c_setup import TAIL, Played, answering, events_of, played
+from .replay import BusReplay, Progress
 from .report import Report, verdict_of
 from .scene_setup import LEAD, alone, taken, tolerance_of
-from .wire_log import WireLog
 
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
-
-STEPS = 100  # number of reports of progress
 
 Position = int | Fraction  # a position in a capture; a Fraction if an edge was moved by half a sample
 
@@ -71,8 +67,11 @@ class _Held:
     bit: str
 
 
-class I2cOpenReplay:
+class I2cOpenReplay(BusReplay):
     """A replay like `I2cReplay`, except that the played controller does not wait for the chip."""
+
+    LOOP = "open"
+    NAME = "chip would drive"
 
     def __init__(
         self,
@@ -85,49 +84,30 @@ class I2cOpenReplay:
         subscribe: Subscribe | None = None,
         tolerance: Fraction | None = None,
     ) -> None:
-        self._given = (case, capture, scl, sda, addresses, first)
-        self._part = part = played(capture, scl, sda, first)
+        self._repeated = partial(I2cOpenReplay, case, capture, scl, sda, addresses, first)
+        part = played(capture, scl, sda, first)
         self._answering = found = answering(case, part, addresses)
-        self._scene = scene = OpenScene(alone(case, found.unit, "controller", found.forced, found.offered), subscribe)
-        self.kernel = scene.kernel
-        self.origin = scene.start + scene.timebase.ticks(LEAD, "nearest")
-        self._first = first
+        self._filled = taken(case, found.unit, found.offered)
+        scene = OpenScene(alone(case, found.unit, "controller", found.forced, found.offered), subscribe)
+        wires = scene.wire("SCL"), scene.wire("SDA")
+        back = [wire.back for wire in wires if isinstance(wire, OneWayWire)]
+        super().__init__(scene, found.unit, LEAD, part, back)
         self._tolerance = tolerance
-        self._per_position = scene.timebase.per_second / part.rate
-        back = [wire.back for wire in (scene.wire("SCL"), scene.wire("SDA")) if isinstance(wire, OneWayWire)]
-        self.log = WireLog(*back)
-        self._end = self._last_position()
-        lines = capture.channel(scl), capture.channel(sda)
-        for name, line, edges in zip(("SCL", "SDA"), lines, _edges(*lines, part.half_sample, self._end), strict=True):
+        stop = part.transfers[-1].stop
+        end = capture.length if first is None or stop is None else stop.at
+        self._end_tick = self._tick(end) + self.timebase.ticks(TAIL, "nearest")
+        for wire, line, edges in zip(wires, part.lines, _edges(*part.lines, part.half_sample, end), strict=True):
             ticks = [(self._tick(at), level) for at, level in edges]
             if not line.initial:  # the line falls before the firmware enables the module, so that it sees no START
                 ticks.insert(0, (scene.start, 0))
-            EdgePlayer(scene.kernel, scene.wire(name), ticks)
+            EdgePlayer(scene.kernel, wire, ticks)
 
-    def _last_position(self) -> int:
-        """Return the position at which the played part ends."""
-        last = self._part.transfers[-1]
-        return self._part.capture.length if self._first is None or last.stop is None else last.stop.at
-
-    # Running ------------------------------------------------------------------------
-
-    def run(self, progress: Callable[[float], None] | None = None) -> Report:
-        """Play the capture and compare."""
-        wall = perf_counter()
-        begin, end = self.kernel.now, self._end_tick()
-        for step in range(1, STEPS + 1):
-            self.kernel.run_until(begin + (end - begin) * step // STEPS)
-            if progress is not None:
-                progress(step / STEPS)
-        return self._report(perf_counter() - wall)
-
-    def _end_tick(self) -> int:
-        return self.origin + int(self._end * self._per_position) + self._scene.timebase.ticks(TAIL, "nearest")
-
-    def _again(self, history: FlagHistory, until: int) -> None:
-        replay = I2cOpenReplay(*self._given, subscribe=history.subscribe)
-        history.watch(replay._scene)
-        replay.kernel.run_until(min(until + 1, replay._end_tick()))
+    def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
+        if until is None:
+            self._play(self._end_tick, progress)
+        else:
+            self.kernel.run_until(min(until + 1, self._end_tick))
+        return ""
 
     # The chip's own outputs ----------------------------------------------------
 
@@ -194,7 +174,7 @@ class I2cOpenReplay:
         if pull < len(falls) and falls[pull] < rise:
             let_go = bisect_left(rises, falls[pull])
             over = rises[let_go] if let_go < len(rises) else self.kernel.now
-        per_second = self._scene.timebase.per_second
+        per_second = self.timebase.per_second
         return _Held(
             Fraction(bit.at) / self._part.rate,
             Fraction(bit.low) / self._part.rate,
@@ -205,68 +185,35 @@ class I2cOpenReplay:
 
     # Summing up ---------------------------------------------------------------------
 
-    def _report(self, wall: float) -> Report:
-        scene, kernel, part, own = self._scene, self.kernel, self._part, self._answering
-        result = scene.run(Fraction(0))
-        driven = self.log.capture(scene.timebase, kernel.now)
-        self._driven = driven
+    def _report(self, stuck: list[str]) -> Report:
+        part, own = self._part, self._answering
+        self._replayed = driven = self.log.capture(self.timebase, self.kernel.now)
         self._transfers = self._would_be(driven.channel("SDA"))
-        events = [event for transfer in self._transfers for event in decode.events_of(transfer)]
-        tolerance = tolerance_of(self._tolerance, part.sample_rate, scene)
+        events = events_of(self._transfers)
+        tolerance = tolerance_of(self._tolerance, part.sample_rate, self._scene)
         self._compared = i2c_words(part.expected, part.rate), i2c_words(events, part.rate)
         outcome = compare(*self._compared)
         held = self._holds(driven.channel("SCL"))
         late = [one for one in held if one.late > tolerance]
         first_late = tuple(self._late(one, part) for one in late[:1])
         ranked = tuple(sorted(outcome.ranked + first_late, key=lambda divergence: divergence.index))
-        byte = int(9 * (part.low + part.high) * self._per_position)
         us = 1_000_000
-        return Report(
-            case=scene.case.name,
-            capture=str(part.capture.path),
-            kind="i2c",
-            loop="open",
+        return self._bus_summary(
+            replace(outcome, ranked=ranked),
+            events,
+            own.own,
+            tolerance,
+            part.notes + self._pauses(held, late),
             verdict=verdict_of(bool(ranked), bool(own.asked)),
-            events=len(part.expected),
-            agreed=outcome.agreed,
-            captured_events=part.captured_events,
-            transfers=len(part.transfers),
-            captured_transfers=len(part.whole),
-            filled=taken(self._given[0], own.unit, own.offered),
             unjudged=own.unjudged,
-            first_divergence=outcome.divergence,
-            divergences=with_history(
-                ranked, CaptureOrigin(scene, self.origin, byte), self._answering.unit, AS_SLAVE, self._again
-            ),
-            tolerance_us=float(tolerance * us),
-            bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),
-            addresses=[f"{address:02X}" for address in own.own],
-            nacks=sum(isinstance(event, decode.Nack) for event in events),
-            captured_stretch_us=float(part.stretch / part.rate * 1_000_000),
+            transfers=len(part.transfers),
             stretch_worst_us=float(max((one.needed for one in held), default=Fraction(0)) * us),
             stretch_total_us=float(sum((one.needed for one in held), Fraction(0)) * us),
             late_worst_us=float(max((one.late for one in held), default=Fraction(0)) * us),
-            simulated_s=float(scene.timebase.seconds(kernel.now - scene.start)),
-            wall_s=round(wall, 6),
-            kernel_events=kernel.events,
-            unknowns=result.unknowns,
-            notes=part.notes + self._pauses(held, late) + result.notes,
         )
 
-    def picture(self, report: Report) -> str | None:
-        """Return the first divergence of a run as SVG text; None without any."""
-        if not report.divergences:
-            return None
-        divergence, part = report.divergences[0], self._part
-        was, came = last_agreed(divergence, *self._compared)
-        lines = tuple(
-            (name, part.capture.channel(channel)) for name, channel in zip(LINES, self._given[2:4], strict=True)
-        )
-        captured = Side("capture", lines, part.rate, 0, part.transfers, was)
-        wires = tuple((name, self._driven.channel(name)) for name in LINES)
-        per_second = Fraction(self._scene.timebase.per_second)
-        side = Side("chip would drive", wires, per_second, self.origin, self._transfers, came, (part.rate, 0))
-        return divergence_picture(divergence, title_of(report, divergence), captured, side, part.bit)
+    def _replayed_transfers(self) -> tuple[list[decode.Transfer], tuple[Fraction, int]]:
+        return self._transfers, (self._part.rate, 0)
 
     def _late(self, held: _Held, part: Played) -> Divergence:
         """Return the first answer that was not ready as a divergence in time."""

@@ -15,7 +15,7 @@ from statistics import median
 from ..bus.i2c.scripted_target import Answer
 from ..core.counted import counted
 from ..scene.case.model import Case
-from ..traces.capture.capture import Capture, gap_notes
+from ..traces.capture.capture import Capture, Channel, gap_notes
 from ..traces.capture.sampling import sample_step, stamp_notes
 from ..traces.decode import i2c as decode
 from ..traces.decode.scl_times import impossible_rate
@@ -35,6 +35,7 @@ HOLD = Fraction(300, 10**9)  # data hold time of the targets that agents play: U
 class Played:
     """The part of a capture that a replay plays.
 
+    lines: SCL and SDA.
     rate: the number of positions of the capture in a second.
     whole: all transfers of the capture.
     transfers: the transfers that are played.
@@ -43,6 +44,7 @@ class Played:
     """
 
     capture: Capture
+    lines: tuple[Channel, Channel]
     rate: Fraction
     whole: list[decode.Transfer]
     transfers: list[decode.Transfer]
@@ -136,8 +138,9 @@ def played(capture: Capture, scl: str | int, sda: str | int, first: int | None =
     last = wanted[-1]
     check_length(capture, capture.length if last.stop is None else last.stop.at)
     notes = _before(found) + _cut(last) + _shared(capture, scl, sda) + stamp_notes(capture)
-    notes += gap_notes(capture, capture.channel(scl), capture.channel(sda))
-    return Played(capture, rate, whole, wanted, list(turns(wanted)), notes)
+    lines = capture.channel(scl), capture.channel(sda)
+    notes += gap_notes(capture, *lines)
+    return Played(capture, lines, rate, whole, wanted, list(turns(wanted)), notes)
 
 
 def events_of(transfers: Sequence[decode.Transfer]) -> list[decode.Event]:

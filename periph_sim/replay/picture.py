@@ -15,19 +15,16 @@ from fractions import Fraction
 from pathlib import Path
 
 from ..records.register_maps import reads_take, yields_data
-from ..traces.capture.capture import Capture, Channel
+from ..traces.capture.capture import Channel
 from ..traces.decode import i2c
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
 from .compare import Change, Divergence, Happened
-from .i2c_setup import Played
 from .report import Report
 
 BEFORE, AFTER = 22, 13  # bits shown around the divergence
 ALWAYS = ("AAS", "SDIR", "RRDY", "XRDY", "XSMT", "SCD", "NACK", "BB", "RXFFST", "RXRDY")  # flag lanes, in this order
 MOST_FLAGS = 9
 LINES = ("SCL", "SDA")
-
-Compared = tuple[Sequence[Happened], Sequence[Happened]]
 
 
 @dataclass(frozen=True)
@@ -92,31 +89,6 @@ def divergence_picture(divergence: Divergence, title: str, captured: Side, repla
     if began or not aligned:
         axis = f"0 is {captured.agreed:.6f} s of the capture"
     return timing_diagram(lanes, window, marks, title, axis)
-
-
-def closed_loop_picture(
-    report: Report,
-    capture: Capture,
-    channels: Sequence[str | int],
-    part: Played,
-    replayed: Capture,
-    origin: int,
-    compared: Compared,
-) -> str | None:
-    """Return the first divergence of a report with its own replayed wires as SVG text; None without any.
-
-    channels: the channels of SCL and SDA in the capture. origin: the tick of the capture's time 0 in the replay.
-    """
-    if not report.divergences:
-        return None
-    divergence = report.divergences[0]
-    was, came = last_agreed(divergence, *compared)
-    lines = tuple((name, capture.channel(channel)) for name, channel in zip(LINES, channels, strict=True))
-    captured = Side("capture", lines, part.rate, 0, part.transfers, was)
-    assert replayed.rate is not None
-    wires = tuple((name, replayed.channel(name)) for name in LINES)
-    side = Side("replay", wires, replayed.rate, origin, i2c.transfers(replayed, *LINES), came)
-    return divergence_picture(divergence, title_of(report, divergence), captured, side, part.bit)
 
 
 def title_of(report: Report, divergence: Divergence) -> str:

@@ -20,7 +20,6 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING
 
-from ..bus.edge_player import EdgePlayer
 from ..bus.i2c.event_recorder import WHO
 from ..bus.i2c.transfer import Transfer
 from ..core.records import Kind
@@ -30,16 +29,15 @@ from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
 from ..timing.budgets import BudgetJudge
 from ..timing.verdict import Verdict
-from ..traces.capture.capture import Capture, gap_notes
+from ..traces.capture.capture import Capture
 from ..traces.decode import uart
-from . import BadReplay
-from .divergence_history import FlagHistory
 from .i2c_closed_loop import I2cReplay
 from .i2c_setup import PATIENCE, TAIL, Answering
 from .line_errors import line_errors
+from .replay import Progress
 from .report import FAIL, NOT_JUDGED, PASS, Report
 from .scene_setup import LEAD, alone, check_length, rate_of, unit_with
-from .uart import LineFormat, ticks_of
+from .uart import line_events, play_line
 
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
@@ -87,6 +85,8 @@ class SessionReplay(I2cReplay):
     The other arguments are those of `I2cReplay`.
     """
 
+    KIND = "session"
+
     def __init__(
         self,
         case: Case,
@@ -96,7 +96,7 @@ class SessionReplay(I2cReplay):
         serial: Capture,
         rx: str | int,
         offset: Fraction = Fraction(0),
-        wanted: LineFormat | None = None,
+        wanted: uart.Line | None = None,
         addresses: Sequence[int] = (),
         first: int | None = None,
         longest_low: Fraction | None = None,
@@ -106,18 +106,16 @@ class SessionReplay(I2cReplay):
     ) -> None:
         self._serial_rate = rate_of(serial)
         check_length(serial, serial.length)
-        self._session = (serial, rx, offset, wanted)
         self._wanted = wanted
-        self._serial, self._rx = serial, rx
-        self._serial_line = serial.channel(rx)
+        self._serial, self._rx = serial, serial.channel(rx).index
         self._serial_doubt = ""
         lead = LEAD + max(Fraction(0), -offset)
         super().__init__(case, capture, scl, sda, addresses, first, longest_low, subscribe, tolerance, lead, patience)
+        given = (case, capture, scl, sda, serial, rx, offset, wanted, addresses, first, longest_low)
+        self._repeated = partial(SessionReplay, *given, patience=patience)
         scene = self._session_scene
         self._serial_origin = self.origin + scene.timebase.ticks(abs(offset), "nearest") * (1 if offset >= 0 else -1)
-        edges, note = ticks_of(self._serial_line, self._serial_origin, scene.timebase.per_second / self._serial_rate)
-        self._part.notes += note + gap_notes(serial, self._serial_line)
-        EdgePlayer(scene.kernel, scene.wire("RX"), edges)
+        self._part.notes += play_line(scene, serial, self._rx, self._serial_origin)
         scene.bus.before.append(self._expect)
         self._whole = iter([transfer for transfer in self._part.transfers if transfer.stop is not None])
         scene.kernel.call_at(self._serial_origin, self._plan_frames)
@@ -150,16 +148,12 @@ class SessionReplay(I2cReplay):
         """Decode RX in the SCI's present format, and report each frame at the end of its last stop bit."""
         scene = self._session_scene
         dsp = scene.units[self._answering.unit]
-        line = line_of(dsp) if self._wanted is None else self._wanted.line()
-        try:
-            words = uart.events(self._serial, self._rx, line)
-        except ValueError as error:
-            raise BadReplay(str(error)) from None
+        line = line_of(dsp) if self._wanted is None else self._wanted
+        words = line_events(self._serial, self._rx, line)
         self._serial_doubt = line_errors(self._serial, self._rx, line, words).doubt
         frames = [word for word in words if isinstance(word, uart.Frame)]
         per_position = scene.timebase.per_second / self._serial_rate
-        bits = 1 + line.bits + (line.parity != "none") + line.stop
-        character = bits * scene.timebase.per_second / Fraction(line.baud)
+        character = line.frame * scene.timebase.per_second / Fraction(line.baud)
         kind, pause = host_frames(), (1 + PAUSE) * character / per_position
         for number, burst in enumerate(_bursts(frames, pause, kind.FRAME_BYTES)):
             data = bytes(word.value for word in burst)
@@ -182,35 +176,17 @@ class SessionReplay(I2cReplay):
         serial = self._serial_origin + int(self._serial.length * self._scene.timebase.per_second / self._serial_rate)
         return max(soon, serial, self.origin + int(self._part.capture.length * self._per_position))
 
-    def _again(self, history: FlagHistory, until: int) -> None:
-        case, capture, scl, sda, addresses, first, longest_low = self._given
-        serial, rx, offset, wanted = self._session
-        again = SessionReplay(
-            case,
-            capture,
-            scl,
-            sda,
-            serial,
-            rx,
-            offset,
-            wanted,
-            addresses,
-            first,
-            longest_low,
-            history.subscribe,
-            patience=self._patience,
-        )
-        history.watch(again._scene)
-        again._drive(until=until)
-
-    def _report(self, wall: float, stuck: list[str]) -> Report:
+    def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
+        stuck = super()._drive(progress, until)
         if stuck:
             self._session_scene.record_stuck()
-        report = super()._report(wall, stuck)
+        return stuck
+
+    def _report(self, stuck: list[str]) -> Report:
+        report = super()._report(stuck)
         out = () if self._session_scene.rounds else OF_ROUNDS
         judged = [self._since_capture(v) for v in self._result.budgets if v.measure not in out]
         left_out = [verdict for verdict in self._result.budgets if verdict.measure in out]
-        report.kind = "session"
         report.budgets = judged
         report.notes = [
             *report.notes,

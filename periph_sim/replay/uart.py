@@ -11,10 +11,9 @@ the line is decoded in the format that the firmware has set for the SCI.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 from fractions import Fraction
-from time import perf_counter
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..bus.edge_player import EdgePlayer
@@ -26,14 +25,15 @@ from ..processor.dsp import Dsp
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
-from ..traces.capture.capture import Capture, Channel, gap_notes
+from ..traces.capture.capture import Capture, gap_notes
 from ..traces.decode import uart as decode
 from . import BadReplay
 from .ambiguous import Word, settled
-from .compare import NOTHING, Divergence, Happened, compare
-from .divergence_history import AS_RECEIVER, CaptureOrigin, FlagHistory, with_history
+from .compare import NOTHING, Happened, compare
+from .divergence_history import AS_RECEIVER
 from .line_errors import line_errors
 from .picture import Side, divergence_picture, title_of
+from .replay import Progress, Replay
 from .report import Report, verdict_of
 from .scene_setup import LEAD, alone, check_length, rate_of, settings_of, unit_with
 
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
 
 
 TAKEN = Fraction(100, 10**6)  # seconds in which the firmware can read the last word
-STEPS = 100  # number of reports of progress
 TOLERANCE = Fraction(2, 100)  # largest difference in rate at which two UARTs agree on every bit of a long frame
 
 SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCIRXBUF", "SCIFFRX"))
@@ -50,45 +49,47 @@ FLAGS = {"SCIRXST.BRKDT": "BRKDT", "SCIRXST.OE": "OE", "SCIFFRX.RXFFOVF": "RXFFO
 PARITIES = {"n": "none", "o": "odd", "e": "even"}
 
 
-@dataclass(frozen=True)
-class LineFormat:
-    """The format of a line as given by the user: 115200 baud, 8n1."""
-
-    baud: int
-    bits: int = 8
-    parity: str = "none"
-    stop: int = 1
-
-    def settings(self) -> dict[str, object]:
-        return {"baud": self.baud, "bits": self.bits, "parity": self.parity, "stop": self.stop}
-
-    def line(self) -> decode.Line:
-        return decode.Line(self.baud, self.bits, self.parity, self.stop)
-
-
-def line_format(baud: int, text: str = "8n1") -> LineFormat:
+def line_format(baud: int, text: str = "8n1") -> decode.Line:
     """Parse a format such as "8n1" or "7e2". BadReplay if the SCI does not support it."""
     match = re.fullmatch(r"([1-8])([noe])([12])", text.strip().lower())
     if match is None:
         raise BadReplay(f"{text!r} is no line format; expected data bits 1 to 8, n, o or e, and 1 or 2 stop bits: 8n1")
     if baud < 1:
         raise BadReplay(f"{baud} baud; expected 1 or more")
-    return LineFormat(baud, int(match[1]), PARITIES[match[2]], int(match[3]))
+    return decode.Line(baud, int(match[1]), PARITIES[match[2]], int(match[3]))
 
 
-def ticks_of(line: Channel, origin: int, per_position: Fraction) -> tuple[list[tuple[int, int]], list[str]]:
-    """Return a line's edges as (tick, level), and notes on omitted ones."""
+def line_settings(line: decode.Line) -> dict[str, object]:
+    """Return the settings of firmware for a line."""
+    return {"baud": line.baud, "bits": line.bits, "parity": line.parity, "stop": line.stop}
+
+
+def play_line(scene: Scene, capture: Capture, channel: str | int, origin: int) -> list[str]:
+    """Play a capture's line on RX, from tick `origin` on. Return notes on parts that are not played."""
+    line = capture.channel(channel)
+    per_position = scene.timebase.per_second / rate_of(capture)
     edges = [
         (origin + int(at * per_position), level)
         for at, level in zip(line.edges.tolist(), line.levels.tolist(), strict=True)
     ]
-    if line.initial:
-        return edges, []
-    # The line is in a frame or break that began before the capture; the decoder, too, waits for the next falling edge.
-    return edges[1:], ["the capture begins with the line low; the line is kept idle until it has risen"]
+    notes = []
+    if not line.initial:
+        # The line is in a frame or break that began before the capture; the decoder also waits for a falling edge.
+        edges = edges[1:]
+        notes.append("the capture begins with the line low; the line is kept idle until it has risen")
+    EdgePlayer(scene.kernel, scene.wire("RX"), edges)
+    return notes + gap_notes(capture, line)
 
 
-class UartReplay:
+def line_events(capture: Capture, channel: str | int, line: decode.Line) -> list[decode.Event]:
+    """Decode a channel. BadReplay if the capture is too coarse for the line."""
+    try:
+        return decode.events(capture, channel, line)
+    except ValueError as error:
+        raise BadReplay(str(error)) from None
+
+
+class UartReplay(Replay):
     """Replay of a capture's channel on a case. wanted: the line's format; None: as the firmware sets the SCI.
 
     lead: seconds from the start of the firmware to the begin of the capture. It determines at which phases of the line
@@ -96,40 +97,34 @@ class UartReplay:
     BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
 
+    KIND, LOOP = "uart", "open"
+    SIDE = AS_RECEIVER
+
     def __init__(
         self,
         case: Case,
         capture: Capture,
         channel: str | int,
-        wanted: LineFormat | None = None,
+        wanted: decode.Line | None = None,
         subscribe: Subscribe | None = None,
         lead: Fraction = LEAD,
     ) -> None:
-        rate = rate_of(capture)
+        self._rate = rate_of(capture)
         check_length(capture, capture.length)
-        self._given = (case, capture, channel, wanted)
-        self._lead = lead
+        self._repeated = partial(UartReplay, case, capture, channel, wanted, lead=lead)
         self._capture = capture
-        self._rate = rate
-        self._channel = channel
+        self._channel = capture.channel(channel)
         self._wanted = wanted
         self._words: list[tuple[int, int]] = []  # tick, SCIRXBUF
         self.errors = {"FE": 0, "PE": 0, **dict.fromkeys(FLAGS.values(), 0)}
         self._subscribe = subscribe
-        line = capture.channel(channel)
         self._unit = unit = unit_with(case, "SCI-A")
         forced: dict[str, object] = {}
         if wanted is not None:
             known = settings_of(case, unit)
-            forced = {name: value for name, value in wanted.settings().items() if name in known}
-        self._scene = scene = Scene(alone(case, unit, "host", forced, {}), self._listen)
-        self.kernel = scene.kernel
-        self._origin = scene.start + scene.timebase.ticks(lead, "nearest")
-        per_position = scene.timebase.per_second / rate
-        edges, self._notes = ticks_of(line, self._origin, per_position)
-        self._notes += gap_notes(capture, line)
-        self._end = self._origin + int(capture.length * per_position)
-        EdgePlayer(scene.kernel, scene.wire("RX"), edges)
+            forced = {name: value for name, value in line_settings(wanted).items() if name in known}
+        super().__init__(Scene(alone(case, unit, "host", forced, {}), self._listen), unit, lead)
+        self._notes = play_line(self._scene, capture, channel, self.origin)
 
     @property
     def dsp(self) -> Dsp:
@@ -153,42 +148,30 @@ class UartReplay:
 
     # Running ------------------------------------------------------------------------
 
-    def run(self, progress: Callable[[float], None] | None = None) -> Report:
-        """Play the capture and compare."""
-        scene = self._scene
-        kernel, timebase = scene.kernel, scene.timebase
-        wall = perf_counter()
-        kernel.run_until(self._origin)
-        line = self._line()
-        try:
-            events = decode.events(self._capture, self._channel, line)
-        except ValueError as error:
-            raise BadReplay(str(error)) from None
-        end = self._end
-        if not any(isinstance(event, decode.CutFrame) for event in events[-2:]):
-            end += timebase.ticks(1 / Fraction(line.baud) + TAKEN, "up")
-        began = kernel.now
-        for step in range(1, STEPS + 1):
-            kernel.run_until(began + (end - began) * step // STEPS)
-            if progress is not None:
-                progress(step / STEPS)
-        return self._report(line, events, perf_counter() - wall)
+    def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
+        if until is not None:
+            self.kernel.run_until(until + 1)
+            return ""
+        self.kernel.run_until(self.origin)
+        self._line = line = self._line_to_read()
+        self._events = line_events(self._capture, self._channel.index, line)
+        end = self.origin + int(self._capture.length * self.timebase.per_second / self._rate)
+        if not any(isinstance(event, decode.CutFrame) for event in self._events[-2:]):
+            end += self.timebase.ticks(1 / Fraction(line.baud) + TAKEN, "up")
+        self._play(end, progress)
+        return ""
 
-    def _line(self) -> decode.Line:
+    def _line_to_read(self) -> decode.Line:
         """Return the format in which to read the capture: the wanted format, or else the SCI's present format."""
         line = line_of(self.dsp)
         self._baud = Fraction(line.baud)
-        if self._wanted is not None:
-            return self._wanted.line()
-        return line
+        return line if self._wanted is None else self._wanted
 
-    def _report(self, line: decode.Line, events: list[decode.Event], wall: float) -> Report:
-        scene = self._scene
+    def _report(self, stuck: list[str]) -> Report:
+        line, events = self._line, self._events
         frames = [event for event in events if isinstance(event, decode.Frame)]
         breaks = [event for event in events if isinstance(event, decode.Break)]
-        result = scene.run(Fraction(0))
-        self._bit = 1 / float(line.baud)
-        errors = line_errors(self._capture, self._channel, line, events)
+        errors = line_errors(self._capture, self._channel.index, line, events)
         judged = settled(events, line, self._rate, self._received())
         outcome = compare(judged.expected, judged.found)
         divergence = outcome.divergence
@@ -215,27 +198,18 @@ class UartReplay:
         unjudged = errors.doubt if frames else "there is no frame on the line, so nothing was required of the firmware"
         if unjudged and divergence is not None:
             notes.insert(0, unjudged)
-        return Report(
-            case=scene.case.name,
-            capture=str(self._capture.path),
-            kind="uart",
-            loop="open",
+        return self._summary(
+            self._capture.path,
+            replace(outcome, divergence=divergence, ranked=ranked),
+            self.timebase.ticks(12 / Fraction(line.baud), "up"),
+            notes,
             verdict=verdict_of(divergence is not None, not unjudged, len(judged.ambiguous)),
             events=len(frames),
-            agreed=outcome.agreed,
             ambiguous=len(judged.ambiguous),
             captured_errors=errors.wrong,
             unjudged=unjudged,
-            first_divergence=divergence,
-            divergences=self._with_history(ranked, line),
             bytes=len(self._words),
             errors=self.errors,
-            lag_worst_us=float(outcome.lag * 1_000_000),
-            simulated_s=float(scene.timebase.seconds(scene.kernel.now - scene.start)),
-            wall_s=round(wall, 6),
-            kernel_events=scene.kernel.events,
-            unknowns=result.unknowns,
-            notes=notes + result.notes,
         )
 
     def picture(self, report: Report) -> str | None:
@@ -244,20 +218,9 @@ class UartReplay:
             return None
         divergence = report.divergences[0]
         agreed = divergence.capture_s or 0.0
-        line = ("RX", self._capture.channel(self._channel))
-        captured = Side("capture", (line,), self._rate, 0, (), agreed)
+        captured = Side("capture", (("RX", self._channel),), self._rate, 0, (), agreed)
         side = Side("SCI-A", (), self._rate, 0, (), agreed)
-        return divergence_picture(divergence, title_of(report, divergence), captured, side, self._bit)
-
-    def _with_history(self, ranked: tuple[Divergence, ...], line: decode.Line) -> list[Divergence]:
-        scene = self._scene
-        frame = scene.timebase.ticks(12 / Fraction(line.baud), "up")
-        return with_history(ranked, CaptureOrigin(scene, self._origin, frame), self._unit, AS_RECEIVER, self._again)
-
-    def _again(self, history: FlagHistory, until: int) -> None:
-        again = UartReplay(*self._given, subscribe=history.subscribe, lead=self._lead)
-        history.watch(again._scene)
-        again.kernel.run_until(until + 1)
+        return divergence_picture(divergence, title_of(report, divergence), captured, side, 1 / float(self._line.baud))
 
     def received(self) -> list[Happened]:
         """Return the words read from SCIRXBUF so far as events."""
@@ -271,7 +234,7 @@ class UartReplay:
                 rxdt.extract(word),
                 bool(sciffe.extract(word)),
                 bool(sciffpe.extract(word)),
-                self._scene.timebase.seconds(tick - self._origin),
+                self.timebase.seconds(tick - self.origin),
             )
             for tick, word in self._words
         ]
@@ -288,7 +251,7 @@ class UartReplay:
 
     def _left(self) -> int:
         """Return the number of words in the receive FIFO."""
-        cycle = self.dsp.clock.cycle_at(self._scene.kernel.now)
+        cycle = self.dsp.clock.cycle_at(self.kernel.now)
         return SCIFFRX["RXFFST"].extract(self.dsp.socket("SCI-A").peek(cycle, SCIFFRX.offset))
 
     def _rate_notes(self, line: decode.Line) -> list[str]:

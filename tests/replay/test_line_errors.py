@@ -11,10 +11,11 @@ import pytest
 from periph_sim.replay import BadReplay
 from periph_sim.replay.report import Report, headline
 from periph_sim.replay.session import SessionReplay
-from periph_sim.replay.uart import LineFormat, UartReplay, line_format
+from periph_sim.replay.uart import UartReplay, line_format, line_settings
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Span
+from periph_sim.traces.decode.uart import Line
 from periph_sim.traces.formats import Capture
 from tests.captures.where import OURS
 from tests.traces.decode.drawing import of_bytes
@@ -135,8 +136,8 @@ def test_what_was_not_recorded_is_told_of_a_serial_line_and_of_a_sessions():
 )
 def test_a_format_in_letters(text: str, given: dict[str, object]):
     settings = {"baud": 9600, "bits": 8, "parity": "none", "stop": 1, **given}
-    assert line_format(9600, text) == LineFormat(9600, **given)
-    assert line_format(9600, text).settings() == settings
+    assert line_format(9600, text) == Line(9600, **given)
+    assert line_settings(line_format(9600, text)) == settings
     with pytest.raises(BadReplay, match="0 baud; expected 1 or more"):
         line_format(0, text)
     assert line_format(1, text).baud == 1

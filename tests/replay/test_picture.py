@@ -15,10 +15,11 @@ from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.i2c_master import I2cMasterReplay
 from periph_sim.replay.i2c_open_loop import I2cOpenReplay
 from periph_sim.replay.picture import Side, divergence_picture, last_agreed
-from periph_sim.replay.uart import LineFormat, UartReplay
+from periph_sim.replay.uart import UartReplay
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
 from periph_sim.traces.decode import i2c
+from periph_sim.traces.decode.uart import Line
 from periph_sim.traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick
 from tests.replay.slow import one_read, slow_case
 from tests.replay.test_compare import happened
@@ -65,7 +66,7 @@ def test_a_master_and_a_uart_are_drawn_too():
     assert "expected address 53 write, found address 53 read" in shown and "53 write" in shown
     assert "last agreed" in shown
     frames = formats.read(FOLDER / "host_frames.sr")
-    uart = UartReplay(load(CASES / "imu_hil_published.toml"), frames, "RX", LineFormat(115200, 7))
+    uart = UartReplay(load(CASES / "imu_hil_published.toml"), frames, "RX", Line(115200, 7))
     shown = texts(uart.picture(uart.run()))
     assert "last agreed" not in shown and "us, 0 is 0.000300 s of the capture" in shown
     assert "RX" in shown and any(text.startswith("capture: ") for text in shown)
@@ -78,7 +79,7 @@ def test_without_a_divergence_there_is_no_picture(replay: Any, case: str):
     player = replay(load(CASES / f"{case}.toml"), formats.read(FOLDER / "nack.sr"), "SCL", "SDA")
     assert player.picture(player.run()) is None
     frames = formats.read(FOLDER / "host_frames.sr")
-    uart = UartReplay(load(CASES / "uart_logger.toml"), frames, "RX", LineFormat(115200))
+    uart = UartReplay(load(CASES / "uart_logger.toml"), frames, "RX", Line(115200))
     assert uart.picture(uart.run()) is None
 
 

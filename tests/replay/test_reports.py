@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.replay import i2c_closed_loop, i2c_master, i2c_open_loop, uart
+from periph_sim.replay import replay
 from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.i2c_master import I2cMasterReplay
 from periph_sim.replay.i2c_open_loop import I2cOpenReplay
@@ -33,8 +33,7 @@ WRITTEN = (
 @pytest.fixture(autouse=True)
 def clock(monkeypatch: pytest.MonkeyPatch) -> None:
     """A wall clock that stands at 100 s as a run begins, and 2.5 s later as it ends; microseconds are told."""
-    for module in (i2c_closed_loop, i2c_open_loop, i2c_master, uart):
-        monkeypatch.setattr(module, "perf_counter", iter((100.0, 102.5000124)).__next__)
+    monkeypatch.setattr(replay, "perf_counter", iter((100.0, 102.5000124)).__next__)
 
 
 def told(report: Report) -> dict[str, object]:

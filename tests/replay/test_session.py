@@ -10,7 +10,6 @@ import pytest
 
 from periph_sim.replay.report import Report
 from periph_sim.replay.session import SessionReplay, _bursts
-from periph_sim.replay.uart import LineFormat
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.result import Result
@@ -19,7 +18,7 @@ from periph_sim.timing.verdict import Verdict
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
-from periph_sim.traces.decode.uart import Frame
+from periph_sim.traces.decode.uart import Frame, Line
 from tests.replay.make_session import ran, sampled, samples
 from tests.replay.slow import slow_case
 from tests.scene.runs import TIMING, Edges
@@ -28,7 +27,7 @@ from tests.traces.formats.make_traces import FOLDER
 
 US = Fraction(1, 10**6)
 IMU = TIMING / "imu_hil_published.toml"
-HOST = LineFormat(115200)
+HOST = Line(115200)
 
 
 def replay(capture: Capture, *changes: str, case: Path = IMU, **options) -> Report:

@@ -1,0 +1,159 @@
+"""The course of every replay: its run, a repetition for the history of its divergences, its report and its picture.
+
+scene, capture --run--> wires --compare--> Comparison --+--> Report
+          \\--run again, up to the last divergence--> history of flags
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ..core.wire import Wire
+from ..scene.scene import Scene
+from ..traces.capture.capture import Capture
+from ..traces.decode import i2c
+from .compare import Comparison, Happened
+from .divergence_history import AS_SLAVE, CaptureOrigin, FlagHistory, with_history
+from .i2c_setup import Played
+from .picture import LINES, Side, divergence_picture, last_agreed, title_of
+from .report import Report
+from .wire_log import WireLog
+
+Progress = Callable[[float], None]
+STEPS = 100  # number of reports of progress
+
+
+class Replay:
+    """A capture played against the firmware of a unit.
+
+    KIND, LOOP, ROLE: as `kind`, `loop` and `role` of a `Report`.
+    SIDE: the chip's role.
+    origin: the tick at which the capture begins.
+    """
+
+    KIND, LOOP, ROLE = "i2c", "closed", "slave"
+    SIDE = AS_SLAVE
+    _repeated: Callable[..., Replay]  # makes the same replay with another `subscribe`
+
+    def __init__(self, scene: Scene, unit: str, lead: Fraction) -> None:
+        self._scene = scene
+        self._unit = unit
+        self.kernel = scene.kernel
+        self.timebase = scene.timebase
+        self.origin = scene.start + scene.timebase.ticks(lead, "nearest")
+
+    def run(self, progress: Progress | None = None) -> Report:
+        """Play the capture and compare."""
+        wall = perf_counter()
+        stuck = self._drive(progress)
+        self._wall = perf_counter() - wall
+        self._result = self._scene.run(Fraction(0))
+        return self._report([stuck] if stuck else [])
+
+    def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
+        """Play the capture to its end, or up to tick `until`. Return the reason why it cannot continue, or ""."""
+        raise NotImplementedError
+
+    def _report(self, stuck: list[str]) -> Report:
+        """Compare and return the result. stuck: notes on an early end."""
+        raise NotImplementedError
+
+    def _play(self, end: int, progress: Progress | None) -> None:
+        """Run up to tick `end`."""
+        begin = self.kernel.now
+        for step in range(1, STEPS + 1):
+            self.kernel.run_until(begin + (end - begin) * step // STEPS)
+            if progress is not None:
+                progress(step / STEPS)
+
+    def _run_again(self, history: FlagHistory, until: int) -> None:
+        again = self._repeated(subscribe=history.subscribe)
+        history.watch(again._scene)
+        again._drive(until=until)
+
+    def _summary(self, path: Path, outcome: Comparison, after: int, notes: list[str], **figures: Any) -> Report:
+        """Return the report. after: ticks of history shown after an event. figures: other fields of the report."""
+        scene, kernel = self._scene, self.kernel
+        place = CaptureOrigin(scene, self.origin, after)
+        return Report(
+            case=scene.case.name,
+            capture=str(path),
+            kind=self.KIND,
+            loop=self.LOOP,
+            role=self.ROLE,
+            agreed=outcome.agreed,
+            first_divergence=outcome.divergence,
+            divergences=with_history(outcome.ranked, place, self._unit, self.SIDE, self._run_again),
+            lag_worst_us=float(outcome.lag * 1_000_000),
+            simulated_s=float(self.timebase.seconds(kernel.now - scene.start)),
+            wall_s=round(self._wall, 6),
+            kernel_events=kernel.events,
+            unknowns=self._result.unknowns,
+            notes=notes + self._result.notes,
+            **figures,
+        )
+
+
+class BusReplay(Replay):
+    """A replay of SCL and SDA. log: the edges of the given wires."""
+
+    NAME = "replay"  # of the replayed side in a picture
+    _filled: list[str]  # names of the settings taken from the capture
+    _compared: tuple[Sequence[Happened], Sequence[Happened]]
+    _replayed: Capture
+
+    def __init__(self, scene: Scene, unit: str, lead: Fraction, part: Played, wires: Sequence[Wire]) -> None:
+        super().__init__(scene, unit, lead)
+        self._part = part
+        self._per_position = scene.timebase.per_second / part.rate
+        self.log = WireLog(*wires)
+
+    def _bus_summary(
+        self,
+        outcome: Comparison,
+        replayed: Sequence[i2c.Event],
+        addresses: Sequence[int],
+        tolerance: Fraction,
+        notes: list[str],
+        **figures: Any,
+    ) -> Report:
+        """Return the report. replayed: the events of the replay."""
+        part = self._part
+        return self._summary(
+            part.capture.path,
+            outcome,
+            int(9 * (part.low + part.high) * self._per_position),
+            notes,
+            events=len(self._compared[0]),
+            filled=self._filled,
+            captured_events=part.captured_events,
+            captured_transfers=len(part.whole),
+            tolerance_us=float(tolerance * 1_000_000),
+            bytes=sum(isinstance(event, i2c.Address | i2c.Data) for event in replayed),
+            addresses=[f"{address:02X}" for address in addresses],
+            nacks=sum(isinstance(event, i2c.Nack) for event in replayed),
+            captured_stretch_us=float(part.stretch / part.rate * 1_000_000),
+            lag_samples=float(outcome.lag * part.sample_rate),
+            **figures,
+        )
+
+    def picture(self, report: Report) -> str | None:
+        """Return the first divergence of a run as SVG text; None without any."""
+        if not report.divergences:
+            return None
+        divergence, part = report.divergences[0], self._part
+        was, came = last_agreed(divergence, *self._compared)
+        captured = Side("capture", tuple(zip(LINES, part.lines, strict=True)), part.rate, 0, part.transfers, was)
+        wires = tuple((name, self._replayed.channel(name)) for name in LINES)
+        transfers, transfers_at = self._replayed_transfers()
+        per_second = Fraction(self.timebase.per_second)
+        replayed = Side(self.NAME, wires, per_second, self.origin, transfers, came, transfers_at)
+        return divergence_picture(divergence, title_of(report, divergence), captured, replayed, part.bit)
+
+    def _replayed_transfers(self) -> tuple[Sequence[i2c.Transfer], tuple[Fraction, int] | None]:
+        """Return the transfers of the replay, and rate and origin of their positions, if not those of `log`."""
+        return i2c.transfers(self._replayed, *LINES), None

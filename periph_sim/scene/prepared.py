@@ -3,7 +3,8 @@
     file or Case --> PreparedScene --scene(changes)--> Scene, not yet run
                                    --run(changes)----> Result
 
-What a case decides alone is worked out once (`plan.ScenePlan`), and of a changed case only what its changes touch.
+What a case decides alone is worked out once (`plan.ScenePlan`). Of a changed case only the tables that its changes
+touch are checked anew.
 Everything that a run changes is new in each run: firmware modules, devices, wires, chips and random generators.
 """
 
@@ -50,7 +51,7 @@ class PreparedScene:
         if isinstance(case, Case):
             _refuse_changes(changes)
             own = {name: separate(getattr(case, name)) for name in case.__struct_fields__}
-            self._unchanged = ScenePlan(case.model_copy(update=own), kept=True)
+            self._unchanged = ScenePlan(case.model_copy(update=own))
         else:
             self._file = CaseFile(case, changes)
 
@@ -61,7 +62,7 @@ class PreparedScene:
         elif changes:
             return self._changed_plan(self._file, tuple(changes))
         elif self._unchanged is None:
-            self._unchanged = ScenePlan(self._file.case, kept=True)
+            self._unchanged = ScenePlan(self._file.case)
         assert self._unchanged is not None
         return self._unchanged
 
@@ -72,7 +73,7 @@ class PreparedScene:
                 unchanged = self.plan()
             except BadCase:  # the changes may be what makes it a case
                 unchanged = None
-            plan = ScenePlan(file.changed(changes), unchanged, kept=True)
+            plan = ScenePlan(file.changed(changes), unchanged)
             if len(self._plans) == MOST_PLANS:
                 del self._plans[next(iter(self._plans))]
         self._plans[changes] = plan

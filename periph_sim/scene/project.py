@@ -26,7 +26,7 @@ from ..core.input_files import read_input
 from ..core.suggest import did_you_mean
 from ..core.table import Table
 from .case.discover import is_searched
-from .case.error_text import complaint
+from .case.error_text import explain
 from .case.model import BadCase
 from .case.origin import Source, line_of
 
@@ -120,21 +120,12 @@ def _settings(file: Path) -> Settings | None:
     try:
         return Settings.model_validate(table)
     except BadTable as error:
-        raise BadCase(_sentence(Source(_near(file), text), error)) from None
+        raise BadCase(explain(Source(_near(file), text), error, above=KEYS)) from None
 
 
 @lru_cache(maxsize=16)
 def _parsed(text: str) -> dict[str, object]:
     return tomllib.loads(text)
-
-
-def _sentence(source: Source, error: BadTable) -> str:
-    first = error.first
-    place = (*KEYS, *first.place)
-    if first.known is not None:
-        known = did_you_mean(str(place[-1]), first.known)
-        return f"{source.where(place)}: there is no key {'.'.join(map(str, place))!r}; {known}"
-    return f"{source.where(place)}: {'.'.join(map(str, place))}: {complaint(first)}"
 
 
 def _near(path: Path) -> Path:

@@ -21,15 +21,12 @@ IPSC_PLACE = I2C_MAP["I2CPSC"]["IPSC"].lsb
 
 
 class ReleaseDelay:
-    _setup: int
-    _pin: int
-
     def __init__(self, kernel: Kernel, clock: Clock, socket: Socket, i2c: I2cOptions, system: SystemOptions) -> None:
         self._kernel = kernel
         self._clock = clock
         self._socket = socket
-        self._setup = i2c.sda_setup_before_scl_release.unrecorded()
-        self._pin = system.gpio_out_delay.unrecorded()
+        self._setup: int = i2c.sda_setup_before_scl_release.unrecorded()
+        self._pin: int = system.gpio_out_delay.unrecorded()
         self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
         self._writes = -1  # of the chip, when it was looked at last,
         self._cycles = 0  # and the result of that

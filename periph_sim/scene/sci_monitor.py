@@ -34,19 +34,13 @@ class SciMonitor(ChipObserver):
 
     STATE = State("_words _waiting _overrun")
 
-    _socket: Socket
-    _clock: Clock
-    _words_topic: Topic
-    _lost_topic: Topic
-    _received_topic: Topic
-
     def __init__(self, dsp: Dsp, module: str, recorder: Recorder) -> None:
         place = f"{dsp.name}.{module}"
-        self._words_topic = recorder.topic(Kind.RECEIVER, place, "words")
-        self._lost_topic = recorder.topic(Kind.RECEIVER, place, "lost")
-        self._received_topic = recorder.topic(Kind.RECEIVER, place, "received")
-        self._socket = dsp.socket(module)
-        self._clock = dsp.clock
+        self._words_topic: Topic = recorder.topic(Kind.RECEIVER, place, "words")
+        self._lost_topic: Topic = recorder.topic(Kind.RECEIVER, place, "lost")
+        self._received_topic: Topic = recorder.topic(Kind.RECEIVER, place, "received")
+        self._socket: Socket = dsp.socket(module)
+        self._clock: Clock = dsp.clock
         self._words = 0
         self._waiting = 0  # words, or the one in SCIRXBUF
         self._overrun = False

@@ -37,24 +37,17 @@ class BudgetJudge:
     own_measures: those that it, and no other budget, has listen to a run.
     """
 
-    same_as: BudgetJudge | None
-    own_measures: list[Measure]
-    _sentence: str
-    _given: dict[str, str | int]
-    _limits: dict[str, int]
-    _coverage_of: Fraction
-
     def __init__(
         self, budget: Budget, timebase: Timebase, plan: BudgetPlan, others: Sequence[BudgetJudge] = ()
     ) -> None:
         self.budget = budget
         self._timebase = timebase
-        self._given = plan.given
-        self._limits = plan.limits
-        self._sentence = plan.text
+        self._given: dict[str, str | int] = plan.given
+        self._limits: dict[str, int] = plan.limits
+        self._sentence: str = plan.text
         self._found = ""
-        self._coverage_of = budget.coverage
-        self.same_as = None if plan.same_as < 0 else others[plan.same_as]
+        self._coverage_of: Fraction = budget.coverage
+        self.same_as: BudgetJudge | None = None if plan.same_as < 0 else others[plan.same_as]
         self.measure: Measure = plan.make() if self.same_as is None else self.same_as.measure
         self.measure.not_before = plan.not_before
         if plan.has_percentile and not self.measure.tallied:
@@ -63,7 +56,7 @@ class BudgetJudge:
         if self.joined:
             for part in self.parts:
                 part.measure.keep()
-        self.own_measures = [part.measure for part in self.parts] if self.same_as is None else []
+        self.own_measures: list[Measure] = [part.measure for part in self.parts] if self.same_as is None else []
 
     @property
     def parts(self) -> list[BudgetJudge]:

@@ -17,7 +17,6 @@ period after the begin of the one before, and missed if it has not begun half a 
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from fractions import Fraction
 
@@ -45,28 +44,21 @@ class Asked(Struct, frozen=True):
     ack_polling: bool = False
 
 
-class Schedule(ABC):
-    """Due times of rounds."""
+class ByPlan:
+    """Schedule of an agent: round n is due n periods after the first.
 
-    @abstractmethod
-    def begins(self, start: int) -> tuple[list[int], int]:
-        """Return (rounds missed since the one before, due time of the one that begins now)."""
-
-    @abstractmethod
-    def missed_by(self, now: int, over: int | None) -> list[int]:
-        """Return the rounds missed since the last one when the run ends. over: the end of that one; None before it."""
-
-
-class ByPlan(Schedule):
-    """Round n is due n periods after the first; it is missed if none begins before the next one is due."""
+    It is missed if none begins before the next one is due.
+    """
 
     def __init__(self, asked: Asked) -> None:
         assert asked.first is not None
-        self._first, self._asked = asked.first, asked
-        self._period, self._parts = asked.period.as_integer_ratio()
+        self._first: int = asked.first
+        self._asked: Asked = asked
+        self._period: Fraction = Fraction(asked.period)
         self._next = 0
 
     def begins(self, start: int) -> tuple[list[int], int]:
+        """Return (rounds missed since the one before, due time of the one that begins now)."""
         missed = []
         while self._due(1) <= start:
             missed.append(self._due())
@@ -76,6 +68,7 @@ class ByPlan(Schedule):
         return missed, due
 
     def missed_by(self, now: int, over: int | None) -> list[int]:
+        """Return the rounds missed since the last one when the run ends. over: the end of that one; None before it."""
         missed = []
         while self._due() <= now and self._next != self._asked.rounds:
             if over is None or self._due() + self._asked.late < over or self._due(1) <= now:
@@ -84,16 +77,19 @@ class ByPlan(Schedule):
         return missed
 
     def _due(self, ahead: int = 0) -> int:
-        return self._first + (self._next + ahead) * self._period // self._parts
+        return self._first + (self._next + ahead) * self._period // 1
 
 
-class ByRoundBefore(Schedule):
-    """A round is due a period after the begin of the one before, until there were as many as are due."""
+class ByRoundBefore:
+    """Schedule of a firmware or a capture: a round is due a period after the begin of the one before.
+
+    There are no more after as many as are due.
+    """
 
     def __init__(self, asked: Asked) -> None:
-        self._period = int(asked.period // 1)
+        self._period: int = int(asked.period // 1)
         self._next = NO_TIME
-        self._left = asked.rounds
+        self._left: int | None = asked.rounds
 
     def begins(self, start: int) -> tuple[list[int], int]:
         missed = self._missed(start)
@@ -127,11 +123,6 @@ class BusRounds:
     completed, missed: rounds so far.
     """
 
-    _startup: list[Transfer]
-    _requests: tuple[Transfer, ...]
-    _late: int
-    _ack_polling: bool
-
     def __init__(self, asked: Asked | None, begun_at: Callable[[], int]) -> None:
         self.on_transfer: list[Callable[[Transfer], None]] = []
         self.on_round: list[Callable[[Round], None]] = []
@@ -139,13 +130,13 @@ class BusRounds:
         self.on_missed: list[Callable[[int], object]] = []
         self.on_other: list[Callable[[Transfer], None]] = []
         self._begun_at = begun_at
-        self._startup = [] if asked is None else list(asked.startup)
-        self._requests = () if asked is None else tuple(asked.requests)
-        self._schedule: Schedule | None = None
+        self._startup: list[Transfer] = [] if asked is None else list(asked.startup)
+        self._requests: tuple[Transfer, ...] = () if asked is None else tuple(asked.requests)
+        self._schedule: ByPlan | ByRoundBefore | None = None
         if asked is not None:
             self._schedule = ByRoundBefore(asked) if asked.first is None else ByPlan(asked)
-        self._late = 0 if asked is None else asked.late
-        self._ack_polling = asked is not None and asked.ack_polling
+        self._late: int = 0 if asked is None else asked.late
+        self._ack_polling: bool = asked is not None and asked.ack_polling
         self._made = 0  # requests of the round under way
         self._round: Round | None = None
         self._number = 0
@@ -154,9 +145,6 @@ class BusRounds:
 
     def transfer(self, transfer: Transfer) -> None:
         """Take a transfer that is over."""
-        self._over_with(transfer)
-
-    def _over_with(self, transfer: Transfer) -> None:
         first: Phase = transfer.phases[0]
         if self._ack_polling and not first.read and not first.data:
             self._tell(transfer)

@@ -5,18 +5,21 @@ from __future__ import annotations
 from ...core.convert import NOTHING, BadTable, Mistake
 from ...core.suggest import did_you_mean
 from .model import BadCase
-from .origin import Source, key_of
+from .origin import Place, Source, key_of
 
 SHOWN = 60  # maximum number of characters of a wrong value in a message
 
 
-def explain(source: Source, error: BadTable, tree: object = None) -> str:
-    """Return one sentence about the first mistake. tree: the data that was checked, for the names of its entries."""
+def explain(source: Source, error: BadTable, tree: object = None, above: Place = ()) -> str:
+    """Return one sentence about the first mistake.
+
+    tree: the data that was checked, for the names of its entries. above: the keys of the table that was checked.
+    """
     first = error.first
-    key = key_of(first.place, tree)
-    where = source.where(first.place)
+    place = (*above, *first.place)
+    key, where = key_of(place, tree), source.where(place)
     if first.known is not None:
-        return f"{where}: there is no key {key!r}; {did_you_mean(str(first.place[-1]), first.known)}"
+        return f"{where}: there is no key {key!r}; {did_you_mean(str(place[-1]), first.known)}"
     if first.is_missing:
         return f"{where}: {key} is missing"
     return f"{where}: {key or 'the case'}: {complaint(first)}"

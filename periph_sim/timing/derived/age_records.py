@@ -43,29 +43,21 @@ class ChipTopics:
 
     __slots__ = ("age", "model_age", "read", "shown", "unknown")
 
-    read: Topic
-    age: Topic
-    unknown: Topic
-    model_age: Topic
-
     def __init__(self, recorder: Recorder, name: str) -> None:
-        self.read = recorder.topic(Kind.DATA, name, "chip read")
-        self.age = recorder.topic(Kind.DATA, name, "age")
-        self.unknown = recorder.topic(Kind.DATA, name, "unknown age")
-        self.model_age = recorder.topic(Kind.DATA, name, "model age")
+        self.read: Topic = recorder.topic(Kind.DATA, name, "chip read")
+        self.age: Topic = recorder.topic(Kind.DATA, name, "age")
+        self.unknown: Topic = recorder.topic(Kind.DATA, name, "unknown age")
+        self.model_age: Topic = recorder.topic(Kind.DATA, name, "model age")
         self.shown = NO_TIME
 
 
 class AgeRecords(Listener):
     """origins: of what reads carry; None where only model ages are wanted."""
 
-    origins: Origins | None
-    _model_run: Topic
-
     def __init__(self, recorder: Recorder, origins: Origins | None = None) -> None:
-        self.origins = origins
+        self.origins: Origins | None = origins
         self._chips = {chip.address: ChipTopics(recorder, name) for name, chip in known_sensors().items()}
-        self._model_run = recorder.topic(Kind.DATA, MODEL, "model run")
+        self._model_run: Topic = recorder.topic(Kind.DATA, MODEL, "model run")
         self._first_ended = NO_TIME  # the end of the first frame,
         self._last_ended = NO_TIME  # of the last one,
         self._taken = NO_TIME  # of the one that the models under way work on,

@@ -30,22 +30,15 @@ class ByteRecords:
     its place, as in "gyroscope byte 0". first_wrong: the first wrong read, as a sentence.
     """
 
-    _origins: Origins | None
-    _asked: Topic
-    _compared: Topic
-    _wrong: Topic
-    _never_shown: Topic
-    _not_known: Topic
-
     def __init__(self, recorder: Recorder, origins: Origins | None) -> None:
         self.wrong_places: dict[str, int] = {}
         self.first_wrong = ""
-        self._origins = origins
-        self._asked = recorder.topic(Kind.DATA, I2C, "bytes asked")
-        self._compared = recorder.topic(Kind.DATA, I2C, "bytes compared")
-        self._wrong = recorder.topic(Kind.DATA, I2C, "wrong bytes")
-        self._never_shown = recorder.topic(Kind.DATA, I2C, "zeros")
-        self._not_known = recorder.topic(Kind.DATA, I2C, "unknown bytes")
+        self._origins: Origins | None = origins
+        self._asked: Topic = recorder.topic(Kind.DATA, I2C, "bytes asked")
+        self._compared: Topic = recorder.topic(Kind.DATA, I2C, "bytes compared")
+        self._wrong: Topic = recorder.topic(Kind.DATA, I2C, "wrong bytes")
+        self._never_shown: Topic = recorder.topic(Kind.DATA, I2C, "zeros")
+        self._not_known: Topic = recorder.topic(Kind.DATA, I2C, "unknown bytes")
         self._zeros: dict[int, int] = {}  # by address: bytes that are right if a frame is shown later
         self._unknown = 0
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 from array import array
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from itertools import combinations_with_replacement
 from struct import Struct
 from typing import NamedTuple, final
@@ -78,13 +79,18 @@ class FrameHistory:
         None if there is no such frame.
         """
         shown = self._shown_at(address)
-        at = shown.rfind(got)
+        at = shown.rfind(got) if len(got) <= BYTES else -1
         while at > 0 and at % BYTES:
             at = shown.rfind(got, 0, at - 1 + len(got))
         if at < 0 or at % BYTES:
             return None
         frame = at // BYTES
         return self._numbers[frame], self._ended[frame], bytes(shown[at : at + BYTES])
+
+    def recent(self, address: int) -> list[bytes]:
+        """Return the bytes that the chip with this address shows of each of the last frames, the youngest first."""
+        shown = self._shown_at(address)
+        return [bytes(shown[at : at + BYTES]) for at in range(len(shown) - BYTES, -1, -BYTES)[:RECENT]]
 
     def _shown_at(self, address: int) -> bytearray:
         """Return the bytes that the chip with this address shows of each frame, one frame after the other."""
@@ -104,15 +110,14 @@ MOST = 64  # and of these only the youngest
 
 @final
 class Sent:
-    """A frame that the host sent. shown: the register bytes of each chip while it shows the values of the frame."""
+    """A frame that the host sent. ended: the tick at which its last stop bit ended."""
 
-    __slots__ = ("ended", "number", "shown", "values")
+    __slots__ = ("ended", "number", "values")
 
     def __init__(self, number: int, values: tuple[int, ...], ended: int) -> None:
         self.number = number
         self.values = values
         self.ended = ended
-        self.shown: dict[int, bytes] = {}
 
 
 NOTHING_SENT = Sent(BEFORE_ANY, (), NO_TIME)
@@ -124,11 +129,8 @@ class Origins:
     addresses: of the chips that show frames.
     """
 
-    LENGTH = RECENT
-
     def __init__(self, addresses: frozenset[int]) -> None:
         self.addresses = addresses
-        self._sent: deque[Sent] = deque([NOTHING_SENT], maxlen=self.LENGTH)
         self._of: dict[int, Origin] = {}
 
     def of(self, phase: Phase) -> Origin | None:
@@ -137,7 +139,7 @@ class Origins:
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         """Note a host frame that ended at `tick`."""
-        self._sent.append(Sent(number, values, tick))
+        raise NotImplementedError
 
     def transfer(self, transfer: Transfer) -> None:
         """Work out the origins of the reads of a transfer that is over."""
@@ -158,45 +160,28 @@ class FrameOrigins(Origins):
     the chip has never shown a frame, and wrong once it has.
     """
 
-    _data: Callable[[int, tuple[int, ...]], bytes]
-    _frames: FrameHistory
-
     def __init__(self, frames: HostFrames) -> None:
         super().__init__(frames.ADDRESSES)
-        self._data = frames.data
-        self._frames = FrameHistory(frames.data)
+        self._frames: FrameHistory = FrameHistory(frames.data)
         self._shown: dict[int, int] = {}  # by address, the number of the frame that the chip showed last
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        Origins.frame(self, number, values, tick)
         self._frames.add(number, values, tick)
 
     def origin(self, address: int, got: bytes) -> Origin:
-        youngest_first = list(self._sent)
-        youngest_first.reverse()
-        sent: Sent
-        for sent in youngest_first:
-            wanted = self._shown_at(sent, address)
-            if wanted.startswith(got):
-                if sent.number != BEFORE_ANY:
-                    self._shown[address] = sent.number
-                return Origin(sent.number, sent.ended, wanted)
         last = self._shown.get(address, BEFORE_ANY)
-        older = self._frames.youngest(address, got)
-        if older is not None and older[0] >= last:
-            self._shown[address] = older[0]
-            return Origin(*older)
+        found = self._frames.youngest(address, got)
+        if found is not None and (found[0] >= last or found[2] in self._frames.recent(address)):
+            self._shown[address] = found[0]
+            return Origin(*found)
+        recent, zeros = self._frames.recent(address), bytes(BYTES)
+        if len(recent) < RECENT:
+            recent.append(zeros)
+            if zeros.startswith(got):
+                return Origin(BEFORE_ANY, NO_TIME, zeros)
         if last == BEFORE_ANY and not any(got):
-            return Origin(BEFORE_ANY, NO_TIME, bytes(BYTES), False)
-        return _nearest(got, [(sent, self._shown_at(sent, address)) for sent in youngest_first])
-
-    def _shown_at(self, sent: Sent, address: int) -> bytes:
-        """Return the register bytes of the chip with this address while it shows the values of the frame."""
-        data = sent.shown.get(address)
-        if data is None:
-            data = bytes(BYTES) if sent.number == BEFORE_ANY else self._data(address, sent.values)
-            sent.shown[address] = data
-        return data
+            return Origin(BEFORE_ANY, NO_TIME, zeros, False)
+        return Origin(None, NO_TIME, max(recent, key=partial(_agreement, got)))
 
 
 @final
@@ -228,13 +213,10 @@ class Run:
 class ModelOrigins(Origins):
     """Origins where firmware computes the chips' values. Call `model_pin` at every change of its MODEL pin."""
 
-    LENGTH = KEPT
-
-    _codes: ChipModel
-
     def __init__(self, codes: ChipModel) -> None:
         super().__init__(codes.addresses)
-        self._codes = codes
+        self._codes: ChipModel = codes
+        self._sent: deque[Sent] = deque([NOTHING_SENT], maxlen=KEPT)
         self.reset()
 
     def reset(self) -> None:
@@ -247,6 +229,9 @@ class ModelOrigins(Origins):
         self._over: list[Run] = []  # ended runs that are not in a chain yet
         self._last: Run | None = None
         self._may_take: list[Sent] = []
+
+    def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        self._sent.append(Sent(number, values, tick))
 
     def model_pin(self, now: int, level: int) -> None:
         """Follow the pin that is high while the models run. A run can only use frames that ended before it rose."""

@@ -42,22 +42,14 @@ def begin_of(transfer: Transfer, phase: Phase) -> int:
 class TransferRecords:
     """Makes the records of one bus."""
 
-    _phase: Topic
-    _read: Topic
-    _acknowledge: Topic
-    _answer: Topic
-    _stretch: Topic
-    _refused: Topic
-    _held: Topic
-
     def __init__(self, recorder: Recorder) -> None:
-        self._phase = recorder.topic(Kind.TRANSFER, I2C, "phase")
-        self._read = recorder.topic(Kind.TRANSFER, I2C, "read")
-        self._acknowledge = recorder.topic(Kind.TRANSFER, I2C, "acknowledge")
-        self._answer = recorder.topic(Kind.TRANSFER, I2C, "answer")
-        self._stretch = recorder.topic(Kind.TRANSFER, I2C, "stretch")
-        self._refused = recorder.topic(Kind.TRANSFER, I2C, "refused")
-        self._held = recorder.topic(Kind.TRANSFER, I2C, "held")
+        self._phase: Topic = recorder.topic(Kind.TRANSFER, I2C, "phase")
+        self._read: Topic = recorder.topic(Kind.TRANSFER, I2C, "read")
+        self._acknowledge: Topic = recorder.topic(Kind.TRANSFER, I2C, "acknowledge")
+        self._answer: Topic = recorder.topic(Kind.TRANSFER, I2C, "answer")
+        self._stretch: Topic = recorder.topic(Kind.TRANSFER, I2C, "stretch")
+        self._refused: Topic = recorder.topic(Kind.TRANSFER, I2C, "refused")
+        self._held: Topic = recorder.topic(Kind.TRANSFER, I2C, "held")
 
     def transfer(self, transfer: Transfer) -> None:
         """Record a transfer that is over."""

@@ -27,14 +27,12 @@ class BusFromWires(BitParty):
     stream: the bytes of the transfer under way.
     """
 
-    _unit: str
-
     def __init__(self, unit: str) -> None:
         self.stream = I2cStream()
         self.ours = False  # the address was acknowledged by the unit
         self.phase_at = NO_TIME  # START or repeated START of the phase under way; NO_TIME after a STOP
         self.others_held_until = NO_TIME  # when the others let go of SCL in the low time under way, or the last one
-        self._unit = f"{unit}."
+        self._unit: str = f"{unit}."
         self._scl_pulling = self._sda_pulling = 0  # the parties that pull it: bit i is party i
         self._scl_ours = self._sda_ours = 0  # those of the known parties that belong to the unit
         self._parties = 0  # number of parties of both wires that are known

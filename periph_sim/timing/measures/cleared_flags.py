@@ -58,12 +58,9 @@ class Flag:
 
     __slots__ = ("mask", "name", "register", "rose")
 
-    name: str
-    mask: int
-
     def __init__(self, field: Field, register: ClearedRegister) -> None:
-        self.name = field.name
-        self.mask = field.mask
+        self.name: str = field.name
+        self.mask: int = field.mask
         self.register = register
         self.rose = NEVER_YET
 
@@ -130,11 +127,9 @@ class ClearedRegister:
 
     __slots__ = ("flags", "last", "looks", "places", "status")
 
-    status: bool
-
     def __init__(self, register: Clearable) -> None:
         self.flags = [Flag(field, self) for field in register.flags]
-        self.status = register.status
+        self.status: bool = register.status
         self.looks: dict[str, int] = {}
         self.places: dict[str, Place] = {}
         self.last: Modify | None = None

@@ -121,42 +121,29 @@ class EventMeasure(Measure):
     """
 
     STATE = State("_groups _queue _queued _newest")
-    matchers: tuple[Matcher, ...]
-    seen: list[int]
-    looks_back: str
-    needs: str
-    asked: str
-    weighs: bool
-    _clauses: Clauses
-    _order: Sequence[int]
-    _heard: tuple[Matcher, ...]
-    _needed: dict[Kind, frozenset[str]]
-    _roles: list[int]
-    _unknown_counts: list[int]
-    _unfinished: list[tuple[int, int]]
 
     def __init__(self, *matchers: Matcher, order: Sequence[int] = (), clauses: Clauses = NO_CLAUSES) -> None:
-        self.asked = clauses.asked
+        self.asked: str = clauses.asked
         super().__init__()
         thing = matchers[0].thing if matchers else None
-        self.needs = "" if thing is None else thing.needs
-        self.looks_back = clauses.looks_back
-        self.weighs = False
-        self._clauses = clauses
-        self._roles = list(clauses.roles)
+        self.needs: str = "" if thing is None else thing.needs
+        self.looks_back: str = clauses.looks_back
+        self.weighs: bool = False
+        self._clauses: Clauses = clauses
+        self._roles: list[int] = list(clauses.roles)
         self._own = len(matchers)
         self._measured = self._given = 0
         self._has_measured: bool = MEASURED_AT in clauses.roles
         self._has_given: bool = GIVEN in clauses.roles
-        self._unknown_counts = [0] * len(clauses.unknown)
-        self._unfinished = []
-        self.matchers = matchers
+        self._unknown_counts: list[int] = [0] * len(clauses.unknown)
+        self._unfinished: list[tuple[int, int]] = []
+        self.matchers: tuple[Matcher, ...] = matchers
         order = order or range(self._own)
         matchers = (*matchers, *clauses.matchers)
-        self.seen = [0] * self._own
+        self.seen: list[int] = [0] * self._own
         self.spans: set[str] | None = set() if any(m.free for m in matchers) else None  # names that there were
-        self._order = [*order, *range(self._own, len(matchers))]
-        self._heard = matchers
+        self._order: Sequence[int] = [*order, *range(self._own, len(matchers))]
+        self._heard: tuple[Matcher, ...] = matchers
         self._groups = [None if m.group is None else Groups(m.group, m.nth) for m in matchers]
         self._queue: deque[_Seen] = deque()
         self._queued = False  # something waits in it
@@ -165,7 +152,7 @@ class EventMeasure(Measure):
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
         self._wanted = {(one.kind, one.what) for one in each}
-        self._needed = subjects_of([*matchers, *starts])
+        self._needed: dict[Kind, frozenset[str]] = subjects_of([*matchers, *starts])
         self._plans: list[list[Hearing]] = []  # by tag
         self._names: list[str] = []  # by tag, of a span; else ""
 

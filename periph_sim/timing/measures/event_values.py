@@ -46,14 +46,11 @@ class EventCount(EventMeasure):
 class ValueOf(EventMeasure):
     """The value of each event: the words in a FIFO, the age of what is read, a register field whenever it changed."""
 
-    unit: str
-    occurrence: str
-
     def __init__(self, event: Matcher, clauses: Clauses = NO_CLAUSES) -> None:
         super().__init__(event, clauses=clauses)
         thing = event.thing
-        self.unit = "value" if thing is None else thing.unit
-        self.occurrence = READ if thing is not None and thing.by_read else ""
+        self.unit: str = "value" if thing is None else thing.unit
+        self.occurrence: str = READ if thing is not None and thing.by_read else ""
 
     def happened(self, place: int, tick: int, value: int) -> None:
         self.take(value, tick)
@@ -65,14 +62,13 @@ class SumOf(EventMeasure):
     count is the sum of what was measured: a run in which nothing was compared proves nothing.
     """
 
-    unit: str
     series = False
 
     def __init__(self, event: Matcher, clauses: Clauses = NO_CLAUSES) -> None:
         super().__init__(event, clauses=clauses)
         self.weighs = True
         unit = "value" if event.thing is None else event.thing.unit
-        self.unit = "count" if unit == "value" else unit
+        self.unit: str = "count" if unit == "value" else unit
 
     def happened(self, place: int, tick: int, value: int) -> None:
         if not self.worst:

@@ -227,11 +227,10 @@ def _of_a_race(said: Said, scope: Scope) -> Maker:
         from .race import Race  # works on recorded runs, too, which no other measure needs imported
 
         return partial(Race, raced(said.unit, said.name, scope))
-    from .modifies import ClearedAlong, LostFlags
+    from .modifies import LostFlags
 
-    if said.form == "cleared":
-        return partial(ClearedAlong, clearing(said.unit, said.name, scope))
-    return partial(LostFlags, losing(said.unit, said.name, scope))
+    watched = clearing if said.form == "cleared" else losing
+    return partial(LostFlags, watched(said.unit, said.name, scope))
 
 
 def _value(said: Said, scope: Scope) -> Maker:

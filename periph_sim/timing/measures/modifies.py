@@ -86,8 +86,6 @@ class Modifies(RecordSink):
     only. writes: number of writes to these registers, with a read or without. recent: by unit.
     """
 
-    _per_second: Fraction
-
     def __init__(
         self, concerns: Callable[[Kind, str, str], bool], is_about: Callable[[Kind, str, str], bool], status: bool
     ) -> None:
@@ -96,7 +94,7 @@ class Modifies(RecordSink):
         self._concerns = concerns
         self._is_about = is_about
         self._longest = 0  # ticks
-        self._per_second = Fraction(1)
+        self._per_second: Fraction = Fraction(1)
         self._clocks: list[tuple[int, Fraction]] = []  # SYSCLKOUT from each tick on, as far as the run has come
         self._known = 0  # of these
         self._spare: Access | None = None  # the first of the dropped ones, for reuse
@@ -303,6 +301,9 @@ def _alike(read: Access, write: Access) -> bool:
 class LostFlags(Measure):
     """Flags that a read-modify-write cleared unintentionally and that firmware had not read since they rose.
 
+    If a field is watched: the number of times that one meant for another flag cleared this one, whether it was read or
+    not, for a flag that firmware waits for later and that no other write may clear.
+
     worst is the number of lost flags, count that of the writes. A plain write clears what it is meant to clear. Without
     any write nothing is proven.
     """
@@ -332,24 +333,12 @@ class LostFlags(Measure):
 
     def finish(self, now: int) -> None:
         self.modifies.finish()
-        gone = self.gone()
+        field = self.watched.field
+        gone = self.modifies.cleared(field) if field else self.modifies.lost()
         self.count = self.modifies.writes
         self.worst = self.least = gone.count
         self.worst_at = self.least_at = gone.first
 
-    def gone(self) -> Cleared:
-        return self.modifies.lost()
-
     def missing(self) -> str:
         what = self.watched.text or "a register with flags that writing 1 clears"
         return f"the firmware never wrote {what}"
-
-
-class ClearedAlong(LostFlags):
-    """Number of times that a read-modify-write meant for another flag cleared this one, whether it was read or not.
-
-    For a flag that firmware waits for later, and that no other write may clear.
-    """
-
-    def gone(self) -> Cleared:
-        return self.modifies.cleared(self.watched.field)

@@ -51,9 +51,6 @@ class Between(EventMeasure):
     """
 
     STATE = State("_rule _stopped _begun _paired _counted", ticks="_begun_at", chains="_waiting")
-    unit: str
-    _rule: Groups | None
-    _rule_text: str
     _unsaid: bool
     _only_last: bool
     _in_order: bool
@@ -70,12 +67,12 @@ class Between(EventMeasure):
         inside = () if group is None else (group.begin, group.end)
         extra = () if counted is None else (counted,)
         super().__init__(begin, end, *inside, *extra, order=_order(len(inside), len(extra)), clauses=clauses)
-        self.unit = "count" if extra else "time"
+        self.unit: str = "count" if extra else "time"
         self._is_count = bool(extra)
         self.pairing = pairing
         self._extra = FIRST + 2 + len(inside)
-        self._rule = None if group is None else Groups(group, 0)
-        self._rule_text = "" if group is None else f" in the same {group.name}"
+        self._rule: Groups | None = None if group is None else Groups(group, 0)
+        self._rule_text: str = "" if group is None else f" in the same {group.name}"
         self._stopped = True
         self._unsaid, self._only_last, self._in_order = (pairing == one for one in ("", "last", "in order"))
         self._waiting: Open | None = None  # the first of a chain

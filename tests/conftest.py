@@ -103,7 +103,7 @@ UNCOUNTED = (
     "tests/bench/",
     "tests/docs/",
     "tests/firmware_mutants/",
-    "tests/form/test_arrays.py::test_an_index_outside_of_its_array_ends_the_process_with_a_sentence",
+    "tests/form/test_c_checks.py::test_an_index_outside_of_its_array_ends_the_process_with_a_sentence",
     "tests/form/test_linked.py",
     "tests/form/test_none.py",
     "tests/processor/host_code/test_sources.py",
@@ -121,7 +121,7 @@ UNCOUNTED = (
     # Sources of all modules are read once more, as in tests/form/test_declarations.py; or all forms of instructions run
     # once more, as in tests/processor/c28x/execution/test_known_results.py.
     "tests/processor/c28x/execution/test_depends.py",
-    "tests/form/test_arrays.py::test_every_array_declaration_of_the_package_is_read",
+    "tests/form/test_c_checks.py::test_every_array_declaration_of_the_package_is_read",
     "tests/form/test_source_copy.py::test_every_free_list_of_the_package_reaches_its_class",
     # Large inputs.
     "tests/traces/formats/test_sigrok_sr.py::test_memory_follows_the_edges_and_not_the_length",

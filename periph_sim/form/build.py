@@ -39,13 +39,11 @@ from subprocess import run
 from typing import NamedTuple
 
 from . import BUILT, HARD_BUILT, LIBRARY, MANIFEST, PACKAGE, digest, source_of, symbol, usable
-from .arrays import CHECK, arrays_of, with_index_checks
+from .c_checks import CHECK, REFUSAL, arrays_of, never_none, with_index_checks, with_none_refused
+from .compiled_class import BadDeclaration
+from .constants import declared, with_constants
 from .declarations import declarations, used_by
-from .declared import BadDeclaration
 from .directives import disobeyed
-from .fold import declared, folded
-from .members import with_members_bound
-from .setters import REFUSAL, never_none, with_none_refused
 from .source_copy import prepared
 from .sources import UNCHECKED, Sources, header_of
 
@@ -125,8 +123,7 @@ def shadow(package: Path, sources: Sources, modules: Sequence[str], folder: Path
     for module in modules:
         names = vars(import_module(f"{package.name}.{module}"))
         pxd = declarations(sources[module])
-        text = folded(prepared(sources[module]), names)
-        text = with_members_bound(text, names)
+        text = with_constants(prepared(sources[module]), names)
         copy = source_of(folder / package.name, module)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_text(text, "utf-8")

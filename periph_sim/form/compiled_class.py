@@ -1,4 +1,4 @@
-"""A class of a compiled module: its attributes and methods with the types that they have in C."""
+"""Types in C, of functions and of the attributes and methods of a class, as a compiled module declares them."""
 
 from __future__ import annotations
 
@@ -6,13 +6,47 @@ import ast
 import re
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
-from .declared import Function, Type
 from .syntax import is_own, own_assignments, read_names, walked
 
 if TYPE_CHECKING:
     from .sources import Source
+
+
+NUMBERS = {
+    "bool": "bint",
+    "int": "long long",
+    "UInt8": "unsigned char",
+    "UInt16": "unsigned short",
+    "UInt32": "unsigned int",
+}
+BUILTINS = frozenset({"bytearray", "dict", "frozenset", "list", "set", "str", "tuple"})
+BUFFERS = ("Buffer", "NDArray", "npt.NDArray")
+OBJECT, VOID, INTEGER = "object", "void", NUMBERS["int"]
+
+
+class BadDeclaration(Exception):
+    """A source says something about a type that has no declaration in C; the message names file and line."""
+
+
+class Type(NamedTuple):
+    """c: as a .pxd file spells it. kind: the compiled class that it is. optional: None is a value, too."""
+
+    c: str
+    kind: Class | None = None
+    optional: bool = False
+
+
+class Function(NamedTuple):
+    """kind: "cpdef", "cdef" or "def". arguments: the type of each, and whether it has a default."""
+
+    kind: str
+    result: Type
+    arguments: dict[str, tuple[Type, bool]]
+    variables: dict[str, Type]
+    marks: list[str]
+
 
 CLASS_MARKS = re.compile(r"python|freelist \d+")
 

@@ -12,8 +12,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from .compiled_class import Class
-from .declared import INTEGER, NUMBERS, OBJECT, VOID, Function, Type
+from .compiled_class import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Type
 from .sources import Source, Sources
 
 LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # their names in `cython`

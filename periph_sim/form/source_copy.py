@@ -20,7 +20,7 @@ import ast
 import re
 from collections.abc import Collection, Iterable, Iterator
 
-from .declared import VOID
+from .compiled_class import VOID
 from .sources import Source
 from .syntax import walked
 

@@ -24,8 +24,19 @@ from functools import cached_property
 from pathlib import Path
 from typing import cast
 
-from .compiled_class import CLASS_MARKS, Class
-from .declared import BUFFERS, BUILTINS, INTEGER, NUMBERS, OBJECT, VOID, BadDeclaration, Function, Type
+from .compiled_class import (
+    BUFFERS,
+    BUILTINS,
+    CLASS_MARKS,
+    INTEGER,
+    NUMBERS,
+    OBJECT,
+    VOID,
+    BadDeclaration,
+    Class,
+    Function,
+    Type,
+)
 from .syntax import OPERATORS, is_typable, pairs, read_names, walked
 
 HEADER = re.compile(r"^# core: (.*)$", re.MULTILINE)

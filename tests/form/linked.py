@@ -7,7 +7,7 @@ new link makes tests/form/test_linked.py fail until it is named here, as a chain
 
 from __future__ import annotations
 
-from periph_sim.form.declared import OBJECT
+from periph_sim.form.compiled_class import OBJECT
 from tests.form.package import classes
 
 CHAINS = {

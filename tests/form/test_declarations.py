@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.form.compiled_class import BadDeclaration
 from periph_sim.form.declarations import declarations, used_by
-from periph_sim.form.declared import BadDeclaration
 from periph_sim.form.sources import Sources
 from tests.form.package import classes, every_declaration, package
 

@@ -1,16 +1,26 @@
-"""Index assertions for C arrays, inserted into the C code from Cython.
+"""Checks that are inserted into the C code from Cython: of indices of arrays, and of None in setters of attributes.
 
     __pyx_v_cpu->xar[__pyx_v_f->n]  -->  __pyx_v_cpu->xar[PERIPH_SIM_INDEX(__pyx_v_f->n, 8, "xar")]
 
 Cython checks indices of lists and not those of arrays. An index outside of its array ends the process with a message
 instead of changing other memory. The compiler leaves the check out where the index cannot be outside: after a mask,
 or in a loop to a constant.
+
+    cdef public Kernel kernel    -->  `wire.kernel = None` and `del wire.kernel` are TypeErrors
+    cdef public Event following  -->  unchanged, since the source assigns None to it or declares `Event | None`
+
+Cython lets None into an attribute of any compiled class. Modules that are compiled without checks for None rely on
+these setters, and mypy holds the package's own code to the same.
 """
 
 from __future__ import annotations
 
+import ast
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+
+from .sources import Source
+from .syntax import pairs, walked
 
 ARRAY = re.compile(r"^    cdef (?:public )?[\w ]+\[(\d+)\] (\w+)$", re.MULTILINE)
 CHECK = """\
@@ -70,3 +80,47 @@ def _closing(text: str, at: int) -> int:
         depth += {"[": 1, "]": -1}.get(text[at], 0)
         at += 1
     return at - 1
+
+
+REFUSAL = """\
+  if (unlikely(!v || v == Py_None)) {{
+    PyErr_SetString(PyExc_TypeError, "{name} cannot be None, nor be deleted");
+    return -1;
+  }}
+"""
+
+
+def never_none(source: Source) -> list[tuple[str, str]]:
+    """Return (class, name) of each attribute whose type is a compiled class and that is never set to None."""
+    optional = set(_optional(source.tree))
+    typed = [(one.name, name, of) for one in source.classes.values() for name, of in one.attributes.items()]
+    return [(owner, name) for owner, name, of in typed if of.kind and name not in optional]
+
+
+def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str:
+    """Return the C code whose setters of these attributes refuse None. ValueError if one has no setter."""
+    for kind, name in attributes:
+        setter = rf"static int __pyx_setprop_\w*?\d{kind}_{name}\(PyObject \*o, PyObject \*v, [\w ]+\*x\) {{\n"
+        c_text, found = re.subn(setter, rf"\g<0>{REFUSAL.format(name=f'{kind}.{name}')}", c_text)
+        if found != 1:
+            raise ValueError(f"{kind}.{name} has {found} setters in C; expected one")
+    return c_text
+
+
+def _optional(tree: ast.Module) -> Iterator[str]:
+    """Yield the names of attributes that may be None, whatever their class."""
+    for node in walked(tree):
+        if isinstance(node, ast.FunctionDef):
+            arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+            given = {one.arg for one in arguments if one.annotation is not None and _says_none(one.annotation)}
+            assigned = (pair for one in walked(node) if isinstance(one, ast.Assign) for pair in pairs(one))
+            for target, value in assigned:
+                is_optional = isinstance(value, ast.Name) and value.id in given
+                if isinstance(target, ast.Attribute) and value is not None and (is_optional or _says_none(value)):
+                    yield target.attr
+        elif isinstance(node, ast.AnnAssign) and _says_none(node.annotation):
+            yield node.target.attr if isinstance(node.target, ast.Attribute) else ast.unparse(node.target)
+
+
+def _says_none(node: ast.expr) -> bool:
+    return any(isinstance(one, ast.Constant) and one.value is None for one in ast.walk(node))

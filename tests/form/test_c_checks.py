@@ -61,6 +61,7 @@ def test_indices_are_checked_but_for_numbers():
 
 
 SOURCE = """
+# core: compiled
 class Ring:
     low: "Annotated[list[int], 8]"
     def __init__(self):
@@ -111,6 +112,7 @@ def test_an_index_outside_of_its_array_ends_the_process_with_a_sentence(
 
 
 PARTY = """
+# core: compiled
 class Wire:
     pass
 

@@ -74,7 +74,7 @@ check: $(DEV)
 	$(BIN)/lint-imports --no-cache
 
 # All parts into build/bench/bench.json and bench.svg. Others beside it: pip install -e '.[bench]', and iverilog.
-# Then python -m tests.bench.readme build/bench/bench.json writes README's figures. Growth to an hour: make bench LONG=--long
+# Then python -m tests.bench.speed_table build/bench/bench.json writes the table of docs/fidelity.md. Growth to an hour: make bench LONG=--long
 LONG ?=
 bench: $(DEV)
 	@$(MAKE) --no-print-directory try-core

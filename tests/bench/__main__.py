@@ -7,7 +7,7 @@ python -m tests.bench [--long] [--repeat 3] [--json build/bench/bench.json] [--p
     targets --------'
 
 CPU time of one core, medians; parts that are not asked for keep the rows of a JSON that is there, if it is of the same
-machine and day. python -m tests.bench.readme puts its figures into README.
+machine and day. python -m tests.bench.speed_table puts its figures into docs/fidelity.md.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""The figures that README shows: a bench's JSON goes in; docs/bench.json, which is kept, and README's table come out.
+"""The table of speeds of docs/fidelity.md, from the JSON of a bench. docs/bench.json keeps the figures.
 
-    python -m tests.bench.readme build/bench/bench.json    keeps the figures of that bench, and writes README's table
-    python -m tests.bench.readme                           writes README's table of those that are kept
+    python -m tests.bench.speed_table build/bench/bench.json    keeps the figures of that bench, and writes the table
+    python -m tests.bench.speed_table                           writes the table of those that are kept
 
-build/bench/bench.json --figures--> docs/bench.json --table--> README.md, between its marks
+build/bench/bench.json --figures--> docs/bench.json --table--> docs/fidelity.md, between its marks
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from .peers import BUS_OF_OTHERS
 from .start import COMMANDS, SHORT
 from .targets import BYTES, DECLARED, cell, recorded, speed
 
-README, KEPT = ROOT / "README.md", ROOT / "docs" / "bench.json"
-MARKS = re.compile(r"(?<=<!-- speed: python -m tests\.bench\.readme -->\n).*?(?=<!-- end of speed -->)", re.DOTALL)
+PAGE, KEPT = ROOT / "docs" / "fidelity.md", ROOT / "docs" / "bench.json"
+MARKS = re.compile(r"(?<=<!-- speed: python -m tests\.bench\.speed_table -->\n).*?(?=<!-- end of speed -->)", re.DOTALL)
 RUN = next(what for what in COMMANDS if "imu_hil" in what)
 
 Read = Callable[[Mapping[str, Sequence[dict[str, Any]]], str], float | None]
@@ -39,7 +39,7 @@ def times(what: str) -> Read:
     return lambda parts, form: cell(parts, "start", "cpu_s", what=what, form=form)
 
 
-# What README calls it, how it is read of a bench, and how it is shown.
+# The name in the table, how the figure is read from a bench, and how it is shown.
 ROWS: tuple[tuple[str, Read, str], ...] = (
     ("`imu_hil` with all its budgets", per_second("imu_hil", EXACT), "rate"),
     ('`imu_hil`, `arithmetic = "bytes"`, no budgets', per_second(BYTES, EXACT), "rate"),
@@ -55,7 +55,7 @@ ROWS: tuple[tuple[str, Read, str], ...] = (
 
 
 def figures(told: Mapping[str, Any]) -> dict[str, Any]:
-    """What is kept of a bench: its machine, README's figures, and those of the bus of others."""
+    """Return what is kept of a bench: its machine, the figures of the table, and those of the bus of others."""
     parts = told["parts"]
     rows = [
         {"what": what, "shown": shown} | {form: rounded(read(parts, form)) for form in (COMPILED, INTERPRETED)}
@@ -72,7 +72,7 @@ def rounded(figure: float | None) -> float | None:
 
 
 def table(kept: Mapping[str, Any]) -> str:
-    """Markdown, as README has it."""
+    """Return the table as Markdown."""
     machine = kept["machine"]
     lines = ["", "| what runs | compiled | interpreted |", "|---|---|---|"]
     lines += [
@@ -99,18 +99,18 @@ def cell_of(figure: float | None, shown: str) -> str:
     return f"{figure:.2f} times as long" if shown == "factor" else f"{figure * 1e3:.3g} ms"
 
 
-def with_table(readme: str, kept: Mapping[str, Any]) -> str:
-    """README with this table between its marks."""
-    if len(MARKS.findall(readme)) != 1:
-        raise ValueError("README.md has no marks of the speed table, or several")
-    return MARKS.sub(lambda found: table(kept), readme)
+def with_table(page: str, kept: Mapping[str, Any]) -> str:
+    """Return the page with this table between its marks. ValueError if it has no marks, or several."""
+    if len(MARKS.findall(page)) != 1:
+        raise ValueError("docs/fidelity.md has no marks of the speed table, or several")
+    return MARKS.sub(lambda found: table(kept), page)
 
 
 def main(arguments: Sequence[str]) -> None:
     if arguments:
         told = json.loads(Path(arguments[0]).read_text("utf-8"))
         KEPT.write_text(json.dumps(figures(told), indent=1) + "\n", "utf-8")
-    README.write_text(with_table(README.read_text("utf-8"), json.loads(KEPT.read_text("utf-8"))), "utf-8")
+    PAGE.write_text(with_table(PAGE.read_text("utf-8"), json.loads(KEPT.read_text("utf-8"))), "utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""README's table of speeds is what `python -m tests.bench.readme` makes of docs/bench.json. Nothing is timed here."""
+"""The table of speeds in docs/fidelity.md agrees with the figures that docs/bench.json keeps. Nothing is timed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from tests.bench import targets
 from tests.bench.levels import EXACT
-from tests.bench.readme import KEPT, README, ROWS, figures, table, with_table
+from tests.bench.speed_table import KEPT, PAGE, ROWS, figures, table, with_table
 
 MACHINE = {"date": "2026-01-02", "processor": "a processor", "python": "CPython 3.11", "load": 0.1, "cores": 2}
 
@@ -17,9 +17,9 @@ def bench(**parts: list[dict[str, object]]) -> dict[str, object]:
     return {"machine": MACHINE, "parts": parts}
 
 
-def test_readme_shows_the_figures_that_are_kept() -> None:
+def test_the_page_shows_the_figures_that_are_kept() -> None:
     kept = json.loads(KEPT.read_text("utf-8"))
-    text = README.read_text("utf-8")
+    text = PAGE.read_text("utf-8")
     assert with_table(text, kept) == text
     assert [row["what"] for row in kept["rows"]] == [what for what, _, _ in ROWS]
 
@@ -43,7 +43,7 @@ def test_what_others_do_and_lack_is_told() -> None:
     assert "cocotb" not in table(figures(bench(peers=[{**row, "per_s": None}])))
 
 
-def test_a_readme_without_its_marks_is_refused() -> None:
+def test_a_page_without_its_marks_is_refused() -> None:
     with pytest.raises(ValueError, match="no marks"):
         with_table("# periph_sim\n", figures(bench()))
 

@@ -20,10 +20,9 @@ if TYPE_CHECKING:
     from .api import make_case, run
     from .core.kernel import SimulationStuck
     from .interfaces.reports.baselines.check import check
-    from .interfaces.reports.baselines.errors import BadCheck
+    from .interfaces.reports.baselines.files import BadCheck
     from .interfaces.reports.baselines.judge import CaseCheck
-    from .interfaces.reports.sweep.columns import Sweep
-    from .interfaces.reports.sweep.sweep import sweep
+    from .interfaces.reports.sweep.sweep import Sweep, sweep
     from .processor.dsp import Dsp
     from .processor.error_origin import FirmwareError
     from .records.cause_trace.why import why
@@ -83,10 +82,9 @@ _HOMES = {
     "records.recording": ("BadRecording",),
     "records.run": ("NotInRun", "Run"),
     "interfaces.reports.baselines.check": ("check",),
-    "interfaces.reports.baselines.errors": ("BadCheck",),
+    "interfaces.reports.baselines.files": ("BadCheck",),
     "interfaces.reports.baselines.judge": ("CaseCheck",),
-    "interfaces.reports.sweep.columns": ("Sweep",),
-    "interfaces.reports.sweep.sweep": ("sweep",),
+    "interfaces.reports.sweep.sweep": ("Sweep", "sweep"),
     "scene.case.json_schema": ("case_schema",),
     "scene.case.load": ("load",),
     "scene.case.model": ("BadCase", "Case"),

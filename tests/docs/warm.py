@@ -39,7 +39,7 @@ sys.exit(int(status) if status else "periph-sim: the server that tests run comma
 # What most commands import only where they need it.
 USED = (
     "periph_sim.interfaces.reports.explain.explain",
-    "periph_sim.interfaces.reports.explain.text_report",
+    "periph_sim.interfaces.reports.explain.chain",
     "numpy.ma",
     "numpy.random",
     "rich.text",

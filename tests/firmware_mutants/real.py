@@ -21,9 +21,9 @@ from typing import Any
 
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.interfaces.reports.baselines.bus_bytes import BusBytes
 from periph_sim.interfaces.reports.baselines.compare import compare
-from periph_sim.interfaces.reports.baselines.figures import Baseline
+from periph_sim.interfaces.reports.baselines.digests import BusBytes
+from periph_sim.interfaces.reports.baselines.files import Baseline
 from periph_sim.interfaces.reports.baselines.outcome import baseline_of
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware

@@ -21,7 +21,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from periph_sim.interfaces.reports.baselines.compare import INSTANTS, compare
-from periph_sim.interfaces.reports.baselines.figures import Baseline
+from periph_sim.interfaces.reports.baselines.files import Baseline
 from periph_sim.interfaces.reports.baselines.outcome import baseline_of
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.interfaces.reports.baselines import path_for
+from periph_sim.interfaces.reports.baselines.files import path_for
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.project import Project, project_of
 

@@ -12,8 +12,9 @@ import msgspec
 
 from ...scene.project import project_of
 from ...traces.formats.atomic_write import atomic_write
-from ..reports.baselines import CaseCheck, RejectedCase
-from ..reports.baselines import check as checked
+from ..reports.baselines.check import check as checked
+from ..reports.baselines.judge import CaseCheck
+from ..reports.baselines.outcome import RejectedCase
 from .command_line import command_line
 from .input_options import GUARANTEED, apart, refuse_guaranteed
 from .json_output import print_json
@@ -90,7 +91,7 @@ def check(
                 on_refused=refused.append,
             )
         if unfinished is not None:
-            from ..reports.baselines.junit import junit
+            from ..reports.baselines.ci_output import junit
 
             unfinished.write_text(junit(checks, refused), encoding="utf-8")
         if unfinished_html is not None:
@@ -108,7 +109,7 @@ def check(
         for one in outside:
             click.echo(f"{one.path.as_posix()}: driven from outside, so not run here")
     if annotations is not None:
-        from ..reports.baselines.annotations import github
+        from ..reports.baselines.ci_output import github
 
         for line in github(checks, refused):
             click.echo(line, err=as_json)  # the service reads both streams; standard output remains one JSON object
@@ -118,7 +119,7 @@ def check(
 
 
 def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) -> dict[str, object]:
-    from ..reports.explain.text_report import as_json
+    from ..reports.explain.chain import as_json
 
     return {
         "verdict": "pass" if passed else "fail",
@@ -145,8 +146,8 @@ def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) 
 def _html(checks: list[CaseCheck], jobs: int | None) -> str:
     """Return the report: each case is run again, for its timelines."""
     from ..reports.baselines.check import workers
-    from ..reports.html import page
     from ..reports.html.gather import report_of_file
+    from ..reports.html.page import page
 
     with workers(jobs, len(checks)) as start:
         waiting = [
@@ -167,7 +168,7 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
 
 
 def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
-    from ..reports.explain.text_report import text
+    from ..reports.explain.chain import text
     from .result_text import budget_table, legend
     from .tables import say, terminal
 

@@ -42,10 +42,10 @@ def profile(
     """
     from ...scene.profiled import profiled
     from ...traces.formats.atomic_write import atomic_write
+    from ..reports.profile.formats import as_json as as_dict
+    from ..reports.profile.formats import speedscope as flame_graph
+    from ..reports.profile.formats import text
     from ..reports.profile.lcov import covered_files, tracefile
-    from ..reports.profile.speedscope import speedscope as flame_graph
-    from ..reports.profile.text_report import as_json as as_dict
-    from ..reports.profile.text_report import text
 
     apart(speedscope=speedscope, lcov=lcov)
     with running_user_code(), ExitStack() as outputs:

@@ -80,7 +80,8 @@ def run(
         chains = _chains(scene, result, length) if explain else {}
         if unfinished is not None:
             from ...timing.values import values_of
-            from ..reports.html import case_report, page
+            from ..reports.html.gather import case_report
+            from ..reports.html.page import page
 
             values = values_of(scene.limits, scene.start)
             per_second = scene.timebase.per_second
@@ -91,7 +92,7 @@ def run(
     else:
         show(terminal(), result, loaded, verbose)
         if chains:
-            from ..reports.explain.text_report import text
+            from ..reports.explain.chain import text
 
             for chain in chains.values():
                 click.echo("\n".join(["", *text(chain)]))
@@ -116,7 +117,7 @@ def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object
     """Return the result as an object; with chains, `chain` in each budget, null without an instant."""
     shown = dataclasses.asdict(result)
     if chains is not None:
-        from ..reports.explain.text_report import as_json
+        from ..reports.explain.chain import as_json
 
         for budget in shown["budgets"]:
             chain = chains.get(budget["name"])

@@ -15,7 +15,7 @@ from .json_output import print_json
 from .usage_error import running_user_code
 
 if TYPE_CHECKING:
-    from ..reports.sweep import BudgetColumns, Sweep
+    from ..reports.sweep.sweep import BudgetColumns, Sweep
     from .tables import PlainTable
 
 SECTION = "run"
@@ -54,8 +54,8 @@ def sweep(
     """
     from ...scene.case.model import BadCase
     from ...traces.formats.atomic_write import atomic_write
-    from ..reports.sweep import SweepStopped
-    from ..reports.sweep import sweep as swept
+    from ..reports.sweep.sweep import SweepStopped
+    from ..reports.sweep.sweep import sweep as swept
     from .progress import progress
     from .watched_files import note_inputs
 
@@ -96,7 +96,7 @@ def _parts(option: str, change: str) -> tuple[str, str]:
 
 
 def _varied(vary: tuple[str, ...]) -> dict[str, list[str]]:
-    from ..reports.sweep.values import values_of
+    from ..reports.sweep.plan import values_of
 
     found: dict[str, list[str]] = {}
     for text in vary:

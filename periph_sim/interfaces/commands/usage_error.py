@@ -9,7 +9,7 @@ import click
 
 # Errors caused by input, by name: a command that cannot raise one need not import it.
 MISTAKES = {
-    "periph_sim.interfaces.reports.baselines.errors.BadCheck",
+    "periph_sim.interfaces.reports.baselines.files.BadCheck",
     "periph_sim.scene.case.model.BadCase",
     "periph_sim.core.input_error.InputError",
     "periph_sim.core.kernel.SimulationStuck",

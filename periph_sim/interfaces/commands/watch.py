@@ -57,8 +57,7 @@ def _watch(case: Path, changes: tuple[str, ...]) -> None:
 def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome | None:
     """Print a run; return the outcome to compare the next one with."""
     from ..reports.baselines.compare import compare
-    from ..reports.baselines.errors import BadCheck
-    from ..reports.baselines.files import path_for, read
+    from ..reports.baselines.files import BadCheck, path_for, read
     from ..reports.baselines.outcome import RejectedCase
     from .result_text import broken_lines, budget_table, title
     from .tables import say, terminal

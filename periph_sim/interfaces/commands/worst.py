@@ -58,7 +58,7 @@ def worst(
         if svg is not None:
             _write(svg, found)
     if as_json:
-        from ..reports.explain.text_report import as_json as chain_as_json
+        from ..reports.explain.chain import as_json as chain_as_json
 
         chains = {
             verdict.name: chain_as_json(found[verdict.name].chain) for verdict in verdicts if verdict.name in found
@@ -80,8 +80,8 @@ def _known(name: str, names: list[str], case: Path) -> None:
 
 def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
     """Return chain and picture; one line if there is no instant."""
+    from ..reports.explain.chain import text
     from ..reports.explain.picture import text_picture
-    from ..reports.explain.text_report import text
 
     if one is None:
         nothing = verdict.found or "nothing was measured"

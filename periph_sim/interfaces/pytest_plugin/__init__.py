@@ -11,21 +11,26 @@ boards and numpy are imported with the first case. `-p no:periph-sim` turns it o
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Generator, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
-from .keys import CASES, MARKER, current
-
 if TYPE_CHECKING:
+    from ...supervisor import Completion
     from .fixtures import SceneFactory
     from .runs import Run
 
 
+CASES = "periph_sim_cases"
+MARKER = (
+    "case(file, *changes, seconds=None, record=False): "
+    "the case that fixture case_run runs, with KEY=VALUE changes as for periph-sim run --set"
+)
+current: pytest.StashKey[pytest.Item] = pytest.StashKey()
 _in_tests: list[pytest.Item] = []  # running now; several if a test runs its own session
+_completion: Completion | None = None  # of the session running in this process
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -44,11 +49,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]:
-    """Start the separate process of a session with cases (whole_session.py) before its conftest.py."""
+    """Start the separate process of a session with cases before its conftest.py."""
     if not _in_tests and early_config.getini(CASES) and "PYTEST_XDIST_WORKER" not in os.environ:
-        from .whole_session import begin
-
-        begin(early_config)
+        _begin(early_config)
     return (yield)
 
 
@@ -58,24 +61,16 @@ def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, in
     if _in_tests:
         return (yield)
     if config.getini(CASES):
-        from .whole_session import begin
-
-        begin(config)
+        _begin(config)
     status = yield
-    if f"{__name__}.whole_session" in sys.modules:  # it was started
-        from .whole_session import end
-
-        return end(int(status or 0))
-    return status
+    return status if _completion is None else _end(_completion, int(status or 0))
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> Iterator[None]:
     """Start the session's separate process also if a collected test uses runs."""
     if not _in_tests and asks_for_runs(session.items):
-        from .whole_session import begin
-
-        begin(session.config)
+        _begin(session.config)
     return (yield)
 
 
@@ -135,3 +130,29 @@ def asks_for_runs(items: Iterable[pytest.Item]) -> bool:
             if any(one.func.__module__ == __name__ for one in known.get(name, ())):
                 return True
     return False
+
+
+def _begin(config: pytest.Config) -> None:
+    """Continue the session in a child process that this one waits for, unless already done.
+
+    Firmware that ends its process, by `os._exit(0)` for instance, would end the session with status 0: all tests
+    passed. Such a session then has status 3, pytest's own for an internal error. A worker of pytest-xdist needs no
+    such process: its session fails if it ends.
+    """
+    global _completion
+    from ...supervisor import can_fork, split
+
+    if _completion is None and can_fork and not hasattr(config, "workerinput"):
+        _completion = split("pytest", strict=False)
+
+
+def _end(completion: Completion, status: int) -> int:
+    """Report a session as complete and return its exit status; 3 instead of 0 if its output may be lost."""
+    global _completion
+    from ...supervisor import NO_VERDICT
+
+    if status == 0 and completion.flaw():
+        return NO_VERDICT
+    completion.complete(status)
+    _completion = None
+    return status

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 
 from ...core.text_table import text_table
 from ...timing.verdict import Verdict, figure, instant, limit
-from ..reports.explain.chain import Chain
+from ..reports.explain.chain import Chain, text
 from ..reports.explain.picture import text_picture
-from ..reports.explain.text_report import text
 from ..reports.explain.window import Window
 
 if TYPE_CHECKING:

@@ -27,8 +27,7 @@ from ...timing.verdict import NOTHING_PROVEN, Verdict
 from ...traces.capture.capture import Capture
 from ...traces.formats.record_table import Columns, RecordTable
 from ..reports.explain.chain import Chain
-from ..reports.explain.explain import explain
-from ..reports.explain.occurrence import chain_of
+from ..reports.explain.explain import chain_of, explain
 from ..reports.explain.window import Window, windows_of_edges, windows_of_table
 
 OnJudged = Callable[["Run", Sequence[Verdict]], None]

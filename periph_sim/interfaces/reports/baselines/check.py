@@ -21,10 +21,8 @@ from typing import Protocol, TypeVar, TypeVarTuple
 from ....scene.case.discover import cases_below
 from ..processes import end_workers, processes
 from .compare import Change, compare, explain, moved_accesses
-from .errors import BadCheck
 from .event_chain import EventLine, Wanted
-from .figures import Baseline, Figures
-from .files import path_for, read, text_of, write_all
+from .files import BadCheck, Baseline, Figures, path_for, read, text_of, write_all
 from .judge import CaseCheck, State, judge
 from .outcome import Chains, Outcome, RejectedCase, occurrence, run_case, run_chains, run_explained
 

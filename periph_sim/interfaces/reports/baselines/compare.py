@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from .bus_bytes import PART
+from .digests import PART
 from .event_chain import EventLine, first_divergence, first_moved
-from .figures import Baseline, Figures
+from .files import Baseline, Figures
 
 NOTES = ("events", "polls_skipped")
 EARLIER = ("byte_level", "sci_frames", "sci_frames_passed")  # counts of the simulation that only earlier versions wrote

@@ -23,11 +23,9 @@ from ....timing.values import Values, values_of
 from ....timing.verdict import Verdict
 from ..explain.chain import Chain
 from ..explain.explain import explain
-from .bus_bytes import BusBytes
-from .errors import BadCheck
+from .digests import BusBytes, EventDigest
 from .event_chain import EventLine, Wanted, chains
-from .event_digest import EventDigest
-from .figures import Baseline, Figures
+from .files import BadCheck, Baseline, Figures
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
 

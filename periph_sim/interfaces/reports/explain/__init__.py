@@ -8,15 +8,16 @@ evidence    the same by subject: phases on the bus, accesses, flags, CPU activit
   |
 ends        the records at the two ends, found by what the measure looks at         (`Ends`)
   |
-places      the time from end to end by place: bus, party that holds SCL, hardware, firmware
 findings    what the records around an instant show
   |
-occurrence  the steps, with the causes of both ends, and the parts                  (`Chain`)
+explain     the steps, with the causes of both ends, and the parts: the time from end to end by place: bus, party that
+            holds SCL, hardware, firmware
   |
-text_report, picture; reports/html   for people; `Chain` as JSON for programs
+chain       the explanation as data, as text and as JSON                            (`Chain`)
+picture, reports/html    pictures of it
 
 No module here knows a kind of budget: a new measure is explained by the records that it looks at. Two expectations are
-in the case and not in a record: the text of a reply (`reply_evidence`) and the edges of a watched wire.
+in the case and not in a record: the text of a reply and the edges of a watched wire.
 """
 
 from __future__ import annotations

@@ -1,6 +1,17 @@
 """The explanation of each budget's worst occurrence: from its Window to a Chain.
 
 case, verdicts, typical ones --> windows --> a Chain each, beside that of the typical one
+
+A Chain follows from the records of a window and not from the kind of the budget:
+
+end record --causes--> ... --> begin record                    steps
+begin |-- firmware --|-- SCL held --|-- hardware --| end       parts, which add up to its length
+an instant                                                     what the records around it show (`findings`)
+
+parts if both ends are on the bus     bits of each transfer | SCL held low by a party | bus free
+else, from the end back               module or line | the firmware, from the access that caused it to the begin
+
+The firmware's part is divided by its activity (`cpu_activity`): spans, service routines, waits, other code.
 """
 
 from __future__ import annotations
@@ -9,15 +20,248 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from ....core.records import Kind, Record
+from ....records.record_text import happened
 from ....scene.case.model import Case
 from ....scene.firmware_loader import Firmware
 from ....timing.budget_schema import REPLY
+from ....timing.measures.watched_wire import WatchedWire
 from ....timing.verdict import Verdict
 from ....traces.capture.capture import Span
 from ....traces.drawing.capture_lanes import bit_of
-from .chain import Chain, difference
-from .occurrence import chain_of
+from .chain import Chain, Part, Step, difference, parts_of
+from .cpu_activity import Stretch
+from .ends import DERIVED_FROM, Ends
+from .evidence import IN_FIRMWARE, ON_WIRES, Evidence, in_order
+from .fault_evidence import is_master, waited_for, wrong_characters
+from .findings import FINDINGS, PROMPT, answered, asked, awaited, held, transfers
 from .window import BIT, Window, is_late, windows
+
+
+def places(evidence: Evidence, ends: Ends) -> list[Stretch]:
+    """Return the stretches of an occurrence, which add up to its length."""
+    begin, end = evidence.window.begin, evidence.window.end
+    if ends.on_the_bus:
+        return _of_bus(evidence, begin, end)
+    cause = None if ends.end is None else reached(evidence, ends.end)
+    if cause is None:
+        return evidence.timeline(begin, end)
+    since = max(begin, min(cause.tick, end))
+    what = f"hardware, after {happened(cause).partition(',')[0]}"
+    place = cause.text if cause.kind in IN_FIRMWARE else ""
+    hardware = [Stretch(since, end, "hardware", what, place, since)] if since < end else []
+    return [*evidence.timeline(begin, since), *hardware]
+
+
+def reached(evidence: Evidence, record: Record) -> Record | None:
+    """Return the first record of the firmware, or at or before the begin, among a record and its causes.
+
+    None if the causes lead to neither.
+    """
+    for cause, link in evidence.walk(record):
+        if not link.aside and (cause.kind in IN_FIRMWARE or cause.tick <= evidence.window.begin):
+            return cause
+    return None
+
+
+def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
+    """Divide a time of the bus into bits of each transfer, holds of SCL, and the times between transfers."""
+    found: list[Stretch] = []
+    at = begin
+    for phase in evidence.phases:
+        since, until = max(phase.begin, at), min(phase.end, end)
+        if until <= since:
+            continue
+        found += _free(evidence, at, since, "bus free between two transfers" if at > begin else "START held up")
+        at = since
+        for let_go, rise in evidence.stretches(since, until):
+            found += _bus_stretch(at, let_go, f"bits of {phase.name or phase}", phase.begin)
+            found += _held_for(evidence, let_go, rise)
+            at = rise
+        found += _bus_stretch(at, until, f"bits of {phase.name or phase}", phase.begin)
+        at = until
+    return [*found, *_free(evidence, at, end, "bus free")]
+
+
+def _bus_stretch(begin: int, end: int, what: str, since: int) -> list[Stretch]:
+    return [Stretch(begin, end, "bus", what, "", since)] if begin < end else []
+
+
+def _held_for(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
+    """Return the activity of the unit that holds SCL low, or the device that does."""
+    holder = evidence.holder_at(end - 1)
+    if holder in evidence.case.unit:
+        return evidence.for_unit(holder).timeline(begin, end)
+    return _bus_stretch(begin, end, f"SCL held low by {holder}", begin)
+
+
+def _free(evidence: Evidence, begin: int, end: int, what: str) -> list[Stretch]:
+    """Return the time of a free bus: the activity of the unit that is its master, if one is."""
+    if begin < end and is_master(evidence, end):
+        return evidence.timeline(begin, end)
+    return _bus_stretch(begin, end, what, begin)
+
+
+WRITES = 6  # writes in between that are listed
+
+
+def chain_of(case: Case, window: Window) -> Chain:
+    """Return the Chain of a window."""
+    evidence = Evidence(window, case)
+    ends = Ends.of(evidence)
+    evidence = evidence.for_unit(ends.unit(case) or evidence.unit)
+    if window.verdict.unit == "%":
+        return _share(evidence)
+    if window.begin == window.end or isinstance(ends.measure, WatchedWire):
+        return _instant(evidence, ends)
+    steps = _on_the_bus(evidence, ends) if ends.on_the_bus else _between(evidence, ends)
+    request, wrong = wrong_characters(evidence)
+    blame = Part("code", wrong[0].what, 0, 1, wrong[0].place) if wrong else None
+    again = {(step.at, step.place) for step in wrong}
+    steps = [step for step in steps if (step.at, step.place) not in again]
+    stretches = [] if _between_rounds(evidence, ends) else places(evidence, ends)
+    return evidence.chain(in_order(request, steps, wrong), parts_of(stretches), blame)
+
+
+def _between(evidence: Evidence, ends: Ends) -> list[Step]:
+    """Return steps of both ends with their causes, and of the firmware's activity between them.
+
+    If the causes of the end do not lead to the firmware, its writes and waits are left out.
+    """
+    begin, end = evidence.window.begin, evidence.window.end
+    if ends.end is not None and reached(evidence, ends.end) is None:
+        unknown = evidence.say(end, f"{evidence.named(ends.end)}, whose cause is not recorded")
+        ours = [evidence.step(ends.begin)] if ends.begin is not None else []
+        return [*ours, unknown, *_older(evidence, ends), *evidence.story(begin, end, waits=False)]
+    story = evidence.story(begin, end)
+    steps: list[Step] = []
+    for record in (ends.begin, ends.end):
+        if record is not None:
+            own = evidence.step(record)
+            listed = record.value == 1 and any((one.at, one.place) == (own.at, own.place) for one in story)
+            came = [step for step in evidence.causes(record, begin) if step.at not in {early.at for early in steps}]
+            steps += came if listed else [*came, own]
+    return [*steps, *_older(evidence, ends), *story, *_writes(evidence), *_blocked(evidence, ends)]
+
+
+def _older(evidence: Evidence, ends: Ends) -> list[Step]:
+    """Return steps of earlier reads of the device whose read ends the time, if that is the age of its data."""
+    begin, end = evidence.window.begin, evidence.window.end
+    read = next((p for p in evidence.phases if p.begin == end), None)
+    if read is None or Kind.DATA not in ends.kinds:
+        return []
+    older = [p for p in evidence.phases if p.begin < end and p.end > begin and p.read and p.address == read.address]
+    return [evidence.say(p.begin, f"{p}, with older data", p.end - p.begin) for p in older]
+
+
+def _writes(evidence: Evidence) -> list[Step]:
+    """Return steps of the first writes between the ends."""
+    found = evidence.window.between(evidence.window.begin, evidence.window.end - 1, Kind.ACCESS)
+    return [evidence.step(r) for r in found if r.where == evidence.unit and r.what[0] == "W"][:WRITES]
+
+
+def _blocked(evidence: Evidence, ends: Ends) -> list[Step]:
+    """Return a step for an interrupt that was not served at once though no other routine was."""
+    begin, end = evidence.window.begin, evidence.window.end
+    kinds = [None if record is None else record.kind for record in (ends.begin, ends.end)]
+    prompt = end - begin < evidence.window.timebase.ticks(PROMPT, "nearest")
+    served = any(one.doing == "interrupt" for one in evidence.timeline(begin, end))
+    if kinds != [Kind.FLAG, Kind.IRQ] or prompt or served:
+        return []
+    return [evidence.say(begin, "the CPU does not take it, and no other routine is served: interrupts are off")]
+
+
+def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
+    """Return steps of the transfers of a time of the bus, and of holds of SCL with what ended the last one.
+
+    A time between rounds that is too short is explained by the round before it.
+    """
+    begin, end = evidence.window.begin, evidence.window.end
+    between = _between_rounds(evidence, ends)
+    since, until = (end - evidence.period, begin) if between else (begin, end)
+    made = [] if between or ends.end is None else _of_firmware(evidence, ends.end, begin)
+    phase = evidence.phase_at(begin)
+    if phase is None or between or phase.end < end:
+        steps = transfers(evidence, since, until)
+    else:
+        steps = [*asked(evidence, phase, end), *(made or answered(evidence, phase, end))]
+    if Kind.ROUND in ends.kinds and not any(p.begin == since for p in evidence.phases):
+        steps.append(evidence.say(since, "a round is due"))
+    if between:
+        steps.append(evidence.say(end, "the next round is due"))
+    steps += [*held(evidence, since, until), *evidence.story(since, until, waits=False)]
+    if ends.begin is not None:
+        steps += _of_firmware(evidence, ends.begin, begin)
+        steps += [evidence.step(ends.begin)] if ends.begin.kind is Kind.EDGE else []
+    last = ends.begin if between else ends.end
+    if last is not None:
+        steps += [*made, evidence.step(last)]
+    elif evidence.low_since("SCL", end) is not None:
+        steps += [*_stopped(evidence, end), evidence.say(end, "SCL is still low: the run ends")]
+    return steps
+
+
+def _stopped(evidence: Evidence, end: int) -> list[Step]:
+    """Return steps of a wait that goes on, of the firmware's last access before it, and of what that saw."""
+    wait = waited_for(evidence, end)
+    since = evidence.window.begin + wait[0].at if wait else end
+    accesses = [r for r in evidence.window.records if r.kind is Kind.ACCESS and r.where == evidence.unit]
+    last = next((r for r in reversed(accesses) if r.tick < since), None)
+    return wait if last is None else [*wait, *evidence.causes(last, since), evidence.step(last)]
+
+
+def _between_rounds(evidence: Evidence, ends: Ends) -> bool:
+    return Kind.ROUND in ends.kinds and evidence.window.verdict.too_little
+
+
+def _of_firmware(evidence: Evidence, record: Record, since: int) -> list[Step]:
+    """Return the causes of a record of the bus, back to the phase of a tick, if an access of the firmware made it.
+
+    If SCL was held low until the record, the step of the access says for how long.
+    """
+    made_by = next((cause for cause, _ in evidence.walk(record) if cause.kind not in ON_WIRES), None)
+    if made_by is None or made_by.kind is not Kind.ACCESS:
+        return []
+    phase = evidence.phase_at(since)
+    first = since if phase is None else phase.begin
+    steps = evidence.causes(record, first)
+    for let_go, rise in evidence.stretches(first, record.tick):
+        if let_go < made_by.tick <= rise == record.tick:
+            own = awaited(evidence, made_by, let_go)
+            steps = [own if (step.at, step.place) == (own.at, own.place) else step for step in steps]
+    return steps
+
+
+def _instant(evidence: Evidence, ends: Ends) -> Chain:
+    """Explain an instant by what the records around it show, its causes, and the firmware's activity."""
+    at = evidence.window.begin
+    found = [finding(evidence, ends) for finding in FINDINGS]
+    now = evidence.doing_step(at)
+    own: Part | None = None
+    steps = [step for one in found for step in one.steps]
+    if ends.begin is not None and not ends.kinds & DERIVED_FROM.keys() and not (steps and ends.begin.kind is Kind.BUS):
+        step = evidence.step(ends.begin)
+        own = None if step.place is None else Part("code", step.what, 0, 1, step.place)
+        now = step if ends.begin.kind is Kind.SPAN and ends.begin.value else now
+        steps += [*evidence.causes(ends.begin, at), step]
+    of_phase = bool(ends.kinds & DERIVED_FROM.keys()) and any(phase.begin == at for phase in evidence.phases)
+    if not of_phase and not any(step.what.startswith(f"{evidence.unit}: ") for step in steps):
+        steps.append(now)
+    blame = next((one.blame for one in found if one.blame is not None), None)
+    doing = None if of_phase else evidence.blame_at(at)
+    return evidence.chain(in_order(steps), (), own or blame or doing)
+
+
+def _share(evidence: Evidence) -> Chain:
+    """Explain a share of the time, a property of the whole run, by the firmware's activity in its last part."""
+    span = evidence.window.kept[-1]
+    parts = parts_of(evidence.timeline(span.begin, span.end - 1))
+    shares = f"the last {evidence.span(span.end - 1 - span.begin)} of the run: " + ", ".join(
+        f"{part} {evidence.span(part.length)}" for part in parts
+    )
+    blame = next((part for part in parts if part.doing in ("interrupt", "span")), None)
+    return evidence.chain((evidence.say(span.begin, shares, span.end - 1 - span.begin),), (), blame)
+
 
 REACH = 70  # bits: maximum extension of a picture towards the evidence, so that bytes remain distinguishable
 

@@ -4,17 +4,27 @@ byte on the bus --> the write of I2CDXR it came from, possibly for another read;
 NACK of an address --> the write of I2COAR, the IRS = 0, or the missing write; of a byte --> the NACKMOD = 1
 wait ended in a transfer by a flag from before it --> the flag's rise
 RSFULL --> I2CDRR that was not read
+read of a memory --> each byte's word address, and the last write to it among the transfers kept
+notes of the device, broken duties --> the last one before the end of the read; it is the cause if it
+                                       names a word of the read, or if the words are unknown
+reply on the serial line --> its request, and the writes of characters that are not the expected ones
+                             (the expected text is in the case, not recorded)
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from ....core.records import Kind, Record
+from ....devices.targets import eeprom
 from ....f28335.gpio.register_map import control_register
 from ....f28335.i2c.descriptor import I2C_A
 from ....records.record_text import bus_byte, happened
-from .chain import Step
+from ....scene.case.serial import ExpectTable, SerialTable
+from ....scene.serial.content import content_of
+from ....timing.budget_schema import REPLY
+from .chain import Part, Step
 from .cpu_activity import phrase
 from .evidence import Evidence, RecordedPhase, in_time
 
@@ -179,3 +189,173 @@ def maker(evidence: Evidence, change: Record) -> Record | None:
     return next(
         (r for r in there if r.number == change.cause and r.kind is Kind.ACCESS and r.tick == change.tick), None
     )
+
+
+WORD = re.compile(r"0x[0-9a-f]{4}\b")  # a word address in a note
+
+
+def sender(evidence: Evidence, phase: RecordedPhase) -> str:
+    """Return the device that sends the bytes of a read to the unit; "" if a unit sends them."""
+    if not phase.read or not is_master(evidence, phase.begin) or any(_answers(evidence, phase)):
+        return ""
+    return evidence.device_at(phase.address) or phase.name or f"the device at 0x{phase.address:02X}"
+
+
+def answering(evidence: Evidence, phase: RecordedPhase) -> Evidence:
+    """Return the evidence about the unit that answers a read."""
+    return next(_answers(evidence, phase), evidence)
+
+
+def _answers(evidence: Evidence, phase: RecordedPhase) -> Iterator[Evidence]:
+    """Yield the other units whose own address is that of a phase, if no device has it."""
+    if evidence.device_at(phase.address):
+        return
+    for unit in evidence.case.unit:
+        other = evidence.for_unit(unit)
+        own = other.accesses(0, phase.begin, "W", I2C, "I2COAR")
+        if unit != evidence.unit and own and own[-1].value == phase.address:
+            yield other
+
+
+def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
+    """Return a step for each byte of a read of a device: the memory's word, and when it was written, if known."""
+    who = sender(evidence, phase)
+    first = first_word(evidence, phase)
+    memory = _part(evidence, phase)
+    written = dict(_writes(evidence, phase)) if memory is not None else {}
+    steps = []
+    for number, byte in enumerate(phase.data):
+        said = f"byte {number + 1}: {bus_byte(byte)}, sent by {who}"
+        if memory is not None and first is not None:
+            word = (first + number) % memory.size
+            said += f" from {word:#06x}"
+            if word in written:
+                write = written[word]
+                said += f", last written 0x{write.value >> 1:02X}, {evidence.span(byte.tick - write.tick)} before"
+        steps.append(evidence.say(byte.tick, said))
+    return steps
+
+
+def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step], Part | None]:
+    """Return the last duty noted as broken by a read's device up to its end, and the cause, if it is one."""
+    who = sender(evidence, phase)
+    there = (*evidence.window.before, *evidence.window.records)
+    notes = [r for r in there if r.kind is Kind.NOTE and (r.where, r.what) == (who, "duty") and r.tick <= phase.end]
+    if not notes:
+        return [], None
+    note = max(notes, key=lambda r: r.tick)
+    text = f"{who}: {note.text.rpartition(' [')[0]}"
+    first = first_word(evidence, phase)
+    named = [int(word, 16) for word in WORD.findall(note.text)]
+    concerns = first is None or not named or any(first <= word < first + len(phase.data) for word in named)
+    return [evidence.say(note.tick, text)], Part("code", text, 0) if concerns else None
+
+
+def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
+    """Return the memory that is read; None for another device."""
+    table = evidence.case.device.get(evidence.device_at(phase.address))
+    if table is None or table.model not in eeprom.MODELS:
+        return None
+    part = eeprom.part_of(table.model)
+    return part._replace(page=table.own.get("page") or part.page)
+
+
+def first_word(evidence: Evidence, phase: RecordedPhase) -> int | None:
+    """Return the word address of a read's first byte, if the write before it set it; else None."""
+    memory = _part(evidence, phase)
+    before = max((p for p in evidence.phases if p.end <= phase.begin), key=lambda p: p.begin, default=None)
+    if memory is None or before is None or before.read or before.address != phase.address:
+        return None
+    return _pointer(memory, before) if len(before.data) == memory.word else None
+
+
+def _pointer(memory: eeprom.Part, phase: RecordedPhase) -> int:
+    block = phase.address & memory.blocks - 1
+    word = int.from_bytes(bytes(byte.value >> 1 & 0xFF for byte in phase.data[: memory.word]), "big")
+    return ((block << 8 if memory.word == 1 else 0) + word) % memory.size
+
+
+def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Record]]:
+    """Yield (word, byte on the bus) of every write to a memory before a read, wrapping at the end of a page."""
+    memory = _part(evidence, read)
+    if memory is None:
+        return
+    who = evidence.device_at(read.address)
+    for phase in evidence.phases:
+        ours = phase.end <= read.begin and not phase.read and evidence.device_at(phase.address) == who
+        if not ours or not phase.acked or len(phase.data) <= memory.word:
+            continue
+        first = _pointer(memory, phase)
+        page = first & -memory.page
+        for number, byte in enumerate(phase.data[memory.word :]):
+            yield page | first + number & memory.page - 1, byte
+
+
+MOST_CHARACTERS = 8  # wrong characters listed
+
+
+def wrong_characters(evidence: Evidence) -> tuple[list[Step], list[Step]]:
+    """Return steps of what asks for a reply, and of the writes of the reply's wrong characters."""
+    window = evidence.window
+    if not window.verdict.measure.startswith(REPLY):
+        return [], []
+    asked = _asked(evidence)
+    last = [evidence.say(r.tick, f"{r.where}: the last character of what asks for it") for r in asked[-1:]]
+    return last, _wrong(evidence, asked) if window.verdict.until_s is not None else []
+
+
+def _asked(evidence: Evidence) -> list[Record]:
+    """Return the begins of frames on the request's line, up to the one that ended when the reply's time began."""
+    window = evidence.window
+    slip = window.timebase.per_second // 10**7
+    frames = [r for r in window.records if r.kind is Kind.FRAME]
+    last = next((r for r in frames if r.what == "end" and abs(r.tick - window.begin) <= slip), None)
+    if last is None:
+        return []
+    return [r for r in frames if r.what == "begin" and r.where == last.where and r.tick < last.tick]
+
+
+def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
+    """Return the writes of characters other than expected at their places; none if their places are unknown."""
+    serial = evidence.case.serial
+    assert serial is not None
+    name = evidence.window.verdict.measure.removeprefix(REPLY)
+    number, table = next((n, one) for n, one in enumerate(serial.expect) if one.name == name)
+    since = _since(evidence, serial, table, asked)
+    if since is None or table.anywhere:
+        return []
+    bits = serial.form(table).bits
+    expected = content_of(evidence.case, table, bits, "serial", "expect", number)
+    steps = []
+    for at, write in enumerate(_written(evidence, table.from_, since)):
+        wanted = expected[at] if at < len(expected) else None
+        if write.value & (1 << bits) - 1 != wanted:
+            right = "" if wanted is None else f", not {wanted:#04x}"
+            what = f"SCITXBUF written, {write.value & 0xFF:#04x}: character {at} of the reply{right}"
+            steps.append(evidence.step(write, f"{write.where}: {what}"))
+    return steps[:MOST_CHARACTERS]
+
+
+def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: list[Record]) -> int | None:
+    """Return the tick from which characters belong to the reply; None if the window does not contain it."""
+    if table.after_send is None:
+        return evidence.window.begin
+    number, send = next((n, s) for n, s in enumerate(serial.send) if table.after_send in (s.name, f"send {n}"))
+    count = len(content_of(evidence.case, send, serial.form(send).bits, "serial", "send", number))
+    count += send.address is not None
+    if 0 < count <= len(asked):
+        return asked[-count].tick
+    kept, begin = evidence.window.kept[0].begin, evidence.window.begin
+    early = len(_written(evidence, table.from_, kept)) > len(_written(evidence, table.from_, begin))
+    return None if early else begin
+
+
+def _written(evidence: Evidence, source: str, since: int) -> list[Record]:
+    """Return the writes of SCITXBUF for the frames up to the end of the occurrence, in order."""
+    unit, _, module = source.rpartition(".")
+    found = []
+    for frame in evidence.window.between(since, evidence.window.end - 1, Kind.FRAME):
+        if frame.what == "begin":
+            causes = (cause for cause, _ in evidence.walk(frame, 2))
+            found += [r for r in causes if r.what == f"W {module}.SCITXBUF" and unit in ("", r.where)]
+    return found

@@ -16,17 +16,20 @@ from typing import NamedTuple
 from ....core.records import Kind, Record
 from ....records.record_text import bus_byte, happened, on_the_bus
 from .chain import Part, Step
-from .device_evidence import answering, bytes_of_device, note_of_device, sender
 from .ends import Ends, looks_at
 from .evidence import Evidence, RecordedPhase, in_time
 from .fault_evidence import (
     I2C,
     ONES,
+    answering,
+    bytes_of_device,
     bytes_sent,
     is_master,
     missing_condition,
+    note_of_device,
     own_address,
     refusing,
+    sender,
     stale,
     unread,
     waited_for,

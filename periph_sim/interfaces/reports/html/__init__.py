@@ -6,11 +6,3 @@
 
 Equal runs give equal text, except the wall time in elements of class `wall`.
 """
-
-from __future__ import annotations
-
-from .gather import case_report
-from .model import BudgetReport, CaseReport
-from .page import page
-
-__all__ = ["BudgetReport", "CaseReport", "case_report", "page"]

@@ -1,11 +1,19 @@
-"""The distribution of measured values: bins with counts, limits and quantiles.
+"""The distribution of a budget's values, and its plot.
 
 Bins have equal width and begin at whole multiples of it, so the bins of two runs coincide.
+
+    counts   |    _        :            :
+    (log)    |  _| |_      :      //    :
+             |_|_____|_____v______//____:__
+              least ... worst         limit far off, after a break of the axis
+
+Counts are drawn on a logarithmic scale, so a single outlier is visible.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import ceil, floor, log10
 
 import numpy as np
 
@@ -79,12 +87,185 @@ def _width(spread: int, grain: int) -> int:
 def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
     """Return the unit to show, its size in units of the values, and the minimum bin width."""
     if unit == "time":
-        return *_unit(largest, per_ns), per_ns
+        return *_unit_for(largest, per_ns), per_ns
     if unit == "LSB":
         return unit, MILLIONTHS, MILLIONTHS // 1000
     return unit, 1, 1
 
 
-def _unit(largest: int, per_ns: int) -> tuple[str, int]:
+def _unit_for(largest: int, per_ns: int) -> tuple[str, int]:
     """Return the unit in which `largest` ticks are below 1000, and its ticks."""
     return next(((unit, ns * per_ns) for unit, ns in UNITS if largest < 1000 * ns * per_ns), ("s", 10**9 * per_ns))
+
+
+WIDTH, HEIGHT = 560, 244
+LEFT, RIGHT, TOP, BOTTOM = 46, 18, 58, 40
+BREAK = 78  # width of the part after a break
+REACH = 1.5  # a limit is on scale up to this many widths of the values
+ROWS = 2  # number of rows for the texts of limits
+CHARACTER = 6.6  # width of a character, in units of the drawing
+LEAST = 24  # minimum bins of the axis, so a single value is a narrow bar
+
+
+@dataclass(frozen=True)
+class Bar:
+    x: float
+    y: float
+    width: float
+    height: float
+    says: str
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A vertical line with its text. anchor: alignment of the text at the line. row: row of the text, from below."""
+
+    x: float
+    text: str
+    anchor: str
+    row: int = 0
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Layout of the plot, in units of the drawing.
+
+    width, height: the size of the drawing.
+    left, right, top, bottom: the edges of the box that the axes enclose.
+    """
+
+    bars: tuple[Bar, ...]
+    limits: tuple[Rule, ...]
+    worst: Rule
+    across: tuple[tuple[float, str], ...]
+    up: tuple[tuple[float, str], ...]
+    breaks: tuple[float, ...]
+    unit: str
+    summary: str
+    left: float = LEFT
+    right: float = WIDTH - RIGHT
+    top: float = TOP
+    bottom: float = HEIGHT - BOTTOM
+    width: int = WIDTH
+    height: int = HEIGHT
+
+
+def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
+    """Lay out a distribution. least_is_worst: the nearest limit is a `min`, so the least value is marked."""
+    scale = _Scale(spread)
+    bottom = HEIGHT - BOTTOM
+    most = max(max(one.count for one in spread.bins), 9)
+
+    def rise(count: int) -> float:
+        return round((bottom - TOP) * log10(1 + count) / log10(1 + most), 2)
+
+    marked = spread.least if least_is_worst else spread.worst
+    return Plot(
+        bars=tuple(scale.bar(one, bottom, rise(one.count)) for one in spread.bins),
+        limits=_rules(spread, scale),
+        worst=_rule(scale.place(marked), _with_unit("least" if least_is_worst else "worst", marked, spread.unit)),
+        across=scale.across(),
+        up=tuple((bottom - rise(count), f"{count}") for count in _rises(most)),
+        breaks=scale.breaks,
+        unit=spread.unit,
+        summary=_summary(spread),
+    )
+
+
+class _Scale:
+    """The horizontal scale of the drawing."""
+
+    def __init__(self, spread: Distribution) -> None:
+        self._spread = spread
+        self._shift = 0.5 if spread.counted else 0.0  # the bin of a count is centred on it
+        low, high = spread.bins[0].begin - self._shift, spread.bins[-1].end - self._shift
+        lacking = LEAST * (spread.bins[0].end - spread.bins[0].begin) - (high - low)
+        if lacking > 0:
+            low, high = low - lacking / 2, high + lacking / 2
+        near = [v for _, v in spread.limits if low - REACH * (high - low) <= v <= high + REACH * (high - low)]
+        begin, end = min([low, *near]), max([high, *near])
+        room = 0.04 * (end - begin)
+        self.begin = begin - room if spread.least < 0 else max(begin - room, -self._shift)
+        self.end = end + room
+        under = any(value < self.begin for _, value in spread.limits)
+        over = any(value > self.end for _, value in spread.limits)
+        self._left, self._right = LEFT + BREAK * under, WIDTH - RIGHT - BREAK * over
+        self.breaks = (
+            *((LEFT + 2 * BREAK / 3,) if under else ()),
+            *((WIDTH - RIGHT - 2 * BREAK / 3,) if over else ()),
+        )
+
+    def place(self, value: float) -> float:
+        """Return the x position; off-scale values are after the break."""
+        if value < self.begin:
+            return LEFT + BREAK / 3
+        if value > self.end:
+            return WIDTH - RIGHT - BREAK / 3
+        return round(self._left + (self._right - self._left) * (value - self.begin) / (self.end - self.begin), 2)
+
+    def bar(self, one: Bin, bottom: float, height: float) -> Bar:
+        x, right = self.place(one.begin - self._shift), self.place(one.end - self._shift)
+        alone = self._spread.counted and one.end - one.begin == 1
+        values = number(one.begin) if alone else f"{number(one.begin)} to {number(one.end)}"
+        says = f"{values} {self._spread.unit}".rstrip() + f": {_times(one.count)}"
+        return Bar(x, round(bottom - height, 2), max(round(right - x - 0.6, 2), 1), height, says)
+
+    def across(self) -> tuple[tuple[float, str], ...]:
+        step = nice_step(self.end - self.begin, 5 if self.breaks else 6)
+        step = max(step, 1) if self._spread.counted else step
+        first, last = ceil(self.begin / step), floor(self.end / step)
+        return tuple((self.place(n * step), number(n * step, step)) for n in range(first, last + 1))
+
+
+def _rises(most: int) -> list[int]:
+    """Return counts that get a grid line: powers of ten, and 2 and 5 times them if there is room."""
+    factors = (1, 2, 5) if most < 100 else (1,)
+    return [f * 10**n for n in range(floor(log10(most)) + 1) for f in factors if f * 10**n <= most]
+
+
+def _rules(spread: Distribution, scale: _Scale) -> tuple[Rule, ...]:
+    """Return the limits from left to right; texts that would overlap are stacked."""
+    rules: list[Rule] = []
+    free = [float("-inf")] * ROWS
+    for key, value in sorted(spread.limits, key=lambda one: one[1]):
+        rule = _rule(scale.place(value), _with_unit(key.replace("_", "."), value, spread.unit))
+        begin, end = _extent(rule)
+        row = next((row for row in range(ROWS) if free[row] < begin), ROWS - 1)
+        free[row] = end + 4
+        rules.append(replace(rule, row=row))
+    return tuple(rules)
+
+
+def _with_unit(name: str, value: float, unit: str) -> str:
+    return f"{name} {number(value)} {unit}".rstrip()
+
+
+def number(value: float, step: float | None = None) -> str:
+    """Format with at most three decimals, or as many as a step of the axis needs; no trailing zeros."""
+    decimals = 3 if step is None else max(0, -floor(log10(step) + 1e-9))
+    text = f"{value:.{decimals}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text and step is None else text
+    return "0" if text in ("-0", "") else text
+
+
+def _summary(spread: Distribution) -> str:
+    if spread.least == spread.worst:
+        return f"{_times(spread.count)}, {'all ' * (spread.count > 1)}{number(spread.worst)} {spread.unit}".rstrip()
+    least, worst = number(spread.least), number(spread.worst)
+    return f"{_times(spread.count)} from {least} to {worst} {spread.unit}".rstrip()
+
+
+def _times(count: int) -> str:
+    return f"{count} value{'s' * (count != 1)}"
+
+
+def _rule(x: float, text: str) -> Rule:
+    half = CHARACTER * len(text) / 2
+    anchor = "start" if x - half < LEFT else "end" if x + half > WIDTH - RIGHT else "middle"
+    return Rule(x, text, anchor)
+
+
+def _extent(rule: Rule) -> tuple[float, float]:
+    long = CHARACTER * len(rule.text)
+    begin = rule.x - {"start": 0, "middle": long / 2, "end": long}[rule.anchor]
+    return begin, begin + long

@@ -6,10 +6,12 @@ Result, Values --------------------> distributions, limits, facts --^
 
 from __future__ import annotations
 
+import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Literal
 
 from ....core.counted import counted
 from ....scene.case.load import load
@@ -20,16 +22,79 @@ from ....timing.budget_schema import Budget, Condition
 from ....timing.values import Values
 from ....timing.verdict import Verdict, figure, percentile
 from ..explain.explain import Explained, explain_each
-from .distribution import distribution
-from .explanation import explanation
-from .failure import failure
+from .distribution import Distribution, distribution
+from .explanation import Explanation, explanation
+from .failure import Failure, failure
 from .lanes import MOST, timeline
-from .model import BudgetReport, CaseReport, Standing
 from .over_time import OverTime, over_time, shown_violations
-from .provenance import commit_of
 from .timeline import Timeline, only_chosen
 
+Standing = Literal["good", "known", "bad"]
+
+
+@dataclass(frozen=True)
+class BudgetReport:
+    """The report of one budget.
+
+    limits: key and text of each limit.
+    must_break: True if the case says that the budget breaks.
+    distribution, over_time: None if the budget has a single number per run.
+    timeline: the timeline around the worst value; None if that has no instant.
+    explanation: how the worst value came about.
+    failure: what failed, and why.
+    others: more occurrences beyond a limit, in order of time: the instant, in ticks from the start of the run, and the
+    timeline.
+    """
+
+    verdict: Verdict
+    limits: tuple[tuple[str, str], ...]
+    source: str
+    must_break: bool
+    distribution: Distribution | None
+    timeline: Timeline | None
+    explanation: Explanation | None
+    failure: Failure | None = None
+    over_time: OverTime | None = None
+    per_second: int = 10**9
+    others: tuple[tuple[int, Timeline], ...] = ()
+
+    @property
+    def as_it_should_be(self) -> bool:
+        return self.verdict.broken if self.must_break else self.verdict.passed
+
+
+@dataclass(frozen=True)
+class CaseReport:
+    """One case. standing: "known" is a failure that the case expects.
+
+    commit: of its repository, "" if there is none.
+    clocks: unit and its SYSCLKOUT as text. findings: what is wrong beyond the verdicts. options: options for
+    undocumented behaviour that the run used, UNIT.GROUP.NAME. counts: all other counts.
+    """
+
+    name: str
+    about: str
+    verdict: str  # "pass" or "fail"
+    standing: Standing
+    simulated_s: float
+    wall_s: float
+    clocks: tuple[tuple[str, str], ...]
+    options: tuple[str, ...]
+    changes: tuple[str, ...]
+    counts: dict[str, int]
+    findings: tuple[str, ...]
+    notes: tuple[str, ...]
+    budgets: tuple[BudgetReport, ...]
+    commit: str = ""
+
+    @property
+    def failed_first(self) -> list[tuple[int, BudgetReport]]:
+        """The budgets with their numbers, from 1; failed ones first."""
+        return sorted(enumerate(self.budgets, 1), key=lambda one: (one[1].as_it_should_be, one[1].verdict.passed))
+
+
 MOST_OF_PASSED = 3_000  # events in the timeline of a budget without failure
+GIT_SECONDS = 5  # that git may take
 MOST_OF_OTHERS = 1_500  # for each further occurrence beyond a limit
 
 
@@ -204,3 +269,31 @@ def _devices_first(case: Case, notes: Sequence[str]) -> list[str]:
 
 def _sysclk(unit: Unit) -> Fraction:
     return Fraction(unit.oscclk) * unit.pll / 2 * (1 + Fraction(unit.ppm) / 10**6)
+
+
+def commit_of(folder: Path) -> str:
+    """ "1a2b3c4d5e6f", with ", and uncommitted changes" if tracked files differ; "" without a repository,
+    commit or git."""
+    commit = _git(folder, "rev-parse", "--short=12", "HEAD")
+    if not commit:
+        return ""
+    return (
+        f"{commit}, and uncommitted changes"
+        if _git(folder, "status", "--porcelain", "--untracked-files=no")
+        else commit
+    )
+
+
+def _git(folder: Path, *command: str) -> str:
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(folder), *command],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=GIT_SECONDS,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return done.stdout.strip()

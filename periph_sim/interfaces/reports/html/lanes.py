@@ -5,23 +5,65 @@ BUS, FRAME -----------> transfers of the controller, frames of the host
 FLAG      -----------> one lane per register field that changed
 SPAN, WAIT, IRQ ------> spans of firmware, its waits with the polled field, service routines
 ACCESS    -----------> one lane per register: reads and writes with their firmware location
+
+Lanes are chosen, and so drawn at first, if the explanation is about them: wires and registers named by the chain, wires
+of the bus it mentions (SCL and SDA for an address, RX for a frame), fields named by the chain or measured, and service
+routines, spans and waits within the picture.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from ....core.records import Kind, Record
 from ....records.register_maps import register_of
 from ....traces.capture.capture import Span
 from ....traces.decode import i2c
 from ..explain.cpu_activity import polled
+from ..explain.picture import flags_shown
 from ..explain.window import Window
-from .bus_bytes import bytes_of
-from .lane_choice import LaneChoice
-from .protocol import rows
+from .protocol import bytes_of, rows
 from .timeline import Boxes, Lane, Marks, SpanLabel, Timeline, Wave
+
+BUS_WORDS = re.compile(r"\b(SCL|SDA|START|STOP|N?ACK|acknowledged|transfer|byte \d+)\b")
+SERIAL_WORDS = re.compile(r"\b(RX|TX|SCI\w*|frames?|host|FIFO)\b")
+
+
+@dataclass(frozen=True, eq=False)
+class LaneChoice:
+    window: Window
+
+    @cached_property
+    def _mentioned(self) -> str:
+        return "\n".join((self.window.verdict.measure, *self.window.chain_texts))
+
+    @cached_property
+    def _flags(self) -> set[tuple[str, str]]:
+        return set(flags_shown(self.window))
+
+    @cached_property
+    def bus(self) -> bool:
+        """True if the occurrence is about the I2C bus, or if nothing shows what it is about."""
+        return bool(BUS_WORDS.search(self._mentioned)) or not (self.serial or self.window.chain_texts)
+
+    @cached_property
+    def serial(self) -> bool:
+        return bool(SERIAL_WORDS.search(self._mentioned))
+
+    def names(self, word: str) -> bool:
+        """True if the measure or the chain names a pin, or a register without a field."""
+        return bool(re.search(rf"\b{re.escape(word)}\b(?!\.)", self._mentioned))
+
+    def flag(self, where: str, what: str) -> bool:
+        return (where, what) in self._flags
+
+    def within(self, begin: int, end: int) -> bool:
+        """True if a range of ticks overlaps the picture."""
+        return begin < self.window.drawn.end and end >= self.window.drawn.begin
+
 
 BUS = ("SCL", "SDA")
 SERIAL = ("RX", "TX")

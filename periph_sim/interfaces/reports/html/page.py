@@ -8,6 +8,7 @@ Every text of a case is escaped: by the template engine in HTML, by `_data` in J
 from __future__ import annotations
 
 import json
+import platform
 from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import version
@@ -16,14 +17,12 @@ from importlib.resources import files
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
+from .... import form
 from ....timing.verdict import Verdict, figure, in_words, instant, limit, percentile
-from .distribution import scale_of
+from .distribution import number, plot, scale_of
 from .failure import ALLOWED
-from .model import BudgetReport, CaseReport
-from .over_time import OverTime
-from .plot import number, plot
-from .provenance import versions
-from .time_plot import time_plot
+from .gather import BudgetReport, CaseReport
+from .over_time import OverTime, time_plot
 
 STYLES = ("report.css", "budget.css", "timeline.css")
 SCRIPTS = (  # in order of dependency
@@ -57,9 +56,14 @@ def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
         title=title,
         command=command,
         commits=list(dict.fromkeys(case.commit for case in cases if case.commit)),
-        versions=versions(),
         version=version("periph-sim"),
+        versions=versions(),
     )
+
+
+def versions() -> str:
+    """Return the versions of the package and of Python, and the form of the core."""
+    return f"periph-sim {version('periph-sim')}, {form.running}, Python {platform.python_version()}"
 
 
 @cache

@@ -4,10 +4,3 @@ case, {key: values} --plan--> changes of each run --workers--> Row each --column
 
 Rows are in the order of the changes, for any number of workers.
 """
-
-from __future__ import annotations
-
-from .columns import BudgetColumns, Sweep
-from .sweep import SweepStopped, sweep
-
-__all__ = ["BudgetColumns", "Sweep", "SweepStopped", "sweep"]

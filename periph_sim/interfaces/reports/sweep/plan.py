@@ -3,16 +3,22 @@
 {"seed": (1, 2), "host.jitter": ("0 us", "50 us")}  --> every combination, the last key changing first
 [{"seed": 1}, {"seed": 2, "start": "1 ms"}]         --> unchanged
 ["seed=1", ["seed=2", "start=1 ms"]]                --> as for `--set`
+
+The values of a key can be one text: "1, 2, 5" or "0 ms to 20 ms step 10 us". A range ends with its last value if a
+step falls on it. Its values are exact, in the unit of the step.
 """
 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from itertools import product
 from typing import TypeAlias
 
+from ....core.settings import HERTZ
+from ....core.time import UNITS
 from ....scene.case.model import BadCase
 
 Value: TypeAlias = object  # a number, a truth value, a text as for `--set` after "=", a list or a table of those
@@ -72,3 +78,80 @@ def _text(key: str, value: Value) -> str:
     if isinstance(plain, Fraction):
         raise BadCase(f"changes: {key!r} has {value!r}, which has no unit; write a text, for instance '10 ms'")
     raise BadCase(f"changes: {key!r} has {value!r}; expected a number, true or false, a text or a list of them")
+
+
+RANGE = re.compile(r"(?P<first>.+?)\s+to\s+(?P<last>.+?)\s+step\s+(?P<step>.+)")
+NUMBER = re.compile(r"(-?\d+(?:\.\d+)?)\s*([a-zA-Z%]*)")
+MOST = 1_000_000  # maximum number of values of a range; more of them suggest a step in the wrong unit
+
+
+def values_of(key: str, text: str) -> list[str]:
+    """Return the values. Raise BadCase if there are none, or for an invalid range."""
+    found = RANGE.fullmatch(text.strip())
+    if found is not None:
+        return _range(key, *found.group("first", "last", "step"))
+    values = _apart(text)
+    if not all(values):
+        raise BadCase(f"--vary {key}={text}: a value is missing; write for instance {key}=1, 2, 5 or 0 to 10 step 2")
+    return values
+
+
+def _range(key: str, *texts: str) -> list[str]:
+    shown = "{} to {} step {}".format(*texts)
+    (first, of_first), (last, of_last), (step, unit) = (_number(key, text, shown) for text in texts)
+    scales = _scales(unit)
+    if not {of_first, of_last} <= scales.keys():
+        what = f"its units {of_first or 'none'}, {of_last or 'none'} and {unit or 'none'} do not match"
+        raise BadCase(f"--vary {key}={shown}: {what}")
+    first, last = first * scales[of_first] / scales[unit], last * scales[of_last] / scales[unit]
+    if step <= 0 or last < first:
+        raise BadCase(f"--vary {key}={shown}: it has no values; the step must be above 0, the last above the first")
+    count = int((last - first) / step) + 1
+    if count > MOST:
+        raise BadCase(f"--vary {key}={shown}: it has {count} values; give a larger step")
+    return [f"{_decimal(first + place * step)} {unit}".strip() for place in range(count)]
+
+
+def _number(key: str, text: str, shown: str) -> tuple[Fraction, str]:
+    found = NUMBER.fullmatch(text.strip())
+    if found is None:
+        raise BadCase(
+            f"--vary {key}={shown}: {text!r} is not a number with a unit; write for instance 0 ms to 1 ms step 5 us"
+        )
+    return Fraction(found[1]), found[2]
+
+
+def _scales(unit: str) -> dict[str, Fraction]:
+    """Return the units related to this one by powers of ten, with their sizes."""
+    for units in ({name: UNITS[name] for name in ("ns", "us", "ms", "s")}, HERTZ):
+        if unit in units:
+            return {name: Fraction(size) for name, size in units.items()}
+    return {unit: Fraction(1)}
+
+
+def _decimal(value: Fraction) -> str:
+    """Format exactly as a decimal number; it always exists, as numbers and units are decimal."""
+    digits = 0
+    while value.denominator != 1:
+        value, digits = value * 10, digits + 1
+    if not digits:
+        return str(value)
+    sign, text = "-" * (value < 0), str(abs(value)).rjust(digits + 1, "0")
+    return f"{sign}{text[:-digits]}.{text[-digits:]}"
+
+
+def _apart(text: str) -> list[str]:
+    """Split at commas outside brackets, braces and quotes."""
+    parts, depth, quote = [""], 0, ""
+    for sign in text:
+        if quote:
+            quote = "" if sign == quote else quote
+        elif sign in "\"'":
+            quote = sign
+        else:
+            depth += (sign in "[{") - (sign in "]}")
+        if sign == "," and not depth and not quote:
+            parts.append("")
+        else:
+            parts[-1] += sign
+    return [part.strip() for part in parts]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.interfaces.reports.baselines import check
+from periph_sim.interfaces.reports.baselines.check import check
 from tests.interfaces.reports.baselines.desk import put
 
 

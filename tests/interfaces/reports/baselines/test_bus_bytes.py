@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.core.records import Kind, Recorder
-from periph_sim.interfaces.reports.baselines.bus_bytes import PART, BusBytes
 from periph_sim.interfaces.reports.baselines.compare import compare
-from periph_sim.interfaces.reports.baselines.figures import Baseline
-from periph_sim.interfaces.reports.baselines.files import path_for, read
+from periph_sim.interfaces.reports.baselines.digests import PART, BusBytes
+from periph_sim.interfaces.reports.baselines.files import Baseline, path_for, read
 from periph_sim.interfaces.reports.baselines.outcome import Outcome, run_case
 from tests.scene.runs import TIMING
 

@@ -11,20 +11,11 @@ from typing import Any
 
 import pytest
 
-from periph_sim.interfaces.reports.baselines import (
-    BadCheck,
-    Baseline,
-    CaseCheck,
-    RejectedCase,
-    case_files,
-    check,
-    compare,
-    path_for,
-    read,
-    text_of,
-)
-from periph_sim.interfaces.reports.baselines.judge import lacking
-from periph_sim.interfaces.reports.baselines.outcome import Chains, run_case, run_chains
+from periph_sim.interfaces.reports.baselines.check import case_files, check
+from periph_sim.interfaces.reports.baselines.compare import compare
+from periph_sim.interfaces.reports.baselines.files import BadCheck, Baseline, path_for, read, text_of
+from periph_sim.interfaces.reports.baselines.judge import CaseCheck, lacking
+from periph_sim.interfaces.reports.baselines.outcome import Chains, RejectedCase, run_case, run_chains
 from tests.interfaces.reports.baselines.desk import change, put
 
 

@@ -10,8 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.interfaces.reports.baselines import SCHEMA, BadCheck, Baseline, Figures, check, path_for, read, text_of
-from periph_sim.interfaces.reports.baselines.files import write_all
+from periph_sim.interfaces.reports.baselines.check import check
+from periph_sim.interfaces.reports.baselines.files import (
+    SCHEMA,
+    BadCheck,
+    Baseline,
+    Figures,
+    path_for,
+    read,
+    text_of,
+    write_all,
+)
 from tests.interfaces.reports.baselines.desk import put
 
 numbers = st.integers(0, 2**70)

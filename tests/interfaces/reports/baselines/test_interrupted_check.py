@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.interfaces.reports.baselines import BadCheck, RejectedCase, check, path_for
-from periph_sim.interfaces.reports.baselines.check import STOPPED
+from periph_sim.interfaces.reports.baselines.check import STOPPED, check
+from periph_sim.interfaces.reports.baselines.files import BadCheck, path_for
+from periph_sim.interfaces.reports.baselines.outcome import RejectedCase
 from tests.interfaces.reports.baselines.desk import put
 
 

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import pytest
 
+from periph_sim.interfaces.reports.explain.chain import text
 from periph_sim.interfaces.reports.explain.explain import explain
-from periph_sim.interfaces.reports.explain.text_report import text
 from periph_sim.scene.case.load import load
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene

@@ -9,9 +9,8 @@ from xml.etree import ElementTree as xml
 
 import pytest
 
-from periph_sim.interfaces.reports.baselines import check
-from periph_sim.interfaces.reports.baselines.annotations import github
-from periph_sim.interfaces.reports.baselines.junit import junit
+from periph_sim.interfaces.reports.baselines.check import check
+from periph_sim.interfaces.reports.baselines.ci_output import github, junit
 from periph_sim.interfaces.reports.baselines.outcome import RejectedCase
 from tests.interfaces.reports.baselines.desk import put
 from tests.unwrapped import unwrapped

@@ -15,8 +15,7 @@ from typing import Any
 
 import pytest
 
-from periph_sim.interfaces.reports.baselines import check
-from periph_sim.interfaces.reports.baselines.check import workers
+from periph_sim.interfaces.reports.baselines.check import check, workers
 
 MODULE = sys.modules[check.__module__]
 

@@ -16,10 +16,8 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from periph_sim.interfaces.reports.explain.chain import Chain
-from periph_sim.interfaces.reports.explain.explain import explain
-from periph_sim.interfaces.reports.explain.occurrence import chain_of
-from periph_sim.interfaces.reports.explain.text_report import as_json, text
+from periph_sim.interfaces.reports.explain.chain import Chain, as_json, text
+from periph_sim.interfaces.reports.explain.explain import chain_of, explain
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case

@@ -12,10 +12,9 @@ import pytest
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_i2c
-from periph_sim.interfaces.reports.explain.device_evidence import answering
 from periph_sim.interfaces.reports.explain.evidence import Evidence, RecordedPhase
 from periph_sim.interfaces.reports.explain.explain import Explained, explain
-from periph_sim.interfaces.reports.explain.fault_evidence import bytes_sent
+from periph_sim.interfaces.reports.explain.fault_evidence import answering, bytes_sent
 from periph_sim.interfaces.reports.explain.picture import text_picture
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load

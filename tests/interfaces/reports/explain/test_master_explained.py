@@ -5,9 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from periph_sim.interfaces.reports.explain.chain import Chain
+from periph_sim.interfaces.reports.explain.chain import Chain, text
 from periph_sim.interfaces.reports.explain.explain import explain
-from periph_sim.interfaces.reports.explain.text_report import text
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
 

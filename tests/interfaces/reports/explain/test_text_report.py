@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part, Step
-from periph_sim.interfaces.reports.explain.text_report import as_json, relative, text
+from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part, Step, as_json, relative, text
 from periph_sim.timing.verdict import Verdict
 from tests.interfaces.reports.explain.made import TIMEBASE
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
-from periph_sim.interfaces.reports.html import CaseReport, page
+from periph_sim.interfaces.reports.html.gather import CaseReport
+from periph_sim.interfaces.reports.html.page import page
 from tests.interfaces.reports.html.made import small_report
 
 Open = Callable[..., Page]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from periph_sim.interfaces.reports.html import BudgetReport, CaseReport, case_report
+from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport, case_report
 from periph_sim.interfaces.reports.html.over_time import OverTime, over_time
 from periph_sim.interfaces.reports.html.timeline import Boxes, Marks, SpanLabel, Timeline, Wave
 from periph_sim.scene.case.load import load

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from playwright.sync_api import Locator, Page
 
-from periph_sim.interfaces.reports.html import CaseReport
+from periph_sim.interfaces.reports.html.gather import CaseReport
 from tests.interfaces.reports.html.conftest import Open
 from tests.interfaces.reports.html.made import US, budget, drawn, report
 

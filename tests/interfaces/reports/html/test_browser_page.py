@@ -7,9 +7,8 @@ from dataclasses import replace
 import pytest
 from playwright.sync_api import Page
 
-from periph_sim.interfaces.reports.html import CaseReport
 from periph_sim.interfaces.reports.html.failure import Failure
-from periph_sim.interfaces.reports.html.model import BudgetReport
+from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport
 from periph_sim.interfaces.reports.html.protocol import Row
 from periph_sim.interfaces.reports.html.timeline import Timeline
 from tests.interfaces.reports.html.conftest import Open

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.records import RECORDED, Kind, Record
-from periph_sim.interfaces.reports.html import CaseReport, gather
+from periph_sim.interfaces.reports.html import gather
+from periph_sim.interfaces.reports.html.gather import CaseReport
 from periph_sim.interfaces.reports.html.timeline import Boxes, Lane, Marks, Timeline, Wave, only_chosen
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene

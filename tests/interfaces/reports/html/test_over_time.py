@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.interfaces.reports.html.over_time import COLUMNS, MOST, SHOWN, shown_violations
-from periph_sim.interfaces.reports.html.time_plot import time_plot
+from periph_sim.interfaces.reports.html.over_time import COLUMNS, MOST, SHOWN, shown_violations, time_plot
 from tests.interfaces.reports.html.made import US, run_of
 
 MS = 1000 * US

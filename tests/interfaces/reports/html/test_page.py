@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -12,8 +13,11 @@ from xml.etree.ElementTree import Element
 import html5lib
 import pytest
 
-from periph_sim.interfaces.reports.html import CaseReport, case_report, page
+import periph_sim
+from periph_sim import form
 from periph_sim.interfaces.reports.html.failure import Failure
+from periph_sim.interfaces.reports.html.gather import CaseReport, case_report, commit_of
+from periph_sim.interfaces.reports.html.page import page, versions
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.values import values_of
@@ -222,3 +226,34 @@ def test_joined_conditions_stand_among_the_limits(tmp_path: Path) -> None:
     (one,) = case_report(case, result, values, scene.typical(), scene.timebase.per_second, Fraction(1, 10)).budgets
     assert one.limits == (("age of gyroscope max", "25 ms"), ("value error of gyroscope max", "2.000 LSB"))
     assert one.distribution is not None and (one.distribution.unit, one.distribution.worst) == ("LSB", 5.82375)
+
+
+def git(folder: Path, *command: str) -> str:
+    who = ("-c", "user.name=a", "-c", "user.email=a@b", "-c", "commit.gpgsign=false")
+    return subprocess.run(["git", "-C", str(folder), *who, *command], check=True, capture_output=True, text=True).stdout
+
+
+def test_a_commit_is_told_and_whether_files_differ_from_it(tmp_path: Path) -> None:
+    git(tmp_path, "init", "-q")
+    assert commit_of(tmp_path) == ""  # none yet
+    case = tmp_path / "timing" / "case.toml"
+    case.parent.mkdir()
+    case.write_text("a", encoding="utf-8")
+    git(tmp_path, "add", ".")
+    git(tmp_path, "commit", "-qm", "first")
+    commit = git(tmp_path, "rev-parse", "HEAD")[:12]
+    (tmp_path / "report.html").write_text("new", encoding="utf-8")  # nobody's change
+    assert commit_of(case.parent) == commit
+    case.write_text("b", encoding="utf-8")
+    assert commit_of(case.parent) == f"{commit}, and uncommitted changes"
+
+
+def test_without_a_repository_or_git_there_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
+    assert commit_of(tmp_path) == "" and commit_of(tmp_path / "nowhere") == ""
+    monkeypatch.setenv("PATH", "")
+    assert commit_of(Path(__file__).parent) == ""
+
+
+def test_versions_name_the_form_of_the_core() -> None:
+    assert versions().startswith(f"periph-sim {periph_sim.__version__}, {form.running}, Python 3.")

@@ -6,8 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.interfaces.reports.html.distribution import distribution
-from periph_sim.interfaces.reports.html.plot import Plot, plot
+from periph_sim.interfaces.reports.html.distribution import Plot, distribution, plot
 from periph_sim.timing.values import Values
 
 US = 3000

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from periph_sim.interfaces.reports.trade import cpu
-from periph_sim.interfaces.reports.trade.cpu import FEWEST, MOST, PATIENCE, Cost, are_apart, costs_of
+from periph_sim.interfaces.reports.trade import trade
+from periph_sim.interfaces.reports.trade.trade import FEWEST, MOST, PATIENCE, Cost, are_apart, costs_of
 from periph_sim.scene.case.load import load
 
 CASE = load(Path(__file__).resolve().parents[4] / "timing" / "responder.toml")
@@ -29,8 +29,8 @@ def costs(
         return (quick if record else slow) + jitter * (-1) ** (next(number) // 2)
 
     clock = count(0, each_s)
-    monkeypatch.setattr(cpu, "_cpu_s", cpu_s)
-    monkeypatch.setattr(cpu, "process_time", lambda: float(next(clock)))
+    monkeypatch.setattr(trade, "_cpu_s", cpu_s)
+    monkeypatch.setattr(trade, "process_time", lambda: float(next(clock)))
     return costs_of(ROWS, Fraction(1, 100), Fraction(2, 100))
 
 
@@ -83,8 +83,8 @@ def test_set_up_and_start_are_not_counted_and_writing_a_recording_is(monkeypatch
         done.append("clock")
         return float(len(done))
 
-    monkeypatch.setattr(cpu, "built", built)
-    monkeypatch.setattr(cpu, "process_time", clock)
-    seconds = cpu._cpu_s(CASE, ".psr", Fraction(1, 10), Fraction(1, 2))
+    monkeypatch.setattr(trade, "built", built)
+    monkeypatch.setattr(trade, "process_time", clock)
+    seconds = trade._cpu_s(CASE, ".psr", Fraction(1, 10), Fraction(1, 2))
     assert done == ["build", "advance to 107", "clock", "run 1/2", "write .psr", "clock"]
     assert seconds == (6 - 3) / 0.5

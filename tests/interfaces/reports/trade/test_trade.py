@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from periph_sim.interfaces.reports.trade import trade as module
-from periph_sim.interfaces.reports.trade.cpu import Cost
 from periph_sim.interfaces.reports.trade.observe import Error, Errors, Observed
 from periph_sim.interfaces.reports.trade.rows import AS_GIVEN, Row, rows_of
 from periph_sim.interfaces.reports.trade.text_report import as_json, text
-from periph_sim.interfaces.reports.trade.trade import Outcome, Trade, trade
+from periph_sim.interfaces.reports.trade.trade import Cost, Outcome, Trade, trade
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
 

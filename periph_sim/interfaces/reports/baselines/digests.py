@@ -1,8 +1,10 @@
-"""Digests of the values of all bytes on the I2C bus of a run.
+"""Digests of a run that a baseline keeps, so that runs can be compared without their records.
 
+    BUS, ACCESS, IRQ, SPAN of a run --> "TICKS EVENT" lines, as in chains --> BLAKE2b, one digest
     BUS records of addresses and bytes, with their ACKs --> BLAKE2b, one digest per PART bytes
 
-Each digest covers all bytes up to its end, so the first different one shows where two runs first differ.
+Two runs with one digest of events have equal chains, so no second run is needed if nothing changed. Each digest of
+bytes covers all bytes up to its end, so the first different one shows where two runs first differ.
 """
 
 from __future__ import annotations
@@ -10,6 +12,28 @@ from __future__ import annotations
 from hashlib import blake2b
 
 from ....core.records import Kind, Record, Recorder
+from .event_chain import KINDS, description
+
+BYTES = 16
+
+
+class EventDigest:
+    """Computes the digest of a run's events. start: the first tick of the run, from which times are counted."""
+
+    def __init__(self, recorder: Recorder, start: int) -> None:
+        self._start = start
+        self._hash = blake2b(digest_size=BYTES)
+        recorder.subscribe(KINDS, self._add)
+
+    def _add(self, record: Record) -> None:
+        if record.kind is not Kind.ACCESS or record.what.startswith("W "):
+            self._hash.update(f"{record.tick - self._start} {description(record)}\n".encode())
+
+    @property
+    def text(self) -> str:
+        """The digest of all events so far, in hexadecimal."""
+        return self._hash.hexdigest()
+
 
 PART = 64  # number of bus bytes after which a digest is stored
 DIGEST = 4  # length of a digest, in bytes

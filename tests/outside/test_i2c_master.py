@@ -93,6 +93,19 @@ def test_every_edge_is_where_the_rate_puts_it(rate: str, half: int, hold: int) -
     assert (made, session.now - begin, master.held) == (expected, over, False)
 
 
+def test_a_late_call_moves_sda_before_scl() -> None:
+    """S 33W N, a pause, P: SDA falls as `stop` is called, SCL rises a tick later, and half a period behind SDA does."""
+    session, records = bus()
+    session.i2c.start(0x33)
+    late = session.now + session.ticks("1 ms")
+    session.advance(late)
+    session.i2c.stop()
+    made = [
+        (one.tick - late, one.where, one.value) for one in records.kept if one.kind is Kind.EDGE and one.tick >= late
+    ]
+    assert made == [(0, "SDA", 0), (1, "SCL", 1), (15_001, "SDA", 1)]
+
+
 def test_a_stretched_clock_is_high_for_half_a_period_all_the_same() -> None:
     """
     us    5    10   15   20   25 27                60   65

@@ -53,8 +53,9 @@ def test_the_last_byte_of_a_read_is_not_acknowledged() -> None:
     assert acked == [[True, True, False]]
 
 
-def test_register_reads_of_0_are_of_256() -> None:
+def test_reads_of_0_are_of_256() -> None:
     assert adapter().receive(b"r\x50\x00\x00") == b"\x0a\x0b\x0c\x0d" + bytes(252)
+    assert len(adapter().receive(READ + b"a\x00")) == 1 + 256
 
 
 def test_time_passes_before_each_start() -> None:

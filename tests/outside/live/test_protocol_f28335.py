@@ -225,10 +225,12 @@ def test_a_closed_port_is_told_by_its_url(tmp_path: Path) -> None:
             call()
 
 
-def test_firmware_that_fails_is_told_to_the_client(tmp_path: Path) -> None:
+@pytest.mark.timeout(20)  # seconds: a client that is not woken would wait for ever
+@pytest.mark.parametrize("cycles", [45_000_000, 1000])  # 300 ms: the client waits already
+def test_firmware_that_fails_is_told_to_the_client(tmp_path: Path, cycles: int) -> None:
     case = written(tmp_path)
-    (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
-    line = serial.serial_for_url(f"f28335://{case}?pace=1", timeout=30)
+    (tmp_path / "echo_firmware.py").write_text(f"def main(dsp, settings):\n    dsp.compute({cycles})\n    1 / 0\n")
+    line = serial.serial_for_url(f"f28335://{case}?pace=1", timeout=None)
     with pytest.raises(serial.SerialException, match=r"ZeroDivisionError at line 3 of echo_firmware.py"):
         line.read(1)  # ends with the firmware, if that has not failed yet
         line.read(1)

@@ -31,6 +31,7 @@ CHAINS = {
     ("timing.measures.pair", "Open", "following"),
 }
 NO_CHAINS = {
+    ("timing.measures.event", "Jitter", "of"): "one for each `jitter of` in a sentence",
     ("processor.python.port_fields", "Port", "_half"): "a half has no half",
 }
 

@@ -14,8 +14,7 @@ from periph_sim.timing.derived.error_records import RECENT, ErrorRecords
 from periph_sim.timing.derived.transfer_records import begin_of
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.measure import MILLIONTHS
-from periph_sim.timing.measures.span import SpanTime
-from periph_sim.timing.measures.states import TimeIn
+from periph_sim.timing.measures.states import SpanTime, TimeIn
 from tests.timing.events_by_hand import ONE, records, tell
 from tests.timing.measures.hand_made_run import GYRO, OTHER, HandMadeRun, read, wrote
 

@@ -1,7 +1,9 @@
-"""Measures of named events.
+"""Measures of one named event: its number, values, distances and what there was at it.
 
 Of two events at one tick the one recorded first is the earlier one.
 """
+
+# core: compiled
 
 from __future__ import annotations
 
@@ -9,8 +11,8 @@ from ...core.records import UNWANTED, Kind, Recorder
 from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import Matcher
-from .event_pairing import EventMeasure
-from .measure import Measure
+from .event_pairing import NO_CLAUSES, Clauses, EventMeasure, span_hint
+from .measure import READ, Measure
 from .measured_scene import MeasuredScene
 
 OF_UNIT = 1 << 30  # the tag of an access of the unit; those of its events are below
@@ -71,7 +73,7 @@ class ToFirstAccess(EventMeasure):
     def __init__(self, asked: Matcher, entered: Matcher) -> None:
         super().__init__(asked, entered)
         self.kinds |= {Kind.ACCESS}
-        (self._unit,) = entered.where or ("",)
+        self._unit: str = next(iter(entered.where or ("",)))
         self._asked_at = NO_TIME
         self._inside = False
 
@@ -80,12 +82,12 @@ class ToFirstAccess(EventMeasure):
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if kind is not Kind.ACCESS:
-            return super().tag_of(kind, where, what)
+            return EventMeasure.tag_of(self, kind, where, what)
         return OF_UNIT if where == self._unit else UNWANTED
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
         if tag != OF_UNIT:
-            super().on_record(tag, tick, value)
+            EventMeasure.on_record(self, tag, tick, value)
         elif self._inside:
             self._inside = False
             if self._asked_at != NO_TIME:
@@ -113,8 +115,10 @@ class Jitter(Measure):
 
     def __init__(self, of: Measure) -> None:
         super().__init__()
-        self.of = of
-        self.unit, self.needs, self.kinds = of.unit, of.needs, of.kinds
+        self.of: Measure = of
+        self.unit: str = of.unit
+        self.needs: str = of.needs
+        self.kinds: frozenset[Kind] = of.kinds
         self._before: int | None = None
         of.tap = self._took
 
@@ -128,10 +132,65 @@ class Jitter(Measure):
         self.of.finish(now)
         self.occasions = None if self.of.occasions is None else max(0, self.of.occasions - 1)
 
-    def _took(self, value: int, at: int) -> None:
+    def _took(self, value: int, at: int) -> None:  # core: python
         before, self._before = self._before, value
         if before is not None:
             self.take(abs(value - before), at)
 
     def missing(self) -> str:
         return self.of.missing() if self.of.silent else "there was one value, which has none before it"
+
+
+class OfEvents(EventMeasure):
+    """The occurrences of an event, measured in a form of the language of budgets.
+
+    count   how many there were: worst is their number, worst_at when the first one was. Zero is a value, except for
+            free-text names, which may be misspelled. Verdicts show at how many of its occasions it was measured, where
+            it has any.
+    value   the value of each: the words in a FIFO, the age of what is read, a register field whenever it changed
+    sum     the sum of their values, which are numbers of things, as those of its clauses are: count is the sum of what
+            was measured, since a run in which nothing was compared proves nothing
+    """
+
+    def __init__(self, form: str, event: Matcher, clauses: Clauses = NO_CLAUSES) -> None:
+        super().__init__(event, clauses=clauses)
+        self.event = event
+        self.counts: bool = form == "count"
+        self.series: bool = form == "value"
+        self.weighs: bool = form == "sum"
+        unit = "value" if event.thing is None or self.counts else event.thing.unit
+        self.unit: str = "count" if unit == "value" and not self.series else unit
+        self.occurrence: str = READ if self.series and event.thing is not None and event.thing.by_read else ""
+
+    @property
+    def silent(self) -> bool:
+        return self.ungiven or not (self.count or (self.counts and not self.event.free))
+
+    @property
+    def counted(self) -> int:
+        return self.measured if self.counts and self.occasions is not None else self.count
+
+    def happened(self, place: int, tick: int, value: int) -> None:
+        if self.series:
+            self.take(value, tick)
+            return
+        if not self.worst:
+            self.worst_at = self.least_at = tick
+        self.worst = self.least = self.worst + (value if self.weighs else 1)
+        if self.counts or not self._has_measured:
+            self.count += 1
+
+    def measured_at(self, tick: int, number: int) -> None:
+        if self.weighs:
+            self.count += number
+        else:
+            EventMeasure.measured_at(self, tick, number)
+
+    @property
+    def measured(self) -> int:
+        return self._measured if self._has_measured and not self.weighs else self.count
+
+    def missing(self) -> str:
+        if self.ungiven or not self.counts:
+            return super().missing()
+        return f"no event matched {self.event.text!r}; {span_hint(self.event.what, self.spans or set())}"

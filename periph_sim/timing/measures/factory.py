@@ -20,17 +20,15 @@ from ..budget_schema import REPLY, SPAN, WATCH
 from ..language.events import OF_AGENT, Group, Matcher, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, name_text, near_form
 from ..language.scope import BadEvent, Scope
-from .event import Jitter, LevelAt, Period, ToFirstAccess
+from .event import Jitter, LevelAt, OfEvents, Period, ToFirstAccess
 from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses
-from .event_values import EventCount, SumOf, ValueOf
 from .load import BusLoad, CpuLoad
 from .margin import HeldPerTransfer, Margin
 from .measure import Measure
 from .pair import Between
 from .registry import MEASURES, PHRASES, Sentence
 from .reply import Reply
-from .span import SpanTime
-from .states import EachTimeIn, StateEvents, TimeIn
+from .states import SpanTime, StateEvents, TimeIn
 from .watched_wire import WatchedWire
 
 OVERFLOWS = "overflows"  # of fixed-point arithmetic
@@ -131,8 +129,7 @@ def _of_events(said: Said, scope: Scope, sentence: Sentence = UNNAMED) -> Maker:
         return partial(Between, first, others[0], said.pairing, _group(said, scope), clauses)
     if others:
         return partial(Between, others[0], others[1], said.pairing, _group(said, scope), clauses, first)
-    kinds: dict[str, Callable[[Matcher, Clauses], Measure]] = {"count": EventCount, "value": ValueOf, "sum": SumOf}
-    return partial(kinds[said.form], first, clauses)
+    return partial(OfEvents, said.form, first, clauses)
 
 
 def _clauses(said: Said, scope: Scope, sentence: Sentence) -> Clauses:
@@ -176,13 +173,13 @@ def _jitter(said: Said, scope: Scope) -> Maker:
 
 def _level(said: Said, scope: Scope) -> Maker:
     change, *at = (matcher(event, scope) for event in said.events)
-    return partial(LevelAt, at[0], change) if at else partial(ValueOf, change)
+    return partial(LevelAt, at[0], change) if at else partial(OfEvents, "value", change)
 
 
 def _stack(said: Said, scope: Scope) -> Maker:
     """Return the maker of the stack's high-water mark, which is recorded whenever it grows."""
     text = "stack high-water"
-    return partial(ValueOf, Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack"))
+    return partial(OfEvents, "value", Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack"))
 
 
 def _reaction(said: Said, scope: Scope) -> Maker:
@@ -252,15 +249,15 @@ _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
     "count": _of_events,
     "sum": _of_events,
     "level": _level,
-    "calls": lambda said, scope: partial(EventCount, matcher(said.events[0], scope)),
+    "calls": lambda said, scope: partial(OfEvents, "count", matcher(said.events[0], scope)),
     "stack": _stack,
     "interrupt": _latency,
     "reaction": _reaction,
     "gap": _gap,
     "margin": lambda said, scope: partial(Margin, scope.owner(said.unit, "I2C-A")),
     "SCL": lambda said, scope: partial(HeldPerTransfer, scope.owner(said.unit, "I2C-A")),
-    "time": lambda said, scope: partial(TimeIn, _state(said, scope)),
-    "each": lambda said, scope: partial(EachTimeIn, _state(said, scope)),
+    "time": lambda said, scope: partial(TimeIn, _state(said, scope), False),
+    "each": lambda said, scope: partial(TimeIn, _state(said, scope), True),
     "cpu": lambda said, scope: partial(CpuLoad, scope.unit(said.unit), said.window),
     "bus": lambda said, scope: partial(BusLoad, said.window),
     "slack": lambda said, scope: _of_sentence(PHRASES["slack"], scope),

@@ -1,4 +1,4 @@
-"""Measures of the time in a state: each time, or the sum of all.
+"""Measures of the time in a state or a span: each time, or the sum of all.
 
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
 
@@ -18,7 +18,8 @@ from ...core.records import Kind
 from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import EVERYTHING, Matcher
-from .event_pairing import EventMeasure
+from .event_pairing import EventMeasure, span_hint
+from .measure import Measure
 from .measured_scene import MeasuredScene
 
 if TYPE_CHECKING:
@@ -43,20 +44,30 @@ class StateEvents(Struct, frozen=True):
         return first.kind is Kind.BUS and first.what == "STOP"  # no START yet: the bus is free
 
 
-class _InState(EventMeasure):
-    """Base of measures that follow the begins and ends of a state."""
+class TimeIn(EventMeasure):
+    """Each time in a state, from its begin to its end, or the sum of all; of a span, service routines included.
 
-    STATE = State(ticks="_since")
+    each: take each time, unless its begin was not seen, since the run began in the state.
+    """
 
-    def __init__(self, state: StateEvents) -> None:
+    STATE = State("_whole", ticks="_since")
+
+    def __init__(self, state: StateEvents, each: bool) -> None:
         super().__init__(*state.enters, *state.leaves)
         self.state = state
+        self.series: bool = each
         self._enters = len(state.enters)  # the first ones of `matchers`
         self._since = NO_TIME
+        self._whole = False  # the begin of the present time was seen
+
+    @property
+    def silent(self) -> bool:
+        """True if a span was never entered: its name may be misspelled. Other states may have lasted no time at all."""
+        return not self.count and (self.series or self.state.enters[0].free)
 
     def listen(self, scene: MeasuredScene) -> None:
         if self.state.holds(scene):
-            self.begins(scene.began(), False)
+            self._begins(scene.began(), False)
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
         """Follow the state. A record that both enters and leaves it enters it. Its events belong to no group."""
@@ -73,17 +84,34 @@ class _InState(EventMeasure):
                     leaves = True
         if enters:
             if self._since == NO_TIME:
-                self.begins(tick, True)
+                self._begins(tick, True)
         elif leaves and self._since != NO_TIME:
-            self.ends(tick)
-            self._since = NO_TIME
+            self._ends(tick)
 
-    def begins(self, at: int, seen: bool) -> None:
-        self._since = at
+    def _begins(self, at: int, seen: bool) -> None:
+        self._since, self._whole = at, seen
+        if not self.series:
+            if not self.count:
+                self.worst_at = self.least_at = at
+            self.count += 1
 
-    def ends(self, at: int) -> None:
+    def _ends(self, at: int) -> None:
         """End a time in the state: it was left, or the run ended in it."""
-        raise NotImplementedError
+        since, self._since = self._since, NO_TIME
+        if not self.series:
+            self.worst = self.least = self.worst + at - since
+        elif self._whole:
+            self.take(at - since, since)
+
+    def finish(self, now: int) -> None:
+        if self._since != NO_TIME and not self.series:
+            self._ends(now)
+
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        return [] if self._since == NO_TIME else [(now - self._since, self._since)]
+
+    def unfinished_text(self) -> str:
+        return f"{self.state.text!r} still lasted when the run ended"
 
     def missing(self) -> str:
         if self.state.enters[0].free:
@@ -91,50 +119,41 @@ class _InState(EventMeasure):
         return f"{self.state.text!r} was never entered and left"
 
 
-class TimeIn(_InState):
-    """Sum of all times in a state; of a span, from its begin to its end, service routines in between included."""
+class SpanTime(Measure):
+    """Time from the begin of a named stretch of firmware to its end, service routines in between included."""
 
-    series = False
+    STATE = State(ticks="_began")
+    kinds = frozenset({Kind.SPAN})
 
-    @property
-    def silent(self) -> bool:
-        """True if a span was never entered: its name may be misspelled. Other states may have lasted no time at all."""
-        return self.state.enters[0].free and not self.count
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self._name = name
+        self._began: dict[str, int] = {}
+        self._spans: set[str] = set()  # their names, of all that there were
+        self._heard: list[tuple[str, str]] = []  # unit and name, by tag
 
-    def begins(self, at: int, seen: bool) -> None:
-        _InState.begins(self, at, seen)
-        if not self.count:
-            self.worst_at = self.least_at = at
-        self.count += 1
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        self._heard.append((where, what))
+        return len(self._heard) - 1
 
-    def ends(self, at: int) -> None:
-        self.worst = self.least = self.worst + at - self._since
+    def on_record(self, tag: int, tick: int, value: int) -> None:
+        where, what = self._heard[tag]
+        self._spans.add(what)
+        if what != self._name:
+            return
+        if value:
+            self._began[where] = tick
+        elif where in self._began:
+            began = self._began.pop(where)
+            self.take(tick - began, began)
 
-    def finish(self, now: int) -> None:
-        if self._since != NO_TIME:
-            self.ends(now)
-            self._since = NO_TIME
-
-
-class EachTimeIn(_InState):
-    """Each time in a state, from its begin to its end."""
-
-    STATE = State("_whole")
-
-    def __init__(self, state: StateEvents) -> None:
-        super().__init__(state)
-        self._whole = False  # the begin of the present time was seen
-
-    def begins(self, at: int, seen: bool) -> None:
-        _InState.begins(self, at, seen)
-        self._whole = seen
-
-    def ends(self, at: int) -> None:
-        if self._whole:
-            self.take(at - self._since, self._since)
+    def missing(self) -> str:
+        if self._name in self._spans:
+            return ""
+        return f"there was no span {self._name!r}; {span_hint(self._name, self._spans)}"
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        return [] if self._since == NO_TIME else [(now - self._since, self._since)]
+        return [(now - began, began) for began in self._began.values()]
 
     def unfinished_text(self) -> str:
-        return f"{self.state.text!r} still lasted when the run ended"
+        return f"span {self._name!r} still lasted when the run ended"

@@ -186,7 +186,6 @@ def _swapped(x: Any, y: Any, z: Any) -> bytes:
 def estimated(arithmetic: str, parameters: ImuParameters) -> Fraction:
     """Return the seconds at 150 MHz for the equations; not for "bytes", which has none."""
     from periph_sim.imu.models.counts import counts_of
-    from periph_sim.imu.numeric import arithmetic_names as named
-    from periph_sim.imu.numeric.estimate import estimate
+    from periph_sim.imu.numeric.estimate import estimate, library
 
-    return estimate(counts_of(parameters), named.library(arithmetic)).seconds()
+    return estimate(counts_of(parameters), library(arithmetic)).seconds()

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
+from math import atan2, cos, degrees, hypot, sin
 from typing import TYPE_CHECKING, Any
 
 from ..scene.case.model import Case
 from .models.parameters import ImuParameters
-from .models.period import check_period
 from .models.quantity import BadParameter
 
 if TYPE_CHECKING:
@@ -52,8 +52,6 @@ class ImuFirmware:
 
         readings: by chip, x, y, z in its unit. The known errors of the sensors are subtracted.
         """
-        from .resting_attitude import resting_attitude
-
         accel, mag, sensors = readings.get("accelerometer"), readings.get("magnetometer"), self.parameters
         if accel is None or mag is None:
             return None
@@ -88,7 +86,7 @@ def check_sensor_period(case: Case, unit: str, settings: object, sensors: ImuPar
         else f"once a round ({'controller' if case.rounds is None else 'rounds'}.period)"
     )
     try:
-        check_period(sensors, table.period, what)
+        sensors.check_period(table.period, what)
     except BadParameter as error:
         raise case.mistake(error.what, "unit", unit, "settings", "parameters") from None
 
@@ -125,3 +123,22 @@ class MotionTruth:
             return {chip: tuple(axes[0].tolist()) for chip, axes in values.items()}
 
         return at
+
+
+def resting_attitude(
+    accel: Sequence[float], mag: Sequence[float], field: Sequence[float]
+) -> tuple[float, float, float]:
+    """Return roll, pitch, yaw in degrees of a resting body, from one sample of accelerometer and magnetometer.
+
+        gravity --> roll, pitch --turn the field level--> yaw
+
+    An accelerometer at rest, level and z down, reads (0, 0, -1 g). field: north and east components of the magnetic
+    field at the body. `attitude` has a filter that tolerates motion.
+    """
+    x, y, z = (-value for value in accel)
+    roll, pitch = atan2(y, z), atan2(-x, hypot(y, z))
+    mx, my, mz = mag
+    down = my * sin(roll) + mz * cos(roll)
+    north, west = mx * cos(pitch) + down * sin(pitch), my * cos(roll) - mz * sin(roll)
+    yaw = (degrees(atan2(-west, north) + atan2(field[1], field[0])) + 180) % 360 - 180
+    return degrees(roll), degrees(pitch), yaw

@@ -14,12 +14,12 @@ from functools import lru_cache, partial
 from typing import Any, TypeVar
 
 from .imu_noise import ImuNoise
-from .models.angles import Angles
+from .models.chips import Angles
 from .models.imu import Imu, Noise
 from .models.parameters import ImuParameters
 from .numeric import arithmetic_names as named
+from .numeric.arithmetic import Triple
 from .numeric.q import Q
-from .numeric.vectors import Triple
 
 R = TypeVar("R")
 

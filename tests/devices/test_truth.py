@@ -15,7 +15,7 @@ from periph_sim.imu.firmware_model import MotionTruth
 from periph_sim.imu.host_frames import ramp, shown
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.motion import kinds, sines
-from periph_sim.imu.motion.pose import Pose
+from periph_sim.imu.motion.quantities import Pose
 
 PERIOD = Fraction(1, 50)
 LINE = LineBetweenFrames(ramp, PERIOD, shown)

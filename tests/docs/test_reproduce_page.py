@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from periph_sim.imu.at_rest.published import EMULATOR
+from periph_sim.imu.at_rest.static_table import EMULATOR
 from tests.docs.pages import CONSOLE, PAGES, ROOT, commands
 
 PAGE = (ROOT / "docs" / "reproduce.md").read_text(encoding="utf-8")

@@ -26,10 +26,10 @@ from ..models.imu import Imu
 from ..models.parameters import ImuParameters, MagnetometerParameters
 from ..models.quantity import Vector
 from ..models.sensed_motion import Unrounded
-from . import published
 from .rest import Floats
+from .static_table import REAL
 
-MEAN = published.REAL["magnetometer"].mean
+MEAN = REAL["magnetometer"].mean
 HARD_IRON = MagnetometerParameters().hard_iron
 YAWS = (270, 180, 90, 0)  # degrees, in the order of Figure 5.1
 

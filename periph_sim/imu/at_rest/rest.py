@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..imu_noise import ImuNoise
-from ..models import magnetometer as model
 from ..models.arrays import codes_of
+from ..models.chips import Magnetometer
 from ..models.parameters import (
     AccelerometerParameters,
     GyroscopeParameters,
@@ -64,7 +64,7 @@ def sensed_at_rest(imu: ImuParameters) -> dict[str, tuple[float, float, float]]:
     accelerometer, gyroscope, magnetometer = imu.accelerometer, imu.gyroscope, imu.magnetometer
     x, y, z = accelerometer.bias
     north, east, down = (h + v for h, v in zip(magnetometer.earth_field, magnetometer.hard_iron, strict=True))
-    on_board = model.Magnetometer(Float64(), magnetometer).on_board((north, east, down))
+    on_board = Magnetometer(Float64(), magnetometer).on_board((north, east, down))
     return {"accelerometer": (x, y, z - 1.0), "gyroscope": gyroscope.bias, "magnetometer": on_board}
 
 

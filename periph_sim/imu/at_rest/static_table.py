@@ -1,21 +1,72 @@
-"""Table 5.1 from samples at rest: mean, 3 sigma and variance beside published and expected values.
+"""Table 5.1 of the dissertation, reproduced: mean, 3 sigma and variance at rest beside published and expected values.
 
 ours, published --less expectation, in standard errors of 10 000 samples--> which differences chance explains
+
+A reading is an interpretation of the parameters, compared with the emulated means. Each adds one effect to the
+previous one; the last but one is the shipped set `table_5_1`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, sqrt
+from typing import Any, NamedTuple
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from ..models.parameters import ImuParameters
+from ...core.text_table import text_table
+from ..models.parameters import NONE, ImuParameters
 from ..noise import AXES
-from . import published
-from .rest import SENSORS, Expected, expected_at_rest
+from .rest import SENSORS, UNITS, Expected, expected_at_rest, variances_before_rounding
+
+Three = tuple[float, float, float]  # x, y, z
+
+SAMPLES = 10_000
+RATE = 50  # Hz
+
+
+class Row(NamedTuple):
+    """One row, in g, deg/s or gauss. The variances of the magnetometer are printed as 0.0000."""
+
+    mean: Three
+    three_sigma: Three
+    variance: Three
+
+
+REAL = {
+    "accelerometer": Row((-0.0188, 0.0196, -1.0007), (0.0831, 0.0801, 0.0887), (0.0008, 0.0007, 0.0009)),
+    "gyroscope": Row((-3.1041, 3.5997, 0.0438), (0.1312, 0.1475, 0.1338), (0.0019, 0.0024, 0.0020)),
+    "magnetometer": Row((0.3239, -0.0447, 0.0060), (0.0149, 0.0190, 0.0082), (0.0000, 0.0000, 0.0000)),
+}
+EMULATOR = {
+    "accelerometer": Row((-0.0301, 0.0076, -1.0035), (0.0857, 0.0845, 0.0839), (0.0008, 0.0008, 0.0008)),
+    "gyroscope": Row((-3.0313, 3.5380, 0.0535), (0.1452, 0.2370, 0.1356), (0.0023, 0.0062, 0.0020)),
+    "magnetometer": Row((0.3231, -0.0447, 0.0056), (0.0164, 0.0187, 0.0097), (0.0000, 0.0000, 0.0000)),
+}
+
+
+class Memory(NamedTuple):
+    """One row of Table 5.2: 16-bit words, and the printed share of RAM and flash in percent."""
+
+    words: int
+    ram: float
+    flash: float
+
+
+# Table 5.2: memory of the generated code. Its total is the row TOTAL.
+MEMORY = {
+    "Model_IMU": Memory(6396, 18.81, 2.50),
+    "Model_IMU_main": Memory(130, 0.38, 0.05),
+    "csl": Memory(183, 0.54, 0.07),
+    "board": Memory(119, 0.35, 0.05),
+    "i2c": Memory(36, 0.11, 0.01),
+    "other routines": Memory(3839, 11.29, 1.50),
+}
+TOTAL = Memory(10703, 31.48, 4.18)
+
 
 Floats = NDArray[np.float64]
 
@@ -65,10 +116,9 @@ def static_table(imu: ImuParameters, samples: Mapping[str, Floats]) -> list[Axis
 
 def _row(sensor: str, axis: int, values: Floats, expected: Expected) -> AxisRow:
     variance, sigma = float(values.var(ddof=1)), sqrt(expected.variance)
-    real, emulator = published.REAL[sensor], published.EMULATOR[sensor]
+    real, emulator = REAL[sensor], EMULATOR[sensor]
     means, variances = (
-        [error(count) for count in (len(values), published.SAMPLES)]
-        for error in (expected.mean_error, expected.variance_error)
+        [error(count) for count in (len(values), SAMPLES)] for error in (expected.mean_error, expected.variance_error)
     )
     sigmas = [3 * error / (2 * sigma) if sigma else 0.0 for error in variances]
     return AxisRow(
@@ -78,3 +128,153 @@ def _row(sensor: str, axis: int, values: Floats, expected: Expected) -> AxisRow:
         Figure(real.three_sigma[axis], emulator.three_sigma[axis], 3 * sqrt(variance), 3 * sigma, *sigmas),
         Figure(real.variance[axis], emulator.variance[axis], variance, expected.variance, *variances),
     )
+
+
+@dataclass(frozen=True)
+class Reading:
+    """An interpretation of the parameters. off: published emulator's means less its own, in standard errors."""
+
+    says: str
+    off: dict[str, tuple[float, ...]]
+
+    def rms(self, sensor: str) -> float:
+        """Return the root mean square over the sensor's axes; about 1 if explained by chance."""
+        return sqrt(sum(off**2 for off in self.off[sensor]) / len(AXES))
+
+
+def readings() -> list[Reading]:
+    """Compare the published means with each reading."""
+    return [Reading(says, _off(expected_at_rest(imu()))) for says, imu in READINGS]
+
+
+def _off(expected: Mapping[str, Sequence[Expected]]) -> dict[str, tuple[float, ...]]:
+    return {
+        sensor: tuple(
+            (found - axis.mean) / hypot(axis.mean_error(SAMPLES), PRINTED, PRINTED)  # of mean and bias
+            for found, axis in zip(EMULATOR[sensor].mean, expected[sensor], strict=True)
+        )
+        for sensor in SENSORS
+    }
+
+
+def _each(imu: ImuParameters, sensors: Sequence[str] = SENSORS, **changes: Any) -> ImuParameters:
+    changed: dict[str, Any] = {sensor: replace(getattr(imu, sensor), **changes) for sensor in sensors}
+    return replace(imu, **changed)
+
+
+def table_4_1() -> ImuParameters:
+    """Table 4.1 without hard iron: Table 5.1 was measured away from iron (section 5.2)."""
+    return _each(ImuParameters(), ("magnetometer",), hard_iron=NONE)
+
+
+def without_cross_axis() -> ImuParameters:
+    """The same without cross-axis sensitivity."""
+    return _each(table_4_1(), cross_axis=0.0)
+
+
+def with_printed_means() -> ImuParameters:
+    """The same with biases to four decimals from the real IMU's means in Table 5.1; Table 4.1 rounds to two."""
+    imu = table_4_1()
+    x, y, z = REAL["accelerometer"].mean
+    return replace(
+        imu,
+        accelerometer=replace(imu.accelerometer, bias=(x, y, round(z + 1.0, 4))),
+        gyroscope=replace(imu.gyroscope, bias=REAL["gyroscope"].mean),
+    )
+
+
+def with_floor() -> ImuParameters:
+    """The same with codes of accelerometer and magnetometer rounded down, like a shift of a fixed-point number."""
+    return _each(with_printed_means(), ("accelerometer", "magnetometer"), rounding="floor")
+
+
+def with_floor_everywhere() -> ImuParameters:
+    return _each(with_printed_means(), rounding="floor")
+
+
+READINGS: list[tuple[str, Callable[[], ImuParameters]]] = [
+    ("bias of Table 4.1 alone", without_cross_axis),
+    ("and cross-axis sensitivity", table_4_1),
+    ("and bias to four decimals", with_printed_means),
+    ("and floor for two: table_5_1", with_floor),
+    ("and floor for the gyroscope", with_floor_everywhere),
+]
+
+
+COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator off")
+
+
+def text(imu: ImuParameters, rows: Sequence[AxisRow], found: Sequence[Reading], samples: int, seed: int) -> str:
+    """Format the table of this set, deviations in standard errors (se), and the readings `found`, if any."""
+    lines = [
+        f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {SAMPLES} at {RATE} Hz.",
+        "off: difference to the expectation, in standard errors, of figures with four",
+        "decimals where printed.",
+    ]
+    for title, name, form in (
+        ("mean", "mean", ".4f"),
+        ("3 sigma", "three_sigma", ".4f"),
+        ("variance", "variance", ".2e"),
+    ):
+        lines += ["", *_block(title, name, form, rows)]
+    lines += ["", *_gyroscope_variances(imu, rows)]
+    if found:
+        lines += ["", *_explained(found)]
+    return "\n".join(lines)
+
+
+def _block(title: str, name: str, form: str, rows: Sequence[AxisRow]) -> list[str]:
+    cells = []
+    for row in rows:
+        figure: Figure = getattr(row, name)
+        printed = form if name != "variance" else ".4f"
+        cells.append(
+            (
+                f"{row.sensor} {row.axis}, {_unit(row.sensor, name)}",
+                f"{figure.real:{printed}}",
+                f"{figure.emulator:{printed}}",
+                f"{figure.ours:{form}}",
+                f"{figure.expected:{form}}",
+                "-" if figure.ours_off is None else f"{figure.ours_off:+.1f}",
+                f"{figure.emulator_off:+.1f}" if figure.emulator else "-",
+            )
+        )
+    return text_table((title, *COLUMNS[1:]), cells, range(1, len(COLUMNS)))
+
+
+def _explained(found: Sequence[Reading]) -> Iterator[str]:
+    yield "Published emulator's means less those of the model, x, y, z in standard errors,"
+    yield "and their root mean square (rms):"
+    yield ""
+    rows = []
+    for reading in found:
+        for sensor in SENSORS:
+            says = reading.says if sensor == SENSORS[0] else ""
+            rows.append((says, sensor, *(f"{off:+.1f}" for off in reading.off[sensor]), f"{reading.rms(sensor):.1f}"))
+    yield from text_table(("the model with", "sensor", "x", "y", "z", "rms"), rows, range(2, 6))
+
+
+def _gyroscope_variances(imu: ImuParameters, rows: Sequence[AxisRow]) -> Iterator[str]:
+    """Compare gyroscope variances, published ones from 3 sigma: LSB and noise are similar, so rounding shows."""
+    three = [row for row in rows if row.sensor == "gyroscope"]
+    published_ones = [(row.three_sigma.emulator / 3) ** 2 for row in three]
+    expected = [row.variance.expected for row in three]
+    unrounded = variances_before_rounding(imu.gyroscope, imu.period) / imu.gyroscope.scale**2
+    yield f"gyroscope variances: published {_three(published_ones)} (by 3 sigma)"
+    yield f"  expected with whole LSB    {_three(expected)}: {_more(expected, published_ones)}"
+    yield f"  expected before rounding   {_three(unrounded)}: {_more(unrounded, published_ones)}"
+
+
+def _more(values: Iterable[float], than: Iterable[float]) -> str:
+    return ", ".join(f"{100 * (value / other - 1):+.0f} %" for value, other in zip(values, than, strict=True))
+
+
+def _three(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:.5f}" for value in values)
+
+
+def _unit(sensor: str, figure: str) -> str:
+    unit = UNITS[sensor]
+    if figure != "variance":
+        return unit
+    return f"({unit})^2" if "/" in unit else f"{unit}^2"

@@ -11,7 +11,7 @@ from ...interfaces.commands.json_output import print_json
 from ...interfaces.commands.usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
-    from ..numeric.costs import Tables
+    from ..numeric.estimate import Tables
 
 SECTION = "sensors"
 EXAMPLE = "periph-sim extremes --arithmetic q16"
@@ -48,7 +48,6 @@ def extremes(
     wraps, or becomes NaN. NAME and EXTREME may be given several times.
     """
     from ...traces.formats.atomic_write import atomic_write
-    from ..extreme_clocks import SCENES
     from ..extremes import USUAL, report
     from ..extremes.plot import picture
     from ..extremes.text_report import as_json as as_dict
@@ -59,7 +58,7 @@ def extremes(
         if plot is not None and plot.suffix != ".svg":
             raise click.ClickException(f"{plot}: the picture is SVG; give a name that ends with .svg")
         imu = None if parameters is None else named(parameters)
-        found = report(names or USUAL, seed, samples, only, imu, tables, SCENES)
+        found = report(names or USUAL, seed, samples, only, imu, tables)
         if plot is not None:
             with atomic_write(plot) as unfinished:
                 unfinished.write_text(picture(found), encoding="utf-8")

@@ -37,10 +37,8 @@ def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: 
     Beside each figure are the published ones and the model's expectation. With the set that reproduces the table, also
     its derivation from Table 4.1, step by step.
     """
-    from ..at_rest.readings import readings
     from ..at_rest.rest import at_rest
-    from ..at_rest.static_table import static_table
-    from ..at_rest.static_text import text
+    from ..at_rest.static_table import readings, static_table, text
     from ..models.parameters import ImuParameters
     from ..parameter_sets import named
 

@@ -9,27 +9,19 @@ costs -------------------> cycles for a sample
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from ...core.input_error import InputError
 from ...core.suggest import did_you_mean
 from ..models.counts import counts_of
 from ..models.parameters import ImuParameters
-from ..numeric import arithmetic_names as named
-from ..numeric.costs import Tables
-from ..numeric.costs.fpu import RTS
-from ..numeric.estimate import Estimate, estimate
-from . import events
-from . import time_and_bus as beside_models
-from .allan_variance import allan_variances
-from .baud_rate import baud_rates
-from .fields import FIELDS
+from ..numeric.estimate import RTS, Estimate, Tables, estimate, library
+from . import events, outside_models
 from .finding import Finding
 from .frames import REFERENCE
-from .motions import MOTIONS
 from .sweep import Sweep
+from .sweeps import FIELDS, MOTIONS
 from .working_range import Worst, worst
 
 SWEEPS: tuple[Sweep, ...] = (*MOTIONS, *FIELDS)
@@ -40,15 +32,15 @@ EVENTS = {
     "smallest LSB": events.smallest_steps,
     "parameters": events.refused,
 }
-Rows = Callable[[], Iterator[Finding]]
-BESIDE: dict[str, Rows] = {
-    "length of a run": beside_models.longest_run,
-    "clocks": beside_models.clocks,
-    "last tick": beside_models.lines_at_the_last_tick,
-    "10^9 samples of noise": beside_models.noise_sums,
-    "inputs": beside_models.inputs,
-    "baud rate": baud_rates,
-    "Allan variance": allan_variances,
+OUTSIDE: dict[str, Callable[[], Iterator[Finding]]] = {
+    "length of a run": outside_models.longest_run,
+    "clocks": outside_models.clocks,
+    "last tick": outside_models.lines_at_the_last_tick,
+    "10^9 samples of noise": outside_models.noise_sums,
+    "inputs": outside_models.inputs,
+    "baud rate": outside_models.baud_rates,
+    "Allan variance": outside_models.allan_variances,
+    "crystals of a scene": outside_models.imu_hil_clocks,
 }
 USUAL = ("float64", "float32", "q16", "q16 saturating", "q12")
 
@@ -76,9 +68,7 @@ class NoSuchExtreme(InputError):
     """The name of an unknown extreme; the message is one sentence."""
 
 
-def known(further: Mapping[str, Rows] = MappingProxyType({})) -> tuple[str, ...]:
-    """Return the names of all extremes."""
-    return (*(sweep.name for sweep in SWEEPS), *EVENTS, *BESIDE, *further)
+NAMES = (*(sweep.name for sweep in SWEEPS), *EVENTS, *OUTSIDE)
 
 
 def report(
@@ -88,28 +78,26 @@ def report(
     only: tuple[str, ...] = (),
     imu: ImuParameters | None = None,
     tables: Tables = "RAM",
-    further: Mapping[str, Rows] = MappingProxyType({}),
 ) -> Report:
     """Examine every extreme, or those named, in every named arithmetic. samples: of the search in the working range.
 
     imu: the parameters of the search and the costs; extremes have their own. tables: memory of the libraries' tables.
-    further: rows of whole scenes, which this package cannot build.
     NoSuchArithmetic, DoesNotFit or NoSuchExtreme for an invalid name.
     """
     for name in only:
-        if name not in known(further):
-            raise NoSuchExtreme(f"there is no extreme {name!r}; {did_you_mean(name, known(further))}")
-    wanted = set(only or known(further))
+        if name not in NAMES:
+            raise NoSuchExtreme(f"there is no extreme {name!r}; {did_you_mean(name, NAMES)}")
+    wanted = set(only or NAMES)
     names = tuple(dict.fromkeys(names))
     imu = imu or ImuParameters()
     counts = counts_of(imu)
-    costs = {name: estimate(counts, named.library(name), tables) for name in names}
+    costs = {name: estimate(counts, library(name), tables) for name in names}
     errors = {name: worst(name, imu, samples, seed) for name in names if name != REFERENCE}
     found = [sweep.find(name, errors.get(name)) for sweep in SWEEPS if sweep.name in wanted for name in names]
     for event, findings in EVENTS.items():
         if event in wanted:
             found += findings(names, errors)
-    for name, beside in (*BESIDE.items(), *further.items()):
+    for name, rows in OUTSIDE.items():
         if name in wanted:
-            found += beside()
+            found += rows()
     return Report(imu, names, seed, errors, costs, estimate(counts, RTS, tables), tuple(found))

@@ -16,7 +16,7 @@ from ..models.parameters import AccelerometerParameters, GyroscopeParameters, Im
 from ..models.quantity import BadParameter
 from ..numeric import arithmetic_names as named
 from ..numeric.arithmetic import Arithmetic
-from ..numeric.iqmath_arrays import Ints
+from ..numeric.q_arrays import Ints
 from .finding import EVERY, Finding, Happens
 from .frames import REFERENCE, codes_of
 from .working_range import Worst

@@ -9,22 +9,18 @@ the int16 counts of host frames: every arithmetic gets the same whole numbers.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..host_frame import ACCELERATION, ANGLE
 from ..models import parameters
+from ..models.counts import Counting
 from ..models.imu import Imu
-from ..numeric.arithmetic import Arithmetic, Rounding
-from ..numeric.counting import Counting
-from ..numeric.iqmath_arrays import Ints
+from ..numeric.arithmetic import Arithmetic, Rounding, Triple
 from ..numeric.q import Q
-from ..numeric.q_arrays import QArrays
-from ..numeric.vectors import Triple
-
-T = TypeVar("T")
+from ..numeric.q_arrays import Ints, QArrays
 
 INT16 = 0x8000
 SENSORS = ("gyroscope", "accelerometer", "magnetometer")
@@ -43,13 +39,13 @@ class Codes:
     overflown: NDArray[np.bool_]
 
 
-class Exact(Counting[T], Generic[T]):
+class Exact(Counting):
     """An arithmetic without its last two steps, for a sensor's LSB before saturation and rounding."""
 
-    def clamp(self, x: T, low: T, high: T) -> T:
+    def clamp(self, x: Any, low: Any, high: Any) -> Any:
         return x
 
-    def to_integer(self, x: T, rounding: Rounding) -> T:
+    def to_integer(self, x: Any, rounding: Rounding) -> Any:
         return x
 
 

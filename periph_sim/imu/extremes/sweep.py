@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..models import parameters
 from ..numeric import arithmetic_names as named
-from ..numeric.iqmath_arrays import Ints
+from ..numeric.q_arrays import Ints
 from .finding import Finding, Happens
 from .frames import REFERENCE, SENSORS, Codes, codes_of
 from .working_range import Worst

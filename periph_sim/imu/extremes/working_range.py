@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..host_frame import ACCELERATION, ANGLE
 from ..models import parameters
 from ..numeric import arithmetic_names as named
-from ..numeric.iqmath_arrays import Ints
+from ..numeric.q_arrays import Ints
 from .frames import REFERENCE, SENSORS, codes_of
 
 LIMITS = np.array([int(pi / ANGLE), int(pi / 2 / ANGLE), int(pi / ANGLE)])  # counts: roll, pitch, yaw

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtri, ndtr
 
-from .allan import Allan
-from .series import Floats
+from .allan import Allan, Floats
 
 LEVELS = {"68 %": float(2 * ndtr(1) - 1), "95 %": 0.95}  # one standard deviation of a Gaussian, and the usual one
 

@@ -16,8 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .confidence import LEVELS, edf, interval
-from .density import READ_AT
-from .slow_terms import FLOOR
+from .noise_terms import FLOOR, READ_AT
 from .text_report import Axis
 
 COLOURS = ("#0060a8", "#c04a00", "#3a7d34", "#7a3b9a", "#777777")  # distinguishable with colour blindness

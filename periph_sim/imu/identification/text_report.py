@@ -9,7 +9,7 @@ from math import floor, log10
 from ...core.text_table import paragraph, text_table
 from .confidence import LEVELS
 from .identify import Identified
-from .slow_terms import Term
+from .noise_terms import Term
 
 FOUND = ("column", "bias", "noise density", "sensor's own")
 KNOWN = ("column", "95 % of the density", "rounding", "fitted from, to")

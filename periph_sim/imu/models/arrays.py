@@ -9,13 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numeric.arithmetic import Arithmetic
+from ..numeric.arithmetic import Arithmetic, Triple
 from ..numeric.float64_arrays import Float64Arrays, Floats
 from ..numeric.q import Q
-from ..numeric.vectors import Triple
 from . import parameters
-from .finite import INPUTS, check_arrays, check_before, inputs_of
-from .imu import Codes, Imu, Noise
+from .imu import INPUTS, Codes, Imu, Noise, check_arrays, check_before, inputs_of
 
 PIECE = 8192  # samples: the working set fits the second-level cache
 

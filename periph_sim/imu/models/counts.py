@@ -8,12 +8,51 @@ from __future__ import annotations
 
 from collections import Counter
 from functools import lru_cache
+from typing import Any
 
-from ..numeric.counting import Counting
+from ..numeric.arithmetic import Arithmetic
 from ..numeric.float64 import Float64
 from . import parameters
-from .angles import angles
+from .chips import angles
 from .imu import Imu
+
+COSTLESS = ("constant", "value")  # what a program does not compute at run time
+
+
+class Counting:
+    """An arithmetic that computes like another one and counts the operations.
+
+    equations --> Counting(Q(16)) --> the numbers of Q(16), and {"mul": 113, "add": 101, "sincos": 5, ...}
+
+    counts: number of operations of each kind since the last `pop_counts`. The models have no branches that depend on
+    numbers, so the counts are those of every sample. Vectors are computed number by number, whatever `a` offers.
+    """
+
+    def __init__(self, a: Arithmetic[Any]) -> None:
+        self._a = a
+        self.name = a.name
+        self.counts: Counter[str] = Counter()
+
+    def pop_counts(self) -> Counter[str]:
+        """Return the counts so far and reset them."""
+        counts, self.counts = self.counts, Counter()
+        return counts
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in vars(Arithmetic):
+            raise AttributeError(name)
+        operation = getattr(self._a, name)
+        if name in COSTLESS:
+            return operation
+        kind = "select" if name == "select_greater" else name.replace("_", " ")
+
+        def counted(*arguments: Any) -> Any:
+            self.counts[f"{kind}, {arguments[1]}" if name == "to_integer" else kind] += 1
+            return operation(*arguments)
+
+        setattr(self, name, counted)
+        return counted
+
 
 PARTS = ("frame", "derivative", "angles", "gyroscope", "accelerometer", "magnetometer")
 FRAME = 6  # scaled values of a host frame
@@ -27,7 +66,7 @@ def counts_of(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
 @lru_cache(maxsize=16)
 def _counted(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
     a = Counting(Float64())
-    model = Imu(a, imu)
+    model: Imu[float] = Imu(a, imu)
     still = (0.0, 0.0, 0.0)
     noise, (attitude, before) = model.silence, model.at_rest
     found: dict[str, Counter[str]] = {"frame": Counter({"scaled": FRAME})}

@@ -5,8 +5,10 @@ Table 4.1 of the dissertation is the default. If it gives no value, the source s
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Annotated, Literal
 
+from ...core.time import Timebase
 from ..numeric.arithmetic import Rounding
 from .quantity import BadParameter, Checked, Choice, Quantity, Vector
 
@@ -15,6 +17,7 @@ Wrap = Literal["as built", "unwrapped"]
 Spherical = Literal["four-quadrant", "plain", "rotation"]
 Norm = Literal["squares", "mag"]
 
+PERIOD_TOLERANCE = Fraction(1, 1000)  # clocks of unit, controller and host may differ by 1000 ppm together
 STANDARD_GRAVITY = 9.81  # m/s^2 in one g, section 4.3.4
 NONE: Vector = (0.0, 0.0, 0.0)
 
@@ -95,7 +98,7 @@ class MagnetometerParameters(SensorParameters, frozen=True):
     """HMC5883L (equations 4.6 to 4.8). hard_iron: V; earth_field: H_rt; board: Incl_PCB.
 
     spherical: method for H_rp. "four-quadrant": by azimuth and elevation with atan2, as intended; "plain": with the
-    arctangents as written; "rotation": the same values as "four-quadrant" without any angle (see magnetometer.py).
+    arctangents as written; "rotation": the same values as "four-quadrant" without any angle (see `chips.Magnetometer`).
     norm: "squares", the roots as written; "mag", two magnitudes of two numbers each, without large squares.
     """
 
@@ -126,3 +129,18 @@ class ImuParameters(Checked, frozen=True):
     magnetometer: MagnetometerParameters = MagnetometerParameters()
     period: Annotated[float, Quantity("s", 1e-6, 3600, "section 3.4: 20 ms; 0 has no derivative")] = 0.02
     wrap: Annotated[Wrap, Choice("section 4.3.2 takes plain differences")] = "as built"
+
+    def check_period(self, runs: Fraction, what: str) -> None:
+        """Raise BadParameter unless the models' period is `runs` seconds, within 0.1 %. what: such as "once a round".
+
+        If the models run less or more often than `period` states, every rate is wrong by the ratio, without any sign.
+        """
+        period = Fraction(self.period)
+        if abs(period - runs) > PERIOD_TOLERANCE * runs:
+            base = Timebase()
+            shown, meant = (base.show(base.ticks(seconds, "nearest")) for seconds in (period, runs))
+            raise BadParameter(
+                "imu.period",
+                f"the models' period is {shown}, but they run {what}, every {meant}; "
+                "make them the same, or every rate is off by their ratio",
+            )

@@ -16,10 +16,9 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from ..motion import Motion
-from ..numeric.arithmetic import Rounding
+from ..numeric.arithmetic import Rounding, Triple
 from ..numeric.float64_arrays import Float64Arrays
-from ..numeric.vectors import Triple
-from .angles import Angles, angles
+from .chips import Angles, angles
 from .imu import Imu, Noise
 from .parameters import ImuParameters
 

@@ -1,4 +1,4 @@
-"""Physical quantities in settings: texts with units, converted to SI units (accelerations to g).
+"""Physical quantities and poses in the settings of motions: texts with units, converted to SI (accelerations to g).
 
 `Angle` converts "50 deg" to rad, `Rate` "52.2 rpm" to rad/s, `Acceleration` "0.5 g" to g. A bare number in a case
 is an error, since its unit would be a guess. Values beyond the range of a motion are errors.
@@ -7,6 +7,7 @@ is an error, since its unit would be a guess. Values beyond the range of a motio
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from math import inf, isfinite, pi
@@ -70,3 +71,23 @@ Rate = Annotated[float, _validator(RATE_UNITS, 1e-6, RATE_RANGE)]
 Acceleration = Annotated[float, _validator(ACCELERATION_UNITS, -ACCELERATION_RANGE, ACCELERATION_RANGE)]
 Seconds = Annotated[float, _validator(TIME_UNITS, 0.0, inf)]
 Hertz = Annotated[float, _validator(FREQUENCY_UNITS, 0.0, 1e6)]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Attitude in rad, linear acceleration in g."""
+
+    phi: Angle = 0.0
+    theta: Angle = 0.0
+    psi: Angle = 0.0
+    ax: Acceleration = 0.0
+    ay: Acceleration = 0.0
+    az: Acceleration = 0.0
+
+
+LEVEL = Pose()  # and north, at rest
+
+
+def row(pose: Pose) -> list[float]:
+    """Return the six values of a pose, in the order of a host frame."""
+    return [pose.phi, pose.theta, pose.psi, pose.ax, pose.ay, pose.az]

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 from ...core.table import Table
 from . import VALUES, BadMotion
-from .pose import LEVEL, Pose, row
-from .quantities import Acceleration, Angle, Hertz
+from .quantities import LEVEL, Acceleration, Angle, Hertz, Pose, row
 
 if TYPE_CHECKING:
     from . import Floats

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .pieces import Held
-from .pose import Pose, row
+from .quantities import Pose, row
 
 
 @dataclass(frozen=True)

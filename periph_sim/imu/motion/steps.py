@@ -12,8 +12,7 @@ import numpy as np
 
 from . import BadMotion
 from .pieces import Held
-from .pose import LEVEL, Pose, row
-from .quantities import Acceleration, Angle, Seconds
+from .quantities import LEVEL, Acceleration, Angle, Pose, Seconds, row
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,7 @@ from ..models.arrays import codes_of
 from ..models.imu import Codes, Noise
 from ..models.sensed_motion import SensedMotion
 from ..numeric import arithmetic_names as named
-from ..numeric.arithmetic import Arithmetic
-from ..numeric.vectors import Triple
+from ..numeric.arithmetic import Arithmetic, Triple
 from ..rotations import Floats
 from .readings import Ints, Readings
 from .subject import EmulatorUnderTest

@@ -11,8 +11,7 @@ from ...core.text_table import paragraph, text_table
 from ..attitude import Errors
 from ..models.parameters import Rates
 from ..rotations import Floats
-from .experiment import Outcome
-from .lag import Lag
+from .experiment import Lag, Outcome
 
 AXES = ("roll", "pitch", "yaw", "total")
 

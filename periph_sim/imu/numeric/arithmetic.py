@@ -1,4 +1,4 @@
-"""The interface of arithmetics, with which models compute.
+"""The interface of arithmetics, with which models compute, on single numbers and on vectors of three.
 
     equations --add, mul, sin ...--> Arithmetic[T] --> float64, float32, Q16, arrays of them, or counts
 
@@ -8,10 +8,11 @@ stands for value * 2**16, an array of either. Angles are in radians.
 
 from __future__ import annotations
 
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Any, Generic, Literal, Protocol, TypeVar
 
 T = TypeVar("T")
 
+Triple = tuple[T, T, T]
 Rounding = Literal["nearest", "floor", "toward zero"]
 
 
@@ -58,3 +59,64 @@ class Arithmetic(Protocol[T]):
 
     def to_integer(self, x: T, rounding: Rounding) -> T:
         """Return a whole number: a count of LSB, no longer a number of this kind."""
+
+
+class Vectors(Generic[T]):
+    """Operations on vectors by their numbers x, y, z.
+
+    Each consists of the arithmetic's own operations, in an order that is part of the result: they round and overflow.
+    """
+
+    def __init__(self, a: Arithmetic[T]) -> None:
+        self._a = a
+
+    def plus(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
+        """Return u + v."""
+        add = self._a.add
+        return add(u[0], v[0]), add(u[1], v[1]), add(u[2], v[2])
+
+    def minus(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
+        """Return u - v."""
+        sub = self._a.sub
+        return sub(u[0], v[0]), sub(u[1], v[1]), sub(u[2], v[2])
+
+    def times(self, u: Triple[T], k: T) -> Triple[T]:
+        """Return u times a number."""
+        mul = self._a.mul
+        return mul(u[0], k), mul(u[1], k), mul(u[2], k)
+
+    def transformed(self, rows: tuple[Triple[T], ...], u: Triple[T]) -> Triple[T]:
+        """Return a matrix of three rows times u."""
+        first, second, third = rows
+        return self._dot(first, u), self._dot(second, u), self._dot(third, u)
+
+    def _dot(self, u: Triple[T], v: Triple[T]) -> T:
+        add, mul = self._a.add, self._a.mul
+        return add(add(mul(u[0], v[0]), mul(u[1], v[1])), mul(u[2], v[2]))
+
+    def cross(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
+        """Return u x v."""
+        sub, mul = self._a.sub, self._a.mul
+        (x, y, z), (p, q, r) = u, v
+        return sub(mul(y, r), mul(z, q)), sub(mul(z, p), mul(x, r)), sub(mul(x, q), mul(y, p))
+
+    def turned(self, c: T, s: T, x: T, y: T) -> tuple[T, T]:
+        """Return x and y in axes turned by the angle of this cosine and sine: c x + s y, c y - s x."""
+        mul = self._a.mul
+        return self._a.add(mul(c, x), mul(s, y)), self._a.sub(mul(c, y), mul(s, x))
+
+    def whole(self, u: Triple[T], low: T, high: T, rounding: Rounding) -> Triple[T]:
+        """Return the nearest vector to u with numbers from low to high, as whole numbers: counts of LSB."""
+        clamp, to_integer = self._a.clamp, self._a.to_integer
+        x, y, z = clamp(u[0], low, high), clamp(u[1], low, high), clamp(u[2], low, high)
+        return to_integer(x, rounding), to_integer(y, rounding), to_integer(z, rounding)
+
+
+def vectors_of(a: Arithmetic[T]) -> Vectors[T]:
+    """Return the vector operations of an arithmetic.
+
+    Q implements them itself, with one call for a vector instead of one for each number.
+    """
+    vectors: Any = a if hasattr(a, "plus") else Vectors(a)
+    found: Vectors[T] = vectors
+    return found

@@ -2,7 +2,6 @@
 
 name --> scalar(name)   one number at a time, as firmware does
      --> arrays(name)   element by element
-     --> library(name)  the costs of its operations
 """
 
 from __future__ import annotations
@@ -13,10 +12,6 @@ from typing import Any, NamedTuple
 from ...core.input_error import InputError
 from ...core.suggest import did_you_mean
 from .arithmetic import Arithmetic
-from .costs import Library
-from .costs.double import DOUBLE
-from .costs.fpu import FASTRTS
-from .costs.iqmath import IQMATH, ROUNDED, SATURATED
 from .float64 import Float64
 from .q import Overflow, Product, Q, RoundedQ
 
@@ -72,13 +67,3 @@ def _float32() -> Arithmetic[Any]:
     from .float32 import Float32  # computed by numpy, also for one number
 
     return Float32()
-
-
-def library(name: str) -> Library:
-    """Return the implementation on the F28335: IQmath, the FPU with fastRTS, or software."""
-    q = format_of(name)
-    if q is None:
-        return DOUBLE if name == "float64" else FASTRTS
-    if q.overflow == "saturate":
-        return SATURATED
-    return IQMATH if q.product == "cut" else ROUNDED

@@ -5,19 +5,190 @@
 Included: the operations of the equations, loads and stores of their operands (assumed: one cycle a number, from
 memory without wait states, nothing kept in registers). Not included: all else in the program, such as noise,
 conversions between blocks, function prologues, interrupts.
+
+A cost is a range: a published figure is both its ends; without a published figure the ends are a stated guess, or are
+derived from published figures of instructions. A figure holds for code and data in memory without wait states. Tables
+of a library may be in the boot ROM, which has one: its cost is listed separately.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
+from typing import Literal
 
-from msgspec import Struct
+from msgspec import Struct, field
 
-from .costs import OPERANDS, Library, Tables
+from .arithmetic_names import format_of
+
+Tables = Literal["RAM", "boot ROM"]
+
+# Operands and results of an operation.
+OPERANDS = {
+    "scaled": 2,
+    "add": 3,
+    "sub": 3,
+    "mul": 3,
+    "div": 3,
+    "neg": 2,
+    "sqrt": 2,
+    "mag": 3,
+    "sincos": 3,
+    "atan": 2,
+    "atan2": 3,
+    "select": 5,
+    "clamp": 4,
+    "to integer, nearest": 2,
+    "to integer, floor": 2,
+    "to integer, toward zero": 2,
+}
+
+
+class Cost(Struct, frozen=True):
+    """SYSCLKOUT cycles, from low to high. guessed: based on experience, not on a published figure."""
+
+    low: int
+    high: int
+    source: str
+    guessed: bool = False
+
+
+def exactly(cycles: int, source: str) -> Cost:
+    return Cost(cycles, cycles, source)
+
+
+class Library(Struct, frozen=True):
+    """rom: cycles added by tables in the boot ROM. with_operands: operations whose figure includes loads and stores."""
+
+    name: str
+    source: str
+    costs: Mapping[str, Cost]
+    rom: Mapping[str, int] = field(default_factory=dict)
+    with_operands: frozenset[str] = frozenset()
+
+
+FPU = "SPRUEO2A"
+FASTRTS_GUIDE = "FPU fastRTS guide V2.10, with call and return"
+NO_FIGURE = "no figure published; several hundred to over a thousand by experience"
+
+INSTRUCTIONS: dict[str, Cost] = {
+    "scaled": Cost(4, 8, f"{FPU}: I16TOF32 and MPYF32, with the move from a CPU register"),
+    "add": exactly(2, f"{FPU}: ADDF32"),
+    "sub": exactly(2, f"{FPU}: SUBF32"),
+    "mul": exactly(2, f"{FPU}: MPYF32"),
+    "neg": exactly(1, f"{FPU}: NEGF32"),
+    "select": Cost(2, 9, f"{FPU}: CMPF32 and a conditional MOV32, or MOVST0 and a branch"),
+    "clamp": exactly(2, f"{FPU}: MINF32, MAXF32"),
+    "to integer, nearest": exactly(2, f"{FPU}: F32TOI16R"),
+    "to integer, floor": Cost(4, 9, f"{FPU}: F32TOI16 and a correction below zero"),
+    "to integer, toward zero": exactly(2, f"{FPU}: F32TOI16"),
+}
+
+FASTRTS = Library(
+    "FPU and fastRTS",
+    "SPRUEO2A; C28x FPU fastRTS guide V2.10",
+    {
+        **INSTRUCTIONS,
+        "div": exactly(25, FASTRTS_GUIDE),
+        "sqrt": exactly(29, FASTRTS_GUIDE),
+        "mag": Cost(35, 35, "two MPYF32, ADDF32 and sqrt"),
+        "sincos": exactly(44, f"{FASTRTS_GUIDE}: sincosf"),
+        "atan": exactly(49, FASTRTS_GUIDE),
+        "atan2": exactly(50, FASTRTS_GUIDE),
+    },
+    rom={"sincos": 2, "atan": 3, "atan2": 3},  # a cycle for each number read from a table
+)
+
+RTS = Library(
+    "the compiler's library",
+    "SPRUEO2A; FPU fastRTS guide V2.10 for the division",
+    {
+        **INSTRUCTIONS,
+        "div": exactly(222, "FPU fastRTS guide V2.10, example table: the standard routine"),
+        "sincos": Cost(600, 2400, NO_FIGURE, guessed=True),
+        **{kind: Cost(300, 1200, NO_FIGURE, guessed=True) for kind in ("sqrt", "mag", "atan", "atan2")},
+    },
+)
+
+
+IQMATH_GUIDE = "IQmath guide V1.70, Q24, with LCR and LRETR"
+ONE_INSTRUCTION = "SPRU430E: one instruction"
+
+IQMATH = Library(
+    "IQmath",
+    "IQmath module user's guide V1.4.1 and V1.70",
+    {
+        "scaled": exactly(7, f"{IQMATH_GUIDE}: IQmpyIQX"),
+        "add": exactly(1, f"{ONE_INSTRUCTION}, ADDL"),
+        "sub": exactly(1, f"{ONE_INSTRUCTION}, SUBL"),
+        "neg": exactly(1, f"{ONE_INSTRUCTION}, NEG"),
+        "mul": exactly(6, f"{IQMATH_GUIDE}: IQmpy, in line"),
+        "div": exactly(63, IQMATH_GUIDE),
+        "sqrt": exactly(63, IQMATH_GUIDE),
+        "mag": exactly(86, IQMATH_GUIDE),
+        "sincos": exactly(46 + 44, f"{IQMATH_GUIDE}: IQsin, IQcos"),
+        "atan": exactly(109, IQMATH_GUIDE),
+        "atan2": exactly(109, IQMATH_GUIDE),
+        "select": Cost(3, 9, "CMPL, a conditional branch of 7 or 4, MOVL; or a conditional MOVL"),
+        "clamp": exactly(7, f"{IQMATH_GUIDE}: IQsat"),
+        "to integer, nearest": Cost(2, 4, "ADDL, shift"),
+        "to integer, floor": Cost(1, 3, "shift"),
+        "to integer, toward zero": exactly(14, f"{IQMATH_GUIDE}: IQint"),
+    },
+    rom={"sincos": 4, "atan": 6, "atan2": 6, "div": 8, "sqrt": 4, "mag": 4},
+    with_operands=frozenset({"mul"}),
+)
+
+ROUNDED = Library(
+    "IQmath, rounded products",
+    IQMATH.source,
+    {**IQMATH.costs, "mul": exactly(17, f"{IQMATH_GUIDE}: IQrmpy")},
+    IQMATH.rom,
+    IQMATH.with_operands,
+)
+
+SATURATED = Library(
+    "IQmath, saturated products",
+    IQMATH.source,
+    {**IQMATH.costs, "mul": exactly(21, f"{IQMATH_GUIDE}: IQrsmpy")},
+    IQMATH.rom,
+    IQMATH.with_operands,
+)
+
+
+GUESS = "a guess: no figure published for 64-bit software floating point on the C28x"
+SIMPLE = {
+    "neg": (2, 10),
+    "select": (40, 120),
+    "clamp": (80, 240),
+    "add": (80, 250),
+    "sub": (80, 250),
+    "mul": (100, 350),
+}
+LONG = {"div": (500, 2000), "sqrt": (500, 3000), "sincos": (3000, 16000)}
+LONGEST = (1500, 8000)
+
+RANGES = {**{kind: (60, 300) for kind in OPERANDS if "integer" in kind or kind == "scaled"}, **SIMPLE, **LONG}
+
+DOUBLE = Library(
+    "float64 in software",
+    GUESS,
+    {kind: Cost(*RANGES.get(kind, LONGEST), GUESS, guessed=True) for kind in OPERANDS},
+)
+
 
 SYSCLK = 150_000_000  # Hz: the dissertation's board
 MEASURED = Fraction(250, 1_000_000)  # seconds, section 5.4: GPIO high to low, code in RAM
+
+
+def library(name: str) -> Library:
+    """Return the implementation on the F28335: IQmath, the FPU with fastRTS, or software."""
+    q = format_of(name)
+    if q is None:
+        return DOUBLE if name == "float64" else FASTRTS
+    if q.overflow == "saturate":
+        return SATURATED
+    return IQMATH if q.product == "cut" else ROUNDED
 
 
 class NoCost(ValueError):

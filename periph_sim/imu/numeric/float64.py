@@ -7,40 +7,50 @@ becomes 0 here, so it must be detected before the last block.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from .arithmetic import Rounding
 
+if TYPE_CHECKING:
+    from .float64_arrays import Floats
 
-class Float64:
-    """One number at a time, T = float."""
+F = TypeVar("F", float, "Floats")
+
+
+class Float64Operators(Generic[F]):
+    """The operations that Python writes alike for one number and for arrays."""
 
     name = "float64"
 
-    def constant(self, value: float) -> float:
-        return float(value)
-
-    def value(self, x: float) -> float:
+    def value(self, x: F) -> F:
         return x
 
-    def scaled(self, count: float, lsb: float) -> float:
+    def scaled(self, count: F, lsb: float) -> F:
         return count * lsb
 
-    def add(self, x: float, y: float) -> float:
+    def add(self, x: F, y: F) -> F:
         return x + y
 
-    def sub(self, x: float, y: float) -> float:
+    def sub(self, x: F, y: F) -> F:
         return x - y
 
-    def mul(self, x: float, y: float) -> float:
+    def mul(self, x: F, y: F) -> F:
         return x * y
+
+    def neg(self, x: F) -> F:
+        return -x
+
+
+class Float64(Float64Operators[float]):
+    """One number at a time, T = float."""
+
+    def constant(self, value: float) -> float:
+        return float(value)
 
     def div(self, x: float, y: float) -> float:
         if y:
             return x / y
         return math.nan if x == 0 or x != x else math.copysign(math.inf, x) * math.copysign(1.0, y)
-
-    def neg(self, x: float) -> float:
-        return -x
 
     def sqrt(self, x: float) -> float:
         return math.sqrt(x) if x >= 0 else math.nan

@@ -8,43 +8,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arithmetic import Rounding
+from .float64 import Float64Operators
 
 Floats = NDArray[np.float64]
 
 QUARTER_TURN = math.pi / 2
 
 
-class Float64Arrays:
+class Float64Arrays(Float64Operators[Floats]):
     """Arrays of numbers, element by element: T = float64[n]. Constants are 0-dimensional arrays.
 
     The caller silences numpy's warnings about x/0 and the like, once for all operations (np.errstate).
     """
 
-    name = "float64"
-
     def constant(self, value: float) -> Floats:
         return np.asarray(value, dtype=np.float64)
 
-    def value(self, x: Floats) -> Floats:
-        return x
-
-    def scaled(self, count: Floats, lsb: float) -> Floats:
-        return np.multiply(count, lsb)
-
-    def add(self, x: Floats, y: Floats) -> Floats:
-        return np.add(x, y)
-
-    def sub(self, x: Floats, y: Floats) -> Floats:
-        return np.subtract(x, y)
-
-    def mul(self, x: Floats, y: Floats) -> Floats:
-        return np.multiply(x, y)
-
     def div(self, x: Floats, y: Floats) -> Floats:
         return np.divide(x, y)
-
-    def neg(self, x: Floats) -> Floats:
-        return np.negative(x)
 
     def sqrt(self, x: Floats) -> Floats:
         return np.sqrt(x)

@@ -3,12 +3,56 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from . import iqmath, iqmath_arrays
 from .arithmetic import Rounding
 from .float64_arrays import Floats
-from .iqmath_arrays import Ints
-from .q import HIGH, LOW, DoesNotFit, Overflow, Product, Q, RoundedQ, factor_of
+from .q import (
+    A0,
+    A1,
+    A2,
+    COSINE,
+    HIGH,
+    LOW,
+    SINE,
+    DoesNotFit,
+    Overflow,
+    Product,
+    Q,
+    RoundedQ,
+    arctangent,
+    factor_of,
+    quarter_turn,
+    sine_and_cosine,
+)
+from .tables import PARABOLAS
+
+Ints = NDArray[np.int64]
+
+SINES_AT, COSINES_AT, A0_AT, A1_AT, A2_AT = (np.array(table, dtype=np.int64) for table in (SINE, COSINE, A0, A1, A2))
+
+
+def atan2_of_arrays(y: Ints, x: Ints, bits: int) -> Ints:
+    """Return the angles of the points (x, y); 0 for the origin."""
+    wide, high = np.abs(x), np.abs(y)
+    steep = wide < high
+    under = np.maximum(wide, high)
+    ratio = (np.minimum(wide, high) << bits) // np.maximum(under, 1)
+    index = np.minimum(ratio * PARABOLAS >> bits, PARABOLAS - 1)
+    angle = arctangent(ratio, index, bits, A0_AT, A1_AT, A2_AT)
+    quarter = quarter_turn(bits)
+    up = quarter + np.where(x >= 0, -angle, angle)
+    angle = np.where(steep, up, np.where(x < 0, 2 * quarter - angle, angle))
+    signed: Ints = np.where(y >= 0, angle, -angle)
+    return signed
+
+
+def root_of_arrays(square: NDArray[np.uint64]) -> Ints:
+    """Return roots of whole numbers up to 2**63, rounded to nearest; float64's root is corrected by one if needed."""
+    near = np.rint(np.sqrt(square.astype(np.float64))).astype(np.uint64)
+    near = near - ((near > 0) & (square <= near * near - near)).astype(np.uint64)
+    near = near + (square > near * near + near).astype(np.uint64)
+    return near.astype(np.int64)
 
 
 class QArrays:
@@ -60,19 +104,19 @@ class QArrays:
         return self._fit(-x)
 
     def sqrt(self, x: Ints) -> Ints:
-        return iqmath_arrays.root_of_arrays((np.maximum(x, 0) << self.bits).astype(np.uint64))
+        return root_of_arrays((np.maximum(x, 0) << self.bits).astype(np.uint64))
 
     def mag(self, x: Ints, y: Ints) -> Ints:
-        return self._saturated(iqmath_arrays.root_of_arrays((x * x).astype(np.uint64) + (y * y).astype(np.uint64)))
+        return self._saturated(root_of_arrays((x * x).astype(np.uint64) + (y * y).astype(np.uint64)))
 
     def sincos(self, x: Ints) -> tuple[Ints, Ints]:
-        return iqmath.sine_and_cosine(x, self.bits, iqmath_arrays.SINES_AT, iqmath_arrays.COSINES_AT)
+        return sine_and_cosine(x, self.bits, SINES_AT, COSINES_AT)
 
     def atan(self, x: Ints) -> Ints:
-        return iqmath_arrays.atan2_of_arrays(x, np.full_like(x, 1 << self.bits), self.bits)
+        return atan2_of_arrays(x, np.full_like(x, 1 << self.bits), self.bits)
 
     def atan2(self, y: Ints, x: Ints) -> Ints:
-        return iqmath_arrays.atan2_of_arrays(y, x, self.bits)
+        return atan2_of_arrays(y, x, self.bits)
 
     def select_greater(self, x: Ints, y: Ints, yes: Ints, no: Ints) -> Ints:
         return np.where(x > y, yes, no)

@@ -7,11 +7,11 @@ from xml.etree import ElementTree
 
 import pytest
 
-from periph_sim.imu.extremes import BESIDE, SWEEPS, USUAL, NoSuchExtreme, Report, known, report
+from periph_sim.imu.extremes import NAMES, OUTSIDE, SWEEPS, USUAL, NoSuchExtreme, Report, report
 from periph_sim.imu.extremes.events import first_where
 from periph_sim.imu.extremes.frames import codes_of
-from periph_sim.imu.extremes.motions import spinning
 from periph_sim.imu.extremes.plot import picture
+from periph_sim.imu.extremes.sweeps import spinning
 from periph_sim.imu.extremes.text_report import as_json, text
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.numeric import arithmetic_names as named
@@ -88,7 +88,7 @@ def whole() -> Report:
 
 
 def test_the_list_is_complete(whole: Report) -> None:
-    assert set(EXPECTED) | {"parameters", *BESIDE} == set(known())
+    assert set(EXPECTED) | {"parameters", *OUTSIDE} == set(NAMES)
     assert {one.extreme for one in whole.findings if one.arithmetic != "every"} == set(EXPECTED)
     assert whole.names == USUAL
 

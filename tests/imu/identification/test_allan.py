@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.imu.identification import allan as module
-from periph_sim.imu.identification.allan import allan, everyone, octaves
-from periph_sim.imu.identification.series import BadSeries
+from periph_sim.imu.identification.allan import BadSeries, allan, everyone, octaves
 
 PERIOD = 0.02
 

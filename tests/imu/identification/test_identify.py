@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import scipy
 
+from periph_sim.imu.identification.allan import BadSeries
 from periph_sim.imu.identification.confidence import LEVELS
 from periph_sim.imu.identification.identify import identify
-from periph_sim.imu.identification.series import BadSeries
 from periph_sim.imu.noise import AxisNoise, NoiseTerms
 
 PERIOD, COUNT, SEEDS = 0.02, 10_000, 200

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from periph_sim.imu.models.arrays import codes_of
-from periph_sim.imu.models.counts import PARTS, counts_of
+from periph_sim.imu.models.counts import PARTS, Counting, counts_of
 from periph_sim.imu.models.imu import Imu, Noise, State
 from periph_sim.imu.models.parameters import (
     AccelerometerParameters,
@@ -14,7 +14,6 @@ from periph_sim.imu.models.parameters import (
     ImuParameters,
     MagnetometerParameters,
 )
-from periph_sim.imu.numeric.counting import Counting
 from periph_sim.imu.numeric.float32 import Float32
 from periph_sim.imu.numeric.float64 import Float64
 from periph_sim.imu.numeric.q import DoesNotFit, Q

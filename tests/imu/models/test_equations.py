@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from periph_sim.imu.extremes.frames import Exact
 from periph_sim.imu.models.arrays import codes_of
+from periph_sim.imu.models.chips import Magnetometer
 from periph_sim.imu.models.imu import Imu, Noise, State
-from periph_sim.imu.models.magnetometer import Magnetometer
 from periph_sim.imu.models.parameters import (
     AccelerometerParameters,
     GyroscopeParameters,

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from periph_sim.imu.models.arrays import codes_of
-from periph_sim.imu.models.finite import INPUTS, NotFinite
-from periph_sim.imu.models.imu import Imu, Noise
+from periph_sim.imu.models.imu import INPUTS, Imu, Noise, NotFinite
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.numeric import arithmetic_names as named
 from periph_sim.imu.numeric.q import DoesNotFit

@@ -15,7 +15,7 @@ from periph_sim.imu.models.parameters import (
 )
 from periph_sim.imu.models.sensed_motion import SensedMotion
 from periph_sim.imu.motion import kinds, servo, sines
-from periph_sim.imu.motion.pose import Pose
+from periph_sim.imu.motion.quantities import Pose
 from tests.devices.aerospace import FIELD, at_rest, body_rates
 
 NONE = (0.0, 0.0, 0.0)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.imu.motion import BadMotion, kinds, sampled, sines, static, steps
-from periph_sim.imu.motion.pose import Pose
+from periph_sim.imu.motion.quantities import Pose
 from periph_sim.scene.firmware_loader import BadSetting, filled
 
 EXAMPLES = {

@@ -7,13 +7,20 @@ from fractions import Fraction
 
 import pytest
 
+from periph_sim.imu.models.counts import Counting
 from periph_sim.imu.numeric import arithmetic_names as named
-from periph_sim.imu.numeric.costs import OPERANDS
-from periph_sim.imu.numeric.costs.double import DOUBLE
-from periph_sim.imu.numeric.costs.fpu import FASTRTS, RTS
-from periph_sim.imu.numeric.costs.iqmath import IQMATH, ROUNDED, SATURATED
-from periph_sim.imu.numeric.counting import Counting
-from periph_sim.imu.numeric.estimate import NoCost, estimate
+from periph_sim.imu.numeric.estimate import (
+    DOUBLE,
+    FASTRTS,
+    IQMATH,
+    OPERANDS,
+    ROUNDED,
+    RTS,
+    SATURATED,
+    NoCost,
+    estimate,
+    library,
+)
 from periph_sim.imu.numeric.float64 import Float64
 from periph_sim.imu.numeric.q import DoesNotFit
 
@@ -67,7 +74,7 @@ def test_an_operation_without_a_figure_is_refused() -> None:
 @pytest.mark.parametrize("name", ["float64", "float32", "q16", "q16 rounded", "q16 saturating", "q1", "q29"])
 def test_names_lead_to_arithmetics_of_that_name(name: str) -> None:
     assert named.scalar(name).name == named.arrays(name).name == name
-    assert set(named.library(name).costs) == set(OPERANDS)
+    assert set(library(name).costs) == set(OPERANDS)
 
 
 @pytest.mark.parametrize("name", ["", "q", "Q16", "q16 wrapping", "float16", "q16  rounded", "q99999", "qq"])

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from periph_sim.imu.numeric.arithmetic import Vectors, vectors_of
 from periph_sim.imu.numeric.float64 import Float64
 from periph_sim.imu.numeric.q import HIGH, LOW, Q, RoundedQ
-from periph_sim.imu.numeric.vectors import ByNumbers, vectors_of
 
 NUMBER = st.integers(LOW, HIGH) | st.integers(-1 << 20, 1 << 20)
 TRIPLE = st.tuples(NUMBER, NUMBER, NUMBER)
@@ -21,7 +21,7 @@ def test_q_has_the_operations_number_by_number(kind: type[Q], overflow: str, u: 
     own, plain = kind(16, overflow), kind(16, overflow)
     vectors = vectors_of(own)
     assert vectors is own
-    by_numbers = ByNumbers(plain)
+    by_numbers = Vectors(plain)
     low, high = sorted(u[:2])
     of = {"plus": (u, v), "minus": (u, v), "times": (u, k), "transformed": ((u, v, u), v), "cross": (u, v)}
     of |= {"turned": (*u, k), "whole": (v, low, high, "nearest")}

@@ -1,24 +1,32 @@
-"""Density of white noise, N squared, from the part of the Allan deviation with slope -1/2.
+"""Terms of a sensor's noise from its Allan variances: white noise N, bias instability B, random walk K.
+
+    variance(tau) = N**2 / tau + (2 ln 2 / pi) B**2 + K**2 tau / 3        slopes -1/2, 0 and +1/2 of the deviation
+
+Without slow terms, N squared is the density of white noise, from the part of the Allan deviation with slope -1/2:
 
     tau nearest 1 s, or below it --> neighbours that agree, on both sides --> weighted mean of variance * tau = density
 
 Dissertation section 4.3.4: the density is the square of the Allan deviation at tau = 1 s, read where its slope is -1/2.
 There variance * tau is the same at every tau, so all these points give the same value as at 1 s, with a smaller error.
 If the curve has left that slope before 1 s, the line through its earlier part is read there, as IEEE 952 does.
+
+All three terms (IEEE Std 952 annex C) are fitted together by weighted least squares, none below 0, since the parts of
+slope 0 and +1/2 seldom occur alone. Points share samples: their correlation is assumed to be that of white noise.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import log, pi, sqrt
 
 import numpy as np
+from scipy.optimize import nnls
 
-from .allan import Allan
-from .confidence import interval, white_covariance
-from .series import BadSeries, Floats
+from .allan import Allan, BadSeries, Floats
+from .confidence import edf, interval, white_covariance
 
 READ_AT = 1.0  # s
-LEAST_EDF = 8.0  # below that a variance is too uncertain to determine a slope
+LEAST_EDF_OF_SLOPE = 8.0  # below that a variance is too uncertain to determine a slope
 LEAST_POINTS = 3  # needed for a line
 AGREE = 3.0  # standard errors within which a point belongs to the region
 
@@ -42,7 +50,7 @@ class Density:
 def density(name: str, found: Allan) -> Density:
     """Return the density of white noise in a curve of octaves. BadSeries if its slope is not -1/2 about 1 s."""
     relative = white_covariance(found.counts, found.length)
-    known = int(np.count_nonzero(2 / np.diag(relative) >= LEAST_EDF))
+    known = int(np.count_nonzero(2 / np.diag(relative) >= LEAST_EDF_OF_SLOPE))
     relative = relative[:known, :known]
     scaled_variance = found.variance[:known] * found.taus[:known]
     if not scaled_variance.all():
@@ -93,3 +101,67 @@ def _agrees(scaled_variance: Floats, relative: Floats, begin: int, end: int, can
         + weights @ relative[region, region] @ weights
     )
     return bool(abs(scaled_variance[candidate] / mean - 1) < AGREE * variance**0.5)
+
+
+ROUNDS = 4  # weights come from the fit itself; they converge after a few rounds
+LEAST_EDF = 2.0
+FLOOR = 2 * log(2) / pi  # of the variance, in B squared: a deviation of 0.664 B
+
+
+@dataclass(frozen=True)
+class Term:
+    """A squared coefficient with its standard error, and its root, in the coefficient's unit."""
+
+    squared: float
+    squared_error: float
+
+    @property
+    def value(self) -> float:
+        return sqrt(self.squared)
+
+    @property
+    def found(self) -> bool:
+        """True if it differs significantly from 0."""
+        return self.squared > 2 * self.squared_error
+
+    def bounds(self, errors: float) -> tuple[float, float]:
+        """Return the coefficient at `errors` standard errors below and above."""
+        aside = errors * self.squared_error
+        return sqrt(max(self.squared - aside, 0.0)), sqrt(self.squared + aside)
+
+
+@dataclass(frozen=True)
+class SlowTerms:
+    """white: N in unit * sqrt(s). bias_instability: B in unit. random_walk: K in unit / sqrt(s)."""
+
+    white: Term
+    bias_instability: Term
+    random_walk: Term
+
+
+def white_part(found: Allan, terms: SlowTerms) -> Density:
+    """Return the fitted density; its region is where white noise is most of the variance."""
+    most = int(np.count_nonzero(terms.white.squared / found.taus > found.variance / 2))
+    about = int(np.abs(np.log(found.taus / READ_AT)).argmin())
+    freedom = 2 * (terms.white.squared / terms.white.squared_error) ** 2
+    read = float(found.variance[about] * found.taus[about])
+    return Density(terms.white.squared, terms.white.squared_error, freedom, slice(0, most), read)
+
+
+def slow_terms(found: Allan) -> SlowTerms:
+    """Fit N, B and K to a curve of octaves."""
+    used = edf(found) >= LEAST_EDF
+    taus, variance, freedom = found.taus[used], found.variance[used], edf(found)[used]
+    parts = np.stack([1 / taus, np.full_like(taus, FLOOR), taus / 3], axis=1)
+    relative = white_covariance(found.counts[used], found.length)
+    correlation = relative / np.sqrt(np.outer(np.diag(relative), np.diag(relative)))
+    fitted: Floats = variance
+    for _ in range(ROUNDS):
+        spread = fitted * np.sqrt(2 / freedom)
+        squares, _ = nnls(parts / spread[:, np.newaxis], variance / spread)
+        fitted = parts @ squares
+    scaled = parts / spread[:, np.newaxis]
+    inverse = np.linalg.pinv(scaled)
+    errors = np.sqrt(np.diag(inverse @ correlation @ inverse.T))
+    white, instability, walk = (Term(*pair) for pair in zip(squares.tolist(), errors.tolist(), strict=True))
+    return SlowTerms(white, instability, walk)

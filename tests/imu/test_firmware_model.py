@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from math import cos, radians, sin
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-from periph_sim.imu.firmware_model import check_sensor_period
+from periph_sim.imu.firmware_model import check_sensor_period, resting_attitude
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
@@ -64,3 +65,23 @@ def test_where_nobody_asks_in_rounds_it_is_the_hosts_and_alone_it_is_any() -> No
     with pytest.raises(BadCase, match=r"\(host\.period\)"):
         check_sensor_period(asked_by_nobody, "dsp", None, ImuParameters())
     check_sensor_period(asked_by_nobody.model_copy(update={"host": None}), "dsp", None, ImuParameters())
+
+
+FIELD = (0.3, -0.05, 0.4)
+
+
+def in_body(vector: tuple[float, float, float], roll: float, pitch: float, yaw: float) -> list[float]:
+    """Rx(roll) Ry(pitch) Rz(yaw) of a vector that is north, east, down."""
+    n, e, d = vector
+    p, t, s = map(radians, (roll, pitch, yaw))
+    x, y = n * cos(s) + e * sin(s), e * cos(s) - n * sin(s)
+    x, z = x * cos(t) - d * sin(t), d * cos(t) + x * sin(t)
+    return [x, y * cos(p) + z * sin(p), z * cos(p) - y * sin(p)]
+
+
+@pytest.mark.parametrize("roll", [0.0, 25.0, -80.0, 150.0])
+@pytest.mark.parametrize("pitch", [0.0, 40.0, -70.0])
+@pytest.mark.parametrize("yaw", [0.0, 60.0, -100.0, 179.0])
+def test_every_attitude_is_found(roll: float, pitch: float, yaw: float) -> None:
+    accel = in_body((0.0, 0.0, -1.0), roll, pitch, yaw)
+    assert resting_attitude(accel, in_body(FIELD, roll, pitch, yaw), FIELD) == pytest.approx((roll, pitch, yaw))

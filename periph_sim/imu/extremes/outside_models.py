@@ -1,0 +1,297 @@
+"""Extremes outside the models' arithmetic: time, clocks, lines, sums of noise, inputs, baud rates, Allan variances.
+
+    longest run, clocks of some ppm over a day, a transfer at the last tick, 10^9 samples of noise, NaN in arrays,
+    a sender's largest rate error, large offsets and steep ramps, a scene whose crystals are 200 000 ppm apart
+
+Each finding is measured: the error is provoked, the edges are counted, the two runs are compared.
+
+Baud rates: an SCI samples at eight times its own rate and counts from the first low sample of each start bit, which is
+up to one sample late. Two of the three votes of the stop bit, samples 4 to 6 of 8, must see it: for a fast sender the
+first two, before the next start bit, for a slow one the last two, after the last data bit. With a bit of b samples,
+
+    fast   10 b >= 72 + 5        slow   9 b <= 72 + 4        (TI SPRUFZ5A section 1.2.7, figure 1-7)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from functools import partial
+from itertools import accumulate
+from math import fsum, nan
+from random import Random
+
+import numpy as np
+
+from ...bus.i2c.controller import I2cController
+from ...bus.i2c.transfer import BusTiming, Phase, Transfer
+from ...bus.uart.sender import UartSender
+from ...core.examples import EXAMPLES
+from ...core.kernel import Kernel
+from ...core.records import Recorder
+from ...core.sampler import watch
+from ...core.socket import Socket
+from ...core.time import DAY, LAST_TICK, Clock, Timebase, TimeError
+from ...core.wire import Wire
+from ...f28335.sci.module import Sci
+from ...f28335.sci.register_map import SCI_MAP
+from ...scene.case.load import load
+from ...scene.case.model import Controller
+from ...scene.scene import Scene
+from ..identification.allan import allan
+from ..models.arrays import codes_of
+from ..models.imu import NotFinite
+from ..models.parameters import ImuParameters
+from ..models.quantity import BadParameter
+from ..noise import AxisNoise, Gaussian, NoiseTerms
+from .events import first_where
+from .finding import EVERY, Finding, Happens
+
+SYSCLK = 150_000_000
+ODD_CRYSTAL = 143_181_815  # 28.636363 MHz, PLL 10
+BAUD = 115_200
+LINES_RUN = "5 ms"
+PPM = (-100_000, -37, 37, 100_000)
+MORE_THAN_A_CENTURY = Fraction(109 * 365 * DAY)  # seconds
+FAR = 10**9  # samples
+TRIED = 1 << 20  # of them added one by one
+UNIT_ROUNDOFF = 2.0**-53
+
+Edges = list[tuple[str, int, int]]  # wire, ticks after the start, level
+
+
+def longest_run() -> Iterator[Finding]:
+    """Find the longest run. Ticks reach up to 2^62; neither a chip nor a recording's int64 overflows before that."""
+    for name, hertz in (("150 MHz", SYSCLK), ("28.636363 MHz x 5", ODD_CRYSTAL)):
+        begins = first_where(partial(_too_long, Timebase(hertz)), 1, 1e11)
+        message = _why(partial(Timebase(hertz).end_of_run, 0, MORE_THAN_A_CENTURY), TimeError)
+        yield Finding(
+            f"length of a run, {name}",
+            EVERY,
+            "refused" if message else "agrees",
+            begins,
+            "s",
+            note=message or "more than a century was accepted",
+        )
+
+
+def _too_long(base: Timebase, length: float) -> bool:
+    return bool(_why(partial(base.end_of_run, 0, Fraction(length)), TimeError))
+
+
+def clocks() -> Iterator[Finding]:
+    """Run a clock with an error in ppm for a day: each edge is within a tick of its exact time, without drift."""
+    base = Timebase(SYSCLK)
+    for ppm in PPM:
+        hertz = SYSCLK * (1 + Fraction(ppm, 1_000_000))
+        clock = Clock(base, hertz)
+        cycles = int(hertz * DAY)
+        random = Random(ppm)
+        tried = [cycles, *(random.randrange(cycles) for _ in range(1000))]
+        late = max(abs(clock.tick(n) - n * base.per_second / hertz) for n in tried)
+        exact = late < 1 and all(clock.cycle_at(clock.tick(n)) == n for n in tried)
+        rounded = abs(round(base.per_second / hertz) * cycles - clock.tick(cycles)) / base.per_second
+        yield Finding(
+            f"clock {ppm:+d} ppm, a day",
+            EVERY,
+            "exact" if exact else "off",
+            None,
+            "",
+            note=f"{cycles} cycles, each within a tick; a period rounded to ticks would be off by {rounded:.3g} s",
+        )
+
+
+def lines_at_the_last_tick() -> Iterator[Finding]:
+    """Compare a transfer and a UART burst in a run that ends with the last tick with those from tick 0 on."""
+    begins = LAST_TICK - Timebase(SYSCLK).ticks(LINES_RUN)
+    for name, traffic in (("I2C transfer", i2c_edges), ("UART burst", uart_edges)):
+        first, last = traffic(0), traffic(begins)
+        same = first == last
+        note = f"{len(last)} edges, {'the same as' if same else 'different from those'} at tick 0"
+        yield Finding(f"{name} at the last tick", EVERY, "exact" if same else "off", None, "", note=note)
+
+
+def i2c_edges(start: int) -> Edges:
+    """Return the edges of a write to an unused address, at 100 kHz, from tick `start` on."""
+    kernel, recorder = Kernel(start), Recorder()
+    scl, sda = Wire(kernel, "SCL", recorder), Wire(kernel, "SDA", recorder)
+    edges = _watched(start, scl, sda)
+    half = Timebase(SYSCLK).ticks("5 us")
+    timing = BusTiming(half, half, half // 10, half, half, half, half)
+    I2cController(kernel, recorder, scl, sda, timing).begin(
+        Transfer("t", [Phase(0x50, False, b"\xa5")]), lambda _: None
+    )
+    kernel.run_until(start + Timebase(SYSCLK).ticks(LINES_RUN))
+    return edges
+
+
+def uart_edges(start: int) -> Edges:
+    """Return the edges of sixteen bytes at 115200 bit/s."""
+    base, kernel, recorder = Timebase(SYSCLK), Kernel(start), Recorder()
+    line = Wire(kernel, "RX", recorder)
+    edges = _watched(start, line)
+    UartSender(kernel, recorder, line, Fraction(base.per_second, BAUD)).send(
+        bytes(range(0, 256, 16)), Fraction(1), lambda _: None
+    )
+    kernel.run_until(start + base.ticks(LINES_RUN))
+    return edges
+
+
+def _watched(start: int, *wires: Wire) -> Edges:
+    edges: Edges = []
+    for wire in wires:
+        watch([wire], partial(_keep, edges, wire.name, start))
+    return edges
+
+
+def _keep(edges: Edges, wire: str, start: int, tick: int, level: int) -> None:
+    edges.append((wire, tick - start, level))
+
+
+def noise_sums() -> Iterator[Finding]:
+    """Check noise at sample 10^9. White noise and bias instability need no sum; the random walk is the only sum."""
+    for name, terms in (("white", NoiseTerms(1.0)), ("bias instability", NoiseTerms(0.0, 1.0))):
+        noise = AxisNoise(terms, 0.02, 1, name)
+        same = noise.values(FAR - 5, 10)[5] == noise.at(FAR)
+        note = "computed from its number: no sum, no drift" if same else "another value than in a block"
+        yield Finding(f"{name} noise, sample 10^9", EVERY, "exact" if same else "off", None, "", note=note)
+    walk = AxisNoise(NoiseTerms(0.0, 0.0, 1.0), 1.0, 1, "walk")
+    sums = walk.values(0, TRIED)
+    off = abs(float(sums[-1]) - fsum(Gaussian(1, "walk/random walk").values(0, TRIED - 1)))
+    most = float(np.abs(sums).max())
+    bound = UNIT_ROUNDOFF * FAR
+    happens: Happens = "agrees" if off <= UNIT_ROUNDOFF * TRIED * most else "off"
+    note = f"rounding: at most {bound:.1e} of the walk's largest value; found {off / most:.0e} after 2^20"
+    yield Finding("random walk, 10^9 samples", EVERY, happens, None, "", note=note)
+
+
+def inputs() -> Iterator[Finding]:
+    """Check that models reject NaN in arrays, and a period other than the one at which they run."""
+    still = np.zeros(10)
+    wrong = still.copy()
+    wrong[7] = nan
+    found = _why(lambda: codes_of(ImuParameters(), (still, wrong, still), (still, still, still)), NotFinite)
+    yield _refusal("NaN in an array", found)
+    found = _why(lambda: ImuParameters(period=10.0).check_period(Fraction(1, 50), "once a round"), BadParameter)
+    yield _refusal("models' period of 10 s, rounds of 20 ms", found)
+
+
+def _refusal(what: str, message: str) -> Finding:
+    return Finding(what, EVERY, "refused" if message else "agrees", None, "", note=message or "it passed")
+
+
+def _why(tried: Callable[[], object], error: type[Exception]) -> str:
+    """Return the message of the expected error; empty if it is not raised."""
+    try:
+        tried()
+    except error as refusal:
+        return str(refusal)
+    return ""
+
+
+BRR = 40  # 114 329 bit/s
+SAMPLE = 4 * (BRR + 1)  # SYSCLKOUT cycles, with LSPCLK = SYSCLKOUT / 4
+NOMINAL = 8  # samples a bit
+PHASES = 16  # of a sample, at which the first start bit begins
+BYTES = b"\x55\x00\x7f" * 4  # 12, whose last data bit differs from a stop bit
+LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}  # samples a bit
+HALVINGS = 8  # of half a sample a bit
+START = 10_000  # cycles
+
+
+def baud_rates() -> Iterator[Finding]:
+    """Compare the largest rate error at which every phase is received, found by bisection, with its exact limit."""
+    for name, limit in LIMITS.items():
+        good, bad = Fraction(NOMINAL), Fraction(NOMINAL) + (Fraction(1, 2) if limit > NOMINAL else -Fraction(1, 2))
+        last = abs(bad - good) / (1 << HALVINGS)
+        while abs(bad - good) > last:
+            middle = (good + bad) / 2
+            good, bad = (middle, bad) if all(received(middle, phase) for phase in range(PHASES)) else (good, middle)
+        exact = min(good, bad) - Fraction(1, 8 * PHASES) <= limit <= max(good, bad) + Fraction(1, 8 * PHASES)
+        found, meant = (float(100 * (NOMINAL / bit - 1)) for bit in (good, limit))
+        note = f"12 bytes in a row are received up to {found:+.2f} %; the limit is {meant:+.3f} %"
+        yield Finding(f"baud rate of a {name} sender", EVERY, "exact" if exact else "off", meant, "%", note=note)
+
+
+def received(bit: Fraction, phase: int) -> bool:
+    """True if an SCI receives all bytes without an error. bit: the sender's bit time, in samples of the receiver."""
+    kernel, recorder, timebase = Kernel(), Recorder(), Timebase(SYSCLK)
+    clock, line, sci = Clock(timebase, SYSCLK), Wire(kernel, "RX", recorder), Sci()
+    socket = Socket(kernel, clock, recorder, "SCI-A", sci, lambda cycle, lines: None)
+    sci.gate(0, True)
+    for cycle, (register, value) in enumerate(
+        (("SCILBAUD", BRR), ("SCICCR", 7), ("SCIFFTX", 0xE000), ("SCIFFRX", 0x2000), ("SCICTL1", 0x21))
+    ):
+        socket.write(cycle, SCI_MAP[register].offset, value)
+    socket.inputs.listen(0, line)
+    kernel.run_until(clock.tick(START + phase * SAMPLE // PHASES))
+    UartSender(kernel, recorder, line, bit * SAMPLE * clock.tick(1)).send(BYTES, Fraction(0), lambda tick: None)
+    kernel.run_until(clock.tick(START + 130 * NOMINAL * SAMPLE))
+    cycle = clock.cycle_at(kernel.now)
+    errors = socket.read(cycle, SCI_MAP["SCIRXST"].offset)
+    words = [socket.read(cycle, SCI_MAP["SCIRXBUF"].offset) for _ in BYTES]
+    return not errors & SCI_MAP["SCIRXST"]["RXERROR"].mask and bytes(word & 0xFF for word in words) == BYTES
+
+
+LENGTH = 3001  # samples, so that their mean is no whole number
+NOISE = 9  # LSB: samples are whole numbers, and `exact_variance` does not round
+OFFSETS = (10**9, 10**15)
+RAMPS = (10**3, 10**9)  # LSB a sample
+ALLOWED = 1e-9  # relative error of the variance
+
+
+def allan_variances() -> Iterator[Finding]:
+    """Compare the variance of noise with an offset, and with a ramp, with its exact value at every averaging time."""
+    random = Random(1)
+    noise = [random.randint(-NOISE, NOISE) for _ in range(LENGTH)]
+    for offset in OFFSETS:
+        yield _finding(f"Allan variance, offset of {offset:.0e}", [offset + one for one in noise])
+    for slope in RAMPS:
+        yield _finding(f"Allan variance, ramp of {slope:.0e}", [slope * n + one for n, one in enumerate(noise)])
+
+
+def _finding(extreme: str, samples: list[int]) -> Finding:
+    found = allan(np.array(samples, np.float64), 1.0)
+    meant = [exact_variance(samples, m) for m in found.counts.tolist()]
+    off = max(abs(Fraction(one) / of - 1) for one, of in zip(found.variance.tolist(), meant, strict=True))
+    agrees = off <= ALLOWED
+    note = f"{'' if agrees else 'not '}within {ALLOWED:.0e} of the exact variance at {len(meant)} averaging times"
+    return Finding(extreme, EVERY, "agrees" if agrees else "off", None, "", note=note)
+
+
+def exact_variance(samples: list[int], m: int) -> Fraction:
+    """Return the mean square of the change between neighbouring averages over m samples, at every place, halved."""
+    sums = [0, *accumulate(samples)]
+    changes = (sums[i + 2 * m] - 2 * sums[i + m] + sums[i] for i in range(len(samples) - 2 * m + 1))
+    return Fraction(sum(change**2 for change in changes), 2 * (len(samples) - 2 * m + 1) * m**2)
+
+
+CRYSTALS_PPM = 100_000  # either way, the largest value that a case accepts
+SCENE_LENGTH = Fraction(1, 10)  # s
+LEAST_ROUNDS = 4
+
+
+def imu_hil_clocks() -> Iterator[Finding]:
+    """Run the flagship scene with the crystals of unit and controller at opposite extremes, both ways.
+
+    The host's bit rate follows the unit's crystal, because an SCI cannot receive at ten percent error. The bytes of
+    each round are compared with the frames, and the instant of each round with the exact one.
+    """
+    for sign in (1, -1):
+        unit, controller = sign * CRYSTALS_PPM, -sign * CRYSTALS_PPM
+        changes = [f"unit.dsp.ppm={unit}", f"controller.ppm={controller}", f"host.error={Fraction(unit, 10_000)}"]
+        scene = Scene(load(EXAMPLES / "timing" / "imu_hil.toml", changes))
+        due: list[int] = []
+        scene.bus.rounds.on_due.append(due.append)
+        result = scene.run(SCENE_LENGTH)
+        counts, (wrong,) = result.counts, [one for one in result.budgets if one.name == "wrong bytes"]
+        table, per_second = scene.case.controller or Controller(), scene.timebase.per_second
+        exact = [(table.first + n * table.period) * per_second / (1 + table.ppm / 10**6) for n in range(len(due))]
+        late = max(abs(tick - scene.start - one) for tick, one in zip(due, exact, strict=True))
+        answered = wrong.passed and not counts["missed"] and not counts["nacked"] and counts["rounds"] >= LEAST_ROUNDS
+        note = (
+            f"{wrong.count} bytes as in the frames, {counts['rounds']} rounds, each within {float(late):.2g} of a tick "
+            "of its exact instant"
+        )
+        extreme = f"imu_hil, unit {unit:+d} ppm, controller {controller:+d} ppm"
+        yield Finding(extreme, EVERY, "exact" if answered and late < 1 else "off", None, "", note=note)

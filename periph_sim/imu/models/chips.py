@@ -1,0 +1,273 @@
+"""Equations of the three sensor chips, for any arithmetic, with the derivative and the angles that they share."""
+
+from __future__ import annotations
+
+from math import cos, pi, radians, sin
+from typing import Generic, NamedTuple, TypeVar
+
+from ..numeric.arithmetic import Arithmetic, Triple, Vectors, vectors_of
+from ..numeric.q import DoesNotFit
+from . import parameters
+from .parameters import SensorParameters, Wrap
+
+T = TypeVar("T")
+
+COARSEST = 0.01  # of 1/Ts: every rate is off by the same part
+
+
+class Angles(NamedTuple, Generic[T]):
+    """s: sine, c: cosine; of roll phi, pitch theta, yaw psi."""
+
+    s_phi: T
+    c_phi: T
+    s_theta: T
+    c_theta: T
+    s_psi: T
+    c_psi: T
+
+
+def angles(a: Arithmetic[T], attitude: tuple[T, T, T]) -> Angles[T]:
+    """Return sines and cosines of roll, pitch, yaw in rad, computed once for all three sensors."""
+    phi, theta, psi = attitude
+    return Angles(*a.sincos(phi), *a.sincos(theta), *a.sincos(psi))
+
+
+class Derivative(Generic[T]):
+    """The discrete derivative that gyroscope and accelerometer share: three rates from two attitudes.
+
+        u(k), u(k-1) --> (u(k) - u(k-1)) / Ts --> phi', theta', psi' in rad/s
+
+    Source: the dissertation's section 4.3.2 (y(k) = (u(k) - u(k-1)) / Ts, Ts constant) and 4.3.5 (computed once for
+    both). It takes plain differences, so a yaw that continues from +180 to -180 degrees counts as a step of nearly
+    -360: "as built". "unwrapped" adds or subtracts one turn if a step of roll or yaw is longer than half a turn.
+
+    1/Ts is a constant, as in a block with a fixed sample time. Ts = 0 has no derivative: such parameters are
+    rejected, so no arithmetic ever divides by it.
+
+    period: Ts in seconds. DoesNotFit for a period whose 1/Ts is more than 1 % off in a Q format.
+    """
+
+    def __init__(self, a: Arithmetic[T], period: float, wrap: Wrap = "as built") -> None:
+        self._a, self._v = a, vectors_of(a)
+        self._wrap = wrap
+        self._per_second = a.constant(1 / period)
+        held = float(a.value(self._per_second))
+        if abs(held * period - 1) > COARSEST:
+            off = f"{abs(held * period - 1):.2%}"
+            raise DoesNotFit(f"{1 / period:g} is {off} off in {a.name}; take more fraction bits, or a shorter period")
+        self._half_turn, self._turn = a.constant(pi), a.constant(2 * pi)
+        self._minus_half_turn = a.constant(-pi)
+
+    def rates(self, now: Triple[T], before: Triple[T]) -> Triple[T]:
+        """Return phi', theta', psi' in rad/s from two attitudes in rad."""
+        step = self._v.minus(now, before)
+        if self._wrap == "unwrapped":
+            roll, pitch, yaw = step
+            step = self._short_way(roll), pitch, self._short_way(yaw)
+        return self._v.times(step, self._per_second)
+
+    def change(self, now: Triple[T], before: Triple[T]) -> Triple[T]:
+        """Return the change of three rates per second: rad/s^2 from rad/s."""
+        return self._v.times(self._v.minus(now, before), self._per_second)
+
+    def _short_way(self, step: T) -> T:
+        a = self._a
+        down = a.select_greater(step, self._half_turn, a.sub(step, self._turn), step)
+        return a.select_greater(self._minus_half_turn, step, a.add(step, self._turn), down)
+
+
+class SensorEquations(Generic[T]):
+    """The last blocks of every sensor: from the sensed quantity to codes of its converter.
+
+        physical + noise --> S (scale, cross-axis) --> saturation to the converter's codes --> whole LSB
+
+    Source: equations 4.4, 4.5, 4.8 (S) and the saturation block at the end of each model in section 4.3.
+    """
+
+    def __init__(self, a: Arithmetic[T], sensor: SensorParameters) -> None:
+        self._a, self._v = a, vectors_of(a)
+        self._rows = tuple(triple(a, row) for row in sensor.matrix)
+        self._low, self._high = (a.constant(limit) for limit in sensor.limits)
+        self._rounding = sensor.rounding
+
+    def _converted(self, sensed: Triple[T]) -> Triple[T]:
+        """Return LSB on each axis, within the converter's codes."""
+        return self._v.whole(self._v.transformed(self._rows, sensed), self._low, self._high, self._rounding)
+
+
+def triple(a: Arithmetic[T], values: tuple[float, float, float]) -> Triple[T]:
+    """Return three constants."""
+    return a.constant(values[0]), a.constant(values[1]), a.constant(values[2])
+
+
+class Gyroscope(SensorEquations[T]):
+    """Gyroscope: codes of the ITG-3200 from rates of the attitude angles.
+
+        phi', theta', psi' --> p, q, r --> mounting --> deg/s --> + bias + noise + g_sens * a --> codes
+
+    Source: equation 4.5. As built, p, q, r are taken to be phi', theta', psi' (section 4.3.2). Corrected (appendix B):
+
+        p = phi' - psi' sin(theta)
+        q = theta' cos(phi) + psi' sin(phi) cos(theta)
+        r = psi' cos(phi) cos(theta) - theta' sin(phi)
+    """
+
+    def __init__(self, a: Arithmetic[T], sensor: parameters.GyroscopeParameters) -> None:
+        super().__init__(a, sensor)
+        self._corrected = sensor.rates == "corrected"
+        self._axes = tuple((abs(int(axis)) - 1, axis < 0) for axis in sensor.mounting)
+        self._degrees = a.constant(180 / pi)
+        self._bias = triple(a, sensor.bias)
+        self._g_sens = a.constant(sensor.g_sens)
+
+    def body_rates(self, rates: Triple[T], angles: Angles[T]) -> Triple[T]:
+        """Return p, q, r in rad/s, as built or corrected."""
+        return body_rates(self._a, rates, angles) if self._corrected else rates
+
+    def codes(self, body: Triple[T], acceleration: Triple[T], noise: Triple[T]) -> Triple[T]:
+        """Return codes in LSB. body: p, q, r in rad/s; acceleration: linear, in g; noise in deg/s."""
+        a, v = self._a, self._v
+        x, y, z = [a.neg(body[axis]) if negative else body[axis] for axis, negative in self._axes]
+        rate, pushed = v.times((x, y, z), self._degrees), v.times(acceleration, self._g_sens)
+        return self._converted(v.plus(v.plus(v.plus(rate, self._bias), noise), pushed))
+
+
+def body_rates(a: Arithmetic[T], rates: Triple[T], angles: Angles[T]) -> Triple[T]:
+    """Return p, q, r of appendix B, in the unit of the rates phi', theta', psi'."""
+    add, sub, mul = a.add, a.sub, a.mul
+    roll, pitch, yaw = rates
+    return (
+        sub(roll, mul(yaw, angles.s_theta)),
+        add(mul(pitch, angles.c_phi), mul(mul(yaw, angles.s_phi), angles.c_theta)),
+        sub(mul(mul(yaw, angles.c_phi), angles.c_theta), mul(pitch, angles.s_phi)),
+    )
+
+
+class Accelerometer(SensorEquations[T]):
+    """Accelerometer: codes of the ADXL345 from attitude, linear acceleration and body rates.
+
+        A_sys = A_CG - A_pig                                     A_pig = [-sin(theta), cos(theta) sin(phi),
+        A_med = A_sys + w x (w x d) + w' x d                              cos(theta) cos(phi)]  in g
+        code  = S (A_med + bias + noise)
+
+    Source: equations 4.1 to 4.4. At rest and level: 0, 0, -1 g. The products with w in rad/s and d in m are in m/s^2
+    and are divided by g = 9.81 m/s^2 at the end. Dividing d instead would save three products, but would leave a lever
+    arm of centimetres too few bits in Q16.
+    """
+
+    def __init__(self, a: Arithmetic[T], sensor: parameters.AccelerometerParameters) -> None:
+        super().__init__(a, sensor)
+        self._arm = triple(a, sensor.lever_arm)
+        self._per_g = a.constant(1 / parameters.STANDARD_GRAVITY)
+        self._bias = triple(a, sensor.bias)
+
+    def codes(
+        self, angles: Angles[T], acceleration: Triple[T], body: Triple[T], change: Triple[T], noise: Triple[T]
+    ) -> Triple[T]:
+        """Return codes in LSB. acceleration: linear, in g; body: p, q, r in rad/s; change: in rad/s^2; noise in g."""
+        v = self._v
+        system = v.minus(acceleration, gravity(self._a, angles))
+        measured = v.plus(system, self._lever(body, change))
+        return self._converted(v.plus(v.plus(measured, self._bias), noise))
+
+    def _lever(self, body: Triple[T], change: Triple[T]) -> Triple[T]:
+        """Return w x (w x d) + w' x d, in g."""
+        v, arm = self._v, self._arm
+        return v.times(v.plus(v.cross(body, v.cross(body, arm)), v.cross(change, arm)), self._per_g)
+
+
+def gravity(a: Arithmetic[T], angles: Angles[T]) -> Triple[T]:
+    """Return A_pig of equation 4.2, in g."""
+    return (
+        a.neg(angles.s_theta),
+        a.mul(angles.c_theta, angles.s_phi),
+        a.mul(angles.c_theta, angles.c_phi),
+    )
+
+
+class Magnetometer(SensorEquations[T]):
+    """Magnetometer: codes of the HMC5883L from the attitude.
+
+        H_rm = Rx(phi) Ry(theta) Rz(psi) H_rt + V
+        H_rp = sph2cart(cart2sph(H_rm) + [0, azimuth, elevation of the board])
+        code = S (H_rp + noise)
+
+    Source: equations 4.6 to 4.8. Section 4.3.3 writes azimuth = atan(Hy/Hx) and elevation = atan(Hz/sqrt(Hx^2 + Hy^2)):
+    "plain". Half of all azimuths are then off by half a turn, and 0/0 is undefined, so "four-quadrant" with atan2 is
+    the intended form. "rotation" needs no angle: with r = sqrt(Hx^2 + Hy^2), rho = sqrt(r^2 + Hz^2), angles a and e of
+    the board,
+
+        rho cos(elevation + e) = r cos e - Hz sin e        rho sin(elevation + e) = Hz cos e + r sin e
+        r cos(azimuth + a) = Hx cos a - Hy sin a           r sin(azimuth + a) = Hy cos a + Hx sin a
+
+    It gives the same as "four-quadrant" except on the z axis itself (r = 0), where atan2(0, 0) = 0 puts the vector on
+    the side of x: there "rotation" uses that side too.
+    """
+
+    def __init__(self, a: Arithmetic[T], sensor: parameters.MagnetometerParameters) -> None:
+        super().__init__(a, sensor)
+        self._earth = triple(a, sensor.earth_field)
+        self._hard_iron = triple(a, sensor.hard_iron)
+        self._spherical, self._norm = sensor.spherical, sensor.norm
+        azimuth, elevation = radians(sensor.board_azimuth), radians(sensor.board_elevation)
+        self._azimuth, self._elevation = a.constant(azimuth), a.constant(elevation)
+        self._s_azimuth, self._c_azimuth = a.constant(sin(azimuth)), a.constant(cos(azimuth))
+        self._s_elevation, self._c_elevation = a.constant(sin(elevation)), a.constant(cos(elevation))
+        self._one, self._zero = a.constant(1.0), a.constant(0.0)
+
+    def codes(self, angles: Angles[T], noise: Triple[T]) -> Triple[T]:
+        """Return codes in LSB. noise in gauss."""
+        v = self._v
+        seen = v.plus(rotated(v, angles, self._earth), self._hard_iron)
+        return self._converted(v.plus(self.on_board(seen), noise))
+
+    def on_board(self, field: Triple[T]) -> Triple[T]:
+        """Return H_rp from H_rm: the field in the axes of the inclined board."""
+        return self._turned(field) if self._spherical == "rotation" else self._by_angles(field)
+
+    def _by_angles(self, field: Triple[T]) -> Triple[T]:
+        a, (x, y, z) = self._a, field
+        level, rho = self._lengths(field)
+        if self._spherical == "plain":
+            azimuth, elevation = a.atan(a.div(y, x)), a.atan(a.div(z, level))
+        else:
+            azimuth, elevation = a.atan2(y, x), a.atan2(z, level)
+        azimuth, elevation = a.add(azimuth, self._azimuth), a.add(elevation, self._elevation)
+        s_azimuth, c_azimuth = a.sincos(azimuth)
+        s_elevation, c_elevation = a.sincos(elevation)
+        flat = a.mul(rho, c_elevation)
+        return a.mul(flat, c_azimuth), a.mul(flat, s_azimuth), a.mul(rho, s_elevation)
+
+    def _turned(self, field: Triple[T]) -> Triple[T]:
+        a, mul, (x, y, z) = self._a, self._a.mul, field
+        if self._norm == "mag":
+            level = a.mag(x, y)
+        else:
+            level = a.sqrt(a.add(mul(x, x), mul(y, y)))
+        flat = a.sub(mul(level, self._c_elevation), mul(z, self._s_elevation))
+        up = a.add(mul(z, self._c_elevation), mul(level, self._s_elevation))
+        safe = a.select_greater(level, self._zero, level, self._one)
+        east, north = a.div(y, safe), a.select_greater(level, self._zero, a.div(x, safe), self._one)
+        return (
+            mul(flat, a.sub(mul(north, self._c_azimuth), mul(east, self._s_azimuth))),
+            mul(flat, a.add(mul(east, self._c_azimuth), mul(north, self._s_azimuth))),
+            up,
+        )
+
+    def _lengths(self, field: Triple[T]) -> tuple[T, T]:
+        """Return sqrt(Hx^2 + Hy^2) and rho."""
+        a, mul, (x, y, z) = self._a, self._a.mul, field
+        if self._norm == "mag":
+            level = a.mag(x, y)
+            return level, a.mag(level, z)
+        squared = a.add(mul(x, x), mul(y, y))
+        return a.sqrt(squared), a.sqrt(a.add(squared, mul(z, z)))
+
+
+def rotated(v: Vectors[T], angles: Angles[T], field: Triple[T]) -> Triple[T]:
+    """Return Rx(phi) Ry(theta) Rz(psi) times a vector, one axis after the other, as in section 4.3.3."""
+    x, y, z = field
+    x, y = v.turned(angles.c_psi, angles.s_psi, x, y)
+    z, x = v.turned(angles.c_theta, angles.s_theta, z, x)
+    y, z = v.turned(angles.c_phi, angles.s_phi, y, z)
+    return x, y, z

@@ -61,7 +61,7 @@ ROOMS ?= chips processor measures decoders insight
 mutants: $(DEV)
 	$(BIN)/python -m tests.mutants --count $(COUNT) $(SEEDS:%=--seed %) $(ROOMS:%=--room %)
 
-# Every statement of both emulators changed: docs/firmware_mutants.md names the budget that catches each. Of mutants that
+# Every statement of both emulators changed: results.md of tests/firmware_mutants names the budget that catches each. Of mutants that
 # are drawn, and that change bytes, their order or a deadline in any of 200 phases, the shipped budgets detect 80 %.
 firmware-mutants: $(DEV)
 	$(BIN)/python -m tests.firmware_mutants

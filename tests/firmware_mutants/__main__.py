@@ -1,6 +1,6 @@
 """`python -m tests.firmware_mutants`: every statement of both emulators changed, and which budget catches it.
 
-    every mutant --> Trial --> docs/firmware_mutants.md, survivors on the screen
+    every mutant --> Trial --> tests/firmware_mutants/results.md, survivors on the screen
 
 Exit status 1 if less than 95 % of those that are not argued to have no effect are caught, if an argued one is caught,
 or if one survives that survivors.py does not know.

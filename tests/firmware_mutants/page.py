@@ -1,4 +1,4 @@
-"""The page that names what catches each mutant: trials go in, docs/firmware_mutants.md comes out, a row a statement."""
+"""results.md, which names what catches each mutant, from the trials: one row per statement."""
 
 from __future__ import annotations
 

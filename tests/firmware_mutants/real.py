@@ -34,7 +34,7 @@ from .reality import BENCHES, ENDS, PHASES, SLOW, Difference, Phase, difference,
 from .shipped import detected
 from .trials import ROOT, STALLED, all_mutants, mutated, unchanged
 
-PAGE = ROOT / "docs" / "firmware_mutants.md"
+PAGE = ROOT / "tests" / "firmware_mutants" / "results.md"
 SECTION, NEXT = "## Real mutants and the budgets\n", "\n## "
 ENOUGH = 80  # percent of the real mutants
 SAMPLE = 60

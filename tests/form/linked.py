@@ -28,7 +28,6 @@ CHAINS = {
     ("timing.measures.event_pairing", "ValueTest", "others"),
     ("timing.measures.modifies", "Access", "after"),
     ("timing.measures.modifies", "Access", "before"),
-    ("timing.measures.pair", "Open", "following"),
 }
 NO_CHAINS = {
     ("timing.measures.event", "Jitter", "of"): "one for each `jitter of` in a sentence",

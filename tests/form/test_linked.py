@@ -47,7 +47,7 @@ def release(length: int, *links: tuple[str, str, str]) -> None:
 
 
 @pytest.mark.parametrize(
-    "link", [("core.event_queue", "Event", "following"), ("timing.measures.pair", "Open", "following")]
+    "link", [("core.event_queue", "Event", "following"), ("timing.measures.modifies", "Access", "after")]
 )
 def test_a_chain_of_20_000_is_released_in_256_kilobytes_of_stack(link: tuple[str, str, str]):
     release(20_000, link)

@@ -15,7 +15,7 @@ nothing is proven then.
 
 from __future__ import annotations
 
-from typing import final
+from collections import deque
 
 from ...core.state import State
 from ...core.time import NO_TIME
@@ -28,18 +28,6 @@ PAIRINGS = ("in order", "next", "last")
 FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
 
 
-@final
-class Open:
-    """A first event that waits. at: its tick. counted: of events in between, up to then. following: a later one."""
-
-    STATE = State("counted", ticks="at", made=True)
-    __slots__ = ("at", "counted", "following")
-
-    at: int
-    counted: int
-    following: Open | None
-
-
 class Between(EventMeasure):
     """Time from each event to the event of another kind that belongs to it, or number of third events in between.
 
@@ -50,10 +38,7 @@ class Between(EventMeasure):
     does about a STOP belongs to it.
     """
 
-    STATE = State("_rule _stopped _begun _paired _counted", ticks="_begun_at", chains="_waiting")
-    _unsaid: bool
-    _only_last: bool
-    _in_order: bool
+    STATE = State("_rule _stopped _begun _paired _counted _counted_at", ticks="_begun_at _waiting")
 
     def __init__(
         self,
@@ -74,10 +59,11 @@ class Between(EventMeasure):
         self._rule: Groups | None = None if group is None else Groups(group, 0)
         self._rule_text: str = "" if group is None else f" in the same {group.name}"
         self._stopped = True
-        self._unsaid, self._only_last, self._in_order = (pairing == one for one in ("", "last", "in order"))
-        self._waiting: Open | None = None  # the first of a chain
-        self._last: Open | None = None  # of it
-        self._spare: Open | None = None  # the first of those that wait no more
+        self._unsaid: bool = not pairing
+        self._only_last: bool = pairing == "last"
+        self._in_order: bool = pairing == "in order"
+        self._waiting: deque[int] = deque()  # the ticks of first events that wait
+        self._counted_at: deque[int] = deque()  # of each, the number of events in between that came before it
         self.again: tuple[int, int] | None = None
         self._begun = self._paired = False  # in the group under way
         if group is not None:
@@ -96,10 +82,6 @@ class Between(EventMeasure):
         if self._rule is not None:
             self._rule.listen(scene)
 
-    def _since(self, one: Open, tick: int) -> int:
-        """Return the time, or the number of events, since a first event."""
-        return self._counted - one.counted if self._is_count else tick - one.at
-
     def happened(self, place: int, tick: int, value: int) -> None:
         if place >= self._extra:
             self._counted += 1
@@ -117,7 +99,7 @@ class Between(EventMeasure):
         self._stopped = False
         if self._rule.begins(tick, True, False):
             self._group_over()
-            self._clear()
+            self._forget()
 
     def _group_over(self) -> None:
         if self._begun:
@@ -128,48 +110,31 @@ class Between(EventMeasure):
     def _first(self, tick: int) -> None:
         if self._rule is not None and not self._begun:
             self._begun, self._begun_at = True, tick
-        if self._waiting is not None:
+        if self._waiting:
             if self._only_last:
-                self._clear()
+                self._forget()
             elif self._unsaid and self.again is None:
-                self.again = (self._waiting.at, tick)
-        one = self._spare
-        if one is None:
-            one = Open()
-        else:
-            self._spare = one.following
-        if self._waiting is None:
+                self.again = (self._waiting[0], tick)
+        if not self._waiting:
             self._counted = 0
-        one.at, one.counted, one.following = tick, self._counted, None
-        if self._waiting is None:
-            self._waiting = one
-        else:
-            assert self._last is not None
-            self._last.following = one
-        self._last = one
+        self._waiting.append(tick)
+        self._counted_at.append(self._counted)
 
     def _second(self, tick: int) -> None:
-        one = self._waiting
-        if one is None:
+        if not self._waiting:
             return
         self._paired = self._rule is not None
-        while one is not None:
-            self.take(self._since(one, tick), one.at)
-            one = self._ended(one)
+        while self._waiting:
+            at: int = self._waiting.popleft()
+            counted: int = self._counted_at.popleft()
+            self.take(self._counted - counted if self._is_count else tick - at, at)
             if self._in_order:
                 return
 
-    def _ended(self, one: Open) -> Open | None:
-        """Remove the first event that waits, and return the next one."""
-        self._waiting = following = one.following
-        one.following, self._spare = self._spare, one
-        return following
-
-    def _clear(self) -> None:
+    def _forget(self) -> None:
         """Remove all events that wait."""
-        one = self._waiting
-        while one is not None:
-            one = self._ended(one)
+        self._waiting.clear()
+        self._counted_at.clear()
 
     def finish(self, now: int) -> None:
         super().finish(now)
@@ -180,11 +145,9 @@ class Between(EventMeasure):
     def unfinished(self, now: int) -> list[tuple[int, int]]:
         if self._rule is not None and self._stopped:  # in a transfer or round, not every first has a second
             return []
-        found, one = [], self._waiting
-        while one is not None:
-            found.append((self._since(one, self._now), one.at))
-            one = one.following
-        return found
+        if self._is_count:
+            return [(self._counted - counted, at) for at, counted in zip(self._waiting, self._counted_at, strict=True)]
+        return [(self._now - at, at) for at in self._waiting]
 
     def unfinished_text(self) -> str:
         return f"{self.matchers[FIRST].text!r} still waited for {self.matchers[SECOND].text!r} when the run ended"

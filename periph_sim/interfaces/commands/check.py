@@ -15,11 +15,8 @@ from ...traces.formats.atomic_write import atomic_write
 from ..reports.baselines.check import check as checked
 from ..reports.baselines.judge import CaseCheck
 from ..reports.baselines.outcome import RejectedCase
-from .command_line import command_line
-from .input_options import GUARANTEED, apart, refuse_guaranteed
-from .json_output import print_json
-from .progress import progress
-from .usage_error import running_user_code
+from .command_output import command_line, print_json, progress, running_user_code
+from .input_options import GUARANTEED, JSON, apart
 from .watched_files import note_inputs
 
 if TYPE_CHECKING:
@@ -36,7 +33,7 @@ EXAMPLE = "periph-sim check timing --junit results.xml"
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of every case.")
 @GUARANTEED
 @click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@JSON
 @click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
 @click.option("--html", "html_file", type=click.Path(path_type=Path), help="Write one report of all cases here.")
 @click.option(
@@ -47,7 +44,6 @@ def check(
     tolerance: int | None,
     update: bool,
     changes: tuple[str, ...],
-    guaranteed: bool | None,
     jobs: int | None,
     as_json: bool,
     junit_file: Path | None,
@@ -70,7 +66,6 @@ def check(
     refused: list[RejectedCase] = []
     with running_user_code(), ExitStack() as outputs:
         project = project_of(Path())
-        refuse_guaranteed(guaranteed, project)
         if junit_file is not None or html_file is not None:
             from ..reports.baselines.check import case_files
 
@@ -214,14 +209,10 @@ LEGEND = "columns count budgets; must break: named in `breaks`; baseline: change
 def _table(checks: list[CaseCheck], refused: list[RejectedCase]) -> PlainTable:
     """Return a table with a row for each case: numbers of budgets by verdict, and the baseline's result."""
     from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
-    from .tables import plain_table
+    from .tables import PlainTable
 
-    table = plain_table()
-    table.add_column("case", no_wrap=True)
-    for name in ("seen", "broken", "not judged", "must break"):
-        table.add_column(name.replace(" ", "\n"), justify="right", no_wrap=True)
-    table.add_column("baseline", no_wrap=True)
-    table.add_column("", no_wrap=True)
+    titles = ("case", "seen", "broken", "not\njudged", "must\nbreak", "baseline", "")
+    table = PlainTable(titles, right=range(1, 5), whole=range(7))
     for one in checks:
         words = [verdict.word for verdict in one.outcome.verdicts]
         numbers = [words.count(word) for word in (SEEN, BROKEN, NOT_JUDGED)]

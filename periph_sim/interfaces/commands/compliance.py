@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from .input_options import RATE, SALVAGE, read_capture
-from .json_output import print_json
+from .command_output import print_answer
+from .input_options import JSON, RATE, SALVAGE, read_capture
 
 SECTION = "traces"
 EXAMPLE = "periph-sim compliance capture.sr --mode fast"
@@ -26,7 +26,7 @@ EXAMPLE = "periph-sim compliance capture.sr --mode fast"
 @SALVAGE
 @click.option("--exact", is_flag=True, help="The file's times are exact, as in a simulation.")
 @click.option("--strict", is_flag=True, help="Exit status 1 also if a limit cannot be decided.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@JSON
 def compliance(
     capture: Path,
     mode: str,
@@ -62,9 +62,6 @@ def compliance(
         raise click.ClickException(
             f"{capture}: no I2C START on {lines['scl']!r} and {lines['sda']!r}; the lines may be swapped"
         )
-    if as_json:
-        print_json("compliance", as_dict(report))
-    else:
-        click.echo(str(report))
+    print_answer("compliance", as_dict(report) if as_json else str(report))
     failed = report.verdict in (Verdict.FAIL, Verdict.NOT_JUDGED) or (strict and report.verdict is Verdict.UNDECIDABLE)
     return int(failed)

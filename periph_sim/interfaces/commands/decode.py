@@ -18,10 +18,10 @@ from ...traces.decode.event_rows import Rows, grouped, merged
 from ...traces.decode.scl_times import long_lows
 from . import decode_exports
 from . import decoded_text as event_text
+from .command_output import usage_errors_in_one_sentence
 from .decode_buses import Bus, asked_for
+from .decoded_text import transfer_lines
 from .input_options import RATE, SALVAGE, read_capture
-from .transfer_objects import transfer_lines
-from .usage_error import usage_errors_in_one_sentence
 
 EXPORTS = ("pcapng", "hexdump", "sigrok")
 STYLES = ("table", "json", "csv", *EXPORTS)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .input_options import SALVAGE, read_capture, time_given
-from .json_output import print_json
+from .command_output import print_answer
+from .input_options import JSON, SALVAGE, read_capture, time_given
 
 if TYPE_CHECKING:
     from ...traces.decode.uart import Line
@@ -30,7 +30,7 @@ EXAMPLE = "periph-sim diff before.sr after.sr --tolerance 1us"
 @click.option("--rate-b", metavar="RATE", help="The same for B.")
 @SALVAGE
 @click.option("--tolerance", metavar="TIME", help="Tolerated lateness: '1us'.  [one sample of each]")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@JSON
 @click.option("--all", "everything", is_flag=True, help="List every event, and every difference.")
 def diff(
     a: Path,
@@ -82,10 +82,7 @@ def diff(
     if not result.entries:
         what = "I2C transfer" if line is None else "UART frame"
         raise click.ClickException(f"{a} and {b}: no {what} in either; the mapping may be wrong")
-    if as_json:
-        print_json("diff", as_dict(result, everything))
-    else:
-        click.echo(text(result, everything))
+    print_answer("diff", as_dict(result, everything) if as_json else text(result, everything))
     return 0 if result.equal else 1
 
 

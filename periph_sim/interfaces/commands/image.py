@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from .json_output import print_json
-from .usage_error import usage_errors_in_one_sentence
+from .command_output import print_answer, usage_errors_in_one_sentence
 
 SECTION = "understand"
 EXAMPLE = "periph-sim image firmware.out"
@@ -36,10 +35,7 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
 
     with usage_errors_in_one_sentence():
         found = inspect(program_in(image))
-    if as_json:
-        print_json("image", as_dict(found))
-    else:
-        click.echo(text(found, verbose))
+    print_answer("image", as_dict(found) if as_json else text(found, verbose))
     return 1 if found.unknown else 0
 
 
@@ -51,8 +47,5 @@ def _explain(image: Path, function: str, as_json: bool) -> int:
 
     with usage_errors_in_one_sentence():
         found = function_cycles(program_in(image), function)
-    if as_json:
-        print_json("image_cycles", cycles_as_json(found))
-    else:
-        click.echo(cycles_text(found))
+    print_answer("image_cycles", cycles_as_json(found) if as_json else cycles_text(found))
     return 0

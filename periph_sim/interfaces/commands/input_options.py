@@ -11,10 +11,10 @@ import click
 from ...core.exact_number import exact_number
 from ...core.shorten import shorten
 from ...core.time import TimeError, seconds
+from .command_output import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ...records.run import Run
-    from ...scene.project import Project
     from ...traces.capture.capture import Capture
 
 RATE = click.option("--rate", metavar="RATE", help="Sample rate, if the file has none: '4 MHz'.")
@@ -22,8 +22,21 @@ SALVAGE = click.option(
     "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
 )
 GUARANTEED = click.option(
-    "--guaranteed/--no-guaranteed", default=None, help="Require proven budgets; an error, since nothing is proven yet."
+    "--guaranteed/--no-guaranteed",
+    default=None,
+    expose_value=False,
+    callback=lambda context, option, asked: _refuse_guaranteed(asked),
+    help="Require proven budgets; an error, since nothing is proven yet.",
 )
+CHANGES = click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+SECONDS = click.option(
+    "--seconds",
+    "length",
+    type=str,
+    callback=lambda context, option, text: None if text is None else length_given(text),
+    help="Simulate this long instead of the case's duration; 10 or '10 s'.",
+)
+JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
 SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, if RUN does not contain it: '150 MHz'.")
 
@@ -95,14 +108,15 @@ def apart(**outputs: Path | None) -> None:
                 raise click.ClickException(f"--{other} and --{option} both name {path}; give each its own file")
 
 
-def refuse_guaranteed(asked: bool | None, project: Project | None = None) -> None:
+def _refuse_guaranteed(asked: bool | None) -> None:
     """Reject --guaranteed, and `guaranteed = true` of the project. asked: None if the option is not given."""
     from ...scene.project import project_of
     from ...timing.verdict import NOTHING_PROVEN
 
     if asked:
         raise click.ClickException(f"--guaranteed: {NOTHING_PROVEN}; remove the option")
-    project = project or project_of(Path())
+    with usage_errors_in_one_sentence():
+        project = project_of(Path())
     if asked is None and project.settings.guaranteed:
         raise click.ClickException(f"{project.where('guaranteed')}: {NOTHING_PROVEN}; remove it or use --no-guaranteed")
 

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
+from .command_output import print_answer, usage_errors_in_one_sentence
 from .input_options import RUN_FILE, SYSCLK, open_run, time_given
-from .json_output import print_json
-from .usage_error import usage_errors_in_one_sentence
 
 SECTION = "understand"
 EXAMPLE = "periph-sim lint run.psr"
@@ -32,8 +31,5 @@ def lint(run: Path, bound: str, sysclk: str | None, as_json: bool) -> int:
     with usage_errors_in_one_sentence():
         opened = open_run(run, sysclk)
         findings = lint_of(opened, options)
-    if as_json:
-        print_json("lint", as_dict(opened, findings))
-    else:
-        click.echo(text(opened, findings))
+    print_answer("lint", as_dict(opened, findings) if as_json else text(opened, findings))
     return 1 if findings else 0

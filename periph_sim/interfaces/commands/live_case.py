@@ -20,7 +20,7 @@ from ...scene.case.origin import texts_in
 from ...scene.outside_log import BadLog, LogReader
 from ...scene.scene import Scene
 from ...timing.verdict import NOT_JUDGED
-from .new_files import NAME, Files
+from .new import NAME, Files
 
 Tree = dict[str, Any]
 

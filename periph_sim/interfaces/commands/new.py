@@ -4,23 +4,39 @@ with `--live` a case of a live session.
 
 from __future__ import annotations
 
+import ast
+import re
+import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING
 
 import click
 
+from ...core.examples import EXAMPLES
 from ...core.suggest import did_you_mean
+from ...processor.image_files.assemble import sources_of
+from ...scene.case.origin import texts_in
+from ...scene.firmware_loader import SHIPPED
+from ...traces.capture.capture import Capture
+from .command_output import usage_errors_in_one_sentence
 from .input_options import RATE, read_capture
-from .usage_error import usage_errors_in_one_sentence
-
-if TYPE_CHECKING:
-    from .new_files import Files
 
 SECTION = "run"
 EXAMPLE = "periph-sim new i2c-slave thermometer"
 
 REPLAY = "replay"
+TEMPLATES = Path(__file__).with_name("templates")
+NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")
+
+REFUSES = '''"""A slave that answers like the captured target, by a shipped program; replace it by your own."""
+
+from .responder import REPLAY, Settings, main
+
+__all__ = ["REPLAY", "Settings", "main"]
+'''
+
+Files = dict[Path, str]
 
 
 @click.command()
@@ -29,7 +45,7 @@ REPLAY = "replay"
 @click.option(
     "--example",
     metavar="CASE",
-    shell_complete=lambda ctx, param, begun: _beginning(_examples(), begun),
+    shell_complete=lambda ctx, param, begun: _beginning(_cases(), begun),
     help="Copy a shipped case with its firmware instead: imu_hil.",
 )
 @click.option(
@@ -64,8 +80,6 @@ def new(
     instead of its [host], with its budgets; if it has none, with the session's results as
     budgets. Existing files are never overwritten.
     """
-    from . import new_files
-
     with usage_errors_in_one_sentence():
         if live is not None:
             if name is not None or capture is not None or example is not None:
@@ -78,22 +92,22 @@ def new(
             if name is not None or capture is not None:
                 raise click.UsageError("--example takes at most the folder that the copy goes to")
             folder = Path(kind or ".")
-            files = new_files.example(example, folder)
+            files = _example(example, folder)
             case, following = folder / f"{example}.toml", None
         else:
             kind = _known(kind)
             if capture is not None and kind != REPLAY:
                 raise click.UsageError(f"--from is for replay, not for {kind}")
             place = Path(name or kind.replace("-", "_"))
-            files = new_files.template(kind, place)
+            files = _template(kind, place)
             case, following = place.with_name(f"{place.name}.toml"), None
             if kind == REPLAY:
                 recorded = place.with_name(f"{place.name}.vcd") if capture is None else capture
                 if capture is not None:
                     given = read_capture(capture, rate)
-                    files = new_files.as_captured(files, given, mapping)
+                    files = _as_captured(files, given, mapping)
                 following = _replay(recorded, case, mapping, rate)
-        new_files.write(files)
+        write(files)
     for file in files:
         click.echo(f"written: {file}")
     for line in _go_on(files, case, following):
@@ -101,18 +115,15 @@ def new(
 
 
 def _kinds() -> list[str]:
-    from .new_files import TEMPLATES
-
     return sorted(file.stem.replace("_", "-") for file in TEMPLATES.glob("*.toml"))
 
 
-def _examples() -> list[str]:
-    from ...core.examples import EXAMPLES
+def _cases() -> dict[str, Path]:
+    """Return the shipped cases by name."""
+    return {file.stem: file for file in sorted((EXAMPLES / "timing").glob("*.toml"))}
 
-    return sorted(file.stem for file in (EXAMPLES / "timing").glob("*.toml"))
 
-
-def _beginning(names: list[str], begun: str) -> list[str]:
+def _beginning(names: Iterable[str], begun: str) -> list[str]:
     return [name for name in names if name.startswith(begun)]
 
 
@@ -140,3 +151,113 @@ def _go_on(files: Files, case: Path, following: str | None) -> list[str]:
     if any('remove the "#"' in text for text in files.values() if isinstance(text, str)):
         lines.append('see it fail:      remove the "#" where the firmware says so')
     return lines
+
+
+def _template(kind: str, place: Path) -> Files:
+    """Return the files of a template under another name. place: folder and name, without a suffix."""
+    if not NAME.fullmatch(place.name):
+        raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
+    stem = kind.replace("-", "_")
+    found = {}
+    for file in sorted(TEMPLATES.glob(f"{stem}.*")):
+        text = file.read_text(encoding="utf-8")
+        if file.suffix == ".toml":
+            text = text.replace(f'"{stem}"', f'"{place.name}"').replace(f'"{stem}.py"', f'"{place.name}.py"')
+        found[place.with_name(f"{place.name}{file.suffix}")] = text
+    return found
+
+
+def _as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
+    """Return the files of a replay, for the target in a capture, without the template's own capture."""
+    from ...replay.channels import channel_map
+    from ...replay.i2c_script import most_frequent, turns
+    from ...traces.decode import i2c
+
+    lines = channel_map(capture, mapping)
+    if "rx" in lines:
+        raise click.ClickException(
+            f"{capture.path}: is a UART capture; periph-sim new --example uart_logger makes a case to replay it against"
+        )
+    found = list(turns(i2c.transfers(capture, lines["scl"], lines["sda"])))
+    address = most_frequent(found)
+    if address is None:
+        raise click.ClickException(
+            f"{capture.path}: no I2C transfer with an address in it; the lines of --map may be swapped"
+        )
+    lengths = [len(turn.answer.data) for turn in found if turn.address == address and turn.read and turn.answer.ack]
+    refused = any(turn.address == address and not (turn.answer.ack and all(turn.answer.acks)) for turn in found)
+    made = {}
+    for path, text in files.items():
+        if path.suffix == ".py" and refused:
+            text = REFUSES
+        if path.suffix == ".toml":
+            text = text.replace("address = 0x48", f"address = {address:#04x}")
+            text = text.replace("count = 2", f"count = {max(lengths, default=1)}")
+        if path.suffix != ".vcd":
+            made[path] = text
+    return made
+
+
+def _example(name: str, folder: Path) -> Files:
+    """Return a shipped case, its firmware with all imports, and the files beside it that it names."""
+    cases = _cases()
+    if name not in cases:
+        raise click.ClickException(f"there is no example {name!r}; {did_you_mean(name, cases)}")
+    text = cases[name].read_text(encoding="utf-8")
+    tree = tomllib.loads(text)
+    found: Files = {}
+    for unit in tree.get("unit", {}).values():
+        if "firmware" not in unit:
+            for said in [unit["image"]] if "image" in unit else unit["sources"]:
+                source = (cases[name].parent / said).resolve()
+                text = text.replace(f'"{said}"', f'"{source.name}"')
+                sources = sources_of(source) if "image" in unit else _with_headers(source)
+                found |= {folder / file.name: file.read_text(encoding="utf-8") for file in sources}
+            continue
+        program = unit["firmware"]
+        text = text.replace(f'firmware = "{program}"\n', f'firmware = "{program}.py"\n')
+        for module in _imported(program):
+            found[folder / f"{module}.py"] = (SHIPPED / f"{module}.py").read_text(encoding="utf-8")
+    for said in texts_in(tree):
+        file = cases[name].parent / said
+        if len(said) < 200 and Path(said).name == said and file.is_file():
+            found[folder / said] = file.read_text(encoding="utf-8")
+    return {folder / f"{name}.toml": text, **found}
+
+
+def _with_headers(source: Path) -> list[Path]:
+    """Return a C file, and the headers beside it that it includes."""
+    found = [source]
+    for file in found:
+        names = re.findall(r'^#include "([^"/]+)"', file.read_text(encoding="utf-8"), re.M)
+        found += [header for name in names if (header := source.with_name(name)) not in found and header.is_file()]
+    return found
+
+
+def _imported(program: str) -> list[str]:
+    """Return a shipped program, and those that it imports from its own folder."""
+    found = [program]
+    for name in found:
+        for node in ast.walk(ast.parse((SHIPPED / f"{name}.py").read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.level == 1:
+                names = [node.module] if node.module else [alias.name for alias in node.names]
+                found += [module for module in names if module not in found]
+    return found
+
+
+def write(files: Files) -> None:
+    """Write all files, or none if one exists."""
+    there = [str(path) for path in files if path.exists() or path.is_symlink()]
+    if there:
+        raise click.ClickException(f"{', '.join(there)}: exists already, and nothing was written; give another name")
+    written: list[Path] = []
+    try:
+        for path, text in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("x", encoding="utf-8", newline="\n") as file:
+                written.append(path)
+                file.write(text)
+    except OSError as error:
+        for path in written:
+            path.unlink()
+        raise click.ClickException(f"{error.filename or written[-1]}: cannot be written ({error.strerror})") from None

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 from contextlib import ExitStack
+from fractions import Fraction
 from pathlib import Path
 
 import click
 
 from ...scene.case.load import load
-from .input_options import apart, length_given
-from .json_output import print_json
-from .progress import progress
-from .usage_error import running_user_code
+from .command_output import print_answer, progress, running_user_code
+from .input_options import CHANGES, JSON, SECONDS, apart
 
 SECTION = "understand"
 EXAMPLE = "periph-sim profile case.toml --lcov coverage.info"
@@ -20,15 +19,15 @@ EXAMPLE = "periph-sim profile case.toml --lcov coverage.info"
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@SECONDS
+@CHANGES
 @click.option("--speedscope", type=click.Path(path_type=Path), help="Write stacks with their times to this file.")
 @click.option("--lcov", type=click.Path(path_type=Path), help="Write line and branch coverage to this file.")
 @click.option("-v", "--verbose", is_flag=True, help="List all functions that were called.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@JSON
 def profile(
     case: Path,
-    seconds: str | None,
+    length: Fraction | None,
     changes: tuple[str, ...],
     speedscope: Path | None,
     lcov: Path | None,
@@ -49,7 +48,6 @@ def profile(
 
     apart(speedscope=speedscope, lcov=lcov)
     with running_user_code(), ExitStack() as outputs:
-        length = None if seconds is None else length_given(seconds)
         flames = None if speedscope is None else outputs.enter_context(atomic_write(speedscope))
         lines = None if lcov is None else outputs.enter_context(atomic_write(lcov))
         with progress(case.stem) as on_progress:
@@ -60,8 +58,6 @@ def profile(
         if lines is not None:
             files = covered_files((p.image, p.functions, run.coverage[unit]) for unit, p in run.programs.items())
             lines.write_text(tracefile(files, run.name), encoding="utf-8")
-    if as_json:
-        print_json("profile", as_dict(run.profiles, run.ticks_per_second, run.place_of))
-    else:
-        click.echo(text(run.profiles, run.ticks_per_second, run.place_of, verbose))
+    found = run.profiles, run.ticks_per_second, run.place_of
+    print_answer("profile", as_dict(*found) if as_json else text(*found, verbose))
     return 0

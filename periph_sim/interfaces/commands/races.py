@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from .input_options import RUN_FILE, SYSCLK, open_run
-from .json_output import print_json
-from .usage_error import usage_errors_in_one_sentence
+from .command_output import print_answer, usage_errors_in_one_sentence
+from .input_options import JSON, RUN_FILE, SYSCLK, open_run
 
 SECTION = "understand"
 EXAMPLE = "periph-sim races run.psr --register I2C-A.I2CSTR"
@@ -20,7 +19,7 @@ EXAMPLE = "periph-sim races run.psr --register I2C-A.I2CSTR"
 @click.option("--least", type=click.IntRange(0), metavar="CYCLES", help="Exit status 1 if a read was nearer.")
 @click.option("--no-lost", is_flag=True, help="Exit status 1 if a flag was lost to a read-modify-write.")
 @SYSCLK
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@JSON
 def races(run: Path, register: str | None, least: int | None, no_lost: bool, sysclk: str | None, as_json: bool) -> int:
     """Show how near reads of status registers in RUN were to changes of their flags.
 
@@ -32,9 +31,6 @@ def races(run: Path, register: str | None, least: int | None, no_lost: bool, sys
 
     with usage_errors_in_one_sentence():
         found = races_of(open_run(run, sysclk), register)
-    if as_json:
-        print_json("races", as_dict(found))
-    else:
-        click.echo(text(found))
+    print_answer("races", as_dict(found) if as_json else text(found))
     too_near = least is not None and found.closest is not None and found.closest < least
     return int(too_near or (no_lost and found.lost > 0))

@@ -7,12 +7,18 @@ from textwrap import wrap
 
 import click
 
-from ...core.options import allowed
+from ...core.options import Answers, allowed
 from ...core.registers import Register, RegisterMap
 from ...core.suggest import did_you_mean
+from ...devices.chips import chip_models
 from ...f28335.parts.f28335 import PART
-from .option_groups import OPTIONS
-from .tables import WIDTH, Screen, plain_table, say, terminal
+from .tables import WIDTH, PlainTable, Screen, say, terminal
+
+OPTIONS: dict[str, type[Answers]] = {
+    **PART.options_classes(),
+    **{model: chip.OPTIONS for model, chip in chip_models().items()},
+}
+
 
 MAPS: dict[str, tuple[int, RegisterMap]] = {module.name: (module.base, module.registers) for module in PART.modules}
 
@@ -45,7 +51,7 @@ def regs(name: str | None, want_options: bool) -> None:
 
 
 def show_modules(console: Screen) -> None:
-    table = plain_table("module", "base", "registers", "source")
+    table = PlainTable(("module", "base", "registers", "source"))
     for module, (base, registers) in MAPS.items():
         table.add_row(module, f"{base:#06x}", str(len(registers.registers)), registers.source)
     console.print(table)
@@ -53,7 +59,7 @@ def show_modules(console: Screen) -> None:
 
 def show_map(console: Screen, module: str, base: int, registers: RegisterMap) -> None:
     say(console, module, "bold")
-    table = plain_table("address", "register", "reset", "source")
+    table = PlainTable(("address", "register", "reset", "source"))
     for register in registers:
         table.add_row(f"{base + register.offset:#06x}", register.name, reset_of(register), register.source)
     console.print(table)
@@ -64,7 +70,7 @@ def show_register(console: Screen, module: str, base: int, register: Register) -
     say(console, title)
     if register.protected:
         say(console, "writes need EALLOW")
-    table = plain_table("bits", "field", "access", "reset", "what it is")
+    table = PlainTable(("bits", "field", "access", "reset", "what it is"))
     for f in register.fields:
         table.add_row(f.bits, f.name, f.access, f"{f.reset:#x}" if f.reset > 9 else str(f.reset), f.doc)
     console.print(table)

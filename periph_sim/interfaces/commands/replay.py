@@ -24,13 +24,10 @@ from ...scene.case.load import load
 from ...scene.case.model import Case
 from ...traces.capture.capture import Capture
 from ...traces.formats.atomic_write import atomic_write
-from .assumptions import assumptions
-from .input_options import RATE, SALVAGE, read_capture, time_given
-from .json_output import print_json
-from .progress import progress
-from .result_text import budget_table, legend
-from .tables import Screen, plain_table, say, terminal
-from .usage_error import running_user_code
+from .command_output import print_json, progress, running_user_code
+from .input_options import CHANGES, JSON, RATE, SALVAGE, read_capture, time_given
+from .result_text import assumptions, budget_table, legend
+from .tables import PlainTable, Screen, say, terminal
 
 FIRST = {
     "byte": "first wrong byte",
@@ -74,12 +71,12 @@ EXAMPLE = "periph-sim replay capture.sr --case timing/responder.toml"
 )
 @click.option("--baud", type=click.IntRange(min=1), help="UART: the line's rate; else as the firmware sets it.")
 @click.option("--format", "frame", metavar="FORMAT", help="UART: data bits, parity and stop bits with --baud: 8n1.")
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@CHANGES
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--svg", type=click.Path(path_type=Path), help="Draw the first divergence as a timing diagram.")
 @click.option("--strict", is_flag=True, help="Exit status 1 also if something is ambiguous.")
 @click.option("-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@JSON
 def replay(
     capture: Path,
     case_file: Path,
@@ -346,11 +343,7 @@ def show_history(console: Screen, divergence: Divergence) -> None:
     before = _polls_as_one([change for change in divergence.history if change.at_s <= at])[-BEFORE:]
     after = _polls_as_one([change for change in divergence.history if change.at_s > at])[:AFTER]
     say(console, f"the chip around the {FIRST[divergence.kind]}", "italic")
-    table = plain_table()
-    table.add_column("at", justify="right", no_wrap=True)
-    table.add_column("", justify="right", no_wrap=True)
-    table.add_column("register", no_wrap=True)
-    table.add_column("value", justify="right", no_wrap=True)
+    table = PlainTable(("at", "", "register", "value"), right=(0, 1, 3), whole=range(4))
     for change in [*before, *after]:
         access = change.what[:2] in ("R ", "W ")
         value = f"{change.value:04X}" if access else str(change.value)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...core.counted import counted
+from ...core.options import Value
 from ...scene.case.model import Case
 from ...scene.result import SKIPPED, Result
 from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict, broken, figure, limit, simulated
-from .assumptions import assumptions
-from .tables import PlainTable, Screen, plain_table, say
+from .tables import PlainTable, Screen, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
 THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}  # singular names of counts
@@ -91,11 +91,7 @@ def estimated(result: Result) -> str:
 
 def budget_table(budgets: Sequence[Verdict]) -> PlainTable:
     """Return a table with a row for each budget; broken ones red, not judged yellow. Only names may take two lines."""
-    table = plain_table()
-    table.add_column("budget")
-    for name in FIGURES:
-        table.add_column(name, justify="right", no_wrap=True)
-    table.add_column("", no_wrap=True)
+    table = PlainTable(("budget", *FIGURES, ""), right=range(1, 5), whole=range(1, 6))
     for verdict in budgets:
         cells = row(verdict)
         table.add_row(verdict.name, *(cells[name] for name in FIGURES), verdict.word, style=STYLES[verdict.verdict])
@@ -131,3 +127,44 @@ def legend(budgets: Sequence[Verdict]) -> list[str]:
     if any(each.word == NOT_JUDGED for each in budgets):
         lines.append("not judged: too little was measured; no pass")
     return lines
+
+
+def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:
+    """Return lines about the undocumented behaviours that a run depended on; none if it depended on none.
+
+        assumes 23 undocumented behaviours (-v lists them)
+
+        assumes 2 undocumented behaviours; docs/options.md has the question of each:      verbose
+          dsp.i2c.bcm_reset = 0; the default is 1
+          dsp.i2c.rrdy_point = fall8, the default
+
+    names: `UNIT.GROUP.OPTION` or `CHIP.OPTION`.
+    """
+    if not names:
+        return []
+    head = f"assumes {counted(len(names), 'undocumented behaviour')}"
+    if not verbose:
+        return [f"{head} (-v lists {'them' if len(names) > 1 else 'it'})"]
+    return [
+        f"{head}; docs/options.md has the question of each:",
+        *(f"  {name} {_answer(name, case)}" for name in names),
+    ]
+
+
+def _answer(name: str, case: Case) -> str:
+    from .regs import OPTIONS
+
+    owner, _, rest = name.partition(".")
+    given: dict[str, Value]
+    if owner in case.unit:
+        group, _, option = rest.partition(".")
+        given = case.unit[owner].options.get(group, {})
+    else:
+        group, option, given = case.chip[owner].model, rest, case.chip[owner].options
+    default = OPTIONS[group]().unrecorded()[option]
+    value = given.get(option, default)
+    return f"= {_text(value)}{', the default' if value == default else f'; the default is {_text(default)}'}"
+
+
+def _text(value: Value) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -14,13 +14,10 @@ from ...records.recording import recording
 from ...scene.case.load import load
 from ...scene.result import Result
 from ...scene.scene import Scene
-from .command_line import command_line
-from .input_options import GUARANTEED, apart, length_given, refuse_guaranteed
-from .json_output import print_json
-from .progress import progress
+from .command_output import command_line, print_json, progress, running_user_code
+from .input_options import CHANGES, GUARANTEED, JSON, SECONDS, apart
 from .result_text import show
 from .tables import terminal
-from .usage_error import running_user_code
 
 if TYPE_CHECKING:
     from ..reports.explain.chain import Chain
@@ -31,8 +28,8 @@ EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@SECONDS
+@CHANGES
 @click.option(
     "--disable", multiple=True, metavar="NAME", help="Switch off an optimization: bits, polls, decoding; or all."
 )
@@ -45,17 +42,16 @@ EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
 @click.option(
     "-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed; count skipped polls."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@JSON
 def run(
     case: Path,
-    seconds: str | None,
+    length: Fraction | None,
     changes: tuple[str, ...],
     disable: tuple[str, ...],
     fidelity: str | None,
     max_error: str | None,
     record: Path | None,
     html: Path | None,
-    guaranteed: bool | None,
     explain: bool,
     verbose: bool,
     as_json: bool,
@@ -63,10 +59,8 @@ def run(
     """Run CASE and judge its budgets: exit status 0 if all hold, else 1."""
     apart(record=record, html=html)
     with running_user_code(), ExitStack() as outputs:
-        refuse_guaranteed(guaranteed)
         changes += _as_changes(disable, fidelity or ("auto" if max_error else None))
         loaded = load(case, list(changes))
-        length = None if seconds is None else length_given(seconds)
         unfinished = None
         if html is not None:
             from ...traces.formats.atomic_write import atomic_write

@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from .input_options import address_given, pace_given, time_given
-from .json_output import print_json
-from .usage_error import running_user_code, usage_errors_in_one_sentence
+from .command_output import print_json, running_user_code, usage_errors_in_one_sentence
+from .input_options import CHANGES, address_given, pace_given, time_given
 
 if TYPE_CHECKING:
     from ...outside.live.i2cdriver_door import I2cDriverDoor
@@ -65,7 +64,7 @@ EXAMPLE = "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'"
     metavar="[[ADDRESS:]PORT]",
     help="The same as a page for a browser of this computer, with the wave of the last round.",
 )
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@CHANGES
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object at the end.")
 def serve(
     case: Path,

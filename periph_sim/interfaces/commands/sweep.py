@@ -5,14 +5,14 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping
 from contextlib import ExitStack
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from .input_options import length_given
-from .json_output import print_json
-from .usage_error import running_user_code
+from .command_output import print_json, progress, running_user_code
+from .input_options import JSON, SECONDS
 
 if TYPE_CHECKING:
     from ..reports.sweep.sweep import BudgetColumns, Sweep
@@ -34,15 +34,15 @@ MAX_LISTED = 10  # runs that are listed one by one
     help="Values of a key: '1, 2, 5' or '0 ms to 20 ms step 10 us'. With several keys, every combination.",
 )
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key in every run.")
-@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
+@SECONDS
 @click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
 @click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write a line for each run to this file.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@JSON
 def sweep(
     case: Path,
     vary: tuple[str, ...],
     changes: tuple[str, ...],
-    seconds: str | None,
+    length: Fraction | None,
     jobs: int | None,
     csv_file: Path | None,
     as_json: bool,
@@ -56,7 +56,6 @@ def sweep(
     from ...traces.formats.atomic_write import atomic_write
     from ..reports.sweep.sweep import SweepStopped
     from ..reports.sweep.sweep import sweep as swept
-    from .progress import progress
     from .watched_files import note_inputs
 
     with running_user_code(), ExitStack() as outputs:
@@ -64,7 +63,6 @@ def sweep(
         fixed = {key.strip(): [value.strip()] for key, value in (_parts("--set", change) for change in changes)}
         for key in fixed.keys() & varied.keys():
             raise click.ClickException(f"--set and --vary both name {key}; remove one of them")
-        length = None if seconds is None else length_given(seconds)
         note_inputs([case])
         unfinished = None if csv_file is None else outputs.enter_context(atomic_write(csv_file))
         stopped = ""
@@ -196,12 +194,10 @@ def _table(came: Sweep) -> tuple[PlainTable, list[int]]:
     import numpy as np
 
     from ...timing.verdict import figure, limit
-    from .tables import plain_table
+    from .tables import PlainTable
 
-    table = plain_table()
-    table.add_column("budget")
-    for title in ("nearest", "limit", "run", "broken", "not\njudged"):
-        table.add_column(title, justify="right", no_wrap=True)
+    titles = ("budget", "nearest", "limit", "run", "broken", "not\njudged")
+    table = PlainTable(titles, right=range(1, 6), whole=range(1, 6))
     shown: dict[int, None] = {}
     for name, budget in came.budgets.items():
         words = budget.verdict.tolist()

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from collections.abc import Collection, Iterator, Sequence
+from typing import TYPE_CHECKING, TypeAlias
 
 import click
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions
     from rich.text import Text
 
-__all__ = ["WIDTH", "Piped", "PlainTable", "Screen", "plain_table", "say", "terminal"]
+__all__ = ["WIDTH", "Piped", "PlainTable", "Screen", "say", "terminal"]
 
 STYLED = ("FORCE_COLOR", "TTY_COMPATIBLE")  # variables that make rich use styles in a pipe
 UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that rich removes
@@ -69,22 +69,15 @@ def _columns() -> int:
 
 
 class PlainTable:
-    """A table with a line under its titles and none between its rows; for `Screen.print`."""
+    """A table with a line under its titles and none between its rows; for `Screen.print`.
 
-    def __init__(self) -> None:
-        self._titles: list[str] = []
-        self._right: set[int] = set()
-        self._whole: set[int] = set()  # columns whose cells are kept on one line
+    right: numbers of the columns that are aligned at the right. whole: of those whose cells are kept on one line.
+    """
+
+    def __init__(self, titles: Sequence[str], right: Collection[int] = (), whole: Collection[int] = ()) -> None:
+        self._titles, self._right, self._whole = titles, right, whole
         self._rows: list[list[str]] = []
         self._styles: list[str] = []
-
-    def add_column(self, title: str, justify: Literal["left", "right"] = "left", no_wrap: bool = False) -> None:
-        number = len(self._titles)
-        self._titles.append(title)
-        if justify == "right":
-            self._right.add(number)
-        if no_wrap:
-            self._whole.add(number)
 
     def add_row(self, *cells: str, style: str = "") -> None:
         self._rows.append([together(cell) if n in self._whole else cell for n, cell in enumerate(cells)])
@@ -107,13 +100,6 @@ class PlainTable:
 
         for line, style in self.lines(options.max_width):
             yield Text(line, style=style, no_wrap=True, overflow="ignore")
-
-
-def plain_table(*columns: str) -> PlainTable:
-    table = PlainTable()
-    for title in columns:
-        table.add_column(title)
-    return table
 
 
 def say(screen: Screen, line: str, style: str = "") -> None:

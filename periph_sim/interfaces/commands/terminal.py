@@ -9,8 +9,8 @@ from urllib.parse import urlencode
 
 import click
 
-from .input_options import pace_given
-from .usage_error import usage_errors_in_one_sentence
+from .command_output import usage_errors_in_one_sentence
+from .input_options import CHANGES, pace_given
 
 SECTION = "run"
 EXAMPLE = "periph-sim terminal timing/uart_logger.toml --echo"
@@ -33,7 +33,7 @@ SHOWN = ("default", "direct", "nocontrol", "printable", "colorize", "debug")
     "--encoding", default="UTF-8", show_default=True, help="Encoding of both directions; hexlify shows and reads hex."
 )
 @click.option("--log", type=click.Path(path_type=Path), help="Write the input from outside, for a replay.")
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@CHANGES
 def terminal(
     case: Path,
     sci: str,

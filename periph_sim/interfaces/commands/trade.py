@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,10 +11,8 @@ from typing import TYPE_CHECKING
 import click
 
 from ...core.settings import duration
-from .input_options import length_given
-from .json_output import print_json
-from .progress import progress
-from .usage_error import running_user_code
+from .command_output import print_answer, progress, running_user_code
+from .input_options import CHANGES, SECONDS
 
 if TYPE_CHECKING:
     from ...scene.case.model import Case
@@ -32,8 +31,8 @@ def _error_given(text: str) -> float:
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@SECONDS
+@CHANGES
 @click.option(
     "--firmware",
     "others",
@@ -47,7 +46,7 @@ def _error_given(text: str) -> float:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def trade(
     case: Path,
-    seconds: str | None,
+    length: Fraction | None,
     changes: tuple[str, ...],
     others: tuple[Path, ...],
     names: tuple[str, ...],
@@ -70,7 +69,7 @@ def trade(
     with running_user_code():
         bound = inf if max_error is None else _error_given(max_error)
         loaded = load(case, list(changes))
-        length = loaded.duration if seconds is None else length_given(seconds)
+        length = loaded.duration if length is None else length
 
         def make(more: Sequence[str]) -> Case:
             return load(case, [*changes, *more])
@@ -78,8 +77,5 @@ def trade(
         rows = chosen(rows_of(make, [load(other) for other in others]), names)
         with progress(loaded.name) as on_progress:
             found = trade_of(make, rows, length, bound, on_progress)
-    if as_json:
-        print_json("trade", as_dict(found))
-    else:
-        click.echo(text(found))
+    print_answer("trade", as_dict(found) if as_json else text(found))
     return 0

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .input_options import GUARANTEED, refuse_guaranteed
-from .usage_error import usage_errors_in_one_sentence
+from .command_output import usage_errors_in_one_sentence
+from .input_options import CHANGES, GUARANTEED
 
 if TYPE_CHECKING:
     from ..reports.baselines.outcome import Outcome, RejectedCase
@@ -22,9 +22,9 @@ PAUSE = 0.3  # seconds between checks of the files; polling needs no library and
 
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@CHANGES
 @GUARANTEED
-def watch(case: Path, changes: tuple[str, ...], guaranteed: bool | None) -> int:
+def watch(case: Path, changes: tuple[str, ...]) -> int:
     """Run CASE again whenever one of its files changes, until Ctrl-C.
 
     Its files are the case, the Python files beside its firmware, every file that the case
@@ -33,7 +33,6 @@ def watch(case: Path, changes: tuple[str, ...], guaranteed: bool | None) -> int:
     """
     try:
         with usage_errors_in_one_sentence():
-            refuse_guaranteed(guaranteed)
             _watch(case, changes)
     except KeyboardInterrupt:
         click.echo()

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
+from .command_output import print_answer, usage_errors_in_one_sentence
 from .input_options import RUN_FILE, SYSCLK, open_run
-from .json_output import print_json
-from .usage_error import usage_errors_in_one_sentence
 
 SECTION = "understand"
 EXAMPLE = "periph-sim why run.psr 'I2C-A.I2CSTR.XRDY@12.345 ms'"
@@ -34,7 +33,4 @@ def why(run: Path, question: str, depth: int, sysclk: str | None, as_json: bool)
 
     with usage_errors_in_one_sentence():
         answer = answer_to(open_run(run, sysclk), question, depth)
-    if as_json:
-        print_json("why", as_dict(answer))
-    else:
-        click.echo(text(answer))
+    print_answer("why", as_dict(answer) if as_json else text(answer))

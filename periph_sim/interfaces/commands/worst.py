@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import re
 from contextlib import ExitStack
+from fractions import Fraction
 from pathlib import Path
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING
 
 import click
 
-from .input_options import length_given
-from .json_output import print_json
-from .progress import progress
-from .usage_error import running_user_code
+from .command_output import print_json, progress, running_user_code
+from .input_options import CHANGES, SECONDS
 
 if TYPE_CHECKING:
     from ...timing.verdict import Verdict
@@ -28,12 +27,17 @@ EXAMPLE = "periph-sim worst timing/imu_hil.toml response"
 @click.command()
 @click.argument("case", type=click.Path(path_type=Path))
 @click.argument("budgets", nargs=-1, metavar="[BUDGET]...")
-@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@SECONDS
+@CHANGES
 @click.option("--svg", type=click.Path(path_type=Path), help="Write a picture of each to this folder: BUDGET.svg.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 def worst(
-    case: Path, budgets: tuple[str, ...], seconds: str | None, changes: tuple[str, ...], svg: Path | None, as_json: bool
+    case: Path,
+    budgets: tuple[str, ...],
+    length: Fraction | None,
+    changes: tuple[str, ...],
+    svg: Path | None,
+    as_json: bool,
 ) -> int:
     """Explain the worst occurrence of each budget of CASE, step by step.
 
@@ -47,7 +51,6 @@ def worst(
         raise click.ClickException(f"--svg: {svg} is no folder; create it, or give another")
     with running_user_code():
         loaded = load(case, list(changes))
-        length = None if seconds is None else length_given(seconds)
         for name in budgets:
             _known(name, [budget.name for budget in loaded.budget], case)
         scene = Scene(loaded)

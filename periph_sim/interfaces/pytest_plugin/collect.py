@@ -112,6 +112,6 @@ class CaseItem(pytest.Item):
 
 def of_the_user(error: BaseException) -> bool:
     """Return True if the user's input caused the error; then its text is a sentence."""
-    from ..commands.usage_error import MISTAKES
+    from ..commands.command_output import MISTAKES
 
     return not MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__)

@@ -15,8 +15,7 @@ import pytest
 
 from periph_sim import form
 from periph_sim.cli import OTHER, PACKAGES, ROOT, SECTIONS, cli, run_command
-from periph_sim.interfaces.commands.json_output import VERSION
-from periph_sim.interfaces.commands.usage_error import MISTAKES
+from periph_sim.interfaces.commands.command_output import MISTAKES, VERSION
 from tests.interfaces.commands.conftest import Run
 
 TRACE = str(Path(__file__).resolve().parents[3] / "traces" / "host_frames.sr")

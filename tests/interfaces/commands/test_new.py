@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from click import ClickException
 
-from periph_sim.interfaces.commands.new_files import TEMPLATES, write
+from periph_sim.interfaces.commands.new import TEMPLATES, write
 from periph_sim.interfaces.reports.baselines.outcome import Outcome, run_case
 from tests.interfaces.commands.conftest import Run
 

@@ -8,7 +8,7 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from periph_sim.interfaces.commands.tables import Piped, PlainTable, plain_table, say, terminal
+from periph_sim.interfaces.commands.tables import Piped, PlainTable, say, terminal
 
 LINES = (
     *("", "one", "ends in blanks   ", "  begins with them", "a\ttab", "\t\ttwo", "two\nlines", "\n", "[bold]no markup"),
@@ -44,8 +44,7 @@ def test_a_line_is_as_rich_writes_it(line: str, capsys: pytest.CaptureFixture[st
 @pytest.mark.parametrize("seed", range(4))
 def test_a_table_is_as_rich_writes_it(seed: int, capsys: pytest.CaptureFixture[str]) -> None:
     draw = random.Random(seed)
-    table = plain_table("what", "two\nlines")
-    table.add_column("number", justify="right", no_wrap=True)
+    table = PlainTable(("what", "two\nlines", "number"), right=(2,), whole=(2,))
     for _ in range(5):
         words = [" ".join(draw.choices(("a", "word", "long" * 9), k=draw.randrange(9))) for _ in range(2)]
         table.add_row(*words, f"{draw.randrange(10**6)} us", style=draw.choice(("", "red")))

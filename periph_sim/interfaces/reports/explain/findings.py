@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from fractions import Fraction
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import NamedTuple
 
 from ....core.records import Kind, Record
@@ -258,11 +258,13 @@ def _periods(evidence: Evidence, ends: Ends) -> Finding:
     if record is None or not ends.jitter or evidence.window.verdict.unit != "us" or not looks_at(ends.measure, record):
         return Finding()
     ticks = [r.tick for r in evidence.window.records if (r[2:6]) == record[2:6]]
-    before = max((tick for tick in ticks if tick < at), default=at)
-    behind = min((tick for tick in ticks if tick > at), default=at)
-    name = evidence.step(record).what
-    steps = [evidence.say(before, f"{name}: a period of", at - before), evidence.say(at, "then one of", behind - at)]
-    return Finding([*steps, *evidence.story(before, behind)])
+    around = [*[tick for tick in ticks if tick < at][-1:], at, *[tick for tick in ticks if tick > at][:1]]
+    name = f"{evidence.step(record).what}: a period of"
+    steps = [
+        evidence.say(begin, "then one of" if number else name, end - begin)
+        for number, (begin, end) in enumerate(pairwise(around))
+    ]
+    return Finding([*steps, *evidence.story(around[0], around[-1])])
 
 
 FINDINGS: tuple[Callable[[Evidence, Ends], Finding], ...] = (

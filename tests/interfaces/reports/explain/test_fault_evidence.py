@@ -12,9 +12,11 @@ import pytest
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_i2c
+from periph_sim.interfaces.reports.explain.ends import Ends
 from periph_sim.interfaces.reports.explain.evidence import Evidence, RecordedPhase
 from periph_sim.interfaces.reports.explain.explain import Explained, explain
 from periph_sim.interfaces.reports.explain.fault_evidence import answering, bytes_sent
+from periph_sim.interfaces.reports.explain.findings import FINDINGS
 from periph_sim.interfaces.reports.explain.picture import text_picture
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
@@ -331,6 +333,24 @@ def test_a_byte_came_of_what_was_written_before_its_first_bit():
     evidence = Evidence(window, case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}))
     ((_, write, said_of_it),) = bytes_sent(evidence, phase)
     assert write == writes[0] and said_of_it == "byte 1: 0x11 ACK, written to I2CDXR 0.023 us before its end"
+
+
+@pytest.mark.parametrize(
+    ("begin", "told"),
+    [
+        (0, ["controller: START: a period of", "then one of"]),
+        (-40, ["controller: START: a period of"]),
+        (40, ["controller: START: a period of"]),
+    ],
+)
+def test_a_jitter_has_no_period_before_the_first_event_and_none_after_the_last(begin: int, told: list[str]):
+    window = drawn(begin=begin)
+    verdict = replace(window.verdict, measure="jitter of bus START")
+    starts = tuple(Record(n, 40 * n, Kind.BUS, "controller", "START", 0, "", 0) for n in (-1, 0, 1))
+    evidence = Evidence(replace(window, verdict=verdict, records=starts), BOTH)
+    steps = [step for find in FINDINGS for step in find(evidence, Ends.of(evidence)).steps]
+    assert [step.what for step in steps if step.what in told] == told
+    assert all(step.length != 0 for step in steps)
 
 
 def test_a_round_that_lacks_a_request_is_explained_by_the_start_in_its_place():

@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..capture import size_limits as limits
-from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_edges, rate_of
+from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_edges
 from .packed_samples import BLOCK
-from .zip_member import Archive, Damage
+from .zip_member import Archive, Damage, ini_keys, samplerate_of
 
 NAME = "DSView session (.dsl)"
 SUFFIXES = (".dsl",)
@@ -41,7 +41,6 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     with Archive(path, WHAT, salvage) as archive:
         keys = _header(path, archive.text("header"))
         probes = {int(match[1]): name for key, name in keys.items() if (match := re.fullmatch(r"probe(\d{1,4})", key))}
-        stated = _stated(path, keys)
         folders = _folders(path, archive, probes, keys)
         notes = list(archive.notes)
         length = _count(keys, "total samples") or 8 * max(folder.size for folder in folders.values())
@@ -49,14 +48,14 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     there = max((scan.length for scan in scans.values()), default=0)
     if there < length and not salvage:
         raise BadCapture(path, "its blocks", f"{there} samples", f"{length} as the header states", SALVAGE)
-    if not stated and not rate:
-        notes.append("the file states no samplerate, so positions have no time")
+    rate = samplerate_of(path, "header", keys.get("samplerate"), rate, notes)
     length = min(length, there)
     if not length:
         raise BadCapture(path, "its blocks", "no samples", "logic samples", "capture again")
     channels = tuple(scan.channel(probes[probe], probe, length) for probe, scan in scans.items())
-    _check_edges(path, channels)
-    return Capture(path, rate or stated, length, channels, notes=tuple(notes))
+    if sum(len(channel.edges) for channel in channels) > limits.MOST_EDGES:
+        raise _too_many(path, "its blocks")
+    return Capture(path, rate, length, channels, notes=tuple(notes))
 
 
 class Folder(NamedTuple):
@@ -174,37 +173,14 @@ def _count(keys: dict[str, str], key: str) -> int | None:
     return int(stated) if re.fullmatch(r"[1-9]\d{0,17}", stated, re.ASCII) else None
 
 
-def _stated(path: Path, keys: dict[str, str]) -> Fraction | None:
-    try:
-        return rate_of(keys["samplerate"]) or None if "samplerate" in keys else None
-    except ValueError:
-        raise BadCapture(
-            path, "header, samplerate", repr(keys["samplerate"]), "a rate such as 4 MHz", "state the rate"
-        ) from None
-
-
 def _header(path: Path, text: str) -> dict[str, str]:
-    section = version = ""
-    keys: dict[str, str] = {}
-    for line in (line.strip() for line in text.splitlines()):
-        key, equals, value = (part.strip() for part in line.partition("="))
-        if line.startswith("["):
-            section = line
-        elif equals and section == "[version]" and key == "version":
-            version = value
-        elif equals and section == "[header]":
-            keys.setdefault(key, value)
+    keys, version = ini_keys(text, "[header]"), ini_keys(text, "[version]").get("version", "")
     if version not in ("2", "3"):
         found = f"version {version[:20]!r}" if version else "no version"
         raise BadCapture(path, "header", found, "version 2 or 3", "export .sr or VCD from DSView")
     if keys.get("device mode", "0") != "0":
         raise BadCapture(path, "header, device mode", keys["device mode"][:20], "0, logic", "capture logic channels")
     return keys
-
-
-def _check_edges(path: Path, channels: tuple[Channel, ...]) -> None:
-    if sum(len(channel.edges) for channel in channels) > limits.MOST_EDGES:
-        raise _too_many(path, "its blocks")
 
 
 def _too_many(path: Path, place: str) -> BadCapture:

@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 
 from ...core.input_files import open_regular
 from ...core.records import RECORDED, Kind
-from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_edges
+from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_edges, channel_of_states
 from ..capture.grid import on_grid
 from .record_table import COLUMNS, TABLES, TOPIC, RecordTable, Topics
 
@@ -118,10 +118,13 @@ def write(capture: Capture, path: Path) -> None:
 def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | None = None) -> None:
     """Write the members to an open file, the same bytes for the same table. capture: see `write`."""
     per_second, topics = table.per_second, table.topics()
+    stated: int | str | None = None if per_second is None else str(per_second)
+    if per_second is not None and per_second.denominator == 1:
+        stated = int(per_second)
     head = {
         "format": FORMAT,
         "version": VERSION,
-        "ticks_per_second": int(per_second) if per_second and per_second.denominator == 1 else _text(per_second),
+        "ticks_per_second": stated,
         "end": table.end,
         "names": table.names,
         "topics": topics.indices.tolist(),
@@ -149,10 +152,6 @@ def _stored_as(name: str, values: NDArray[Any]) -> NDArray[Any]:
     least, most = (int(values.min()), int(values.max())) if len(values) else (0, 0)
     narrow = next(width for width in WIDTHS if np.iinfo(width).min <= least and most <= np.iinfo(width).max)
     return values.astype(narrow)
-
-
-def _text(rate: Fraction | None) -> str | None:
-    return None if rate is None else str(rate)
 
 
 def _bad(path: Path, place: str, found: str, expected: str, way_out: str = COPY) -> NoReturn:
@@ -308,22 +307,13 @@ def _wires(path: Path, table: RecordTable) -> Capture:
     channels = []
     for index, place in enumerate(places[np.argsort(firsts)].tolist()):
         own = rows[where == place]
-        channels.append(_wire(table.names["where"][place], index, table.tick[own], table.value[own]))
+        levels = (table.value[own] != 0).astype(np.uint8)
+        # The level at tick 0, if no edge gives it, is the opposite of the first.
+        at, states = np.append(0, table.tick[own]), np.append(1 - levels[0], levels)
+        channels.append(channel_of_states(table.names["where"][place], index, at, states, length))
     if not channels:
         _bad(path, "its records", "no edge of a wire", "edges", "record a run in which a wire changes")
     return Capture(path, table.per_second, length, tuple(channels), sampled=False, exact=True)
-
-
-def _wire(name: str, index: int, tick: NDArray[np.int64], value: NDArray[np.int64]) -> Channel:
-    """Build a wire. Of several levels at one tick the last counts; the initial level is the opposite of the first."""
-    last = np.append(tick[1:] != tick[:-1], True)
-    at, levels = tick[last], (value[last] != 0).astype(np.uint8)
-    if at[0] == 0:
-        initial, at, levels = int(levels[0]), at[1:], levels[1:]
-    else:
-        initial = 1 - int(value[0] != 0)
-    changed = np.diff(levels, prepend=np.uint8(initial)) != 0
-    return channel_of_edges(name, index, initial, at[changed])
 
 
 def _stored(path: Path, head: dict[str, Any], table: RecordTable) -> Capture:

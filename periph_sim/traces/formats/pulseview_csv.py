@@ -62,12 +62,8 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the capture; `rate` overrides the file's. BadCapture names the line."""
-    try:
-        with path.open("rb") as file:
-            return _read(path, file, rate, salvage)
-    except OSError as error:
-        found = (error.strerror or "an error").lower()
-        raise BadCapture(path, "the file", found, "a file that can be read", "check its name") from None
+    with path.open("rb") as file:
+        return _read(path, file, rate, salvage)
 
 
 @dataclass

@@ -25,11 +25,11 @@ from numpy.typing import NDArray
 
 from ...core.counted import counted
 from ..capture import size_limits as limits
-from ..capture.capture import MOST_DIGITS, BadCapture, Capture, Channel, rate_of
+from ..capture.capture import MOST_DIGITS, BadCapture, Capture
 from ..capture.channel_names import channels_named
 from ..capture.sampling import rate_text
 from .packed_samples import BLOCK, Scan
-from .zip_member import Archive, Damage
+from .zip_member import Archive, Damage, ini_keys, samplerate_of
 
 NAME = "sigrok session (.sr)"
 SUFFIXES = (".sr",)
@@ -59,11 +59,12 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the capture; `rate` overrides the file's samplerate. BadCapture if zip, metadata or samples are broken."""
     with Archive(path, WHAT, salvage) as archive:
-        _check_version(path, archive.text("version"))
+        if (version := archive.text("version").strip()) not in ("1", "2"):
+            raise BadCapture(path, "version", repr(version[:40]), "1 or 2", "save it with sigrok 0.7")
         meta = _metadata(path, archive.text("metadata"))
         notes = list(archive.notes)
         members = _sample_members(path, archive, meta.capturefile, notes if salvage else None)
-        rate = rate or _rate(path, meta, notes)
+        rate = samplerate_of(path, "metadata", meta.samplerate, rate, notes)
         scan = Scan(path, meta.unitsize, meta.probes)
         for member in members:
             if not _scanned(archive, member, scan, notes if salvage else None):
@@ -98,23 +99,6 @@ def _scanned(archive: Archive, member: str, scan: Scan, notes: list[str] | None)
     return True
 
 
-def _rate(path: Path, meta: Metadata, notes: list[str]) -> Fraction | None:
-    try:
-        stated = rate_of(meta.samplerate) if meta.samplerate is not None else None
-    except ValueError:
-        raise BadCapture(
-            path, "metadata, samplerate", repr(meta.samplerate), "a rate such as 4 MHz", "state the rate"
-        ) from None
-    if not stated:
-        notes.append("the file states no samplerate, so positions have no time")
-    return stated or None
-
-
-def _check_version(path: Path, text: str) -> None:
-    if text.strip() not in ("1", "2"):
-        raise BadCapture(path, "version", repr(text.strip()[:40]), "1 or 2", "save it with sigrok 0.7")
-
-
 def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[str] | None) -> list[str]:
     """Return the members that hold samples, in order: a single one, or chunks by number (10 after 9).
 
@@ -143,15 +127,7 @@ def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[
 
 
 def _metadata(path: Path, text: str) -> Metadata:
-    """Parse sections and keys; configparser would read the indented keys of real files as continued values."""
-    section = ""
-    keys: dict[str, str] = {}
-    for line in (line.strip() for line in text.splitlines()):
-        if line.startswith("["):
-            section = line
-        elif section == "[device 1]" and "=" in line:
-            key, _, value = line.partition("=")
-            keys.setdefault(key.strip(), value.strip())
+    keys = ini_keys(text, "[device 1]")
     if not keys:
         raise BadCapture(path, "metadata", "no section [device 1]", "the device's settings", "save it again as .sr")
     unitsize = _number(path, keys, "unitsize", 1, 8)
@@ -268,13 +244,9 @@ def _chunks(capture: Capture, unitsize: int) -> Iterator[NDArray[np.unsignedinte
     for begin in range(0, capture.length, samples):
         flips = np.zeros(min(samples, capture.length - begin), f"<u{unitsize}")
         for bit, channel in enumerate(capture.channels):
-            flips[_within(channel, begin, begin + samples)] ^= flips.dtype.type(1 << bit)
+            first, last = np.searchsorted(channel.edges, [begin, begin + samples])
+            flips[channel.edges[first:last] - begin] ^= flips.dtype.type(1 << bit)
         flips[0] ^= flips.dtype.type(word)
         words = np.bitwise_xor.accumulate(flips)
         word = int(words[-1])
         yield words
-
-
-def _within(channel: Channel, begin: int, end: int) -> NDArray[np.int64]:
-    first, last = np.searchsorted(channel.edges, [begin, end])
-    return channel.edges[first:last] - begin

@@ -14,13 +14,14 @@ import struct
 import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
 from typing import Self, cast
 
 from zlib_ng import zlib_ng
 
-from ..capture.capture import BadCapture
+from ..capture.capture import BadCapture, rate_of
 from ..capture.size_limits import MOST_DIRECTORY, MOST_METADATA
 
 STORED, DEFLATED = 0, 8
@@ -244,6 +245,32 @@ class Archive:
         follows = self._file.read(4)
         following = narrow if follows.startswith(b"PK") or not follows else narrow + 8  # else 64-bit sizes
         return Member(name, at, packed, DEFLATED, size, crc), following
+
+
+def ini_keys(text: str, section: str) -> dict[str, str]:
+    """Return the keys of a section, the first of each name; configparser would read indented keys as continued values."""
+    keys: dict[str, str] = {}
+    present = ""
+    for line in (line.strip() for line in text.splitlines()):
+        key, equals, value = (part.strip() for part in line.partition("="))
+        if line.startswith("["):
+            present = line
+        elif equals and present == section:
+            keys.setdefault(key, value)
+    return keys
+
+
+def samplerate_of(path: Path, place: str, text: str | None, rate: Fraction | None, notes: list[str]) -> Fraction | None:
+    """Return `rate`, else the samplerate that a session states, with a note if it states none."""
+    if rate:
+        return rate
+    try:
+        stated = rate_of(text) if text is not None else None
+    except ValueError:
+        raise BadCapture(path, f"{place}, samplerate", repr(text), "a rate such as 4 MHz", "state the rate") from None
+    if not stated:
+        notes.append("the file states no samplerate, so positions have no time")
+    return stated or None
 
 
 def _wide(extra: bytes, size: int, packed: int) -> tuple[int, int]:

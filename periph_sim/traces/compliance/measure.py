@@ -28,7 +28,7 @@ Rules:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,8 +89,7 @@ NOBODY, CONTROLLER, TARGET = 0, 1, 2
 PARTY: dict[int, Party | None] = {NOBODY: None, CONTROLLER: Party.CONTROLLER, TARGET: Party.TARGET}
 
 
-@dataclass(frozen=True, eq=False)
-class Measured:
+class Measured(NamedTuple):
     """One symbol's times, in order: begin and length of each in positions, and the party that caused it (a PARTY key).
 
     excused: where a maximum does not apply. doubtful: where the resolution does not show whether the limit applies (the
@@ -102,9 +101,6 @@ class Measured:
     party: Parties
     excused: Flags
     doubtful: Flags
-
-    def __len__(self) -> int:
-        return len(self.lengths)
 
 
 def measured(
@@ -151,22 +147,16 @@ def measure(capture: Capture, scl: str | int, sda: str | int, mode: Mode, resolu
     shortest = min((int(low.min()) for low in lows if len(low)), default=0)
     found = [part.measures(shortest) for part in parts]
     coarse = resolution.period > min(_least("tHIGH", mode), _least("tLOW", mode))
+    times = {
+        symbol: Measured._make(map(np.concatenate, zip(*(of[symbol] for of in found), strict=True)))
+        for symbol in (found[0] if found else {})
+    }
     return Measures(
-        {symbol: _joined([of[symbol] for of in found]) for symbol in (found[0] if found else {})},
+        times,
         sum(len(part.starts) for part in parts),
         np.intersect1d(clock.edges, data.edges, assume_unique=True),
         coarse,
-        coarse and any(part.shortest_phase() <= resolution.slack for part in parts),
-    )
-
-
-def _joined(parts: list[Measured]) -> Measured:
-    return Measured(
-        np.concatenate([part.begins for part in parts]),
-        np.concatenate([part.lengths for part in parts]),
-        np.concatenate([part.party for part in parts]),
-        np.concatenate([part.excused for part in parts]),
-        np.concatenate([part.doubtful for part in parts]),
+        coarse and any(part.shortest_phase <= resolution.slack for part in parts),
     )
 
 
@@ -179,6 +169,7 @@ class _Part:
         edges = edges_of(scl, sda)
         self.rises, self.conditions, self.is_start = edges.rises, edges.conditions, edges.starts
         self.falls = scl.edges[scl.levels == 0]
+        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # of SCL's levels, in positions
         self._edges, self._levels = sda.edges, sda.levels
         self.starts = self.conditions[self.is_start]
         # A pulse is from a rise to the next fall; the low phase before it belongs to it.
@@ -211,13 +202,7 @@ class _Part:
     def own_lows(self) -> Positions:
         """Return the lengths of the low phases before bits."""
         seen = self._is_bit & (self._low_from >= 0)
-        lengths: Positions = self.rises[seen] - self._low_from[seen]
-        return lengths
-
-    def shortest_phase(self) -> int:
-        """Return the length of SCL's shortest level between two edges, in positions."""
-        edges = np.sort(np.concatenate((self.rises, self.falls)))
-        return int(np.diff(edges).min()) if len(edges) > 1 else np.iinfo(np.int64).max
+        return self.rises[seen] - self._low_from[seen]
 
     def measures(self, shortest_low: int) -> dict[str, Measured]:
         """Return symbol -> its times. shortest_low: that of the whole capture, in positions."""

@@ -70,8 +70,11 @@ def table(report: Report) -> str:
     """Format a head line, the measured times of each limit, its begin, end and worst place, notes, and the verdict."""
     lines = text_table(MEASURED, [_measured(report, row) for row in report.rows], (2, 3, 4))
     rules = text_table(RULES, [_rule(report, row) for row in report.rows], (2,))
+    period = report.resolution.period
+    exactness = f"each time good to {_short(period)} either way" if period else "times exact"
+    title = f"{report.name}: I2C limits of mode {report.mode.value}, {exactness}"
     remarks = [line for note in _remarks(report) for line in paragraph(f"note: {note}")]
-    return "\n".join([_title(report), "", *lines, "", *rules, "", *remarks, _conclusion(report)])
+    return "\n".join([title, "", *lines, "", *rules, "", *remarks, _conclusion(report)])
 
 
 def failure(report: Report, strict: bool) -> str:
@@ -113,7 +116,8 @@ def limit_text(bounds: Bounds) -> str:
         return f"min {_short(Fraction(bounds.least or 0))}"
     if bounds.least is None:
         return f"max {_short(Fraction(bounds.most))}"
-    return f"{_number(bounds.least, bounds.most)} to {_short(Fraction(bounds.most))}"
+    least = Fraction(bounds.least, 1000 if bounds.most >= 1000 else 1)
+    return f"{_trimmed(least)} to {_short(Fraction(bounds.most))}"
 
 
 def _measured(report: Report, row: Row) -> tuple[str, ...]:
@@ -145,15 +149,6 @@ def _rule(report: Report, row: Row) -> tuple[str, ...]:
         f"{float(report.seconds(worst.at)):.9f} s" if worst is not None else "-",
         worst.party.value if worst is not None and worst.party else "",
     )
-
-
-def _title(report: Report) -> str:
-    return f"{report.name}: I2C limits of mode {report.mode.value}, {_exactness(report)}"
-
-
-def _exactness(report: Report) -> str:
-    period = report.resolution.period
-    return f"each time good to {_short(period)} either way" if period else "times exact"
 
 
 def _remarks(report: Report) -> list[str]:
@@ -229,10 +224,6 @@ def _short(ns: Fraction) -> str:
         if abs(ns) < 1000 * size:
             return f"{_trimmed(ns / size)} {unit}"
     return f"{_trimmed(ns / 10**9)} s"
-
-
-def _number(ns: int, beside: int) -> str:
-    return _trimmed(Fraction(ns, 1000 if beside >= 1000 else 1))
 
 
 def _trimmed(value: Fraction) -> str:

@@ -75,7 +75,7 @@ def _row(limit: Limit, measures: Measures, mode: Mode, resolution: Resolution) -
         return Row(limit, bounds, 0, None, None, Verdict.NO_LIMIT)
     # A pulse shorter than a sample can be between two of them.
     hidden = measures.blind or (limit.symbol == "tSP" and resolution.period > (bounds.most or 0))
-    if found is None or not len(found):
+    if found is None or not len(found.lengths):
         return Row(limit, bounds, 0, None, None, Verdict.UNDECIDABLE if hidden or measures.coarse else Verdict.NOT_SEEN)
     return _judged(limit, bounds, found, resolution, hidden, measures.coarse)
 

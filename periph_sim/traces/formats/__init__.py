@@ -48,22 +48,14 @@ REFUSED = {  # by suffix: description and remedy
 
 
 class Format(Protocol):
-    """The definitions that all formats of this folder have."""
+    """The definitions of a file of this folder. A format that cannot be read, or written, lacks these functions."""
 
     NAME: str
     SUFFIXES: tuple[str, ...]
 
-
-class Reader(Format, Protocol):
-    """A format that can be read."""
-
     def recognises(self, path: Path, head: bytes) -> bool: ...
 
     def read(self, path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture: ...
-
-
-class Writer(Format, Protocol):
-    """A format that can be written."""
 
     def write(self, capture: Capture, path: Path) -> tuple[str, ...] | None: ...
 
@@ -85,14 +77,14 @@ def formats(installed: bool = False) -> dict[str, Format]:
     return _with_plugins(_shipped(), installed)
 
 
-def readers(installed: bool = False) -> dict[str, Reader]:
+def readers(installed: bool = False) -> dict[str, Format]:
     """Return the formats that can be read."""
-    return {name: cast(Reader, found) for name, found in formats(installed).items() if hasattr(found, "read")}
+    return {name: found for name, found in formats(installed).items() if hasattr(found, "read")}
 
 
-def writers(installed: bool = False) -> dict[str, Writer]:
+def writers(installed: bool = False) -> dict[str, Format]:
     """Return the formats that can be written, by suffix."""
-    able = [cast(Writer, found) for found in formats(installed).values() if hasattr(found, "write")]
+    able = [found for found in formats(installed).values() if hasattr(found, "write")]
     return {suffix: writer for writer in able for suffix in getattr(writer, "WRITTEN", writer.SUFFIXES)}
 
 
@@ -123,16 +115,16 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
     raise BadCapture(path, "its first bytes", repr(head[:24]) if head else "nothing", _known(), "export one of these")
 
 
-def _readers_of(suffix: str) -> list[Reader]:
+def _readers_of(suffix: str) -> list[Format]:
     """Return the readable formats of this suffix. Only files that mention it are imported: most imports take long."""
-    found: list[Reader] = []
+    found: list[Format] = []
     for file in sorted(Path(__file__).parent.glob("*.py")):
         if file.stem != "__init__" and f'"{suffix}"' in file.read_text(encoding="utf-8"):
             module = importlib.import_module(f"{__name__}.{file.stem}")
             if hasattr(module, "read") and suffix in getattr(module, "SUFFIXES", ()):
-                found.append(cast(Reader, module))
+                found.append(cast(Format, module))
     plugins = _with_plugins({}, False).values()
-    return [*found, *(cast(Reader, one) for one in plugins if hasattr(one, "read") and suffix in one.SUFFIXES)]
+    return [*found, *(one for one in plugins if hasattr(one, "read") and suffix in one.SUFFIXES)]
 
 
 def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -> tuple[str, ...]:
@@ -162,7 +154,7 @@ def ready_for(path: Path, capture: Capture) -> Capture:
     return on_samples(capture) if getattr(_writer_of(path), "SAMPLES_ONLY", False) else capture
 
 
-def _writer_of(path: Path) -> Writer:
+def _writer_of(path: Path) -> Format:
     able, name = writers(), path.name.casefold()
     if not any(name.endswith(known) for known in able):
         able = writers(installed=True)

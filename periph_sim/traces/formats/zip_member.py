@@ -248,7 +248,10 @@ class Archive:
 
 
 def ini_keys(text: str, section: str) -> dict[str, str]:
-    """Return the keys of a section, the first of each name; configparser would read indented keys as continued values."""
+    """Return the keys of a section, the first of each name.
+
+    configparser would read the indented keys of real files as continued values.
+    """
     keys: dict[str, str] = {}
     present = ""
     for line in (line.strip() for line in text.splitlines()):

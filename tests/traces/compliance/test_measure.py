@@ -33,7 +33,7 @@ def times(found: Measures, *symbols: str) -> dict[str, list[tuple[int, int]]]:
     return {
         symbol: list(zip(of.begins.tolist(), of.lengths.tolist(), strict=True))
         for symbol, of in found.times.items()
-        if len(of) and (not symbols or symbol in symbols)
+        if len(of.begins) and (not symbols or symbol in symbols)
     }
 
 
@@ -131,7 +131,7 @@ def test_nothing_is_measured_across_an_unknown_stretch():
 def test_the_ninth_bit_is_the_acknowledge():
     """SDA changes before three of the four acknowledges of each transfer: 1 then ACK, 1 then ACK, 0 then NACK."""
     found = measured(bus_drawn(EASY[Mode.STANDARD]))
-    assert len(found.times["tVD;ACK"]) == 2 * 3 and found.starts == 2 * 2
+    assert len(found.times["tVD;ACK"].begins) == 2 * 3 and found.starts == 2 * 2
 
 
 @pytest.mark.parametrize(

@@ -124,17 +124,15 @@ def agents_own(outcome: Comparison, alone: Comparison, tolerance: Fraction) -> C
 
 def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction) -> Divergence:
     for other in alone:
-        if (one.kind, one.index) == (other.kind, other.index) and _is_same(one, other, float(tolerance)):
-            what = "their time" if one.kind == TIMING else "this event"
+        if (one.kind, one.index) != (other.kind, other.index):
+            continue
+        same, what = one.found == other.found, "this event"
+        if one.kind == TIMING:
+            both = one.replay_s is not None and other.replay_s is not None
+            same, what = both and abs((one.replay_s or 0) - (other.replay_s or 0)) <= float(tolerance), "their time"
+        if same:
             return replace(one, cause=f"{AGENTS} also differ in {what} without the firmware")
     return one
-
-
-def _is_same(one: Divergence, other: Divergence, tolerance: float) -> bool:
-    """Return True if both differ in the same way from the capture."""
-    if one.kind != TIMING:
-        return one.found == other.found
-    return one.replay_s is not None and other.replay_s is not None and abs(one.replay_s - other.replay_s) <= tolerance
 
 
 def first_judged(outcome: Comparison, times: bool) -> Divergence | None:

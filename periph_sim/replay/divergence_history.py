@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -88,17 +89,15 @@ class FlagHistory:
             self._rings[record.what].append(record)
 
     def _freeze(self, moment: tuple[int, int]) -> None:
-        self._frozen[moment] = sorted((record for ring in self._rings.values() for record in ring), key=_number)
+        self._frozen[moment] = sorted(
+            (record for ring in self._rings.values() for record in ring), key=attrgetter("number")
+        )
 
     def records_near(self, moment: tuple[int, int]) -> list[Record]:
         """Return the records near one of the moments, in order. Call after the run."""
         while self._moments:
             self._freeze(self._moments.popleft())
         return self._frozen[moment]
-
-
-def _number(record: Record) -> int:
-    return record.number
 
 
 @dataclass(frozen=True)
@@ -160,7 +159,9 @@ def with_history(
             Change(place.seconds(record.tick), _what(record.where, record.what), record.value) for record in records
         )
         before = [record for record in records if record.tick <= moment[0]]
-        cause = divergence.cause or _write_of(divergence.found, role, before) or _executed(history.place(instant))
+        cause = divergence.cause or _write_of(divergence.found, role, before)
+        if not cause and (executed := history.place(instant)) is not None:
+            cause = f"the firmware was at {_shown(executed)}"
         found.append(replace(divergence, history=changes, cause=cause))
     return found
 
@@ -174,10 +175,6 @@ def _write_of(event: str, role: Role, records: Sequence[Record]) -> str:
             if writes and isinstance(writes[-1].text, SourceLocation):
                 return f"{register} = 0x{value:02X} was written at {_shown(writes[-1].text)}"
     return ""
-
-
-def _executed(place: SourceLocation | None) -> str:
-    return "" if place is None else f"the firmware was at {_shown(place)}"
 
 
 def _shown(place: SourceLocation) -> str:

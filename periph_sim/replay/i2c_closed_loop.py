@@ -127,7 +127,8 @@ class I2cReplay(BusReplay):
         found = i2c_words(events, Fraction(self.timebase.per_second), self.origin)
         self._compared = i2c_words(part.expected, part.rate), found
         outcome = self._with_agents(compare(*self._compared, tolerance), tolerance)
-        verdict = verdict_of(bool(stuck) or self._fails(outcome), bool(own.asked))
+        failed = outcome.divergence is not None or (self._tolerance is not None and bool(outcome.ranked))
+        verdict = verdict_of(bool(stuck) or failed, bool(own.asked))
         unjudged = own.unjudged
         if verdict == FAIL and not stuck and self._agents_parted:
             verdict, unjudged = NOT_JUDGED, self._agents_parted
@@ -162,6 +163,3 @@ class I2cReplay(BusReplay):
             self._other_events = first.kind != TIMING and bool(first.cause)
             self._agents_parted = first.cause or asked_once_more(self._compared[0], first, self._answering.own)
         return outcome
-
-    def _fails(self, outcome: Comparison) -> bool:
-        return outcome.divergence is not None or (self._tolerance is not None and bool(outcome.ranked))

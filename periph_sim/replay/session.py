@@ -72,10 +72,6 @@ class SessionScene(Scene):
         for callback in self.frame_callbacks:
             callback(number, values, tick)
 
-    def record_stuck(self) -> None:
-        """Record that a line of the bus stays low, as a controller would."""
-        self.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")
-
 
 class SessionReplay(I2cReplay):
     """Replay of an I2C and a UART capture on a case.
@@ -179,7 +175,7 @@ class SessionReplay(I2cReplay):
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         stuck = super()._drive(progress, until)
         if stuck:
-            self._session_scene.record_stuck()
+            self._scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")  # as a controller would
         return stuck
 
     def _report(self, stuck: list[str]) -> Report:

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..core.sampler import watch
 from ..core.time import Timebase
 from ..core.wire import Wire
-from ..traces.capture.capture import Capture, Channel, channel_of
+from ..traces.capture.capture import Capture, channel_of
 
 
 class WireLog:
@@ -24,7 +24,10 @@ class WireLog:
 
     def capture(self, timebase: Timebase, now: int) -> Capture:
         """Return the wires' levels up to and including tick `now`."""
-        channels = self._channels(now + 1)
+        states = enumerate(zip(self._wires, self._ticks, self._levels, strict=True))
+        channels = tuple(
+            channel_of(wire.name, index, ticks, levels, now + 1) for index, (wire, ticks, levels) in states
+        )
         return Capture(Path("replay"), Fraction(timebase.per_second), now + 1, channels, sampled=False, exact=True)
 
     @property
@@ -36,12 +39,6 @@ class WireLog:
     def edge_count(self) -> int:
         """The number of edges so far, of all wires together."""
         return sum(len(ticks) - 1 for ticks in self._ticks)
-
-    def _channels(self, length: int) -> tuple[Channel, ...]:
-        return tuple(
-            channel_of(wire.name, index, ticks, levels, length)
-            for index, (wire, ticks, levels) in enumerate(zip(self._wires, self._ticks, self._levels, strict=True))
-        )
 
 
 def _collector(ticks: list[int], levels: list[int | None]) -> Callable[[int, int], None]:

@@ -207,11 +207,8 @@ def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
 
 def _idle(parts: list[Channel], spans: list[Span], invert: bool) -> float:
     """Return the part of the time that the line is at its idle level: most lines are idle more than busy."""
-    low = sum(_low(part, span, invert) for part, span in zip(parts, spans, strict=True))
+    low = 0  # time at the level of a start bit
+    for part, span in zip(parts, spans, strict=True):
+        bounds = np.concatenate(([span.begin], part.edges, [span.end]))
+        low += int(np.diff(bounds)[part.initial ^ int(invert) :: 2].sum())
     return 1 - low / sum(span.end - span.begin for span in spans)
-
-
-def _low(part: Channel, span: Span, invert: bool) -> int:
-    """Return the time that a line is at the level of a start bit."""
-    bounds = np.concatenate(([span.begin], part.edges, [span.end]))
-    return int(np.diff(bounds)[part.initial ^ int(invert) :: 2].sum())

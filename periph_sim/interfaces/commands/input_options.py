@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from ...records.run import Run
     from ...traces.capture.capture import Capture
 
+FILE_NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")
 RATE = click.option("--rate", metavar="RATE", help="Sample rate, if the file has none: '4 MHz'.")
 SALVAGE = click.option(
     "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
@@ -96,6 +98,12 @@ def length_given(text: str) -> Fraction:
         return duration(text if text.strip()[-1:].isalpha() else f"{text} s")
     except ValueError as error:
         raise click.ClickException(f"--seconds: {error}") from None
+
+
+def check_file_name(place: Path) -> None:
+    """Reject a name for files with characters that are hard to type or to import."""
+    if not FILE_NAME.fullmatch(place.name):
+        raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
 
 
 def apart(**outputs: Path | None) -> None:

@@ -20,7 +20,7 @@ from ...scene.case.origin import texts_in
 from ...scene.outside_log import BadLog, LogReader
 from ...scene.scene import Scene
 from ...timing.verdict import NOT_JUDGED
-from .new import NAME, Files
+from .input_options import check_file_name
 
 Tree = dict[str, Any]
 
@@ -29,7 +29,7 @@ MEASURES = (  # measures that become budgets if a case has no budget
 )
 
 
-def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
+def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
     """Return the case's text by its path, and that path. given: its name; default: the live case's name and `_live`.
 
     ClickException, or BadCase, for an invalid log, or one whose case has no file or a missing one.
@@ -47,8 +47,7 @@ def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
     source = log.parent / head.file
     place = Path(given) if given is not None else source.with_name(f"{source.stem}_live")
     place = place.with_suffix("") if place.suffix == ".toml" else place
-    if not NAME.fullmatch(place.name):
-        raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
+    check_file_name(place)
     _, tree = read(source, "case")
     for change in head.changes:
         apply(tree, change)

@@ -20,14 +20,13 @@ from ...scene.case.origin import texts_in
 from ...scene.firmware_loader import SHIPPED
 from ...traces.capture.capture import Capture
 from .command_output import usage_errors_in_one_sentence
-from .input_options import RATE, read_capture
+from .input_options import RATE, check_file_name, read_capture
 
 SECTION = "run"
 EXAMPLE = "periph-sim new i2c-slave thermometer"
 
 REPLAY = "replay"
 TEMPLATES = Path(__file__).with_name("templates")
-NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")
 
 REFUSES = '''"""A slave that answers like the captured target, by a shipped program; replace it by your own."""
 
@@ -155,8 +154,7 @@ def _go_on(files: Files, case: Path, following: str | None) -> list[str]:
 
 def _template(kind: str, place: Path) -> Files:
     """Return the files of a template under another name. place: folder and name, without a suffix."""
-    if not NAME.fullmatch(place.name):
-        raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
+    check_file_name(place)
     stem = kind.replace("-", "_")
     found = {}
     for file in sorted(TEMPLATES.glob(f"{stem}.*")):

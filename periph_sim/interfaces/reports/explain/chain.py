@@ -22,7 +22,7 @@ from ....core.text_table import columns, together
 from ....core.time import Timebase
 from ....processor.instruction_location import parsed
 from ....processor.source_location import SourceLocation
-from ....timing.verdict import Verdict, in_words, instant, percentile
+from ....timing.verdict import Verdict, figure, in_words, instant, percentile
 from .cpu_activity import Doing, Stretch, phrase
 
 
@@ -124,6 +124,10 @@ class Chain:
     def us(self, ticks: int) -> Fraction:
         return Fraction(ticks * 1_000_000, self.timebase.per_second)
 
+    def figure(self, ticks: int) -> str:
+        """Return a length as text, as `timing.verdict.figure` does."""
+        return figure(float(self.us(ticks)), "us")
+
 
 def parts_of(stretches: Iterable[Stretch]) -> tuple[Part, ...]:
     """Sum stretches by activity, the longest sum first."""
@@ -163,12 +167,12 @@ def text(chain: Chain) -> list[str]:
     if chain.parts:
         rows = [
             (_us(chain, part.length), f"{100 * part.length / chain.length:.1f} %", _counted(part))
-            for part in _largest(chain.parts)
+            for part in largest(chain.parts)
         ]
         lines += ["  made up of", *_table(rows)]
     if chain.more:
         more = _us(chain, chain.length - (chain.typical or 0), sign=True)
-        rows = [(_us(chain, part.length, sign=True), "", str(part)) for part in _largest(chain.more)]
+        rows = [(_us(chain, part.length, sign=True), "", str(part)) for part in largest(chain.more)]
         lines += [f"  {more} against {_us(chain, chain.typical or 0)}, its least critical occurrence", *_table(rows)]
     return lines
 
@@ -192,7 +196,8 @@ def _us(chain: Chain, ticks: int, sign: bool = False) -> str:
     return f"{plus}{float(value):.3f} us" if abs(value) < 10_000 else f"{plus}{float(value / 1000):.3f} ms"
 
 
-def _largest(parts: tuple[Part, ...]) -> tuple[Part, ...]:
+def largest(parts: tuple[Part, ...]) -> tuple[Part, ...]:
+    """Return the parts that are shown."""
     return tuple(sorted(parts, key=lambda part: -abs(part.length))[:MOST_PARTS])
 
 

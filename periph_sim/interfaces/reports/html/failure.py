@@ -91,7 +91,7 @@ def _blame(part: Part, chain: Chain) -> str:
     """Describe the part as the cause, with its time if it has one."""
     if not part.length or part is chain.blame:
         return f"Cause: {part}"
-    length = figure(abs(float(chain.us(part.length))), "us")
+    length = chain.figure(abs(part.length))
     if part in chain.more:
         return f"{'Shorter' if part.length < 0 else 'Longer'} than typical by {length}: {part}"
     share = Fraction(part.length, chain.length) if chain.length else Fraction(0)

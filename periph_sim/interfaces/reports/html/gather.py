@@ -21,9 +21,9 @@ from ....scene.result import SKIPPED, Result
 from ....timing.budget_schema import Budget, Condition
 from ....timing.values import Values
 from ....timing.verdict import Verdict, figure, percentile
+from ..explain.chain import Chain
 from ..explain.explain import Explained, explain_each
 from .distribution import Distribution, distribution
-from .explanation import Explanation, explanation
 from .failure import Failure, failure
 from .lanes import MOST, timeline
 from .over_time import OverTime, over_time, shown_violations
@@ -52,7 +52,7 @@ class BudgetReport:
     must_break: bool
     distribution: Distribution | None
     timeline: Timeline | None
-    explanation: Explanation | None
+    explanation: Chain | None
     failure: Failure | None = None
     over_time: OverTime | None = None
     per_second: int = 10**9
@@ -210,7 +210,7 @@ class _Run:
             must_break=must_break,
             distribution=None if values is None else distribution(values, self.per_second // 10**9),
             timeline=None if worst is None else self._timeline(worst, most),
-            explanation=None if worst is None else explanation(worst.chain),
+            explanation=None if worst is None else worst.chain,
             failure=wrong,
             over_time=over,
             per_second=self.per_second,

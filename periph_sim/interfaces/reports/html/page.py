@@ -19,6 +19,7 @@ from markupsafe import Markup
 
 from .... import form
 from ....timing.verdict import Verdict, figure, in_words, instant, limit, percentile
+from ..explain.chain import Chain, Part, largest
 from .distribution import number, plot, scale_of
 from .failure import ALLOWED
 from .gather import BudgetReport, CaseReport
@@ -78,7 +79,7 @@ def _template() -> Template:
     )
     pages.filters |= {"data": _data, "figure": figure, "instant": instant, "limit": limit, "share": _share}
     pages.filters |= {"standing": _standing, "plot": _plot, "time_plot": _time_plot, "instants": _instants}
-    pages.filters |= {"gist": _gist, "allowed": _allowed}
+    pages.filters |= {"gist": _gist, "allowed": _allowed, "parts": _parts}
     pages.globals |= {"style": _joined(STYLES), "script": _joined(SCRIPTS)}
     return pages.get_template("report.html")
 
@@ -143,6 +144,18 @@ def _instants(one: BudgetReport) -> dict[str, object]:
         "count": over.violation_count,
         "waves": ([worst] if one.timeline is not None else []) + [at / rate for at, _ in one.others],
     }
+
+
+def _parts(chain: Chain) -> list[tuple[Part, float, str]]:
+    """Return the largest parts, each with its percentage, and with its excess over the typical occurrence or ""."""
+    more = {(part.doing, part.what): part.length for part in chain.more}
+    rows = []
+    for part in largest(chain.parts):
+        ticks = more.get((part.doing, part.what), 0)
+        excess = f"{'+' * (ticks > 0)}{chain.figure(ticks)}"
+        known = "" if excess.lstrip("+-") == chain.figure(0) else excess
+        rows.append((part, round(100 * part.length / chain.length, 1), known))
+    return rows
 
 
 def _gist(case: CaseReport) -> str:

@@ -226,9 +226,10 @@ def test_the_measured_response_is_as_long_as_its_verdict_says(small: CaseReport,
 
 def test_a_step_of_the_explanation_sets_a_cursor_in_the_timeline(small: CaseReport, opened: Open) -> None:
     shown = Shown(opened(small), within="#c1b1")
-    step = small.budgets[0].explanation.steps[0]
+    chain = small.budgets[0].explanation
+    assert chain is not None
     shown.page.locator("#c1b1 [data-go]").first.click()
-    assert f"({step.at})" in shown.below()
+    assert f"({chain.figure(chain.steps[0].at)})" in shown.below()
 
 
 def test_a_narrow_window_needs_no_sideways_scrolling(small: CaseReport, opened: Open) -> None:

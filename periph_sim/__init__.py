@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 
     from .api import make_case, run
     from .core.kernel import SimulationStuck
-    from .interfaces.reports.baselines.check import check
+    from .interfaces.reports.baselines.check import CaseCheck, check
     from .interfaces.reports.baselines.files import BadCheck
-    from .interfaces.reports.baselines.judge import CaseCheck
     from .interfaces.reports.sweep.sweep import Sweep, sweep
     from .processor.dsp import Dsp
     from .processor.error_origin import FirmwareError
@@ -81,9 +80,8 @@ _HOMES = {
     "records.lint": ("lint",),
     "records.recording": ("BadRecording",),
     "records.run": ("NotInRun", "Run"),
-    "interfaces.reports.baselines.check": ("check",),
+    "interfaces.reports.baselines.check": ("CaseCheck", "check"),
     "interfaces.reports.baselines.files": ("BadCheck",),
-    "interfaces.reports.baselines.judge": ("CaseCheck",),
     "interfaces.reports.sweep.sweep": ("Sweep", "sweep"),
     "scene.case.json_schema": ("case_schema",),
     "scene.case.load": ("load",),

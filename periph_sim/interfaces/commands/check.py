@@ -12,8 +12,8 @@ import msgspec
 
 from ...scene.project import project_of
 from ...traces.formats.atomic_write import atomic_write
+from ..reports.baselines.check import CaseCheck
 from ..reports.baselines.check import check as checked
-from ..reports.baselines.judge import CaseCheck
 from ..reports.baselines.outcome import RejectedCase
 from .command_output import command_line, print_json, progress, running_user_code
 from .input_options import GUARANTEED, JSON, apart

@@ -62,8 +62,8 @@ def trade(
     """
     from ...scene.case.load import load
     from ..reports.trade.rows import chosen, rows_of
-    from ..reports.trade.text_report import as_json as as_dict
-    from ..reports.trade.text_report import text
+    from ..reports.trade.trade import as_json as as_dict
+    from ..reports.trade.trade import text
     from ..reports.trade.trade import trade as trade_of
 
     with running_user_code():

@@ -14,17 +14,89 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from difflib import unified_diff
 from pathlib import Path
-from typing import Protocol, TypeVar, TypeVarTuple
+from typing import Literal, Protocol, TypeVar, TypeVarTuple
 
 from ....scene.case.discover import cases_below
+from ....timing.verdict import Verdict, broken
+from ..explain.chain import Chain
 from ..processes import end_workers, processes
 from .compare import Change, compare, explain, moved_accesses
-from .event_chain import EventLine, Wanted
-from .files import BadCheck, Baseline, Figures, path_for, read, text_of, write_all
-from .judge import CaseCheck, State, judge
-from .outcome import Chains, Outcome, RejectedCase, occurrence, run_case, run_chains, run_explained
+from .event_chain import EventLine
+from .files import BadCheck, Baseline, path_for, read, text_of, write_all
+from .outcome import Outcome, RejectedCase, occurrence, run_case, run_chains, run_explained
+
+State = Literal["equal", "changed", "missing", "written"]
+
+
+@dataclass
+class Finding:
+    """One reason why `check` fails. line: the line in the case file, at least 1."""
+
+    budget: str | None
+    line: int
+    text: str
+
+
+@dataclass
+class CaseCheck:
+    """The result of checking a case.
+
+    state: the state of its baseline.
+    diff: the change that `--update-baseline` makes, as a unified diff.
+    causes: for each budget that broke unexpectedly, the explanation of its worst occurrence.
+    """
+
+    outcome: Outcome
+    baseline: Path
+    state: State
+    changes: list[Change]
+    diff: str = ""
+    causes: dict[str, Chain] = field(default_factory=dict)
+    findings: list[Finding] = field(default_factory=list)
+
+    @property
+    def broken(self) -> list[Verdict]:
+        """Budgets that broke unexpectedly."""
+        outcome = self.outcome
+        return [v for v in outcome.verdicts if v.broken and v.name not in outcome.breaks]
+
+    @property
+    def passed(self) -> bool:
+        return not self.findings
+
+
+def judge(check: CaseCheck) -> list[Finding]:
+    """Return all findings, budgets first."""
+    outcome = check.outcome
+    top = outcome.name_line or 1
+    findings = []
+    for verdict in outcome.verdicts:
+        line = outcome.lines[verdict.name] or top
+        must = verdict.name in outcome.breaks
+        if verdict.broken:
+            if not must:
+                findings.append(Finding(verdict.name, line, f"{verdict.name} breaks: {broken(verdict)}"))
+        elif not verdict.passed:
+            why = verdict.found or f"nothing was measured by {verdict.measure!r}"
+            findings.append(Finding(verdict.name, line, f"{verdict.name} is not judged: {why}"))
+        elif must:
+            line = outcome.breaks_line or line
+            text = f"{verdict.name} holds, but is listed in breaks; remove it there if the bug is fixed"
+            findings.append(Finding(verdict.name, line, text))
+    findings += [Finding(None, top, text) for text in outcome.trouble]
+    if check.state == "missing":
+        text = f"it has no baseline {check.baseline}; write one with --update-baseline"
+        findings.append(Finding(None, top, text))
+    elif check.state == "changed":
+        for change in (change for change in check.changes if not change.note):
+            line = outcome.lines.get(change.budget or "", 0) or top
+            there = change.budget if change.budget in {verdict.name for verdict in outcome.verdicts} else None
+            findings.append(Finding(there, line, str(change)))
+    return findings
+
 
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
@@ -163,30 +235,37 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
     A run ends after the last occurrence whose chain is needed. If the figures and the digest of event times equal those
     of the baseline, nothing can have moved, and the run is skipped.
     """
-    runs: list[Callable[[], Chains] | None] = []
+    runs = []
     for one in checks:
         baseline = before[one.outcome.path]
-        kept = None if baseline is None else one.outcome.figures.chains_of(baseline)
-        if kept is not None:
-            one.outcome.figures = one.outcome.figures.with_chains(kept)
-            runs.append(None)
-            continue
-        known = set(baseline.budgets) & set(one.outcome.figures.budgets) if baseline is not None else set()
-        wanted = _wanted(one.outcome, known)
-        runs.append(start(run_chains, one.outcome.path, one.outcome.changes, wanted) if wanted else None)
+        runs.append(_chains(one.outcome, baseline, set() if baseline is None else set(baseline.budgets), start))
     for one, run in zip(checks, runs, strict=True):
         baseline = before[one.outcome.path]
-        if baseline is not None:
+        if baseline is None:
+            continue
+        if run is not None:
             now = one.outcome.figures.budgets
-            worse = {c.budget for c in one.changes if c.budget is not None and _is_worst(c, now.get(c.budget))}
-            if run is not None:
-                chains = run().of
-                one.outcome.figures = one.outcome.figures.with_chains(_lines(chains))
-                others = {name: chain for name, chain in chains.items() if name not in worse}
-                moved = [] if worse else moved_accesses(baseline, one.outcome.figures, others, tolerance)
-                one.changes[:0] = moved
-                one.state = _state(one.changes)
-            explain(one.changes, baseline, one.outcome.figures, one.outcome.result.first_wrong)
+            worse = {c.budget for c in one.changes if c.budget in now and c.figure == now[c.budget].chain_of}
+            chains = run()
+            one.outcome.figures = one.outcome.figures.with_chains(_lines(chains))
+            others = {name: chain for name, chain in chains.items() if name not in worse}
+            moved = [] if worse else moved_accesses(baseline, one.outcome.figures, others, tolerance)
+            one.changes[:0] = moved
+            one.state = _state(one.changes)
+        explain(one.changes, baseline, one.outcome.figures, one.outcome.result.first_wrong)
+
+
+def _chains(
+    outcome: Outcome, baseline: Baseline | None, names: set[str], start: Start
+) -> Callable[[], dict[str, EventLine]] | None:
+    """Take the chains of an equal baseline, or start a run that finds those of some budgets."""
+    kept = None if baseline is None else outcome.figures.chains_of(baseline)
+    if kept is not None:
+        outcome.figures = outcome.figures.with_chains(kept)
+        return None
+    found = {name: occurrence(figures) for name, figures in outcome.figures.budgets.items() if name in names}
+    wanted = {name: one for name, one in found.items() if one is not None}
+    return start(run_chains, outcome.path, outcome.changes, wanted) if wanted else None
 
 
 def _find_causes(checks: list[CaseCheck], start: Start) -> None:
@@ -200,33 +279,27 @@ def _find_causes(checks: list[CaseCheck], start: Start) -> None:
         one.causes = run() if run is not None else {}
 
 
-def _is_worst(change: Change, figures: Figures | None) -> bool:
-    return figures is not None and change.figure == figures.chain_of
-
-
 def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
     """Write new baselines, once all are complete."""
-    runs = []
-    for outcome in outcomes:
-        baseline = _old(path_for(outcome.path))
-        kept = None if baseline is None else outcome.figures.chains_of(baseline)
-        if kept is not None:
-            outcome.figures = outcome.figures.with_chains(kept)
-        wanted = _wanted(outcome, set(outcome.figures.budgets)) if kept is None else {}
-        runs.append(start(run_chains, outcome.path, outcome.changes, wanted) if wanted else None)
+    olds = [_old(path_for(outcome.path)) for outcome in outcomes]
+    runs = [
+        _chains(outcome, old, set(outcome.figures.budgets), start) for outcome, old in zip(outcomes, olds, strict=True)
+    ]
     checks = []
     texts: dict[Path, str] = {}
-    for outcome, run in zip(outcomes, runs, strict=True):
+    for outcome, old, run in zip(outcomes, olds, runs, strict=True):
         if run is not None:
-            outcome.figures = outcome.figures.with_chains(_lines(run().of))
+            outcome.figures = outcome.figures.with_chains(_lines(run()))
         path = path_for(outcome.path)
         text = text_of(outcome.figures)
-        old = path.read_bytes().decode("utf-8", "replace") if path.is_file() else ""
-        one = CaseCheck(outcome, path, "equal" if text == old else "written", [])
-        if text != old:
+        before = path.read_bytes().decode("utf-8", "replace") if path.is_file() else ""
+        one = CaseCheck(outcome, path, "equal" if text == before else "written", [])
+        if text != before:
             texts[path] = text
-            one.diff = _diff(path, old, text)
-            one.changes = _changes_since(path, outcome)
+            one.diff = _diff(path, before, text)
+            if old is not None:
+                one.changes = compare(old, outcome.figures)
+                explain(one.changes, old, outcome.figures, outcome.result.first_wrong)
         checks.append(one)
     write_all(texts)
     for one in checks:
@@ -242,24 +315,10 @@ def _old(path: Path) -> Baseline | None:
         return None
 
 
-def _changes_since(path: Path, outcome: Outcome) -> list[Change]:
-    baseline = _old(path)
-    if baseline is None:
-        return []
-    changes = compare(baseline, outcome.figures)
-    explain(changes, baseline, outcome.figures, outcome.result.first_wrong)
-    return changes
-
-
 def _diff(path: Path, old: str, new: str) -> str:
     name = path.as_posix()
     lines = unified_diff(old.splitlines(), new.splitlines(), name if old else "nothing", name, lineterm="", n=1)
     return "\n".join(lines)
-
-
-def _wanted(outcome: Outcome, names: set[str]) -> dict[str, Wanted]:
-    found = {name: occurrence(figures) for name, figures in outcome.figures.budgets.items() if name in names}
-    return {name: one for name, one in found.items() if one is not None}
 
 
 def _lines(chains: dict[str, EventLine]) -> dict[str, list[str]]:

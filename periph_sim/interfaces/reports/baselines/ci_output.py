@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from xml.etree import ElementTree as xml
 
 from ..explain.chain import Chain, relative, text
+from .check import CaseCheck
 from .files import Baseline
-from .judge import CaseCheck
 from .outcome import RejectedCase
 
 

@@ -5,7 +5,7 @@ It needs no terminal, command line or table: worker processes run this.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from ....core.kernel import SimulationStuck
@@ -76,14 +76,6 @@ class RejectedCase:
     outside: bool = False
 
 
-@dataclass
-class Chains:
-    """The chain of each budget's worst occurrence."""
-
-    path: Path
-    of: dict[str, EventLine] = field(default_factory=dict)
-
-
 def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = False) -> Outcome | RejectedCase:
     """Run a case for its own duration."""
     try:
@@ -95,10 +87,10 @@ def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = Fals
         return RejectedCase(path, str(error))
 
 
-def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> Chains:
+def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> dict[str, EventLine]:
     """Run a case again until the last wanted occurrence, and return the chains of these budgets."""
     try:
-        return Chains(path, chains(load(path, list(changes)), wanted))
+        return chains(load(path, list(changes)), wanted)
     except REFUSED as error:  # the case ran before, so its file or firmware has been changed meanwhile
         raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
 

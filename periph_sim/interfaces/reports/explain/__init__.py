@@ -6,9 +6,7 @@ window      one more run, recorded: all records around that instant        (`win
   |
 evidence    the same by subject: phases on the bus, accesses, flags, CPU activity   (`Evidence`)
   |
-ends        the records at the two ends, found by what the measure looks at         (`Ends`)
-  |
-findings    what the records around an instant show
+findings    the records at the two ends, found by what the measure looks at (`Ends`); what those around an instant show
   |
 explain     the steps, with the causes of both ends, and the parts: the time from end to end by place: bus, party that
             holds SCL, hardware, firmware

@@ -8,7 +8,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from fractions import Fraction
 from itertools import pairwise
 from math import inf, isinf, sqrt
@@ -16,12 +16,13 @@ from statistics import quantiles
 from time import process_time
 
 from ....core.kernel import SimulationStuck
+from ....core.text_table import paragraph, text_table
 from ....f28335.memory.memory_map import NoSuchAddress
 from ....processor.error_origin import FirmwareError
 from ....processor.user_code import output_muted
 from ....scene.case.model import BadCase, Case
 from ....timing.verdict import duration_text
-from .observe import Errors, Observed, built, compare, observe
+from .observe import Error, Errors, Observed, built, compare, observe
 from .rows import AS_GIVEN, Make, Row
 
 FEWEST, MOST = 5, 15  # minimum and maximum number of runs of each row
@@ -228,3 +229,83 @@ def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str
     share = best.cost.cpu_s / reference.cost.cpu_s
     share_text = f"it takes {share:.0%} of the CPU time of {reference.row.name}"
     return best, f"its budgets agree with the most accurate row, and {share_text}; {errors}"
+
+
+TITLES = ("row", "budgets agree", "time error", "value error", "CPU s/s", "spread")
+
+
+def text(found: Trade) -> str:
+    """Return the header, the table, notes, and the recommended row."""
+    return "\n".join(_lines(found))
+
+
+def _lines(found: Trade) -> Iterator[str]:
+    reference = found.outcomes[0]
+    ran, half = duration_text(found.ran_s), duration_text(found.ran_s / 2)
+    settled = f"{', '.join(found.changed)} changed since {half}" if found.changed else f"{half} gives the same errors"
+    start, timed = duration_text(found.start_s), duration_text(found.timed_s)
+    yield from paragraph(
+        f"{found.case}: {ran}, n-th occurrence and value against n-th of {reference.row.name}; {settled}"
+    )
+    yield from paragraph(f"CPU time: {reference.cost.runs} runs of {timed} after the first {start}")
+    yield ""
+    yield from text_table(
+        TITLES, [_table_row(outcome, outcome is reference) for outcome in found.outcomes], range(1, 6)
+    )
+    for outcome in found.outcomes:
+        if outcome.errors.differ:
+            yield from paragraph(f"{outcome.row.name} judges differently: {', '.join(outcome.errors.differ)}")
+    worst = [
+        f"{outcome.row.name} in {outcome.errors.time.place}"
+        for outcome in found.outcomes
+        if outcome.errors.time.amount and not outcome.row.record
+    ]
+    if worst:
+        yield from paragraph(f"largest errors of times: {'; '.join(worst)}")
+    for name, why in found.refused.items():
+        yield from paragraph(f"{name} is refused: {why}")
+    in_order = sorted(found.outcomes, key=lambda outcome: outcome.cost.cpu_s)
+    same = [f"{one.row.name} and {two.row.name}" for one, two in pairwise(in_order) if not one.cost.is_below(two.cost)]
+    if same:
+        yield from paragraph(f"same cost within their spread: {', '.join(same)}")
+    yield from paragraph(f"recommended: {found.best.row.name}: {found.why}")
+
+
+def _table_row(outcome: Outcome, is_reference: bool) -> tuple[str, ...]:
+    cost = outcome.cost
+    agree, time, value = outcome.errors.cells
+    cells = (agree, "reference", "reference") if is_reference else (agree, time, value)
+    return (outcome.row.name, *cells, f"{cost.cpu_s:.3g}", f"{cost.spread_s / cost.cpu_s:.1%}")
+
+
+def as_json(found: Trade) -> dict[str, object]:
+    """Return the whole trade. Infinite errors are the text "infinite"."""
+    return {
+        "case": found.case,
+        "ran_s": found.ran_s,
+        "changed_in_second_half": list(found.changed),
+        "start_s": found.start_s,
+        "timed_s": found.timed_s,
+        "rows": [_outcome_as_json(outcome) for outcome in found.outcomes],
+        "refused": found.refused,
+        "recommended": found.best.row.name,
+        "why": found.why,
+    }
+
+
+def _outcome_as_json(outcome: Outcome) -> dict[str, object]:
+    errors = outcome.errors
+    return {
+        "name": outcome.row.name,
+        "changes": list(outcome.row.changes),
+        "record": outcome.row.record,
+        "budgets": errors.judged,
+        "differ": list(errors.differ),
+        "time_error": _error_as_json(errors.time),
+        "value_error": _error_as_json(errors.value),
+        "cost": asdict(outcome.cost),
+    }
+
+
+def _error_as_json(error: Error) -> dict[str, object]:
+    return asdict(error) | ({"amount": "infinite"} if isinf(error.amount) else {})

@@ -11,11 +11,10 @@ from typing import Any
 
 import pytest
 
-from periph_sim.interfaces.reports.baselines.check import case_files, check
+from periph_sim.interfaces.reports.baselines.check import CaseCheck, case_files, check, judge
 from periph_sim.interfaces.reports.baselines.compare import compare
 from periph_sim.interfaces.reports.baselines.files import BadCheck, Baseline, path_for, read, text_of
-from periph_sim.interfaces.reports.baselines.judge import CaseCheck, lacking
-from periph_sim.interfaces.reports.baselines.outcome import Chains, RejectedCase, run_case, run_chains
+from periph_sim.interfaces.reports.baselines.outcome import RejectedCase, run_case, run_chains
 from tests.interfaces.reports.baselines.desk import change, put
 
 
@@ -72,7 +71,7 @@ def test_a_second_run_is_made_only_where_something_moved(cases: Path, monkeypatc
     """The case is run a second time for its chains: not if figures and the times of all events are the baseline's."""
     second: list[Path] = []
 
-    def run(path: Path, *rest: Any) -> Chains:
+    def run(path: Path, *rest: Any) -> Any:
         second.append(path)
         return run_chains(path, *rest)
 
@@ -254,8 +253,9 @@ def test_a_budget_that_must_break_and_measures_nothing_is_not_judged(cases: Path
     assert (one.outcome.broken, one.outcome.not_passed, one.passed) == ([], ["model"], False)
     (verdict,) = (verdict for verdict in one.outcome.verdicts if not verdict.passed)
     assert verdict.found and texts(one)[0] == f"model is not judged: {verdict.found}"
-    assert lacking(replace(verdict, found="")) == "nothing was measured by 'span:modle'"
     assert "model worst 37500 cycles -> nothing measured" in texts(one)
+    one.outcome.result.budgets = [replace(verdict, found="")]
+    assert judge(one)[0].text == "model is not judged: nothing was measured by 'span:modle'"
 
 
 def test_firmware_that_waits_for_ever_fails_though_no_budget_breaks(cases: Path):

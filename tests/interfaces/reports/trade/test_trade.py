@@ -13,8 +13,7 @@ import pytest
 from periph_sim.interfaces.reports.trade import trade as module
 from periph_sim.interfaces.reports.trade.observe import Error, Errors, Observed
 from periph_sim.interfaces.reports.trade.rows import AS_GIVEN, Row, rows_of
-from periph_sim.interfaces.reports.trade.text_report import as_json, text
-from periph_sim.interfaces.reports.trade.trade import Cost, Outcome, Trade, trade
+from periph_sim.interfaces.reports.trade.trade import Cost, Outcome, Trade, as_json, text, trade
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
 

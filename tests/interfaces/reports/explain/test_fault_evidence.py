@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from periph_sim.interfaces.reports.explain.ends import Ends
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_i2c
-from periph_sim.interfaces.reports.explain.ends import Ends
 from periph_sim.interfaces.reports.explain.evidence import Evidence, RecordedPhase
 from periph_sim.interfaces.reports.explain.explain import Explained, explain
 from periph_sim.interfaces.reports.explain.fault_evidence import answering, bytes_sent

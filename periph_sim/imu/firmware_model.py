@@ -39,9 +39,9 @@ class ImuFirmware:
         """Return the model of the chips' bytes; None if no setting says its arithmetic."""
         if self._arithmetic is None:
             return None
-        from .model_codes import Computed, ModelCodes
+        from .model_codes import ModelCodes
 
-        return ModelCodes(Computed(self.parameters, self._arithmetic, self._noise_seed))
+        return ModelCodes(self.parameters, self._arithmetic, self._noise_seed)
 
     def truth(self, motion: Motion, first: Fraction) -> MotionTruth:
         """Return the true values. first: seconds of the motion's time at which frame 0 is due."""

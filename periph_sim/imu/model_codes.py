@@ -12,8 +12,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, final
 
-from msgspec import Struct
-
 from ..devices.chip_model import ChipModel, Shown
 from ..devices.sensor_rounds import register_bytes
 from .host_frame import ACCELERATION, ANGLE
@@ -21,32 +19,24 @@ from .models.imu import Imu, State
 from .models.parameters import ImuParameters
 from .numeric.arithmetic import Arithmetic
 from .sensors import SENSORS
-from .shared_models import ModelNoise, model_of
+from .shared_models import model_noise, model_of
 
 BY_ADDRESS = {chip.address: (name, chip) for name, chip in SENSORS.items()}
 
 
-class Computed(Struct, frozen=True):
-    """The sensors that firmware computes. noise_seed: seed of noise, sample n for run n; None for no noise."""
-
-    parameters: ImuParameters
-    arithmetic: str
-    noise_seed: int | None = None
-
-
 @final
 class ModelCodes(ChipModel):
-    """The models as a `ChipModel`."""
+    """The models as a `ChipModel`. noise_seed: seed of noise, sample n for run n; None for no noise."""
 
     _model: Imu[Any]
     _a: Arithmetic[Any]
-    _noise: ModelNoise
+    _noise: Callable[[int], Any]
 
-    def __init__(self, computed: Computed) -> None:
-        self._model = model_of(computed.arithmetic, computed.parameters)
+    def __init__(self, parameters: ImuParameters, arithmetic: str, noise_seed: int | None = None) -> None:
+        self._model = model_of(arithmetic, parameters)
         self._a = self._model.a
         self._warns = self._a.name == "float32"  # numpy warns of divisions by zero, whose results float32 defines
-        self._noise = ModelNoise(computed.arithmetic, computed.parameters, computed.noise_seed)
+        self._noise = model_noise(arithmetic, parameters, noise_seed)
         self.addresses = frozenset(BY_ADDRESS)
         self.no_frame = (0,) * 6
         self.at_rest = Shown(None, self._model.at_rest, ())
@@ -60,7 +50,7 @@ class ModelCodes(ChipModel):
         roll, pitch, yaw, x, y, z = values
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
-        noise = self._noise.at(number)
+        noise = self._noise(number)
         model.check(attitude, pushed, noise)
         attitude_before = attitude if last is model.at_rest else last.attitude
         turned, body = self._quietly(model.motion, (attitude, attitude_before))

@@ -1,7 +1,7 @@
 """Sensor noise by sample number: float64 noise from a seed, a stream's name and the numbers.
 
     (seed, "gyroscope/x/white") --> Gaussian --> value n, independent of earlier calls
-    NoiseTerms of three axes    --> SensorNoise --> white + bias instability + random walk
+    NoiseTerms of an axis       --> AxisNoise --> white + bias instability + random walk
 
 Value n of a stream is a function of (seed, name, n) alone: a run may be split, resumed or read sample by
 sample, and gives the same bits. Blocks of `BLOCK` values each begin at their own counter of numpy's Philox,
@@ -196,38 +196,6 @@ class AxisNoise:
     def _walk_before(self, first: int) -> tuple[int, float]:
         """Return where to continue: the last number computed, or the start if that is after `first`."""
         return self._walked if self._walked[0] <= first else (0, 0.0)
-
-
-class SensorNoise:
-    """The noise of a sensor's three axes. sensor: its name, which distinguishes its streams."""
-
-    def __init__(self, terms: Sequence[NoiseTerms], period: float, seed: int, sensor: str) -> None:
-        self._axes = [AxisNoise(axis, period, seed, f"{sensor}/{name}") for name, axis in zip(AXES, terms, strict=True)]
-
-    def values(self, first: int, count: int) -> Floats:
-        """Return samples `first` up to `first + count - 1`, shape (count, 3), in the sensor's unit."""
-        import numpy as np
-
-        return np.stack([axis.values(first, count) for axis in self._axes], axis=1)
-
-    def at(self, number: int) -> tuple[float, float, float]:
-        """Return one sample of the three axes; the same bits as in `values`."""
-        x: AxisNoise
-        y: AxisNoise
-        z: AxisNoise
-        x, y, z = self._axes
-        return x.at(number), y.at(number), z.at(number)
-
-    def near(self, number: int) -> list[tuple[float, float]] | None:
-        """Return one sample of the three axes with maximum errors, without numpy; None if that needs numpy."""
-        found = []
-        axis: AxisNoise
-        for axis in self._axes:
-            value = axis.near(number)
-            if value is None:
-                return None
-            found.append(value)
-        return found
 
 
 def _phase(octave: Gaussian, k: int) -> int:

@@ -1,7 +1,7 @@
 """Sensor models shared by several users: each sample is computed once.
 
     arithmetic, parameters -------> model_of ---> Imu: shared by the firmware and the check of its output
-    arithmetic, parameters, seed -> ModelNoise -> sample n of the noise, in the model's numbers
+    arithmetic, parameters, seed -> model_noise -> sample n of the noise, in the model's numbers
 
 A model is stateless, so its results are a function of its inputs. They are cached if numbers are integers, as in Q:
 of floats, 0.0 equals -0.0 but is another number.
@@ -9,7 +9,7 @@ of floats, 0.0 equals -0.0 but is another number.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache, partial
 from typing import Any, TypeVar
 
@@ -72,54 +72,32 @@ def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
     return RememberingImu(a, parameters) if isinstance(a, Q) else Imu(a, parameters)
 
 
-Slots = list[tuple[int, Noise[Any]] | None]
-
-
 @lru_cache(maxsize=16)
-def _slots(arithmetic: str, parameters: ImuParameters, seed: int) -> Slots:
-    """Return the cache: samples with their numbers, each in the slot of its number."""
-    return [None] * REMEMBERED
+def model_noise(arithmetic: str, parameters: ImuParameters, seed: int | None) -> Callable[[int], Noise[Any]]:
+    """Return the noise of a model's samples by their number from 0, in the model's numbers. seed: None for none."""
+    model = model_of(arithmetic, parameters)
+    if seed is None:
+        return lambda number: model.silence
+    noise, a = ImuNoise(parameters, seed), model.a
+    nearest = a.nearest if isinstance(a, Q) else a.constant
+
+    def sample(number: int) -> Noise[Any]:
+        rounded = _rounded(a, noise.near(number)) if isinstance(a, Q) else None
+        return rounded or Noise(*((nearest(x), nearest(y), nearest(z)) for x, y, z in noise.at(number)))
+
+    return lru_cache(REMEMBERED)(sample)
 
 
-class ModelNoise:
-    """The noise of a model's samples. seed: None for none."""
-
-    def __init__(self, arithmetic: str, parameters: ImuParameters, seed: int | None) -> None:
-        model = model_of(arithmetic, parameters)
-        self._rounds = isinstance(model.a, Q)
-        self._nearest = model.a.nearest if isinstance(model.a, Q) else model.a.constant
-        self._silence = model.silence
-        self._parameters, self._seed = parameters, seed
-        self._noise: ImuNoise | None = None  # built for the first sample that is not cached
-        self._slots: Slots = [] if seed is None else _slots(arithmetic, parameters, seed)
-
-    def at(self, number: int) -> Noise[Any]:
-        """Return the noise of sample `number`, from 0."""
-        if self._seed is None:
-            return self._silence
-        slot = number % REMEMBERED
-        known = self._slots[slot]
-        if known is None or known[0] != number:
-            if self._noise is None:
-                self._noise = ImuNoise(self._parameters, self._seed)
-            made = self._rounded(number, self._noise) if self._rounds else None
-            if made is None:
-                nearest = self._nearest
-                g, a, m = self._noise.at(number)
-                made = Noise(
-                    (nearest(g[0]), nearest(g[1]), nearest(g[2])),
-                    (nearest(a[0]), nearest(a[1]), nearest(a[2])),
-                    (nearest(m[0]), nearest(m[1]), nearest(m[2])),
-                )
-            known = self._slots[slot] = number, made
-        return known[1]
-
-    def _rounded(self, number: int, noise: ImuNoise) -> Noise[Any] | None:
-        """Return the sample without numpy, if no error of its values changes their rounding; else None."""
-        near = noise.near(number)
-        if near is None:
+def _rounded(a: Q, near: Iterable[tuple[float, float] | None]) -> Noise[int] | None:
+    """Return a sample without numpy, if no error of its values changes their rounding; else None."""
+    numbers = []
+    for value in near:
+        if value is None:
             return None
-        chips = [[(self._nearest(x - off), self._nearest(x + off)) for x, off in axes] for axes in near]
-        if any(least != most for axes in chips for least, most in axes):
+        middle, off = value
+        least = a.nearest(middle - off)
+        if least != a.nearest(middle + off):
             return None
-        return Noise(*((x, y, z) for (x, _), (y, _), (z, _) in chips))
+        numbers.append(least)
+    p, q, r, x, y, z, north, east, down = numbers
+    return Noise((p, q, r), (x, y, z), (north, east, down))

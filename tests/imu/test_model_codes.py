@@ -8,12 +8,12 @@ from fractions import Fraction
 import pytest
 
 from periph_sim.devices.sensor_rounds import register_bytes
-from periph_sim.imu.model_codes import Computed, ModelCodes
+from periph_sim.imu.model_codes import ModelCodes
 from periph_sim.imu.models.imu import Codes, Imu
 from periph_sim.imu.models.parameters import ImuParameters, MagnetometerParameters
 from periph_sim.imu.numeric import arithmetic_names as named
 from periph_sim.imu.sensors import SENSORS as CHIPS
-from periph_sim.imu.shared_models import ModelNoise
+from periph_sim.imu.shared_models import model_noise
 
 IMU = ImuParameters()
 FRAMES = [(0, 0, 0, 0, 0, 0), (3000, -2000, 900, 120, -340, 560), (3100, -1700, 1000, 100, -300, 500)]
@@ -33,8 +33,8 @@ def bytes_of(codes: Codes) -> dict[int, bytes]:
 @pytest.mark.parametrize("arithmetic", ["float64", "float32", "q12"])
 def test_each_run_shows_what_a_step_of_the_models_gives(arithmetic: str, noise_seed: int | None):
     """Angles come in 1e-4 rad, accelerations in 1e-3 g; the first frame has no rates."""
-    codes, imu = ModelCodes(Computed(IMU, arithmetic, noise_seed)), Imu(named.scalar(arithmetic), IMU)
-    noise = ModelNoise(arithmetic, IMU, noise_seed)
+    codes, imu = ModelCodes(IMU, arithmetic, noise_seed), Imu(named.scalar(arithmetic), IMU)
+    noise = model_noise(arithmetic, IMU, noise_seed)
     assert {address: codes.at_rest.data(address) for address in (0x68, 0x53, 0x1E)} == dict.fromkeys(
         (0x68, 0x53, 0x1E), bytes(6)
     )
@@ -44,13 +44,13 @@ def test_each_run_shows_what_a_step_of_the_models_gives(arithmetic: str, noise_s
         angles = tuple(imu.a.scaled(value, Fraction(1, 10_000)) for value in values[:3])
         pushed = tuple(imu.a.scaled(value, Fraction(1, 1000)) for value in values[3:])
         before = imu.at_rest._replace(attitude=angles) if state is None else state
-        expected, state = imu.step(angles, pushed, noise.at(number), before)
+        expected, state = imu.step(angles, pushed, noise(number), before)
         assert {address: shown.data(address) for address in (0x68, 0x53, 0x1E)} == bytes_of(expected)
     assert set(bytes_of(expected).values()) != {bytes(6)}
 
 
 def test_the_bytes_of_a_chip_are_worked_out_once():
-    codes = ModelCodes(Computed(IMU, "float64"))
+    codes = ModelCodes(IMU, "float64")
     shown = codes.run(0, FRAMES[1], codes.at_rest)
     assert shown.data(0x53) is shown.data(0x53) != bytes(6)
 
@@ -60,7 +60,7 @@ def test_float32_computes_without_warnings():
     down = ImuParameters(magnetometer=MagnetometerParameters(earth_field=(0, 0, 0.5), hard_iron=(0, 0, 0)))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        codes = ModelCodes(Computed(down, "float32"))
+        codes = ModelCodes(down, "float32")
         shown = codes.run(0, (0, 0, 0, 0, 0, 0), codes.at_rest).data(0x1E)
     assert shown in {(-2048).to_bytes(2, "big", signed=True) * 3, (2047).to_bytes(2, "big") * 3}
 

@@ -10,8 +10,11 @@ import pytest
 import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
-from periph_sim.imu.noise import BLOCK, AxisNoise, BadNoise, Gaussian, NoiseTerms, SensorNoise
+from periph_sim.imu.imu_noise import ImuNoise
+from periph_sim.imu.models.parameters import ImuParameters
+from periph_sim.imu.noise import BLOCK, AxisNoise, BadNoise, Gaussian, NoiseTerms
 
 ALL = NoiseTerms(density=1.6e-5, bias_instability=2e-3, random_walk=5e-3)
 PERIOD = 0.02
@@ -127,12 +130,13 @@ def test_random_walk_rises_as_k_squared_tau_over_three():
     assert np.mean(found, axis=0) / (0.25 * taus / 3) == pytest.approx(np.ones(5), abs=0.1)
 
 
-def test_a_sensor_has_three_streams():
-    noise = SensorNoise([ALL, ALL, NoiseTerms(0.0)], PERIOD, 5, "magnetometer")
-    values = noise.values(10, 4)
-    assert values.shape == (4, 3)
-    assert [tuple(row) for row in values] == [noise.at(n) for n in range(10, 14)]
-    assert not values[:, 2].any() and (values[:, 0] != values[:, 1]).all()
+def test_an_imu_has_nine_streams():
+    sensor = replace(ImuParameters().magnetometer, noise_density=(1.0, 1.0, 0.0))
+    noise = ImuNoise(replace(ImuParameters(), magnetometer=sensor), 5)
+    values = np.array(noise.values(10, 4))
+    assert values.shape == (3, 3, 4)
+    assert values.transpose(2, 0, 1).tolist() == [np.array(noise.at(n)).tolist() for n in range(10, 14)]
+    assert not values[2, 2].any() and (values[2, 0] != values[2, 1]).all()
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from periph_sim.imu.imu_noise import ImuNoise
 from periph_sim.imu.models.imu import Imu, Noise
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.numeric import arithmetic_names as named
-from periph_sim.imu.shared_models import REMEMBERED, ModelNoise, model_of
+from periph_sim.imu.shared_models import REMEMBERED, model_noise, model_of
 from tests.profiles import examples
 
 PARAMETERS = ImuParameters()
@@ -51,10 +51,10 @@ def test_of_floats_nothing_is_remembered_since_zeros_of_two_signs_are_equal():
 @settings(max_examples=examples(20), deadline=None)
 def test_noise_is_that_of_its_number_whoever_asks_and_in_whatever_order(asked: list[int], data: st.DataObject):
     arithmetic = data.draw(st.sampled_from(["q16", "float64"]))
-    holders = [ModelNoise(arithmetic, PARAMETERS, 7), ModelNoise(arithmetic, PARAMETERS, 7)]
+    holders = [model_noise(arithmetic, PARAMETERS, 7), model_noise(arithmetic, PARAMETERS, 7)]
     constant = named.scalar(arithmetic).constant
     for number in asked:
         alone = ImuNoise(PARAMETERS, 7).at(number)
         expected = Noise(*(tuple(constant(x) for x in axes) for axes in alone))
-        assert holders[data.draw(st.integers(0, 1))].at(number) == expected
-    assert ModelNoise(arithmetic, PARAMETERS, None).at(3) == model_of(arithmetic, PARAMETERS).silence
+        assert holders[data.draw(st.integers(0, 1))](number) == expected
+    assert model_noise(arithmetic, PARAMETERS, None)(3) == model_of(arithmetic, PARAMETERS).silence

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 from math import hypot, sqrt
 from typing import Any, NamedTuple
 
-import numpy as np
 from msgspec.structs import replace
-from numpy.typing import NDArray
 
 from ...core.text_table import text_table
 from ..models.parameters import NONE, ImuParameters
 from ..noise import AXES
-from .rest import SENSORS, UNITS, Expected, expected_at_rest, variances_before_rounding
+from .rest import SENSORS, UNITS, Expected, Floats, expected_at_rest, variances_before_rounding
 
 Three = tuple[float, float, float]  # x, y, z
 
@@ -47,28 +45,6 @@ EMULATOR = {
     "magnetometer": Row((0.3231, -0.0447, 0.0056), (0.0164, 0.0187, 0.0097), (0.0000, 0.0000, 0.0000)),
 }
 
-
-class Memory(NamedTuple):
-    """One row of Table 5.2: 16-bit words, and the printed share of RAM and flash in percent."""
-
-    words: int
-    ram: float
-    flash: float
-
-
-# Table 5.2: memory of the generated code. Its total is the row TOTAL.
-MEMORY = {
-    "Model_IMU": Memory(6396, 18.81, 2.50),
-    "Model_IMU_main": Memory(130, 0.38, 0.05),
-    "csl": Memory(183, 0.54, 0.07),
-    "board": Memory(119, 0.35, 0.05),
-    "i2c": Memory(36, 0.11, 0.01),
-    "other routines": Memory(3839, 11.29, 1.50),
-}
-TOTAL = Memory(10703, 31.48, 4.18)
-
-
-Floats = NDArray[np.float64]
 
 PRINTED = 1e-4 / sqrt(12)  # standard error of a number printed with four decimals
 

@@ -162,7 +162,7 @@ def _arithmetic(report: Report, name: str) -> dict[str, object]:
         "guessed": cost.guessed,
         "cycles": [cost.low, cost.high],
         "parts": {part: list(cost.part(part)) for part in dict.fromkeys(line.part for line in cost.lines)},
-        "operations": {kind: line.count for kind, line in cost.kinds().items()},
+        "operations": dict(cost.counts()),
         "not_explained_cycles": list(cost.left_of()),
         "error_lsb": {sensor: 0.0 if error is None else error.error[sensor] for sensor in SENSORS},
         "error_at": {} if error is None else {sensor: error.at[sensor].tolist() for sensor in SENSORS},

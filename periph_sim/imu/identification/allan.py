@@ -70,7 +70,6 @@ def lsb_of(values: Floats) -> float | None:
 
 
 AT_ONCE = 1 << 16  # differences formed at once: they fit into the cache
-MOST_DIFFERENCES = 2_000_000_000  # for all averaging times together: some ten seconds
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,18 +90,6 @@ class Allan:
 def octaves(length: int) -> list[int]:
     """Return 1, 2, 4 ... up to half the length."""
     return [1 << k for k in range((length // 2).bit_length())]
-
-
-def everyone(length: int) -> list[int]:
-    """Return every count up to half the length. BadSeries if that takes too long."""
-    cost = length * length // 4
-    if cost > MOST_DIFFERENCES:
-        most = int(2 * MOST_DIFFERENCES**0.5)
-        raise BadSeries(
-            f"all averaging times of {length} samples take {cost:.2g} differences; expected {most} samples or fewer, "
-            "or octaves"
-        )
-    return list(range(1, length // 2 + 1))
 
 
 def allan(samples: Floats, period: float, counts: Sequence[int] | None = None) -> Allan:

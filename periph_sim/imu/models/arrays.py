@@ -13,7 +13,7 @@ from ..numeric.arithmetic import Arithmetic, Triple
 from ..numeric.float64_arrays import Float64Arrays, Floats
 from ..numeric.q import Q
 from . import parameters
-from .imu import INPUTS, Codes, Imu, Noise, check_arrays, check_before, inputs_of
+from .imu import INPUTS, Codes, Imu, Noise, check_arrays, inputs_of
 
 PIECE = 8192  # samples: the working set fits the second-level cache
 
@@ -26,17 +26,16 @@ def codes_of(
     acceleration: Triple[Floats],
     noise: Noise[Floats] | None = None,
     *,
-    before: tuple[float, float, float] | None = None,
     arithmetic: Arithmetic[Floats] | None = None,
     piece: int = PIECE,
 ) -> Codes[Int16s]:
     """Return nine arrays int16[n] of LSB.
 
     attitude: roll, pitch, yaw, float64[n] in rad; acceleration: x, y, z, linear, float64[n] in g; noise: nine
-    float64[n] in deg/s, g and gauss, or none. before: the attitude one period before the first; by default that of the
-    first sample (a Simulink block begins with 0, 0, 0). arithmetic: by default Float64Arrays; for Float32 all arrays
-    are float32, for QArrays integers in its format. ValueError if the arrays differ in length or their type is not the
-    arithmetic's; NotFinite, naming axis and sample, for a NaN or an infinity.
+    float64[n] in deg/s, g and gauss, or none. The first sample has no attitude before it, so its rates are zero.
+    arithmetic: by default Float64Arrays; for Float32 all arrays are float32, for QArrays integers in its format.
+    ValueError if the arrays differ in length or their type is not the arithmetic's; NotFinite, naming axis and sample,
+    for a NaN or an infinity.
     """
     length = len(attitude[0])
     model = Imu(arithmetic or Float64Arrays(), imu)
@@ -47,9 +46,6 @@ def codes_of(
     _check_types(model.a, given)
     out = np.empty((9, length), dtype=np.int16)
     last = tuple(angle[:1] for angle in attitude)
-    if before is not None:
-        check_before(before)
-        last = tuple(np.atleast_1d(model.a.constant(angle)) for angle in before)
     x, y, z = model.at_rest.body
     body_last = np.atleast_1d(x), np.atleast_1d(y), np.atleast_1d(z)
     with np.errstate(all="ignore"):  # the arithmetic defines the results of x/0 and overflow

@@ -53,13 +53,6 @@ def check_sample(attitude: Any, acceleration: Any, noise: Noise[Any]) -> None:
         raise NotFinite(INPUTS[axis], float(values[axis]))
 
 
-def check_before(attitude: tuple[float, float, float]) -> None:
-    """Check the attitude one period before the first sample. NotFinite names the axis."""
-    for axis, value in zip(ATTITUDE, attitude, strict=True):
-        if not isfinite(value):
-            raise NotFinite(f"{axis} before the first sample", value)
-
-
 def check_arrays(arrays: tuple[Any, ...]) -> None:
     """Check arrays in the order of INPUTS. NotFinite names the axis and the index of the first such sample."""
     import numpy as np

@@ -41,7 +41,7 @@ class Motion(Protocol):
     @property
     def truth(self) -> Motion:
         """The body's true motion, if its reported attitude is coarser; else the same motion."""
-        ...
+        return self
 
     def attitude(self, times: Floats) -> Floats:
         """Return phi, theta, psi in rad."""

@@ -12,7 +12,7 @@ from math import inf, pi, sin
 from typing import TYPE_CHECKING, Literal
 
 from ...core.table import Table
-from . import VALUES, BadMotion
+from . import VALUES, BadMotion, Motion
 from .quantities import LEVEL, Acceleration, Angle, Hertz, Pose, row
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class Settings:
     mean: Pose = LEVEL
 
 
-class Sines:
+class Sines(Motion):
     """Sums of waves about a mean."""
 
     ends = inf
@@ -55,10 +55,6 @@ class Sines:
         self._mean = row(settings.mean)
         self._angles = settings.angles
         self._accelerations = settings.accelerations
-
-    @property
-    def truth(self) -> Sines:
-        return self
 
     def at(self, seconds: float) -> tuple[float, ...]:
         """Return the six values at a time, rad and g, without numpy."""

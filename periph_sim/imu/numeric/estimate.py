@@ -13,6 +13,7 @@ of a library may be in the boot ROM, which has one: its cost is listed separatel
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Literal
@@ -230,32 +231,24 @@ class Estimate(Struct, frozen=True):
         """True if a figure is a guess."""
         return any(self.library.costs[line.kind].guessed for line in self.lines)
 
-    def seconds(self, sysclk: int = SYSCLK) -> Fraction:
-        return self.middle / sysclk
+    def seconds(self) -> Fraction:
+        return self.middle / SYSCLK
 
     def part(self, name: str) -> tuple[int, int]:
         """Return the cycles of one part, low and high, with its operands."""
         own = [line for line in self.lines if line.part == name]
         return sum(line.low + line.operands for line in own), sum(line.high + line.operands for line in own)
 
-    def kinds(self) -> dict[str, Line]:
-        """Return one line for each kind, over all parts."""
-        found: dict[str, Line] = {}
+    def counts(self) -> Counter[str]:
+        """Return the number of operations of each kind, over all parts."""
+        found: Counter[str] = Counter()
         for line in self.lines:
-            so_far = found.get(line.kind, Line("", line.kind, 0, 0, 0, 0))
-            found[line.kind] = Line(
-                "",
-                line.kind,
-                so_far.count + line.count,
-                so_far.low + line.low,
-                so_far.high + line.high,
-                so_far.operands + line.operands,
-            )
+            found[line.kind] += line.count
         return found
 
-    def left_of(self, measured: Fraction = MEASURED, sysclk: int = SYSCLK) -> tuple[int, int]:
+    def left_of(self, measured: Fraction = MEASURED) -> tuple[int, int]:
         """Return the cycles of a measured time that the estimate does not explain, least and most."""
-        cycles = round(measured * sysclk)
+        cycles = round(measured * SYSCLK)
         return cycles - self.high, cycles - self.low
 
 

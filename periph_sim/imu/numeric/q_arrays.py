@@ -15,7 +15,6 @@ from .q import (
     HIGH,
     LOW,
     SINE,
-    DoesNotFit,
     Overflow,
     Product,
     Q,
@@ -68,16 +67,6 @@ class QArrays:
 
     def constant(self, value: float) -> Ints:
         return np.asarray(self._one_number.constant(value), dtype=np.int64)
-
-    def taken(self, values: Floats) -> Ints:
-        """Return the raw numbers nearest to values; those that do not fit are saturated, like an analogue input.
-
-        DoesNotFit, with the index, for a NaN.
-        """
-        unknown = np.isnan(values)
-        if unknown.any():
-            raise DoesNotFit(f"nan at sample {int(np.argmax(unknown))} is no number; Q{self.bits} has none for it")
-        return np.clip(np.floor(values * (1 << self.bits) + 0.5), LOW, HIGH).astype(np.int64)
 
     def value(self, x: Ints) -> Floats:
         return x / float(1 << self.bits)

@@ -54,12 +54,10 @@ def test_the_length_of_pieces_does_not_show(piece: int) -> None:
     assert np.array_equal(np.array(whole), np.array(cut))
 
 
-def test_a_block_that_begins_at_zero_shows_a_step() -> None:
-    """As Simulink's discrete derivative does, whose input before the first is 0."""
-    turned = (np.full(3, 0.1), np.zeros(3), np.zeros(3))
-    first = codes_of(ImuParameters(), turned, (np.zeros(3),) * 3, before=(0.0, 0.0, 0.0)).gyroscope[0]
-    stood = codes_of(ImuParameters(), turned, (np.zeros(3),) * 3).gyroscope[0]
-    assert first[0] > 4000 and first[1] == stood[0] == stood[1]
+def test_a_step_shows_in_its_sample_alone() -> None:
+    turned = (np.array([0.0, 0.1, 0.1, 0.1]), np.zeros(4), np.zeros(4))
+    rates = codes_of(ImuParameters(), turned, (np.zeros(4),) * 3).gyroscope[0]
+    assert rates[1] > 4000 and rates[0] == rates[2] == rates[3]
 
 
 def test_arrays_of_different_length_are_refused_and_none_is_none() -> None:

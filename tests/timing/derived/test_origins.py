@@ -18,16 +18,18 @@ from periph_sim.core.time import NO_TIME
 from periph_sim.devices.host_frames import host_frames
 from periph_sim.devices.sensor_rounds import register_bytes
 from periph_sim.imu.host_frames import ramp, shown
-from periph_sim.imu.model_codes import Computed, ModelCodes
+from periph_sim.imu.model_codes import ModelCodes
 from periph_sim.imu.models.parameters import AccelerometerParameters, ImuParameters
 from periph_sim.imu.sensors import SENSORS as CHIP_DATA
 from periph_sim.timing.derived.origins import BEFORE_ANY, KEPT, RECENT, FrameOrigins, ModelOrigins, Origin, Origins
 
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 CHIPS = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
-COMPUTED = Computed(
-    ImuParameters(accelerometer=AccelerometerParameters(lever_arm=(0.1, 0.0, 0.2))), "float64", noise_seed=7
-)
+PARAMETERS = ImuParameters(accelerometer=AccelerometerParameters(lever_arm=(0.1, 0.0, 0.2)))
+
+
+def computed() -> ModelCodes:
+    return ModelCodes(PARAMETERS, "float64", noise_seed=7)
 
 
 class Bus:
@@ -48,8 +50,8 @@ class Bus:
 class Models:
     """Firmware that runs its models: on which frame, the test says."""
 
-    def __init__(self, origins: ModelOrigins, computed: Computed = COMPUTED) -> None:
-        self._codes, self._pin = ModelCodes(computed), origins.model_pin
+    def __init__(self, origins: ModelOrigins) -> None:
+        self._codes, self._pin = computed(), origins.model_pin
         self._shown, self._runs = self._codes.at_rest, 0
         self._pin(0, 0)  # pulled up until it becomes an output
         self.data = dict.fromkeys(CHIPS, bytes(6))
@@ -107,7 +109,7 @@ def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
     turns: list[tuple[int, int]], choice: int
 ):
     """turns: how many frames come, and how many the run that follows passes over. After each some chips are read."""
-    origins = ModelOrigins(ModelCodes(COMPUTED))
+    origins = ModelOrigins(computed())
     bus = Bus(origins)
     models, random = Models(origins), Random(choice)
     sent, taken = BEFORE_ANY, BEFORE_ANY
@@ -125,7 +127,7 @@ def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
 
 @pytest.mark.parametrize("address", CHIPS)
 def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(address: int):
-    origins = ModelOrigins(ModelCodes(COMPUTED))
+    origins = ModelOrigins(computed())
     bus = Bus(origins)
     models = Models(origins)
     for number in range(20):
@@ -140,7 +142,7 @@ def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(addres
 
 
 def test_a_read_that_began_before_the_models_were_over_carries_what_they_made_before():
-    origins = ModelOrigins(ModelCodes(COMPUTED))
+    origins = ModelOrigins(computed())
     bus = Bus(origins)
     models = Models(origins)
     for number in range(3):
@@ -156,7 +158,7 @@ def test_a_read_that_began_before_the_models_were_over_carries_what_they_made_be
 
 
 def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise():
-    origins = ModelOrigins(ModelCodes(COMPUTED))
+    origins = ModelOrigins(computed())
     bus = Bus(origins)
     for _ in range(2):
         origins.reset()
@@ -170,7 +172,7 @@ def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise()
 
 @pytest.mark.parametrize(("frames", "taken"), [(4, 0), (5, 0), (40, 0), (40, 39), (KEPT, 0)])
 def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, taken: int):
-    origins = ModelOrigins(ModelCodes(COMPUTED))
+    origins = ModelOrigins(computed())
     bus = Bus(origins)
     models = Models(origins)
     for number in range(frames):
@@ -183,7 +185,7 @@ def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, tak
 def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
     """Without that they are wrong."""
     for frames, runs, judged in ((KEPT - 1, 1, True), (2 * KEPT, 1, False), (20, 3, False)):
-        origins = ModelOrigins(ModelCodes(COMPUTED))
+        origins = ModelOrigins(computed())
         bus = Bus(origins)
         models = Models(origins)
         for number in range(frames):
@@ -199,7 +201,7 @@ def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
 
 
 def test_a_model_that_goes_on_with_a_frame_that_is_no_longer_kept_is_followed():
-    origins = ModelOrigins(ModelCodes(COMPUTED))
+    origins = ModelOrigins(computed())
     bus = Bus(origins)
     models = Models(origins)
     for number in range(3 * KEPT):
@@ -214,7 +216,7 @@ def test_two_runs_without_a_read_between_them_may_each_have_taken_any_frame():
     """What the second shows depends on the frames of three runs, not of two."""
     for second in range(4):
         for third in range(second, 4):
-            origins = ModelOrigins(ModelCodes(COMPUTED))
+            origins = ModelOrigins(computed())
             bus = Bus(origins)
             models = Models(origins)
             for number in range(4):
@@ -250,7 +252,7 @@ def test_zeros_of_a_chip_that_has_shown_no_frame_are_right_at_first_and_later_no
 
 
 def test_a_chain_never_goes_back_to_an_older_frame():
-    origins = ModelOrigins(ModelCodes(COMPUTED))
+    origins = ModelOrigins(computed())
     bus = Bus(origins)
     models = Models(origins)
     for number in range(3):

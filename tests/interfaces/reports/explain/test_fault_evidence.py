@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from periph_sim.interfaces.reports.explain.ends import Ends
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_i2c
 from periph_sim.interfaces.reports.explain.evidence import Evidence, RecordedPhase
 from periph_sim.interfaces.reports.explain.explain import Explained, explain
 from periph_sim.interfaces.reports.explain.fault_evidence import answering, bytes_sent
-from periph_sim.interfaces.reports.explain.findings import FINDINGS
+from periph_sim.interfaces.reports.explain.findings import FINDINGS, Ends
 from periph_sim.interfaces.reports.explain.picture import text_picture
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load

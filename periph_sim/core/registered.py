@@ -9,7 +9,7 @@ from importlib import import_module
 from types import ModuleType
 
 HOMES = {
-    "firmware model": "periph_sim.imu.firmware_model",  # see `scene.firmware_model`
+    "firmware model": "periph_sim.imu.firmware_model",  # see `scene.unit.FirmwareModel`
     "host frames": "periph_sim.imu.host_frames",  # see `devices.host_frames`
     "plugins": "periph_sim.scene.plugins",  # known_formats: the capture formats of plugins
     "sensors": "periph_sim.imu.sensors",  # SENSORS: the sensors that `order` may name, by name

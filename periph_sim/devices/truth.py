@@ -4,7 +4,7 @@
     model of the firmware, motion -------------> Truth
 
 Times are seconds from the instant at which the host's first frame is due. If the chips show the values of frames, the
-truth is the line between them; else the model of the firmware says it (`scene.firmware_model`).
+truth is the line between them; else the model of the firmware says it (`scene.unit.FirmwareModel`).
 """
 
 from __future__ import annotations

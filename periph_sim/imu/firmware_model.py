@@ -1,4 +1,4 @@
-"""Firmware that computes the sensors: what a scene asks it about (`scene.firmware_model`).
+"""Firmware that computes the sensors: what a scene asks it about (`scene.unit.FirmwareModel`).
 
 settings with sensors, arithmetic, noise_seed --firmware_model--> ImuFirmware
 """

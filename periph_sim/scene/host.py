@@ -24,7 +24,7 @@ from ..devices.truth import Axes, LineBetweenFrames, Truth
 from .case.model import HostTable
 from .context import CaseTicks, SceneContext
 from .firmware_loader import BadSetting
-from .firmware_model import FirmwareModel
+from .unit import FirmwareModel
 
 T = TypeVar("T")
 

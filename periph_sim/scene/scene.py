@@ -49,10 +49,10 @@ if TYPE_CHECKING:
     from ..timing.verdict import Verdict
     from .devices import DeviceOnBus, NoteLog
     from .firmware_loader import Firmware
-    from .firmware_model import FirmwareModel
     from .host import HostAgent
     from .sensor_chips import ChipOnBus
     from .serial.side import SerialSide
+    from .unit import FirmwareModel
 
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
@@ -181,7 +181,7 @@ class Scene:
             parts.outside_parties.check_outside(case, self.wires)
             self.uart.count(outside.wires)
             if outside.log is not None:
-                log = parts.logged_outside.logged_outside(context, self.wires)
+                log = parts.outside_log.logged_outside(context, self.wires)
                 log.on_sent = self.uart.sent
                 self.log_ends_early = log.unfinished
 

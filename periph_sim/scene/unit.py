@@ -5,14 +5,17 @@ Case --unit_plan--> UnitPlan, of all scenes of the case --build_unit--> BuiltUni
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from ..core.options import Answers, Value, options_from
+from ..core.registered import registered
 from ..core.suggest import did_you_mean
 from ..core.table import separate
 from ..f28335.cpu.compiled_code_costs import CodeCosts
@@ -28,18 +31,36 @@ from .case.transceiver import pulled_down
 from .case.unit_table import Unit
 from .case.wiring import Wiring
 from .context import CaseTicks, SceneContext
-from .firmware_loader import (
-    BadFirmware,
-    BadSetting,
-    Firmware,
-    load_firmware,
-    run_main,
-    settings_for,
-)
-from .firmware_model import FirmwareModel, firmware_model_of
+from .firmware_loader import BadFirmware, BadSetting, Firmware, load_firmware, run_main, settings_for
 
 if TYPE_CHECKING:
+    from ..devices.chip_model import ChipModel
+    from ..devices.truth import Truth
     from ..processor.image.boot import Stub
+
+
+class FirmwareModel(Protocol):
+    """Firmware with a model, as a scene uses it."""
+
+    def check(self, case: Case, unit: str) -> None:
+        """Raise BadCase if the case does not run the model as the model needs it."""
+
+    def codes(self) -> ChipModel | None:
+        """Return the model of the bytes that the chips should show; None if the settings do not determine it."""
+
+    def truth(self, motion: Any, first: Fraction) -> Truth:
+        """Return the true values during a motion. first: seconds of the motion's time at which frame 0 is due."""
+
+    def attitude(self, readings: Mapping[str, Sequence[float]]) -> list[float] | None:
+        """Return roll, pitch, yaw in degrees from the last readings by chip; None if they do not suffice."""
+
+
+def firmware_model_of(settings: object) -> FirmwareModel | None:
+    """Return the model of a firmware with these settings; None if it has none, since they name no `sensors`."""
+    if getattr(settings, "sensors", None) is None:
+        return None
+    return cast("FirmwareModel | None", registered("firmware model").firmware_model(settings))
+
 
 T = TypeVar("T")
 

@@ -150,7 +150,12 @@ def case_schema() -> Schema:
     host["lose"]["items"]["items"][1] = {"type": "integer", "minimum": 0, "maximum": frames.FRAME_BYTES - 1}
     definitions["ChipTable"]["properties"]["model"] = {"enum": [*known(here, "CHIP", chip_models())]}
     definitions["DeviceTable"] = {"anyOf": [*_devices(definitions["DeviceTable"], devices, schemas)]}
-    definitions["WatchTable"] = {"anyOf": [*_watches(definitions["WatchTable"], watches, schemas)]}
+    definitions["WatchTable"] = {
+        "anyOf": [
+            _with_own_keys(definitions["WatchTable"], schemas[name], "kind", [name.partition(" ")[2]])
+            for name in watches
+        ]
+    }
     options = {name: _options(kind) for name, kind in PART.options_classes().items()}
     definitions["Unit"]["properties"]["part"]["enum"] = [*part_names()]
     definitions["Unit"]["properties"]["options"] = _closed({"type": "object", "properties": options})
@@ -171,21 +176,14 @@ def _one_of(kinds: Mapping[str, object], schemas: Schema) -> Schema:
 def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) -> Iterator[Schema]:
     """Yield a device table's schema for each family of models, and one for Python files, whose keys are not known."""
     for name, family in families.items():
-        own = schemas[name]
-        properties = {**common["properties"], **own["properties"], "model": {"enum": [*family.MODELS]}}
-        required = [*common["required"], *own.get("required", [])]
-        yield _closed({**common, "properties": properties, "required": required})
-    properties = {**common["properties"], "model": {"type": "string", "pattern": r"\.py$"}}
-    yield {**common, "properties": properties}
+        yield _with_own_keys(common, schemas[name], "model", [*family.MODELS])
+    yield {**common, "properties": {**common["properties"], "model": {"type": "string", "pattern": r"\.py$"}}}
 
 
-def _watches(common: Schema, kinds: Mapping[str, object], schemas: Schema) -> Iterator[Schema]:
-    """Yield the schema of the table of each kind of watcher."""
-    for name in kinds:
-        own = schemas[name]
-        properties = {**common["properties"], **own["properties"], "kind": {"enum": [name.partition(" ")[2]]}}
-        required = [*common["required"], *own.get("required", [])]
-        yield _closed({**common, "properties": properties, "required": required})
+def _with_own_keys(common: Schema, own: Schema, key: str, values: list[str]) -> Schema:
+    """Return the schema of a table with the common keys and those that these values of a key add."""
+    properties = {**common["properties"], **own["properties"], key: {"enum": values}}
+    return _closed({**common, "properties": properties, "required": [*common["required"], *own.get("required", [])]})
 
 
 def _closed(schema: Schema) -> Schema:

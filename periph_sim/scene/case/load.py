@@ -44,14 +44,6 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
     return case.model_copy(update={name: separate(getattr(case, name)) for name in changeable})
 
 
-def shared_case(path: Path, text: str, changes: tuple[str, ...]) -> Case:
-    """Return the case in a text, with changes applied. Raise BadCase if the text is not a valid case.
-
-    path: of the file with the text. The case is shared: a dict or a list in it must not be changed.
-    """
-    return _loaded(path, text, changes)[0]
-
-
 @lru_cache(maxsize=16)
 def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> tuple[Case, list[str]]:
     """Return a case and the names of its fields with dicts or lists, which `load` copies for each caller.
@@ -68,8 +60,12 @@ def _checked(path: Path, text: str, changes: tuple[str, ...]) -> Case:
     places = tuple((change, apply(tree, change)) for change in changes)
     source = Source(path, text, places, tuple(texts_in(tree)))
     refuse_unusable(source, tree)
+    return _case_in(source, tree)
+
+
+def _case_in(source: Source, tree: dict[str, Any]) -> Case:
     try:
-        return built(located(Case.model_validate(tree), path.parent), source)
+        return built(located(Case.model_validate(tree), source.path.parent), source)
     except BadTable as error:
         raise refusal(source, error, tree) from None
 
@@ -86,11 +82,7 @@ def built(case: Case, source: Source) -> Case:
 
 def case_of(tree: dict[str, Any], path: Path) -> Case:
     """Return the case in a tree, as if read from the file `path`. Raise BadCase with one sentence if it is wrong."""
-    source = Source(path, "", values=tuple(texts_in(tree)))
-    try:
-        return built(located(Case.model_validate(copied(tree)), path.parent), source)
-    except BadTable as error:
-        raise refusal(source, error, tree) from None
+    return _case_in(Source(path, "", values=tuple(texts_in(tree))), copied(tree))
 
 
 def refusal(source: Source, error: BadTable, tree: object) -> BadCase:
@@ -271,7 +263,7 @@ class CaseFile:
     @cached_property
     def case(self) -> Case:
         """The case without further changes. BadCase if there is none."""
-        return shared_case(self.path, self._text, self.changes)
+        return _loaded(self.path, self._text, self.changes)[0]
 
     def changed(self, changes: Sequence[str]) -> Case:
         """Return the case with changes applied behind those of this object. BadCase as of `load`."""
@@ -281,7 +273,7 @@ class CaseFile:
             found = None if self.case.outside is not None else self._changed(changes)
         except ValueError:  # of the unchanged case, or of this one: the whole of it tells which
             found = None
-        return shared_case(self.path, self._text, (*self.changes, *changes)) if found is None else found
+        return _loaded(self.path, self._text, (*self.changes, *changes))[0] if found is None else found
 
     @cached_property
     def _tree(self) -> dict[str, Any]:

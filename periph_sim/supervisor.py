@@ -26,9 +26,7 @@ import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from types import FrameType
-from typing import NoReturn
-
-from .standard_error import StandardError
+from typing import NoReturn, TextIO
 
 NO_VERDICT = 3
 REPEATED = 1.0  # seconds: a signal of a process group and its forwarded copy arrive within that
@@ -244,3 +242,30 @@ def _say(sentence: str) -> None:
     """A line on standard error, whatever user code made of sys.stderr."""
     with suppress(OSError):
         os.write(2, f"{sentence}\n".encode())
+
+
+class StandardError:
+    """Standard error whose failures are ignored: a verdict on standard output does not depend on it.
+
+    stream: None if it was closed when Python started.
+    """
+
+    def __init__(self, stream: TextIO | None) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        with suppress(OSError):
+            if self._stream is not None:
+                self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        with suppress(OSError):
+            if self._stream is not None:
+                self._stream.flush()
+
+    def isatty(self) -> bool:
+        return self._stream is not None and self._stream.isatty()
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._stream, name)

@@ -9,7 +9,7 @@ that are aligned.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,18 +23,6 @@ MAX_TABLE = 1 << 24  # codes up to this are numbered by a table, larger ones by 
 
 # Four digits at a time, as one machine word: selecting many at once is ten times as fast as with rows of four bytes.
 _FOUR = (np.arange(10_000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")).astype(np.uint8).view(np.uint32)[:, 0]
-
-
-class Column(Protocol):
-    """A column of the output, of the same width in every line.
-
-    width: number of characters in each line.
-    fill: writes the characters of some lines into an array with the shape (number of lines, width).
-    """
-
-    width: int
-
-    def fill(self, into: Characters, lines: slice) -> None: ...
 
 
 class Literal:
@@ -101,7 +89,7 @@ class Sparse:
     def __init__(self, columns: Sequence[Column], where: Numbers) -> None:
         self._columns = columns
         self._where = where
-        self.width = sum(column.width for column in columns)
+        self.width: int = sum(column.width for column in columns)
 
     def fill(self, into: Characters, lines: slice) -> None:
         into[:] = NONE[0]
@@ -112,6 +100,11 @@ class Sparse:
             column.fill(page[:, left : left + column.width], slice(begin, end))
             left += column.width
         into[self._where[begin:end] - lines.start] = page
+
+
+# A column of the output has the same width in every line. Its `fill` writes the characters of some lines into an array
+# with the shape (number of lines, width).
+Column: TypeAlias = "Literal | Digits | Words | Sparse"
 
 
 def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:

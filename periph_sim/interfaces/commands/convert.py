@@ -51,7 +51,10 @@ def convert(
             raise click.ClickException(f"{out}: IN and OUT are one file; give another name for OUT")
         part = any(option is not None for option in (rate, sample, channels, window)) or salvage
         if format_of(out) and not part and psr.holds_run(given):
-            said, notes = _run(given, out), []
+            table = psr.read_table(given)
+            rewrite(table, out)
+            length = table.end / (table.per_second or Fraction(1))
+            said, notes = f"{len(table)} records, {float(length):g} s", []
         else:
             _check_suffix(out, part)
             source = read_capture(given, rate, salvage)
@@ -73,14 +76,6 @@ def _same_file(given: Path, out: Path) -> bool:
         return False
 
 
-def _run(given: Path, out: Path) -> str:
-    """Convert a recording to another format of recordings."""
-    table = psr.read_table(given)
-    rewrite(table, out)
-    length = table.end / (table.per_second or Fraction(1))
-    return f"{len(table)} records, {float(length):g} s"
-
-
 def _check_suffix(out: Path, part: bool) -> None:
     name = out.name.casefold()
     able = formats.writers()
@@ -89,11 +84,8 @@ def _check_suffix(out: Path, part: bool) -> None:
     if format_of(out):
         way_out = "remove the options that select a part" if part else "record one with run --record run.psr"
         raise click.ClickException(f"{out}: this format holds the records of a run, not a capture; {way_out}")
-    raise click.ClickException(f"{out}: nothing is written as {out.suffix!r}; {did_you_mean(out.suffix, _suffixes())}")
-
-
-def _suffixes() -> list[str]:
-    return sorted({*formats.writers(), *recording_formats()})
+    suffixes = sorted({*able, *recording_formats()})
+    raise click.ClickException(f"{out}: nothing is written as {out.suffix!r}; {did_you_mean(out.suffix, suffixes)}")
 
 
 def _part(capture: formats.Capture, channels: str | None, window: str | None) -> formats.Capture:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
@@ -92,7 +92,9 @@ def decode(
         bus.rows.bus[:] = number
     with usage_errors_in_one_sentence():
         pieces = _text(found, capture, style, full, whole, shortest)
-    _print(pieces)
+    for piece in pieces:
+        sys.stdout.buffer.write(piece)
+    sys.stdout.buffer.flush()
 
 
 def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: bool, shortest: int) -> Iterator[bytes]:
@@ -125,12 +127,6 @@ def _exported(
     if style == "pcapng":
         return decode_exports.in_pcapng(rows, first, [bus.name for bus in found], protocols, clock)
     return decode_exports.in_hexdump(rows, first, protocols, clock)
-
-
-def _print(pieces: Iterable[bytes]) -> None:
-    for piece in pieces:
-        sys.stdout.buffer.write(piece)
-    sys.stdout.buffer.flush()
 
 
 def _shortest(text: str, capture: Capture) -> int:

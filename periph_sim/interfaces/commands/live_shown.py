@@ -27,7 +27,10 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 
 
 class Shown:
-    """The display, a context manager that ends its threads. url: of its page, or "". OutsideError for a used port."""
+    """The display, a context manager that ends it with the session's last snapshot. url: of its page, or "".
+
+    OutsideError for a used port.
+    """
 
     def __init__(self, in_terminal: bool, address: tuple[str, int] | None) -> None:
         self.url = ""
@@ -55,7 +58,11 @@ class Shown:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._end()
+        if error is None and self._door is not None:
+            self._door.close()
+        for part in (self._board, self._view, self._browser):
+            if part is not None:
+                part.close()
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
         """Subscribe the wave; called by a Scene."""
@@ -87,18 +94,3 @@ class Shown:
             self._status.say(sentence)
         if self._view is None:
             click.echo(sentence, err=True)
-
-    def close(self) -> None:
-        """End the display with the session's last snapshot."""
-        if self._door is not None:
-            self._door.close()
-        self._end()
-
-    def _end(self) -> None:
-        if self._board is not None:
-            self._board.close()
-        if self._view is not None:
-            self._view.close()
-        if self._browser is not None:
-            self._browser.close()
-        self._view = self._browser = None

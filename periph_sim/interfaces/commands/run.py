@@ -90,7 +90,7 @@ def run(
 
             for chain in chains.values():
                 click.echo("\n".join(["", *text(chain)]))
-    return status(result)
+    return 0 if result.verdict == "pass" else 1
 
 
 def _as_changes(disable: tuple[str, ...], fidelity: str | None) -> tuple[str, ...]:
@@ -117,7 +117,3 @@ def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object
             chain = chains.get(budget["name"])
             budget["chain"] = None if chain is None else as_json(chain)
     return shown
-
-
-def status(result: Result) -> int:
-    return 0 if result.verdict == "pass" else 1

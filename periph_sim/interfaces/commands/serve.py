@@ -115,39 +115,40 @@ def serve(
     with running_user_code() if as_json else usage_errors_in_one_sentence(), _signals(end_it):
         served = case_for_line(case, sci, changes) if bus is None else case_for_bus(case, changes)
         shown = Shown(view, None if browser is None else address_given("--browser", browser))
-        with Session(served, log=log, subscribe=shown.subscribe) as session, shown:
-            line: SerialLine | None = None
-            door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor
-            if bus is None:
-                line = session.serial(sci, baud, form)
-                door = _door(line, (link, real, tcp), baud, form, shown.say)
-            else:
-                door = I2cDriverDoor(session, Path(bus) if bus else None)
-            try:
-                session.advance(session.now + session.ticks(_time("--warm-up", warm_up)))
-                pacer = Pacer(session.ticks_per_second, pace_given(pace), when_late)
-                end = None if length is None else session.now + session.ticks(_time("--for", length))
-                loop = Loop(session, pacer, [door, *shown.doors(session, line, pacer, door.path)])
-                loops.append(loop)
-                if asked:
-                    loop.stop()
-                for sentence in session.case.replaced:
-                    click.echo(sentence, err=True)
-                click.echo(door.path, err=as_json)
-                if shown.url:
-                    click.echo(shown.url, err=as_json)
-                shown.begin()
-                loop.run(end)
-            finally:
-                door.close()
-            shown.close()
+        with Session(served, log=log, subscribe=shown.subscribe) as session:
+            with shown:
+                line: SerialLine | None = None
+                door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor
+                if bus is None:
+                    line = session.serial(sci, baud, form)
+                    door = _door(line, (link, real, tcp), baud, form, shown.say)
+                else:
+                    door = I2cDriverDoor(session, Path(bus) if bus else None)
+                try:
+                    session.advance(session.now + session.ticks(_time("--warm-up", warm_up)))
+                    pacer = Pacer(session.ticks_per_second, pace_given(pace), when_late)
+                    end = None if length is None else session.now + session.ticks(_time("--for", length))
+                    loop = Loop(session, pacer, [door, *shown.doors(session, line, pacer, door.path)])
+                    loops.append(loop)
+                    if asked:
+                        loop.stop()
+                    for sentence in session.case.replaced:
+                        click.echo(sentence, err=True)
+                    click.echo(door.path, err=as_json)
+                    if shown.url:
+                        click.echo(shown.url, err=as_json)
+                    shown.begin()
+                    loop.run(end)
+                finally:
+                    door.close()
             for sentence in _not_handed_over(line, door):
                 click.echo(sentence, err=True)
             result = session.finish()
     if pacer.late and result.wall_s * pace_given(pace) > result.simulated_s:
         click.echo(_slower(served, result), err=True)
     if as_json:
-        print_json("serve", {**dataclasses.asdict(result), "lateness": _lateness(pacer)})
+        late = {"worst_s": pacer.worst, "p99_s": pacer.percentile(0.99), "late": pacer.late, "slips": pacer.slips}
+        print_json("serve", {**dataclasses.asdict(result), "lateness": late})
     else:
         from .result_text import show
 
@@ -215,7 +216,3 @@ def _slower(case: Case, result: Result) -> str:
 def _time(option: str, text: str) -> str:
     time_given(option, text)
     return text
-
-
-def _lateness(pacer: Any) -> dict[str, object]:
-    return {"worst_s": pacer.worst, "p99_s": pacer.percentile(0.99), "late": pacer.late, "slips": pacer.slips}

@@ -15,12 +15,13 @@ from .command_output import print_json, progress, running_user_code
 from .input_options import JSON, SECONDS
 
 if TYPE_CHECKING:
-    from ..reports.sweep.sweep import BudgetColumns, Sweep
+    from ..reports.sweep.sweep import Sweep
     from .tables import PlainTable
 
 SECTION = "run"
 EXAMPLE = "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1"
 
+FIGURES = ("worst", "limit", "margin", "at_s", "count", "verdict")
 MAX_LISTED = 10  # runs that are listed one by one
 
 
@@ -138,7 +139,7 @@ def _object(came: Sweep, stopped: str) -> dict[str, object]:
                 "verdict": str(came.verdict[row]),
                 "error": str(came.error[row]),
                 "budgets": {
-                    name: {figure: _plain(column[row]) for figure, column in _figures(budget).items()}
+                    name: {figure: _plain(getattr(budget, figure)[row]) for figure in FIGURES}
                     for name, budget in came.budgets.items()
                     if budget.verdict[row]
                 },
@@ -148,11 +149,6 @@ def _object(came: Sweep, stopped: str) -> dict[str, object]:
         "stopped": stopped,
         "units": {name: budget.unit for name, budget in came.budgets.items()},
     }
-
-
-def _figures(budget: BudgetColumns) -> Mapping[str, Any]:
-    names = ("worst", "limit", "margin", "at_s", "count", "verdict")
-    return {name: getattr(budget, name) for name in names}
 
 
 def _plain(value: Any) -> object:

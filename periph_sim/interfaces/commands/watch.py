@@ -31,26 +31,20 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
     names, and its baseline. After the first run only the verdict is printed, and the figures
     that changed since the run before.
     """
-    try:
-        with usage_errors_in_one_sentence():
-            _watch(case, changes)
-    except KeyboardInterrupt:
-        click.echo()
-    return 0
-
-
-def _watch(case: Path, changes: tuple[str, ...]) -> None:
-    """Run and wait, endlessly."""
     from ..reports.baselines.outcome import run_case
     from .watched_files import stamps
 
-    before: Outcome | None = None
-    while True:
-        seen = stamps(case)
-        came = run_case(case, changes)
-        before = _print_run(came, before)
-        while stamps(case) == seen:
-            time.sleep(PAUSE)
+    try:
+        with usage_errors_in_one_sentence():
+            before: Outcome | None = None
+            while True:
+                seen = stamps(case)
+                before = _print_run(run_case(case, changes), before)
+                while stamps(case) == seen:
+                    time.sleep(PAUSE)
+    except KeyboardInterrupt:
+        click.echo()
+    return 0
 
 
 def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome | None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ...core.suggest import did_you_mean
 from .command_output import print_json, progress, running_user_code
 from .input_options import CHANGES, SECONDS
 
@@ -51,8 +52,10 @@ def worst(
         raise click.ClickException(f"--svg: {svg} is no folder; create it, or give another")
     with running_user_code():
         loaded = load(case, list(changes))
+        names = [budget.name for budget in loaded.budget]
         for name in budgets:
-            _known(name, [budget.name for budget in loaded.budget], case)
+            if name not in names:
+                raise click.ClickException(f"{case}: there is no budget {name!r}; {did_you_mean(name, names)}")
         scene = Scene(loaded)
         with progress(loaded.name) as on_progress:
             result = scene.run(length, on_progress)
@@ -74,13 +77,6 @@ def worst(
     return 0 if all(verdict.passed for verdict in verdicts) else 1
 
 
-def _known(name: str, names: list[str], case: Path) -> None:
-    if name not in names:
-        from ...core.suggest import did_you_mean
-
-        raise click.ClickException(f"{case}: there is no budget {name!r}; {did_you_mean(name, names)}")
-
-
 def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
     """Return chain and picture; one line if there is no instant."""
     from ..reports.explain.chain import text
@@ -90,12 +86,8 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
         nothing = verdict.found or "nothing was measured"
         said = nothing if verdict.worst is None else f"{verdict.worst}: it never happened"
         return [f"{verdict.name}: {said}"]
-    return [*text(one.chain), "", *text_picture(one.window, _width())]
-
-
-def _width() -> int:
-    """Return the columns of a picture: those of the terminal, 80 to 100."""
-    return min(MOST, max(80, get_terminal_size().columns))
+    columns = min(MOST, max(80, get_terminal_size().columns))
+    return [*text(one.chain), "", *text_picture(one.window, columns)]
 
 
 def _write(folder: Path, found: dict[str, Explained]) -> None:

@@ -88,7 +88,6 @@ UNCOUNTED = (
     "tests/interfaces/reports/baselines/test_check.py",
     "tests/scene/test_event_budgets.py",
     "tests/scene/test_flagship.py",
-    "tests/scene/test_flagship_margins.py",
     "tests/scene/test_imu_models.py",
     "tests/scene/test_long_runs.py",
     "tests/scene/test_model_order.py",

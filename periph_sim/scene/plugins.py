@@ -62,7 +62,9 @@ DEFINES = {
     "CHIP": Kind("chip", lambda plugin: {plugin.name: _chip(plugin)}),
     "KIND": Kind("kind of watcher", lambda plugin: {plugin.module.KIND: plugin.module}),
     "MODELS": Kind("device", lambda plugin: dict.fromkeys(plugin.module.MODELS, plugin.module)),
-    "NAME": Kind("capture format", lambda plugin: {plugin.name: plugin.module} if _is_format(plugin) else {}),
+    "NAME": Kind(
+        "capture format", lambda plugin: {plugin.name: plugin.module} if hasattr(plugin.module, "SUFFIXES") else {}
+    ),
     "SENSORS": Kind("sensor", lambda plugin: _sensors(plugin)),
     "attach": Kind("kind of fault", lambda plugin: {plugin.name: plugin.module}),
 }
@@ -90,10 +92,6 @@ def sensors_of(case: Case, names: Iterable[str] = ()) -> Mapping[str, ChipData]:
 def known_formats(shipped: Mapping[str, T], installed: bool) -> Mapping[str, T]:
     """Return the capture formats known in the present folder by name. installed: those of entry points, too."""
     return known(Path(), "NAME", shipped, [""] if installed else ())
-
-
-def _is_format(plugin: Plugin) -> bool:
-    return hasattr(plugin.module, "SUFFIXES")
 
 
 def _add(found: dict[str, Any], owners: dict[str, Plugin], attribute: str, plugins: Iterable[Plugin]) -> None:

@@ -80,7 +80,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         **scene.units,
         **{name: on_bus.chip for name, on_bus in scene.chips.items()},
     }
-    wrong, first_wrong = wrong_bytes(scene)
+    compared = None if scene.derived is None else scene.derived.bytes  # None unless a budget looks at bytes
     return Result(
         case=scene.case.name,
         verdict=FAIL if failed else PASS if verdicts else NOT_JUDGED,
@@ -95,17 +95,11 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         unknowns=sorted({f"{name}.{t}" for name, part in parts.items() for t in part.touched}),
         notes=notes_of(scene),
         stuck=stuck,
-        wrong=wrong,
-        first_wrong=first_wrong,
+        wrong={} if compared is None else compared.wrong_places,
+        first_wrong="" if compared is None else compared.first_wrong,
         bytes_skipped=min(scene.bus.passed, scene.bytes_on_bus()),
         estimated=[name for name, unit in scene.case.unit.items() if unit.sources],
     )
-
-
-def wrong_bytes(scene: Scene) -> tuple[dict[str, int], str]:
-    """Return how often each byte was wrong, and the first wrong read as a sentence, if a budget looks at them."""
-    compared = None if scene.derived is None else scene.derived.bytes
-    return ({}, "") if compared is None else (compared.wrong_places, compared.first_wrong)
 
 
 def notes_of(scene: Scene) -> list[str]:

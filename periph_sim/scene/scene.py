@@ -168,7 +168,15 @@ class Scene:
         if case.fault:
             self.faults = parts.faults.build_faults(context, self.wires, self.units)
         self.uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self.measured)
-        self._there = self._what_is_there()
+        self._there = {
+            "": True,
+            "controller": self.head is not None,
+            "rounds": self.bus.asked is not None,
+            "I2C-A": "SCL" in self.wires,
+            "host": self.host is not None,
+            "SCI": self.uart.has_sci,
+            "serial": self.case.serial is not None,
+        }  # the names of the parts that measures may need
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
@@ -186,18 +194,6 @@ class Scene:
                 self.log_ends_early = log.unfinished
 
     # Building ------------------------------------------------------------------
-
-    def _what_is_there(self) -> dict[str, bool]:
-        """Return the names of the parts of this scene that measures may need."""
-        return {
-            "": True,
-            "controller": self.head is not None,
-            "rounds": self.bus.asked is not None,
-            "I2C-A": "SCL" in self.wires,
-            "host": self.host is not None,
-            "SCI": self.uart.has_sci,
-            "serial": self.case.serial is not None,
-        }
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
         """Raise BadCase for a budget on a part that this scene does not have, since it would always hold."""

@@ -39,6 +39,7 @@ class UartSide:
         self._units = units
         self._serial = serial
         self._scis = sci_lines(context.case, context.wiring)
+        self.has_sci = bool(self._scis)
         self._recorder = context.recorder
         self._pairs: Pairs | None = None
         self._lines: UartLines | None = None
@@ -63,10 +64,6 @@ class UartSide:
         from .uart_lines import sci_line
 
         return Pairs(context, lambda unit, module: partial(sci_line, context, self._units[unit], module))
-
-    @property
-    def has_sci(self) -> bool:
-        return bool(self._scis)
 
     @property
     def characters(self) -> int:

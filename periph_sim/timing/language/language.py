@@ -279,22 +279,16 @@ def _margin(words: Words) -> Said:
     return Said("margin", unit=unit)
 
 
-def _cpu(words: Words) -> Said:
-    _load(words)
-    unit = words.take("a unit") if words.took("of") else ""
-    return Said("cpu", unit=unit, window=_window(words))
+def _load(form: str) -> Callable[[Words], Said]:
+    def parse(words: Words) -> Said:
+        if words.next != "load":
+            what = f"there is no measure {words.text!r}; write {words.text.split(maxsplit=1)[0]} load"
+            raise BadEvent(f"{what}, the part of the time that it is busy")
+        words.take("load")
+        unit = words.take("a unit") if form == "cpu" and words.took("of") else ""
+        return Said(form, unit=unit, window=_window(words))
 
-
-def _load(words: Words) -> None:
-    if words.next != "load":
-        whose = words.text.split(maxsplit=1)[0]
-        raise BadEvent(f"there is no measure {words.text!r}; write {whose} load, the part of the time that it is busy")
-    words.take("load")
-
-
-def _bus_load(words: Words) -> Said:
-    _load(words)
-    return Said("bus", window=_window(words))
+    return parse
 
 
 def _window(words: Words) -> Fraction | None:
@@ -374,8 +368,8 @@ _MEASURES: dict[str, tuple[str, Callable[[Words], Said]]] = {
     "SCL": ("SCL held per transfer", _phrase("SCL", "held per transfer", unit="by")),
     "time": ("time in STATE", _time("time")),
     "each": ("each time in STATE", _time("each")),
-    "cpu": ("cpu load", _cpu),
-    "bus": ("bus load", _bus_load),
+    "cpu": ("cpu load", _load("cpu")),
+    "bus": ("bus load", _load("bus")),
     "slack": ("slack", _phrase("slack")),
     "race": ("race MODULE.REGISTER.FIELD", _phrase("race", name="a field or a register")),
     "lost": ("lost flags", _lost),

@@ -1,12 +1,17 @@
-"""Replay of a line's edges from levels with their ticks, one event for each edge."""
+"""Replay of a line from levels with their ticks, one event for each edge.
+
+EdgePlayer --> OneWayWire --> the chip's input      a line that only the player drives: it does not react to the
+                     back <-- the chip's output     chip, whose outputs show on another wire
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from ..core.kernel import Kernel
+from ..core.records import Recorder
 from ..core.state import State
-from ..core.wire import Wire
+from ..core.wire import Pin, Wire
 
 
 class EdgePlayer:
@@ -34,3 +39,19 @@ class EdgePlayer:
         self._pin.drive(self._edges[self._next][1])
         self._next += 1
         self._plan()
+
+
+class OneWayWire(Wire):
+    """A wire for two directions. player: the name of the driving party.
+
+    back: the wire that all other parties drive; its edges are not recorded.
+    """
+
+    def __init__(self, kernel: Kernel, name: str, recorder: Recorder, player: str = "capture") -> None:
+        super().__init__(kernel, name, recorder)
+        self.player = player
+        self.back = Wire(kernel, name, Recorder())
+
+    def attach(self, who: str) -> Pin:
+        """Attach a party and return its pin: on this wire for the player, on `back` for all others."""
+        return super().attach(who) if who == self.player else self.back.attach(who)

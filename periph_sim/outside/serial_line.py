@@ -56,7 +56,7 @@ class SerialLine:
         self._parts = 1  # number of parts into which a tick is divided, so that a bit is a whole number of parts
         self._free = 0  # the time from which the line may carry the next frame, in parts of a tick
         self.set(baud, form)
-        reader = UartReader(session.scene.kernel, session.scene.wire(tx), lambda: (self._bit, self._format))
+        reader = UartReader(session.scene.wire(tx), lambda: (self._bit, self._format))
         reader.on_end.append(self._heard)
 
     def set(self, baud: int, form: str = "8n1") -> None:

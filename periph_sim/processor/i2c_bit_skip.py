@@ -14,8 +14,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING, final
 
-from ..bus.i2c.bit_skip import BitParty, BitSkip
-from ..bus.i2c.bit_times import SKIPPED_BITS, CycleTimes
+from ..bus.i2c.bit_skip import SKIPPED_BITS, BitParty, BitSkip, CycleTimes
 from ..core.chip import PINS_CHANGED
 from ..core.socket import PinReleaseGate, Socket
 from ..core.time import Clock

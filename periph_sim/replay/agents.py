@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 
-from ..bus.i2c.player import I2cPlayer
-from ..bus.i2c.scripted_target import ScriptedTarget
+from ..bus.i2c.replayed_sides import I2cPlayer, ScriptedTarget
 from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.time import Timebase

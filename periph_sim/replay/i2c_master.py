@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING
 
-from ..bus.i2c.scripted_target import ScriptedTarget
+from ..bus.i2c.replayed_sides import ScriptedTarget
 from ..core.chip import NEVER
 from ..core.time import Timebase
 from ..scene.case.model import Case

@@ -23,8 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..bus.edge_player import EdgePlayer
-from ..bus.one_way import OneWayWire
+from ..bus.edge_player import EdgePlayer, OneWayWire
 from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.wire import Wire

@@ -24,8 +24,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from statistics import median
 
-from ..bus.i2c.player import Move
-from ..bus.i2c.scripted_target import Answer
+from ..bus.i2c.replayed_sides import Answer, Move
 from ..traces.decode.i2c import Bit, Byte, Condition, Party, Phase, Transfer
 
 HALF = Fraction(1, 2)  # half a sample in positions, if a position is one sample

@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cached_property
 from statistics import median
 
-from ..bus.i2c.scripted_target import Answer
+from ..bus.i2c.replayed_sides import Answer
 from ..core.counted import counted
 from ..scene.case.model import Case
 from ..traces.capture.capture import Capture, Channel, gap_notes

@@ -20,7 +20,7 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING
 
-from ..bus.i2c.event_recorder import WHO
+from ..bus.i2c.line_observers import WHO
 from ..bus.i2c.transfer import Transfer
 from ..core.records import Kind
 from ..devices.host_frames import host_frames

@@ -63,14 +63,12 @@ class DerivedRecords:
     def _watch_for_stuck_lines(self, scene: Scene) -> None:
         """Report lines that stay low, as a controller agent does where there is one."""
         if scene.head is None:
-            from ..bus.i2c.stuck_watch import STUCK_AFTER, StuckWatch
+            from ..bus.i2c.line_observers import STUCK_AFTER, StuckWatch
 
             length = STUCK_AFTER if scene.case.rounds is None else scene.case.rounds.stuck_after
             limit = scene.timebase.ticks(length, "nearest")
             for name in ("SCL", "SDA"):
-                StuckWatch(
-                    scene.kernel, self._recorder, scene.wires[name], limit, scene.stuck.report, scene.bus.bit_skip
-                )
+                StuckWatch(scene.wires[name], limit, scene.stuck.report, scene.bus.bit_skip)
 
     def finish(self, scene: Scene) -> None:
         """Record what is incomplete at the end of the run."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from random import Random
 
-from ..bus.held_line import HeldLine
+from ..bus.faults import HeldLine
 from ..bus.i2c.disturbed_target import (
     Answers,
     DisturbedTarget,

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from weakref import finalize, proxy
 
 from ..core.kernel import Kernel
-from ..core.records import Kind, Recorder
+from ..core.records import Recorder
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase, TimeError
 from ..core.uncollected import uncollected
@@ -33,7 +33,7 @@ from .uart_side import UartSide
 
 if TYPE_CHECKING:
     from ..bus.faults import Repeated
-    from ..bus.i2c.byte_counter import I2cByteCounter
+    from ..bus.i2c.line_observers import BusRecorder
     from ..bus.i2c.transfer import Transfer
     from ..core.chip import Note
     from ..core.snapshot import Snapshot
@@ -115,7 +115,7 @@ class Scene:
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
         self.frames: FrameSource | None = None  # source of the frames of the host; None if it sends a ramp
-        self._counter: I2cByteCounter | None = None  # counts the bytes on the wires, if needed
+        self._counter: BusRecorder | None = None  # counts the bytes on the wires, if needed
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # a sentence, if [outside] has the log of an unfinished session
@@ -144,15 +144,9 @@ class Scene:
         if has_bus and self.head is None and parts.controller.skips_bits(context):
             self.bus.bit_skip = parts.controller.bit_skip_of(context, None, self.units)
         if has_bus and (self.head is None or shared):
-            lines = self.wires["SCL"], self.wires["SDA"]
-            if self.recorder.wants(Kind.BUS):
-                from ..bus.i2c.event_recorder import BusRecorder
+            from ..bus.i2c.line_observers import BusRecorder
 
-                self._counter = BusRecorder(self.kernel, self.recorder, *lines)
-            else:
-                from ..bus.i2c.byte_counter import I2cByteCounter
-
-                self._counter = I2cByteCounter(*lines)
+            self._counter = BusRecorder(self.wires["SCL"], self.wires["SDA"])
         if case.rounds is not None:
             if "SCL" not in self.wires:
                 raise case.mistake("it needs a bus, and no unit has I2C-A", "rounds")

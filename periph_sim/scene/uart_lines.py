@@ -11,9 +11,7 @@ from fractions import Fraction
 from functools import lru_cache, partial
 
 from ..bus.uart.frame_format import UartFormat
-from ..bus.uart.monitor import UartMonitor
-from ..bus.uart.reader import Line
-from ..bus.uart_counter import UartCounter
+from ..bus.uart.reader import Line, UartCounter, UartMonitor
 from ..core.records import Kind, Recorder
 from ..core.wire import Wire
 from ..f28335.sci.register_map import SCI_MAP
@@ -46,7 +44,7 @@ class UartLines:
         self._lines |= senders
         for name, line in sorted(self._lines.items()):
             if context.recorder.wants(Kind.FRAME, name):
-                UartMonitor(context.kernel, context.recorder, wires[name], line)
+                UartMonitor(wires[name], line)
 
     def record_characters(self, recorder: Recorder) -> None:
         """Record the start bit of each character to an SCI, once for each SCI that it goes to.

@@ -1,8 +1,8 @@
-"""Edges played again, one event an edge."""
+"""Edges are replayed with one event each; only the player is heard on a one-way line, others are seen on its back."""
 
 from __future__ import annotations
 
-from periph_sim.bus.edge_player import EdgePlayer
+from periph_sim.bus.edge_player import EdgePlayer, OneWayWire
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.sampler import watch
@@ -26,3 +26,21 @@ def test_no_edges_is_an_idle_line():
     kernel = Kernel()
     wire = Wire(kernel, "RX", Recorder())
     assert not EdgePlayer(kernel, wire, []).busy and wire.level == 1
+
+
+def test_others_pull_the_back_and_hear_the_player():
+    kernel = Kernel()
+    wire = OneWayWire(kernel, "SDA", Recorder(), "capture")
+    player, chip = wire.attach("capture"), wire.attach("dsp.SDAA")
+    heard: list[tuple[int, int]] = []
+    watch([wire], lambda now, level: heard.append((now, level)))
+    steps = [(10, chip, 0), (20, player, 0), (30, chip, 1), (40, player, 1)]
+    for at, pin, level in steps:
+        kernel.call_at(at, lambda pin=pin, level=level: pin.drive(level))
+    seen = []
+    for at in (15, 25, 35, 45):
+        kernel.run_until(at)
+        seen.append((wire.level, wire.back.level))
+    assert seen == [(1, 0), (0, 0), (0, 1), (1, 1)]
+    assert heard == [(20, 0), (40, 1)]
+    assert wire.parties() == ["capture"] and wire.back.parties() == ["dsp.SDAA"]

@@ -8,8 +8,7 @@ from dataclasses import fields
 
 import pytest
 
-from periph_sim.bus.faults import kinds
-from periph_sim.bus.faults.when import When
+from periph_sim.bus.faults import When, kinds
 from periph_sim.core.convert import Mistake, keys_of
 from periph_sim.core.table import Table
 from periph_sim.devices.targets import eeprom, families, registers, rtc

@@ -6,8 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable
 from fractions import Fraction
 
-from periph_sim.bus.i2c.player import I2cPlayer
-from periph_sim.bus.i2c.scripted_target import Answer, ScriptedTarget
+from periph_sim.bus.i2c.replayed_sides import Answer, I2cPlayer, ScriptedTarget
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.bus.i2c.player import Move
-from periph_sim.bus.i2c.scripted_target import Answer
+from periph_sim.bus.i2c.replayed_sides import Answer, Move
 from periph_sim.replay.i2c_script import (
     Edge,
     Turn,

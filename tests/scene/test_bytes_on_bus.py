@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.bus.i2c.byte_counter import I2cByteCounter
+from periph_sim.bus.i2c.line_observers import BusRecorder
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 
@@ -17,7 +17,7 @@ TIMING = Path(__file__).parents[2] / "timing"
 @pytest.mark.parametrize("changes", [["disable=bits"], []], ids=["by edges", "skipping"])
 def test_bytes_are_counted_as_they_end_and_not_only_with_their_stop(changes: list[str]):
     scene = Scene(load(TIMING / "responder.toml", [*changes, "controller.first=100 us"]))
-    counter = I2cByteCounter(scene.wires["SCL"], scene.wires["SDA"])
+    counter = BusRecorder(scene.wires["SCL"], scene.wires["SDA"])
     counts = set()
     for _ in range(60):
         scene.run(Fraction(37, 1_000_000))

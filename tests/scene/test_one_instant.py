@@ -15,10 +15,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.bus.i2c.byte_counter import I2cByteCounter
 from periph_sim.bus.i2c.controller import I2cController
+from periph_sim.bus.i2c.line_observers import BusRecorder
 from periph_sim.bus.i2c.monitor import I2cMonitor
-from periph_sim.bus.i2c.scripted_target import Answer, ScriptedTarget
+from periph_sim.bus.i2c.replayed_sides import Answer, ScriptedTarget
 from periph_sim.bus.i2c.transfer import BusTiming, Transfer
 from periph_sim.core.records import RECORDED, Kind, Record
 from periph_sim.scene.scene import Scene
@@ -85,7 +85,7 @@ class Bus:
         parties: list[Callable[[], object]] = [
             lambda: alone or ScriptedTarget(kernel, scl, sda, answers, hold=0),
             lambda: I2cMonitor(scl, sda, self.transfers.append, {}),
-            lambda: setattr(self, "counter", I2cByteCounter(scl, sda)),
+            lambda: setattr(self, "counter", BusRecorder(scl, sda)),
             lambda: setattr(self, "idle", I2cController(kernel, recorder, scl, sda, BusTiming(*[HALF] * 7), "idle")),
             lambda: setattr(self, "hands", {"SCL": scl.attach("RTL"), "SDA": sda.attach("RTL")}),
         ]

@@ -5,6 +5,9 @@ One file of this folder that has a function `attach` is one kind of fault, found
     Settings                  a dataclass of the keys of [[fault]]: those of `When`, and its own
     attach(settings, place)   attaches the agent, returns its `Repeated`; ValueError for invalid settings
 
+    at ---- every ---- every ---- ...     `When`: times is the maximum number of faults
+    |~spread~|   maximum random delay of each fault, drawn from the case's seed
+
 An agent is an ordinary party: wires list it when it pulls, and no other object depends on it.
 """
 
@@ -15,14 +18,103 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from random import Random
-from typing import Protocol, cast
+from typing import Annotated, Protocol, cast
 
+from msgspec import Meta
+
+from ...core.convert import Before
 from ...core.discover import modules_with
 from ...core.kernel import Kernel
+from ...core.sampler import watch
+from ...core.settings import DURATION_TEXT
 from ...core.state import State
+from ...core.time import TimeError, seconds
 from ...core.wire import Wire
-from ..held_line import HeldLine
-from .when import When
+
+
+def _length(value: object) -> object:
+    if not isinstance(value, str):
+        raise ValueError(f'{value!r} has no unit; write for instance "{value} ms"')
+    try:
+        return seconds(value)
+    except TimeError as error:
+        raise ValueError(str(error)) from None
+
+
+def _not_negative(value: object) -> object:
+    length = _length(value)
+    if isinstance(length, Fraction) and length < 0:
+        raise ValueError("it is negative; a time is 0 or more")
+    return length
+
+
+def _above_zero(value: object) -> object:
+    length = _length(value)
+    if isinstance(length, Fraction) and length <= 0:
+        raise ValueError("it must be longer than 0")
+    return length
+
+
+Time = Annotated[Fraction, Before(_not_negative, DURATION_TEXT)]
+Length = Annotated[Fraction, Before(_above_zero, DURATION_TEXT)]
+Count = Annotated[int, Meta(ge=1)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class When:
+    """at: the time of the first fault, counted from the begin of the run.
+
+    every: the time from one fault to the next; without it there is only one fault.
+    spread: the maximum random delay of each fault.
+    times: the maximum number of faults.
+    """
+
+    at: Time
+    every: Length | None = None
+    spread: Time = Fraction(0)
+    times: Count | None = None
+
+    def __post_init__(self) -> None:
+        if self.every is None and self.times is not None:
+            raise ValueError("times needs every; give every, or remove times")
+        if self.every is not None and self.spread > self.every:
+            raise ValueError("spread is longer than every, so faults would be out of order; shorten it")
+
+
+class HeldLine:
+    """A party that can hold one line low.
+
+    ticks: the time for which the line is held, if `clocks` is 0.
+    clocks: the number of falls of SCL after which the line is released, or 0.
+    who: the name of the party on the wire.
+    """
+
+    STATE = State("_left")
+
+    def __init__(self, kernel: Kernel, wire: Wire, scl: Wire | None, who: str, ticks: int, clocks: int) -> None:
+        """scl: the wire SCL, or None if `clocks` is 0."""
+        self._kernel = kernel
+        self._pin = wire.attach(who)
+        self._ticks, self._clocks = ticks, clocks
+        self._left = 0  # clocks until the line is released
+        if clocks:
+            assert scl is not None
+            watch([scl], self._scl_changed)
+
+    def pull(self) -> None:
+        self._pin.drive(0)
+        self._left = self._clocks
+        if not self._clocks:
+            self._kernel.call_at(self._kernel.now + self._ticks, self._let_go)
+
+    def _scl_changed(self, now: int, level: int) -> None:
+        if self._left and not level:
+            self._left -= 1
+            if not self._left:
+                self._let_go()
+
+    def _let_go(self) -> None:
+        self._pin.drive(1)
 
 
 @dataclass(frozen=True)

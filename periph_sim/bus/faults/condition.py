@@ -18,8 +18,7 @@ from typing import Literal
 
 from ...core.sampler import watch
 from ...core.state import State
-from . import FaultContext, Repeated
-from .when import Length, When
+from . import FaultContext, Length, Repeated, When
 
 
 @dataclass(frozen=True, kw_only=True)

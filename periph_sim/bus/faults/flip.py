@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from ...core.agent import Agent
 from ...core.sampler import watch
 from ...core.state import State
-from . import FaultContext, Repeated
-from .when import When
+from . import FaultContext, Repeated, When
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,9 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..held_line import HeldLine
-from . import FaultContext, Repeated
-from .when import Count, Length, When
+from . import Count, FaultContext, HeldLine, Length, Repeated, When
 
 
 @dataclass(frozen=True, kw_only=True)

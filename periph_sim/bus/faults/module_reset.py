@@ -11,8 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from . import FaultContext, Repeated, pulse
-from .when import Length, When
+from . import FaultContext, Length, Repeated, When, pulse
 
 
 @dataclass(frozen=True, kw_only=True)

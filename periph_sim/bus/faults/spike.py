@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from . import FaultContext, Repeated, pulse
-from .when import Length, When
+from . import FaultContext, Length, Repeated, When, pulse
 
 
 @dataclass(frozen=True, kw_only=True)

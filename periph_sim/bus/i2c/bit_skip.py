@@ -9,6 +9,10 @@ rise of SCL or later. So these bits are unobservable unless edges are recorded, 
 mid-byte. Where edges are recorded, no bit is skipped. Where a party may hold a line, the byte passes edge by edge.
 Where firmware acts in mid-byte, or any party pulls a line, the skipped events are run up to now, in their order
 (`materialize`).
+
+    SCL  _|~|_|~|_ ... _|~|_      `BitTimes`
+          0   1    rises   7, the eighth bit's
+            1   2  falls  7
 """
 
 # core: compiled
@@ -16,16 +20,55 @@ Where firmware acts in mid-byte, or any party pulls a line, the skipped events a
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import final
 
 from ...core.agent import Agent, Shortcut
 from ...core.event_queue import Event
 from ...core.kernel import Kernel
-from ...core.time import NO_TIME
+from ...core.time import NO_TIME, Clock
 from ...core.wire import Wire
-from .bit_times import SKIPPED_BITS, BitTimes
 from .line_events import SCL, SDA
 
+SKIPPED_BITS = 7  # number of bits of a byte that are skipped in one step
 ONES = 0xFF
+
+
+class BitTimes:
+    """Edges of SCL from a party that clocks in whole ticks.
+
+    since: the tick of the first rise. low, high: the low and the high time of SCL.
+    """
+
+    __slots__ = ("high", "low", "since")
+
+    def __init__(self) -> None:
+        self.since = NO_TIME
+        self.low = self.high = 0
+
+    def rise(self, number: int) -> int:
+        """Return the tick of this rise, 0 to 7."""
+        return self.since + number * (self.low + self.high)
+
+    def fall(self, number: int) -> int:
+        """Return the tick of this fall, 1 to 7."""
+        return self.rise(number - 1) + self.high
+
+
+@final
+class CycleTimes(BitTimes):
+    """Edges of SCL from a party with a clock of its own. since, low and high are in cycles of that clock."""
+
+    __slots__ = ("_clock",)
+
+    def __init__(self, clock: Clock) -> None:
+        BitTimes.__init__(self)
+        self._clock = clock
+
+    def rise(self, number: int) -> int:
+        return self._clock.tick(self.since + number * (self.low + self.high))
+
+    def fall(self, number: int) -> int:
+        return self._clock.tick(self.since + (number - 1) * (self.low + self.high) + self.high)
 
 
 class BitParty(Agent):

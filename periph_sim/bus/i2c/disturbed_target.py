@@ -17,7 +17,7 @@ from typing import Protocol
 
 from ...core.kernel import Kernel
 from ...core.state import State
-from ..held_line import HeldLine
+from ..faults import HeldLine
 from .target_side import Reply, Stretches, TargetSide
 
 READ = 1

@@ -22,8 +22,7 @@ from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire
 from ...traces.decode.i2c_stream import BITS, SCL, SDA, I2cStream
-from .bit_skip import BitParty
-from .bit_times import SKIPPED_BITS, BitTimes
+from .bit_skip import SKIPPED_BITS, BitParty, BitTimes
 from .transfer import Phase, Transfer
 
 

@@ -8,8 +8,7 @@ RELEASE of the first bit --edge by edge--> BIT_END ...
 
 from __future__ import annotations
 
-from .bit_skip import ONES, BitSkip
-from .bit_times import SKIPPED_BITS
+from .bit_skip import ONES, SKIPPED_BITS, BitSkip
 from .controller import NO_BYTE, RELEASE, I2cController
 from .line_events import SCL
 

@@ -20,8 +20,7 @@ from ...core.kernel import Kernel
 from ...core.sampler import watch
 from ...core.state import State
 from ...core.wire import Wire
-from .bit_skip import ONES, BitParty
-from .bit_times import SKIPPED_BITS
+from .bit_skip import ONES, SKIPPED_BITS, BitParty
 from .line_events import EVENTS, FALL, IDLE, RISE, SCL, SDA, START
 
 # Activities of the target; NOT_MEANT: not addressed, or no START yet.

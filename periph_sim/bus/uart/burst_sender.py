@@ -17,8 +17,8 @@ from typing import NamedTuple, Protocol
 from ...core.kernel import Kernel
 from ...core.state import State
 from ...core.wire import Pin
-from .edge_sender import EdgeSender
 from .frame_format import UartFormat
+from .sender import EdgeSender
 
 
 class Drives(Protocol):

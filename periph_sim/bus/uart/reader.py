@@ -1,10 +1,15 @@
-"""Reader of a UART line: begin, end and value of each frame, from any sender.
+"""Readers of a UART line, which read or count its frames from any sender.
 
     wire  --|___+---|___...---+------      start bit, data, parity, stop
             on_begin          on_end(Heard)
 
 The value of a frame is read in the middle of each bit. It ends with its last stop bit, or with the start bit of the
 next one if that is earlier.
+
+    wire  ──┐___┌───┐___...───┌──────┐___     a start bit that ends no character before it begins one
+            begin        free again  the one before is counted now, or at the run's end
+
+The counter needs no events: the begin of a character determines when the line is free again.
 """
 
 # core: compiled
@@ -13,11 +18,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from typing import NamedTuple
+from typing import NamedTuple, final
 
 from ...core.agent import Agent
 from ...core.event_queue import Event
-from ...core.kernel import Kernel
+from ...core.records import Kind, Topic
 from ...core.sampler import watch
 from ...core.state import State
 from ...core.time import NO_TIME
@@ -66,10 +71,10 @@ class UartReader(Agent):
 
     _format: UartFormat
 
-    def __init__(self, kernel: Kernel, wire: Wire, line: Line) -> None:
+    def __init__(self, wire: Wire, line: Line) -> None:
         self.on_begin: list[Callable[[int], None]] = []
         self.on_end: list[Callable[[Heard], None]] = []
-        self._kernel = kernel
+        self._kernel = wire.kernel
         self._line = line
         self._start = 0
         self._set_at = NO_TIME
@@ -133,3 +138,77 @@ class UartReader(Agent):
         heard = Heard(self._start, self._kernel.now, value, form.is_kept_by(levels), address)
         for callback in self.on_end:
             callback(heard)
+
+
+class UartMonitor:
+    """Makes FRAME records of the begin, and of the end or error, of each frame. line: as for a `UartReader`."""
+
+    def __init__(self, wire: Wire, line: Line) -> None:
+        self._begins: Topic = wire.recorder.topic(Kind.FRAME, wire.name, "begin")
+        self._ends: Topic = wire.recorder.topic(Kind.FRAME, wire.name, "end")
+        self._errors: Topic = wire.recorder.topic(Kind.FRAME, wire.name, "error")
+        reader = UartReader(wire, line)
+        reader.on_begin.append(self._begin)
+        reader.on_end.append(self._end)
+
+    def _begin(self, now: int) -> None:
+        self._begins.emit(now)
+
+    def _end(self, heard: Heard) -> None:
+        topic = self._ends if heard.good else self._errors
+        topic.emit(heard.end, heard.value)
+
+
+@final
+class UartCounter(Agent):
+    """Counts the characters on one line. line: as for a `UartReader`.
+
+    on_character: callbacks with the tick of each character's start bit, called when the next character begins or the
+        run ends.
+    topics: topics in which a record with value 1 is made for each character.
+    """
+
+    topics: list[Topic]
+
+    STATE = State(ticks="_begun_at _over_at _free_at")
+
+    def __init__(self, wire: Wire, line: Line) -> None:
+        self.on_character: list[Callable[[int], None]] = []
+        self.topics = []
+        self._line = line
+        self._as: tuple[Fraction, UartFormat] | None = None  # bit time and format of the last character
+        self._lasted = self._taken = 0  # ticks from its begin to the end, and to the middle, of its last stop bit
+        self._begun_at = NO_TIME
+        self._over_at = 0  # the end of its last stop bit
+        self._free_at = 0  # the middle of its last stop bit, from which on a fall is a start bit
+        watch([wire], self)
+
+    def sampled(self, now: int, levels: int) -> None:
+        if levels or now < self._free_at:
+            return
+        self._tell()
+        self._set_line()
+        self._begun_at = now
+        self._over_at, self._free_at = now + self._lasted, now + self._taken
+
+    def _set_line(self) -> None:
+        """Set rate and format of the next character."""
+        line = self._line()
+        if line is not self._as and line != self._as:
+            self._as, (bit, form) = line, line
+            halves = form.half_bits(bit)
+            self._taken, self._lasted = halves[-2], halves[-1]
+
+    def finish(self, now: int) -> None:
+        """Finish the run; an incomplete character does not count."""
+        if self._over_at <= now:
+            self._tell()
+
+    def _tell(self) -> None:
+        if self._begun_at != NO_TIME:
+            topic: Topic
+            for topic in self.topics:
+                topic.emit(self._begun_at, 1)
+            for callback in self.on_character:
+                callback(self._begun_at)
+        self._begun_at = NO_TIME

@@ -121,7 +121,7 @@ class Transceiver:
         self.driver.drive(tx.level)
         if at_first:
             self.driver.enable(True)
-        reader = UartReader(pair.kernel, tx, line)
+        reader = UartReader(tx, line)
         reader.on_begin.append(self._begins)
         reader.on_end.append(self._over)
         watch([tx], lambda tick, level: self.driver.drive(level))

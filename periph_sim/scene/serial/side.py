@@ -252,7 +252,7 @@ class SerialSide:
         wire = sci.tx if transceiver is None else transceiver.pair.wire.name
         key = (wire, *self._line(entry))
         if key not in self._readers:
-            self._readers[key] = UartReader(self._context.kernel, self._context.wire(wire), lambda: key[1:])
+            self._readers[key] = UartReader(self._context.wire(wire), lambda: key[1:])
         if transceiver is not None:
             told = partial(_if_driven, transceiver.driver, told)
         self._readers[key].on_end.append(told)

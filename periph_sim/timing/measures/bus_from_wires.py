@@ -12,8 +12,7 @@ Source: UM10204 sections 3.1.4 to 3.1.10.
 
 from __future__ import annotations
 
-from ...bus.i2c.bit_skip import BitParty
-from ...bus.i2c.bit_times import SKIPPED_BITS, BitTimes
+from ...bus.i2c.bit_skip import SKIPPED_BITS, BitParty, BitTimes
 from ...core.time import NO_TIME
 from ...core.wire import Wire
 from ...traces.decode.i2c_stream import BITS, FALL, KINDS, RISE, START, STOP, I2cStream

@@ -9,8 +9,7 @@ from random import Random
 
 import pytest
 
-from periph_sim.bus.faults import FaultContext, kinds
-from periph_sim.bus.faults.when import When
+from periph_sim.bus.faults import FaultContext, When, kinds
 from periph_sim.core.convert import BadTable, convert
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder

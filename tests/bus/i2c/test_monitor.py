@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.bus.i2c.controller import I2cController
 from periph_sim.bus.i2c.monitor import I2cMonitor
-from periph_sim.bus.i2c.scripted_target import Answer, ScriptedTarget
+from periph_sim.bus.i2c.replayed_sides import Answer, ScriptedTarget
 from periph_sim.bus.i2c.transfer import BusTiming, Phase, Transfer
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder

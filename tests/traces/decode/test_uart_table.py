@@ -14,8 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.bus.uart.frame_format import UartFormat
-from periph_sim.bus.uart.reader import Heard, UartReader
-from periph_sim.bus.uart_counter import UartCounter
+from periph_sim.bus.uart.reader import Heard, UartCounter, UartReader
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.wire import Wire
@@ -68,7 +67,7 @@ def heard_on_wire(line: Channel, form: UartFormat, width: int) -> list[Heard]:
     kernel = Kernel()
     wire = Wire(kernel, line.name, Recorder())
     pin, heard = wire.attach("sender"), []
-    UartReader(kernel, wire, lambda: (Fraction(width), form)).on_end.append(heard.append)
+    UartReader(wire, lambda: (Fraction(width), form)).on_end.append(heard.append)
     counter, begins = UartCounter(wire, lambda: (Fraction(width), form)), []
     counter.on_character.append(begins.append)
     for at, level in zip([0, *line.edges.tolist()], [line.initial, *line.levels.tolist()], strict=True):

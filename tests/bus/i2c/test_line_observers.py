@@ -1,4 +1,4 @@
-"""A bus without a controller agent is recorded as the agent would have recorded it."""
+"""What is reported of a bus without a controller agent: bytes, records as the agent makes them, and stuck lines."""
 
 from __future__ import annotations
 
@@ -6,12 +6,35 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim.bus.i2c.event_recorder import BusRecorder
+from periph_sim.bus.i2c.line_observers import BusRecorder, StuckWatch
+from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
+from periph_sim.core.wire import Wire
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING, run_file
+
+
+@pytest.mark.parametrize(
+    ("scl", "sda", "counted"),
+    [
+        ("11 1" + "0100" * 9 + "0 11", "11 0" + "0000" * 9 + "0 01", 1),
+        ("11 1" + "0100" * 18 + "0 11", "11 0" + "0000" * 18 + "0 01", 2),
+        ("11 1" + "0100" * 8 + "0 11", "11 0" + "0000" * 8 + "0 01", 0),  # cut off by the STOP
+        ("11 1" + "0100" * 9, "11 1" + "1111" * 9, 0),  # no START
+    ],
+)
+def test_whole_bytes_between_start_and_stop_count(scl, sda, counted):
+    kernel = Kernel()
+    lines = [Wire(kernel, name, Recorder()) for name in ("SCL", "SDA")]
+    pins = [wire.attach("hand") for wire in lines]
+    counter = BusRecorder(*lines)
+    for pin, row in zip(pins, (scl, sda), strict=True):
+        for tick, level in enumerate(row.replace(" ", "")):
+            kernel.call_at(tick, lambda pin=pin, level=level: pin.drive(int(level)))
+    kernel.run_until(1000)
+    assert counter.bytes == counted
 
 
 def heard(name: str, seconds: str, *changes: str) -> tuple[list[Record], list[Record]]:
@@ -22,7 +45,7 @@ def heard(name: str, seconds: str, *changes: str) -> tuple[list[Record], list[Re
         recorder.subscribe([Kind.BUS], found.append)
 
     scene = Scene(load(TIMING / f"{name}.toml", ["budget=[]", "breaks=[]", *changes]), subscribe)
-    bus = BusRecorder(scene.kernel, scene.recorder, scene.wires["SCL"], scene.wires["SDA"])
+    bus = BusRecorder(scene.wires["SCL"], scene.wires["SDA"])
     scene.run(Fraction(seconds))
     assert bus.bytes == sum(r.where == "bus" and r.what in ("address", "byte") for r in found)
     return [r for r in found if r.where != "bus"], [r for r in found if r.where == "bus"]
@@ -52,3 +75,27 @@ def test_a_master_that_is_firmware_has_budgets_on_the_bus():
     assert ran.broken() == [] and all(
         v.count for v in ran.result.budgets if v.measure not in ("nacked", "count of bus NACK")
     )
+
+
+@pytest.mark.parametrize(
+    ("moves", "told"),
+    [
+        ({10: 0}, [110]),
+        ({10: 0, 109: 1}, []),
+        ({10: 0, 60: 1, 90: 0}, [190]),
+        ({10: 0, 60: 1, 90: 0, 150: 1, 160: 0, 240: 1}, []),
+        ({10: 0, 130: 1, 200: 0}, [110, 300]),
+    ],
+)
+def test_a_line_is_stuck_from_the_limit_on(moves: dict[int, int], told: list[int]):
+    kernel, recorder = Kernel(), Recorder()
+    marks: list[int] = []
+    recorder.subscribe([Kind.BUS], lambda record: marks.append(record.tick))
+    wire = Wire(kernel, "SDA", recorder)
+    came: list[int] = []
+    StuckWatch(wire, 100, lambda line: came.append(kernel.now))
+    pin = wire.attach("somebody")
+    for tick, level in moves.items():
+        kernel.call_at(tick, lambda level=level: pin.drive(level))  # type: ignore[misc]
+    kernel.run_until(1000)
+    assert came == told == marks

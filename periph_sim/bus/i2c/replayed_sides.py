@@ -1,5 +1,6 @@
-"""The controller's half of an I2C bus, replayed from a list of moves of SCL and SDA.
+"""One side of an I2C bus, replayed from a list: the controller's moves, or the targets' answers.
 
+    SCL, SDA --> TargetSide --> address known? next answer --> SDA
     moves: SDA 0, SCL 0, SDA 1, SCL 1 ...  -->  the lines
                                    ^--- closed loop: times after a release of SCL count from its actual rise
 
@@ -7,18 +8,24 @@ The player does not interpret bytes and ACKs: it repeats the moves of a controll
 that violate the protocol. Only the clock is closed-loop: while another party holds SCL low, the player waits, and all
 later moves are delayed by the same time.
 
-Source: UM10204 section 3.1.9 (clock stretching).
+The targets replace the devices of a bus that are not under test. They stretch the clock if the answer has stretches. An
+address without remaining answers is not acknowledged.
+
+Source: UM10204 sections 3.1.4 to 3.1.10.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...core.kernel import Kernel
 from ...core.sampler import watch
 from ...core.time import NO_TIME
 from ...core.wire import Wire
+from .target_side import Stretches, TargetSide
 
 
 class Move(NamedTuple):
@@ -98,3 +105,45 @@ class I2cPlayer:
 
 def _nothing() -> None:
     """Do nothing: the default callback."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """Answer to a START with an address.
+
+    data: the bytes that are sent in a read; 0xFF follows them.
+    acks: the acknowledges of written bytes; further bytes are acknowledged.
+    stretches: triples (byte, bit, ticks) as in `target_side.Reply`.
+    """
+
+    ack: bool
+    data: bytes = b""
+    acks: tuple[bool, ...] = ()
+    stretches: Stretches = ()
+
+    def send_byte(self, byte: int) -> int:
+        return self.data[byte] if byte < len(self.data) else 0xFF
+
+    def receive_byte(self, byte: int, value: int) -> bool:
+        return byte >= len(self.acks) or self.acks[byte]
+
+
+class ScriptedTarget(TargetSide):
+    """Answers for the addresses in `answers`. hold: ticks from the fall of SCL to a change of SDA."""
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        scl: Wire,
+        sda: Wire,
+        answers: Mapping[int, Iterable[Answer]],
+        hold: int,
+        who: str = "targets",
+    ) -> None:
+        self._left = {address: deque(of) for address, of in answers.items()}
+        super().__init__(kernel, scl, sda, self._next, hold, who)
+
+    def _next(self, address_byte: int) -> Answer | None:
+        """Return the answer to this address byte; None if none is left."""
+        waiting = self._left.get(address_byte >> 1)
+        return waiting.popleft() if waiting else None

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.bus.uart.frame_format import UartFormat
-from periph_sim.bus.uart.monitor import UartMonitor
+from periph_sim.bus.uart.reader import UartMonitor
 from periph_sim.bus.uart.sender import UartSender
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
@@ -29,7 +29,7 @@ class Desk:
         self.wire = Wire(self.kernel, "RX", recorder)
         form = form or UartFormat()
         self.peer = UartSender(self.kernel, recorder, self.wire, bit, form)
-        UartMonitor(self.kernel, recorder, self.wire, lambda: (bit, heard_as or form))
+        UartMonitor(self.wire, lambda: (bit, heard_as or form))
 
     def sends(self, data: bytes, gap: int | Fraction = 0) -> list[tuple[int, str, int]]:
         self.kernel.call_at(50, lambda: self.peer.send(data, Fraction(gap), lambda tick: None))

@@ -107,7 +107,7 @@ def _mistakes(port: str) -> Iterator[None]:
     """Turn errors of the port, the file or a setting into one sentence."""
     from serial import SerialException
 
-    from ...outside.live.port_errors import in_our_words
+    from ...outside.live.port_door import in_our_words
     from ...scene.firmware_loader import BadSetting
 
     try:

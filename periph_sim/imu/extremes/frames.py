@@ -88,8 +88,3 @@ def counted(radians: Any) -> Ints:
     """Return angles as a frame's counts, from a host without range checks: wrapping int16."""
     counts: Ints = (np.rint(np.asarray(radians) / ANGLE).astype(np.int64) + INT16) % (2 * INT16) - INT16
     return counts
-
-
-def standing(attitude: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Ints:
-    """Return int64[12]: the same attitude three times, no acceleration."""
-    return np.concatenate([counted(attitude)] * 3 + [np.zeros(3, dtype=np.int64)])

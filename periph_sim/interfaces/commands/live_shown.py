@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     from ...core.time import Timebase
     from ...outside.live.loop import Door
     from ...outside.live.pacing import Pacer
-    from ...outside.live.view.board import Board
+    from ...outside.live.view.board import Board, ViewDoor
     from ...outside.live.view.browser import Browser
-    from ...outside.live.view.door import ViewDoor
     from ...outside.live.view.last_round import LastRound
     from ...outside.live.view.status import Status
     from ...outside.serial_line import SerialLine
@@ -73,7 +72,7 @@ class Shown:
         """Return the doors for the session's loop."""
         if self._board is None:
             return ()
-        from ...outside.live.view.door import ViewDoor
+        from ...outside.live.view.board import ViewDoor
         from ...outside.live.view.status import Status
 
         self._status = Status(session, line, pacer, where, self._wave)

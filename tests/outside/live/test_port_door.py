@@ -16,8 +16,11 @@ from periph_sim.outside import OutsideError, Session  # noqa: E402
 from periph_sim.outside.live import port_door  # noqa: E402
 from periph_sim.outside.live.loop import Loop  # noqa: E402
 from periph_sim.outside.live.pacing import Pacer  # noqa: E402
-from periph_sim.outside.live.port_door import PortDoor  # noqa: E402
-from periph_sim.outside.live.port_errors import GONE, in_our_words  # noqa: E402
+from periph_sim.outside.live.port_door import (  # noqa: E402
+    GONE,
+    PortDoor,
+    in_our_words,
+)
 from tests.outside.live.echo import written  # noqa: E402
 
 

@@ -11,8 +11,7 @@ from periph_sim.core.time import Timebase
 from periph_sim.devices.sensor_rounds import Round
 from periph_sim.outside import Session
 from periph_sim.outside.live.pacing import Pacer
-from periph_sim.outside.live.view.board import Board
-from periph_sim.outside.live.view.door import ViewDoor
+from periph_sim.outside.live.view.board import Board, ViewDoor
 from periph_sim.outside.live.view.last_round import KEPT, LastRound
 from periph_sim.outside.live.view.status import Status
 from tests.outside.live.view.imu import FRAME, Clock, Imu

@@ -25,6 +25,7 @@ from ..explain.chain import place_of
 LONGEST = 32  # events of a chain
 AROUND = Fraction(5, 1000)  # seconds searched for a START before and a STOP after
 KINDS = (Kind.BUS, Kind.ACCESS, Kind.IRQ, Kind.SPAN)
+Times = dict[tuple[str, int], int]  # tick of each event by its text and number
 COARSE = ("START", "repeated START", "STOP")
 
 
@@ -126,10 +127,10 @@ def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], 
     event of a name is compared with the n-th of that name, so an event that moves past another counts as late.
     """
     then_at, now_at = _times(before), _times(now)
-    apart = [key for key in {**then_at, **now_at} if then_at.get(key) != now_at.get(key)]
+    apart = _apart(then_at, now_at, 0)
     if not apart:
         return ""
-    first = min(apart, key=lambda key: min(at[key] for at in (then_at, now_at) if key in at))
+    first = _first(apart, then_at, now_at)
     moved = [key for key in apart if key in then_at and key in now_at]
     most = max(moved, key=lambda key: abs(now_at[key] - then_at[key]), default=first)
     differences = [_moved(key[0], then_at.get(key), now_at.get(key), cycles) for key in dict.fromkeys((most, first))]
@@ -142,16 +143,26 @@ def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str],
     A new or missing event counts as moved.
     """
     then_at, now_at = _times(before), _times(now.lines)
-    far = [
+    far = _apart(then_at, now_at, tolerance)
+    if not far:
+        return ""
+    first = _first(far, then_at, now_at)
+    place = now.places[list(now_at).index(first)] if first in now_at else ""
+    return f"{_moved(first[0], then_at.get(first), now_at.get(first), cycles)}{f' [{place}]' if place else ''}"
+
+
+def _apart(then_at: Times, now_at: Times, tolerance: int) -> list[tuple[str, int]]:
+    """Return the events that one chain lacks, or whose times differ by more than a number of ticks."""
+    return [
         key
         for key in {**then_at, **now_at}
         if key not in then_at or key not in now_at or abs(now_at[key] - then_at[key]) > tolerance
     ]
-    if not far:
-        return ""
-    first = min(far, key=lambda key: min(at[key] for at in (then_at, now_at) if key in at))
-    place = now.places[list(now_at).index(first)] if first in now_at else ""
-    return f"{_moved(first[0], then_at.get(first), now_at.get(first), cycles)}{f' [{place}]' if place else ''}"
+
+
+def _first(events: list[tuple[str, int]], *chains: Times) -> tuple[str, int]:
+    """Return the event that is the earliest in one of the chains."""
+    return min(events, key=lambda key: min(at[key] for at in chains if key in at))
 
 
 def _moved(event: str, then: int | None, now: int | None, cycles: Callable[[int], str]) -> str:
@@ -162,9 +173,9 @@ def _moved(event: str, then: int | None, now: int | None, cycles: Callable[[int]
     return f"{event} {_length(cycles(abs(now - then)))} {'later' if now > then else 'earlier'}"
 
 
-def _times(chain: list[str]) -> dict[tuple[str, int], int]:
+def _times(chain: list[str]) -> Times:
     """Return the tick of each event; the number counts events of the same name."""
-    times: dict[tuple[str, int], int] = {}
+    times: Times = {}
     seen: Counter[str] = Counter()
     for line in chain:
         tick, _, event = line.partition(" ")

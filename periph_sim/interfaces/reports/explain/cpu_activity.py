@@ -80,7 +80,7 @@ def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
 def units(window: Window) -> list[str]:
     """Return the units with firmware activity in or before the window, by name."""
     kinds = (Kind.ACCESS, *DOING)
-    return sorted({r.where for r in (*window.before, *window.records) if r.kind in kinds})
+    return sorted({r.where for r in window.all_records if r.kind in kinds})
 
 
 def open_at(window: Window, unit: str, tick: int) -> list[Record]:

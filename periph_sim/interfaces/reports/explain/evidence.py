@@ -96,9 +96,7 @@ class Evidence:
     @cached_property
     def _done(self) -> list[Record]:
         """Accesses, spans and waits of the firmware with their places, except those of service routines."""
-        records = [
-            r for r in (*self.window.before, *self.window.records) if r.where == self.unit and r.kind in IN_FIRMWARE
-        ]
+        records = [r for r in self.window.all_records if r.where == self.unit and r.kind in IN_FIRMWARE]
         found, routines = [], 0
         for record in sorted(records, key=in_time):
             if record.kind is Kind.IRQ:
@@ -129,10 +127,9 @@ class Evidence:
     def accesses(self, begin: int, end: int, way: str, module: str, *registers: str) -> list[Record]:
         """Return reads ("R") or writes ("W") of registers between two ticks, inclusive, also before the window."""
         names = {f"{way} {module}.{register}" for register in registers}
-        found = (*self.window.before, *self.window.records)
         return [
             r
-            for r in found
+            for r in self.window.all_records
             if r.kind is Kind.ACCESS and r.what in names and begin <= r.tick <= end and r.where == self.unit
         ]
 
@@ -196,15 +193,15 @@ class Evidence:
 
         If the record does not name it: the addressed device, else the unit.
         """
-        held = [r for r in self._there if r.kind in (Kind.EDGE, Kind.HOLD) and r.where == "SCL" and r.tick <= tick]
+        held = [
+            r
+            for r in self.window.all_records
+            if r.kind in (Kind.EDGE, Kind.HOLD) and r.where == "SCL" and r.tick <= tick
+        ]
         names = max(held, key=in_time).text.split(", ") if held else []
         named = [name.partition(".")[0] for name in names if name not in ("", "controller")]
         phase = self.phase_at(tick)
         return named[0] if named else self.unit if phase is None else self._devices.get(phase.address, self.unit)
-
-    @property
-    def _there(self) -> tuple[Record, ...]:
-        return (*self.window.before, *self.window.records)
 
     @cached_property
     def low(self) -> int:
@@ -343,7 +340,7 @@ def _run_of(
     Records of the table have no place in the firmware with a file; those by number do.
     """
     columns = Columns()
-    kept = {one.number: one for one in (*window.before, *window.records)}
+    kept = {one.number: one for one in window.all_records}
     ordered = sorted(kept.values(), key=lambda r: r.number)
     for one in ordered:
         columns.add(one)

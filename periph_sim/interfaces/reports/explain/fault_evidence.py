@@ -82,14 +82,9 @@ def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
         if last is None:
             return [evidence.say(tick, f"{field} = 0, so {so}: the firmware has never set it")]
         if not last.value:
-            return [_taken(evidence, last, so, tick)]
+            text = f"{last.what} cleared, so {so}, {evidence.span(tick - last.tick)} before"
+            return [evidence.step(maker(evidence, last) or last, text)]
     return []
-
-
-def _taken(evidence: Evidence, cleared: Record, so: str, tick: int) -> Step:
-    by = maker(evidence, cleared)
-    text = f"{cleared.what} cleared, so {so}, {evidence.span(tick - cleared.tick)} before"
-    return evidence.step(cleared if by is None else by, text)
 
 
 def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step], Step | None]:
@@ -117,9 +112,8 @@ def refusing(evidence: Evidence, tick: int) -> list[Step]:
     last = last_change(evidence, "I2CMDR.NACKMOD", tick)
     if last is None or not last.value:
         return missing_condition(evidence, tick)
-    by = maker(evidence, last)
     text = f"I2CMDR.NACKMOD set, so the module refuses the next byte, {evidence.span(tick - last.tick)} before"
-    return [evidence.step(last if by is None else by, text)]
+    return [evidence.step(maker(evidence, last) or last, text)]
 
 
 def is_master(evidence: Evidence, tick: int) -> bool:
@@ -178,16 +172,23 @@ def waited_for(evidence: Evidence, tick: int) -> list[Step]:
 def last_change(evidence: Evidence, field: str, tick: int, module: str = I2C) -> Record | None:
     """Return the last change of a field of one of the unit's modules up to a tick."""
     where = f"{evidence.unit}.{module}"
-    there = (*evidence.window.before, *evidence.window.records)
-    found = [r for r in there if r.kind is Kind.FLAG and (r.where, r.what) == (where, field) and r.tick <= tick]
+    found = [
+        r
+        for r in evidence.window.all_records
+        if r.kind is Kind.FLAG and (r.where, r.what) == (where, field) and r.tick <= tick
+    ]
     return max(found, key=in_time, default=None)
 
 
 def maker(evidence: Evidence, change: Record) -> Record | None:
     """Return the access that made a change in its cycle."""
-    there = (*evidence.window.before, *evidence.window.records)
     return next(
-        (r for r in there if r.number == change.cause and r.kind is Kind.ACCESS and r.tick == change.tick), None
+        (
+            r
+            for r in evidence.window.all_records
+            if r.number == change.cause and r.kind is Kind.ACCESS and r.tick == change.tick
+        ),
+        None,
     )
 
 
@@ -239,8 +240,11 @@ def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
 def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step], Part | None]:
     """Return the last duty noted as broken by a read's device up to its end, and the cause, if it is one."""
     who = sender(evidence, phase)
-    there = (*evidence.window.before, *evidence.window.records)
-    notes = [r for r in there if r.kind is Kind.NOTE and (r.where, r.what) == (who, "duty") and r.tick <= phase.end]
+    notes = [
+        r
+        for r in evidence.window.all_records
+        if r.kind is Kind.NOTE and (r.where, r.what) == (who, "duty") and r.tick <= phase.end
+    ]
     if not notes:
         return [], None
     note = max(notes, key=lambda r: r.tick)

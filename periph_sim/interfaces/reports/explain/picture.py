@@ -94,7 +94,7 @@ def flags_shown(window: Window) -> list[tuple[str, str]]:
     """Return place and field of the flags that changed within the picture and are related to the measure; and of all
     that the chain names, changed or not."""
     changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
-    known = {(r.where, r.what) for r in (*window.before, *window.records) if r.kind is Kind.FLAG}
+    known = {(r.where, r.what) for r in window.all_records if r.kind is Kind.FLAG}
     changed |= {(where, what) for where, what in known if _is_named(window, where, what)}
     measure, event = window.verdict.measure, event_of(window.verdict)
     about = () if event is None else FLAGS.get(event.how, ())
@@ -121,7 +121,7 @@ def _shown(where: str, what: str) -> str:
 
 
 def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
-    changes = [r for r in (*window.before, *window.records) if (r.kind, r.where, r.what) == (Kind.FLAG, where, what)]
+    changes = [r for r in window.all_records if (r.kind, r.where, r.what) == (Kind.FLAG, where, what)]
     earlier = [r for r in changes if r.tick < window.drawn.begin]
     inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
     register, name = what.partition(".")[0], _shown(where, what).rpartition(".")[2]

@@ -14,6 +14,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from pathlib import Path
 
 from ....core.records import RECORDED, Kind, Record, Recorder
@@ -65,6 +66,11 @@ class Window:
     timebase: Timebase
     start: int
     chain_texts: tuple[str, ...] = ()
+
+    @cached_property
+    def all_records(self) -> tuple[Record, ...]:
+        """The last records before the first range, and those of the ranges."""
+        return (*self.before, *self.records)
 
     @property
     def hole(self) -> Span | None:

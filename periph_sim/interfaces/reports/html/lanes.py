@@ -16,7 +16,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 
 from ....core.records import Kind, Record
 from ....records.register_maps import register_of
@@ -26,43 +25,10 @@ from ..explain.cpu_activity import polled
 from ..explain.picture import flags_shown
 from ..explain.window import Window
 from .protocol import bytes_of, rows
-from .timeline import Boxes, Lane, Marks, SpanLabel, Timeline, Wave
+from .timeline import Boxes, Lane, Marks, Texts, Timeline, Wave
 
 BUS_WORDS = re.compile(r"\b(SCL|SDA|START|STOP|N?ACK|acknowledged|transfer|byte \d+)\b")
 SERIAL_WORDS = re.compile(r"\b(RX|TX|SCI\w*|frames?|host|FIFO)\b")
-
-
-@dataclass(frozen=True, eq=False)
-class LaneChoice:
-    window: Window
-
-    @cached_property
-    def _mentioned(self) -> str:
-        return "\n".join((self.window.verdict.measure, *self.window.chain_texts))
-
-    @cached_property
-    def _flags(self) -> set[tuple[str, str]]:
-        return set(flags_shown(self.window))
-
-    @cached_property
-    def bus(self) -> bool:
-        """True if the occurrence is about the I2C bus, or if nothing shows what it is about."""
-        return bool(BUS_WORDS.search(self._mentioned)) or not (self.serial or self.window.chain_texts)
-
-    @cached_property
-    def serial(self) -> bool:
-        return bool(SERIAL_WORDS.search(self._mentioned))
-
-    def names(self, word: str) -> bool:
-        """True if the measure or the chain names a pin, or a register without a field."""
-        return bool(re.search(rf"\b{re.escape(word)}\b(?!\.)", self._mentioned))
-
-    def flag(self, where: str, what: str) -> bool:
-        return (where, what) in self._flags
-
-    def within(self, begin: int, end: int) -> bool:
-        """True if a range of ticks overlaps the picture."""
-        return begin < self.window.drawn.end and end >= self.window.drawn.begin
 
 
 BUS = ("SCL", "SDA")
@@ -88,15 +54,19 @@ class _Lanes:
     cycles: dict[str, float]
     frame_bit: int
     most: int
-    says: SpanLabel = field(default_factory=SpanLabel)
+    says: Texts = field(default_factory=Texts)
 
     def __post_init__(self) -> None:
         self.kept = _within_reach(self.window, self.most)
-        self.choice = LaneChoice(self.window)
+        about = "\n".join((self.window.verdict.measure, *self.window.chain_texts))
+        self.about = about
+        self.about_serial = bool(SERIAL_WORDS.search(about))
+        self.about_bus = bool(BUS_WORDS.search(about)) or not (self.about_serial or self.window.chain_texts)
+        self.chosen_flags = set(flags_shown(self.window))
         self.records = [r for r in self.window.records if any(k.begin <= r.tick < k.end for k in self.kept)]
         early = [r for r in self.window.records if r.tick < self.kept[0].begin]
         self.before = {r[2:5]: r for r in (*self.window.before, *early)}
-        self.by_number = {r.number: r for r in (*self.window.before, *self.window.records)}
+        self.by_number = {r.number: r for r in self.window.all_records}
         self.zero = self.window.begin
 
     def timeline(self) -> Timeline:
@@ -117,7 +87,7 @@ class _Lanes:
             shown=(window.drawn.begin - self.zero, window.drawn.end - 1 - self.zero),
             kept=tuple((span.begin - self.zero, span.end - 1 - self.zero) for span in self.kept),
             groups=tuple((name, tuple(lanes)) for name, lanes in groups if lanes),
-            says=tuple(self.says.texts),
+            says=tuple(self.says),
             rows=tuple(rows(window, self._seen, self.zero)),
         )
 
@@ -131,9 +101,8 @@ class _Lanes:
         if not edges and first is None and not len(channel.edges):
             return None
         initial = first.value if first is not None else edges[0].value ^ 1 if edges else channel.initial
-        choice = self.choice
         wave = Wave(wire, "", initial)
-        wave.chosen = choice.names(wire) or (wire in BUS and choice.bus) or (wire in SERIAL and choice.serial)
+        wave.chosen = self._named(wire) or (wire in BUS and self.about_bus) or (wire in SERIAL and self.about_serial)
         level = initial
         for record in edges:
             if record.value != level:
@@ -146,7 +115,7 @@ class _Lanes:
         wires = [wave for wire in BUS if wire in self._wires() and (wave := self._wave(wire))]
         if len(wires) < len(BUS):
             return [*wires]
-        bytes_ = Boxes("bytes", "", chosen=self.choice.bus)
+        bytes_ = Boxes("bytes", "", chosen=self.about_bus)
         for begin, end, label, says in bytes_of(i2c.transfers(self.window.edges), self.kept[-1].end):
             if self._seen(begin, end):
                 bytes_.add(begin - self.zero, end - self.zero, self.says.place(label), self.says.place(says))
@@ -154,7 +123,7 @@ class _Lanes:
 
     def _transfers(self) -> list[Lane]:
         """Return the controller's transfers, by the name of its request."""
-        lane = Boxes("transfer", "", chosen=self.choice.bus)
+        lane = Boxes("transfer", "", chosen=self.about_bus)
         open_: Record | None = None
         for record in [*sorted(self.before.values(), key=lambda r: r.tick), *self.records]:
             if record.kind is not Kind.BUS:
@@ -175,7 +144,7 @@ class _Lanes:
 
     def _serial(self) -> list[Lane]:
         lanes: list[Lane] = [wave for wire in SERIAL if wire in self._wires() and (wave := self._wave(wire))]
-        frames = Boxes("frames", "", chosen=self.choice.serial)
+        frames = Boxes("frames", "", chosen=self.about_serial)
         for record in self.records:
             if record.kind is Kind.FRAME and record.what == "byte":
                 byte = f"{record.value:02X}"
@@ -204,7 +173,7 @@ class _Lanes:
         before = self.before.get(changes[0][2:5])
         initial = before.value if before is not None else known.reset if known is not None else 0
         about = f"\n{known.doc} [{of.source}]" if of is not None and known is not None and known.doc else ""
-        chosen = self.choice.flag(*changes[0][3:5])
+        chosen = changes[0][3:5] in self.chosen_flags
         if known is not None and known.msb == known.lsb:
             wave = Wave(what, unit, initial, chosen=chosen)
             for record in changes:
@@ -253,7 +222,7 @@ class _Lanes:
                     label = " ".join(word.rpartition(".")[2] for word in what.split(" "))
                 says = self.says.place(f"{said} {what}" + (f"\nat {record.text}" if record.text else ""))
                 row.add(begin - self.zero, end - self.zero, self.says.place(label), says)
-                row.chosen |= self.choice.within(begin, end)
+                row.chosen |= self._drawn(begin, end)
             lanes += found
         return lanes
 
@@ -280,7 +249,7 @@ class _Lanes:
                 continue
             way, _, name = record.what.partition(" ")
             module, _, register = name.partition(".")
-            lane = lanes.setdefault(name, Marks(register, unit, chosen=self.choice.names(register)))
+            lane = lanes.setdefault(name, Marks(register, unit, chosen=self._named(register)))
             of = register_of(module, register)
             value = of.decode(record.value) if of is not None else f"{record.value:#06x}"
             verb = "read" if way == "R" else "write of"
@@ -298,7 +267,7 @@ class _Lanes:
                 lane.at.append(record.tick - self.zero)
                 lane.labels.append(self.says.place(record.what))
                 lane.says.append(self.says.place(f"{record.where}: {record.what}\n{record.text}"))
-                lane.chosen |= self.choice.within(record.tick, record.tick)
+                lane.chosen |= self._drawn(record.tick, record.tick)
                 lane.strong.append(1)
         return [lane] if lane.at else []
 
@@ -306,6 +275,14 @@ class _Lanes:
 
     def _wires(self) -> list[str]:
         return [channel.name for channel in self.window.edges.channels]
+
+    def _named(self, word: str) -> bool:
+        """Return True if the measure or the chain names a pin, or a register without a field."""
+        return bool(re.search(rf"\b{re.escape(word)}\b(?!\.)", self.about))
+
+    def _drawn(self, begin: int, end: int) -> bool:
+        """Return True if a range of ticks overlaps the picture."""
+        return begin < self.window.drawn.end and end >= self.window.drawn.begin
 
     def _seen(self, begin: int, end: int) -> bool:
         return any(begin < span.end and end >= span.begin for span in self.kept)

@@ -16,14 +16,11 @@ from .protocol import Row
 Ticks = list[int]
 
 
-@dataclass
-class SpanLabel:
-    """Texts, each once. A text's first line is its title."""
-
-    texts: dict[str, int] = field(default_factory=dict)
+class Texts(dict[str, int]):
+    """Texts, each once, with its index. A text's first line is its title."""
 
     def place(self, text: str) -> int:
-        return self.texts.setdefault(text, len(self.texts))
+        return self.setdefault(text, len(self))
 
 
 @dataclass
@@ -138,20 +135,17 @@ class Timeline:
 
 def only_chosen(timeline: Timeline) -> Timeline:
     """Return the timeline with chosen lanes only, and only their texts."""
-    says = SpanLabel()
-
-    def moved(places: list[int]) -> list[int]:
-        return [says.place(timeline.says[n]) for n in places]
+    says = Texts()
 
     def again(lane: Lane) -> Lane:
-        if isinstance(lane, Wave):
-            return replace(lane, says=moved(lane.says))
-        if isinstance(lane, Boxes):
-            return replace(lane, labels=moved(lane.labels), says=moved(lane.says))
-        return replace(lane, labels=moved(lane.labels), says=moved(lane.says), places=moved(lane.places))
+        moved: dict[str, Any] = {}
+        for key in ("labels", "says", "places"):
+            if hasattr(lane, key):
+                moved[key] = [says.place(timeline.says[n]) for n in getattr(lane, key)]
+        return replace(lane, **moved)
 
     groups = tuple((name, tuple(again(lane) for lane in lanes if lane.chosen)) for name, lanes in timeline.groups)
-    return replace(timeline, groups=tuple(one for one in groups if one[1]), says=tuple(says.texts))
+    return replace(timeline, groups=tuple(one for one in groups if one[1]), says=tuple(says))
 
 
 def _head(lane: Lane) -> dict[str, Any]:

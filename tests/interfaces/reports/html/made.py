@@ -9,7 +9,7 @@ import numpy as np
 
 from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport, case_report
 from periph_sim.interfaces.reports.html.over_time import OverTime, over_time
-from periph_sim.interfaces.reports.html.timeline import Boxes, Marks, SpanLabel, Timeline, Wave
+from periph_sim.interfaces.reports.html.timeline import Boxes, Marks, Texts, Timeline, Wave
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.values import Values, values_of
@@ -96,7 +96,7 @@ def drawn() -> Timeline:
     span   "work" from 0 to 10 us
     REG    read at -1 us, written at 2 us
     """
-    says = SpanLabel()
+    says = Texts()
     line = Wave(
         "LINE",
         "",
@@ -121,7 +121,7 @@ def drawn() -> Timeline:
         shown=(-20 * US, 30 * US),
         kept=((-100 * US, 200 * US),),
         groups=(("pins", (line,)), ("flags", (words,)), ("firmware", (span,)), ("accesses", (register,))),
-        says=tuple(says.texts),
+        says=tuple(says),
     )
 
 

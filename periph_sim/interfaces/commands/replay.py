@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 
@@ -128,20 +127,30 @@ def replay(
         wait = PATIENCE if patience is None else _above_zero("--patience", patience)
         most = None if tolerance is None else time_given("--tolerance", tolerance)
         line = None if baud is None else line_format(baud, frame or "8n1")
-        i2c_only = {
-            "--address": own,
-            "--first": first,
-            "--longest-low": low,
-            "--patience": patience,
-            "--loop": loop,
-            "--as": role,
-            "--tolerance": tolerance,
-        }
         session = host is not None or len(lines) == len(ALL)
-        if not session:
-            _refuse("rx" in lines, i2c_only, {"--baud": baud, "--format": frame})
-        _refuse_together(loop, role, own, low, patience, baud, frame)
-        _refuse_in_session(session, host is not None, "scl" in lines, loop, role, offset)
+        is_uart, is_open, is_master = "rx" in lines, loop == "open", role == "master"
+        uart_only = {"--baud": baud, "--format": frame}
+        i2c_only = {"--address": own, "--first": first, "--longest-low": low, "--patience": patience}
+        i2c_only |= {"--loop": loop, "--as": role, "--tolerance": tolerance}
+        slave_only = {"--loop open": is_open, "--address": own, "--longest-low": low}
+        unused = {} if session else i2c_only if is_uart else uart_only
+        kind = "I2C" if is_uart else "UART"
+        refused = {
+            **{f"{name} is for {kind} captures; this one is not mapped so": value for name, value in unused.items()},
+            **{
+                f"{name} is for a slave; as master the firmware makes the clock itself": is_master and value
+                for name, value in slave_only.items()
+            },
+            "--longest-low is for --loop closed; in open loop every edge is the capture's": is_open and low is not None,
+            "--patience is for --loop closed; an open loop does not wait for the firmware": is_open and patience,
+            "--format needs --baud; without both the line is read as the firmware sets the SCI": frame and not baud,
+            "--uart needs an I2C capture; this one is a UART capture itself": host and "scl" not in lines,
+            "--offset needs --uart; the channels of one file share one time": offset is not None and not host,
+            "an I2C and a UART capture together are for --loop closed --as slave": session and (is_open or is_master),
+        }
+        for sentence, applies in refused.items():
+            if applies:
+                raise click.ClickException(sentence)
         after = Fraction(0) if offset is None else _offset(offset)
         with recording(record, case.recorded_modules) as (subscribe, ended_at):
             player: UartReplay | I2cReplay | I2cOpenReplay | I2cMasterReplay
@@ -185,18 +194,6 @@ def replay(
     return 0 if report.verdict == PASS or (report.verdict == AMBIGUOUS and not strict) else 1
 
 
-def _refuse_in_session(
-    session: bool, uart: bool, i2c: bool, loop: str | None, role: str | None, offset: str | None
-) -> None:
-    """Reject options that contradict a session: closed loop, slave, and an I2C capture first."""
-    if uart and not i2c:
-        raise click.ClickException("--uart needs an I2C capture; this one is a UART capture itself")
-    if offset is not None and not uart:
-        raise click.ClickException("--offset needs --uart; the channels of one file share one time")
-    if session and (loop == "open" or role == "master"):
-        raise click.ClickException("an I2C and a UART capture together are for --loop closed --as slave")
-
-
 def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
     """Parse a file and its channel: `host.sr`, `host.sr,rx=0`, `host.csv,rx=0,rate=4 MHz`."""
     path, *more = text.split(",")
@@ -218,36 +215,6 @@ def _draw(path: Path, picture: str | None) -> None:
         return
     with atomic_write(path) as unfinished:
         unfinished.write_text(picture, encoding="utf-8")
-
-
-def _refuse_together(
-    loop: str | None,
-    role: str | None,
-    own: list[int],
-    low: Fraction | None,
-    patience: str | None,
-    baud: int | None,
-    frame: str | None,
-) -> None:
-    """Reject options that contradict each other."""
-    if role == "master":
-        slaves = {"--loop open": loop == "open", "--address": own, "--longest-low": low}
-        for name, value in slaves.items():
-            if value:
-                raise click.ClickException(f"{name} is for a slave; as master the firmware makes the clock itself")
-    if loop == "open" and low is not None:
-        raise click.ClickException("--longest-low is for --loop closed; in open loop every edge is the capture's")
-    if loop == "open" and patience is not None:
-        raise click.ClickException("--patience is for --loop closed; an open loop does not wait for the firmware")
-    if frame and not baud:
-        raise click.ClickException("--format needs --baud; without both the line is read as the firmware sets the SCI")
-
-
-def _refuse(uart: bool, i2c_only: Mapping[str, object], uart_only: Mapping[str, object]) -> None:
-    """Reject options that would have no effect."""
-    for name, value in (i2c_only if uart else uart_only).items():
-        if value:
-            raise click.ClickException(f"{name} is for {'I2C' if uart else 'UART'} captures; this one is not mapped so")
 
 
 def _above_zero(option: str, text: str) -> Fraction:

@@ -16,8 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..bus.i2c.transfer import Transfer
 from ..devices.sensor_head import SensorHead
 from ..devices.sensor_rounds import ChipData, Round
+from .models.parameters import ImuParameters
 from .rotations import Floats
 from .sensors import SENSORS
+
+Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,35 @@ class Samples:
     gyro: Floats
     accel: Floats
     mag: Floats
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Codes of three chips, one row per round. seconds: float64[n], due times. codes: by chip, int64[n, 3], x, y, z.
+
+    lsb_per_unit: by chip. overflow: the magnetometer's code for an invalid value, if it has one.
+    """
+
+    seconds: Floats
+    codes: dict[str, Ints]
+    lsb_per_unit: dict[str, float]
+    overflow: int | None = None
+
+    def samples(self, imu: ImuParameters) -> Samples:
+        """Convert to deg/s, g and gauss of the body, without cross-axis sensitivity, known biases and hard iron."""
+        found = {}
+        for name, codes in self.codes.items():
+            sensor = getattr(imu, name)
+            values = codes / self.lsb_per_unit[name]
+            if name == "magnetometer" and self.overflow is not None:
+                values[(codes == self.overflow).any(axis=1)] = np.nan
+            known = sensor.hard_iron if name == "magnetometer" else sensor.bias
+            found[name] = np.linalg.solve(np.array(sensor.matrix) / sensor.scale, values.T).T - known
+        mounted = found["gyroscope"]
+        body = np.empty_like(mounted)
+        for column, axis in enumerate(imu.gyroscope.mounting):
+            body[:, abs(int(axis)) - 1] = np.sign(axis) * mounted[:, column]
+        return Samples(self.seconds, body, found["accelerometer"], found["magnetometer"])
 
 
 def in_units(chip: ChipData, counts: ArrayLike) -> Floats:
@@ -66,7 +98,7 @@ class SampleLog:
         )
         return Samples(seconds, gyro, accel, mag)
 
-    def counts(self) -> dict[str, NDArray[np.int64]]:
+    def counts(self) -> dict[str, Ints]:
         """Return all samples so far as raw counts: by chip, int64[n, 3]."""
         return {name: np.array(counts, np.int64).reshape(-1, 3) for name, counts in self._counts.items()}
 

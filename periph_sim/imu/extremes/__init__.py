@@ -18,9 +18,8 @@ from ..models.counts import counts_of
 from ..models.parameters import ImuParameters
 from ..numeric.estimate import RTS, Estimate, Tables, estimate, library
 from . import events, outside_models
-from .finding import Finding
 from .frames import REFERENCE
-from .sweep import Sweep
+from .sweep import Finding, Sweep
 from .sweeps import FIELDS, MOTIONS
 from .working_range import Worst, worst
 
@@ -64,10 +63,6 @@ class Report:
         return [one for one in self.findings if one.extreme == extreme]
 
 
-class NoSuchExtreme(InputError):
-    """The name of an unknown extreme; the message is one sentence."""
-
-
 NAMES = (*(sweep.name for sweep in SWEEPS), *EVENTS, *OUTSIDE)
 
 
@@ -82,11 +77,11 @@ def report(
     """Examine every extreme, or those named, in every named arithmetic. samples: of the search in the working range.
 
     imu: the parameters of the search and the costs; extremes have their own. tables: memory of the libraries' tables.
-    NoSuchArithmetic, DoesNotFit or NoSuchExtreme for an invalid name.
+    NoSuchArithmetic, DoesNotFit or InputError for an invalid name.
     """
     for name in only:
         if name not in NAMES:
-            raise NoSuchExtreme(f"there is no extreme {name!r}; {did_you_mean(name, NAMES)}")
+            raise InputError(f"there is no extreme {name!r}; {did_you_mean(name, NAMES)}")
     wanted = set(only or NAMES)
     names = tuple(dict.fromkeys(names))
     imu = imu or ImuParameters()

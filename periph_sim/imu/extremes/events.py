@@ -17,8 +17,8 @@ from ..models.quantity import BadParameter
 from ..numeric import arithmetic_names as named
 from ..numeric.arithmetic import Arithmetic
 from ..numeric.q_arrays import Ints
-from .finding import EVERY, Finding, Happens
 from .frames import REFERENCE, codes_of
+from .sweep import EVERY, Finding, Happens
 from .working_range import Worst
 
 DAY = 86_400.0

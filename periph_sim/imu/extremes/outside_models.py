@@ -45,7 +45,7 @@ from ..models.parameters import ImuParameters
 from ..models.quantity import BadParameter
 from ..noise import AxisNoise, Gaussian, NoiseTerms
 from .events import first_where
-from .finding import EVERY, Finding, Happens
+from .sweep import EVERY, Finding, Happens
 
 SYSCLK = 150_000_000
 ODD_CRYSTAL = 143_181_815  # 28.636363 MHz, PLL 10

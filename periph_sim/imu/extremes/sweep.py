@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +17,34 @@ from numpy.typing import NDArray
 from ..models import parameters
 from ..numeric import arithmetic_names as named
 from ..numeric.q_arrays import Ints
-from .finding import Finding, Happens
 from .frames import REFERENCE, SENSORS, Codes, codes_of
 from .working_range import Worst
+
+# agrees: within the arithmetic's deviation in the working range. exact: no deviation.
+# full scale: the converter's last code, as intended.
+Happens = Literal["agrees", "exact", "off", "full scale", "saturates", "wraps", "NaN", "refused"]
+
+
+EVERY = "every"  # instead of an arithmetic if none is involved
+
+
+@dataclass(frozen=True)
+class Finding:
+    """begins: the first input at which it happens, in `unit`; None for never. worst: deviation from the reference, LSB.
+
+    arithmetic: its name, or EVERY. overflows: the first input at which an intermediate value exceeded a Q format, with
+    or without a visible effect.
+    """
+
+    extreme: str
+    arithmetic: str
+    happens: Happens
+    begins: float | None
+    unit: str
+    worst: float | None = None
+    note: str = ""
+    overflows: float | None = None
+
 
 FIRST_GRID = 121  # points from ordinary to extreme: wrapped values may look right a little further on
 GRID = 13  # points between two of them, repeatedly

@@ -6,8 +6,8 @@ from ...core.text_table import paragraph, text_table
 from ..models.quantity import described
 from ..numeric.estimate import MEASURED, SYSCLK
 from . import SWEEPS, Report
-from .finding import EVERY, Finding
 from .frames import REFERENCE, SENSORS
+from .sweep import EVERY, Finding
 
 Rows = list[list[str]]
 
@@ -43,11 +43,11 @@ def _table(rows: Rows) -> list[str]:
 
 
 def _error_rows(report: Report) -> Rows:
-    rows = [["arithmetic", *SENSORS]]
-    for name in report.names:
-        error = report.errors.get(name)
-        rows.append([name, *("0" if error is None else f"{error.error[sensor]:.2g}" for sensor in SENSORS)])
-    return rows
+    errors = [(name, report.errors.get(name)) for name in report.names]
+    return [
+        ["arithmetic", *SENSORS],
+        *([name, *("0" if one is None else f"{one.error[sensor]:.2g}" for sensor in SENSORS)] for name, one in errors),
+    ]
 
 
 def _total_rows(report: Report) -> Rows:
@@ -60,12 +60,12 @@ def _total_rows(report: Report) -> Rows:
 
 
 def _cost_rows(report: Report) -> Rows:
-    parts = list(dict.fromkeys(line.part for line in report.costs[report.names[0]].lines))
-    rows = [["part", *report.names]]
-    for part in parts:
-        rows.append([part, *(_span(*report.costs[name].part(part)) for name in report.names)])
-    rows.append(["not explained", *(_rest(*report.costs[name].left_of()) for name in report.names)])
-    return rows
+    costs = [report.costs[name] for name in report.names]
+    return [
+        ["part", *report.names],
+        *([part, *(_span(*cost.part(part)) for cost in costs)] for part in costs[0].parts),
+        ["not explained", *(_rest(*cost.left_of()) for cost in costs)],
+    ]
 
 
 def _without_fastrts(report: Report) -> list[str]:
@@ -161,7 +161,7 @@ def _arithmetic(report: Report, name: str) -> dict[str, object]:
         "library": cost.library.name,
         "guessed": cost.guessed,
         "cycles": [cost.low, cost.high],
-        "parts": {part: list(cost.part(part)) for part in dict.fromkeys(line.part for line in cost.lines)},
+        "parts": {part: list(cost.part(part)) for part in cost.parts},
         "operations": dict(cost.counts()),
         "not_explained_cycles": list(cost.left_of()),
         "error_lsb": {sensor: 0.0 if error is None else error.error[sensor] for sensor in SENSORS},

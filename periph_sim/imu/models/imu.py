@@ -11,8 +11,7 @@ full scale in float32.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from math import isfinite
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -21,12 +20,11 @@ from ..numeric.q import DoesNotFit, Q
 from . import parameters
 from .chips import Accelerometer, Angles, Derivative, Gyroscope, Magnetometer, angles
 
-ATTITUDE = ("attitude, roll", "attitude, pitch", "attitude, yaw")
-ACCELERATION = ("acceleration, x", "acceleration, y", "acceleration, z")
-NOISE = tuple(
-    f"noise of the {chip}, {axis}" for chip in ("gyroscope", "accelerometer", "magnetometer") for axis in "xyz"
+INPUTS = (
+    *(f"attitude, {angle}" for angle in ("roll", "pitch", "yaw")),
+    *(f"acceleration, {axis}" for axis in "xyz"),
+    *(f"noise of the {chip}, {axis}" for chip in ("gyroscope", "accelerometer", "magnetometer") for axis in "xyz"),
 )
-INPUTS = (*ATTITUDE, *ACCELERATION, *NOISE)
 
 
 class NotFinite(ValueError):
@@ -64,6 +62,7 @@ def check_arrays(arrays: tuple[Any, ...]) -> None:
             raise NotFinite(INPUTS[axis], float(array[index]), index)
 
 
+R = TypeVar("R")
 T = TypeVar("T")
 
 
@@ -90,11 +89,10 @@ class State(NamedTuple, Generic[T]):
     body: Triple[T]
 
 
-@contextmanager
-def _constants_of(part: str) -> Iterator[None]:
-    """Prefix DoesNotFit with the part whose constant a format cannot hold."""
+def _named(part: str, build: Callable[[], R]) -> R:
+    """Return what `build` makes; prefix DoesNotFit with the part whose constant a format cannot hold."""
     try:
-        yield
+        return build()
     except DoesNotFit as error:
         raise DoesNotFit(f"{part}: {error}") from None
 
@@ -109,14 +107,10 @@ class Imu(Generic[T]):
         still = (zero, zero, zero)
         self.silence: Noise[T] = Noise(still, still, still)
         self.at_rest: State[T] = State(still, still)
-        with _constants_of("derivative, 1 / period"):
-            self.derivative = Derivative(a, imu.period, imu.wrap)
-        with _constants_of("gyroscope"):
-            self.gyroscope = Gyroscope(a, imu.gyroscope)
-        with _constants_of("accelerometer"):
-            self.accelerometer = Accelerometer(a, imu.accelerometer)
-        with _constants_of("magnetometer"):
-            self.magnetometer = Magnetometer(a, imu.magnetometer)
+        self.derivative = _named("derivative, 1 / period", lambda: Derivative(a, imu.period, imu.wrap))
+        self.gyroscope = _named("gyroscope", lambda: Gyroscope(a, imu.gyroscope))
+        self.accelerometer = _named("accelerometer", lambda: Accelerometer(a, imu.accelerometer))
+        self.magnetometer = _named("magnetometer", lambda: Magnetometer(a, imu.magnetometer))
 
     def check(self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T]) -> None:
         """Raise NotFinite, naming the axis, for a NaN or an infinity; a Q format has none."""

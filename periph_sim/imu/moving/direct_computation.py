@@ -22,7 +22,7 @@ from ..models.sensed_motion import SensedMotion
 from ..numeric import arithmetic_names as named
 from ..numeric.arithmetic import Arithmetic, Triple
 from ..rotations import Floats
-from .readings import Ints, Readings
+from ..samples import Ints, Readings
 from .subject import EmulatorUnderTest
 
 BITS_OF_REQUEST = 3 + 9 * 9  # START, repeated START, STOP; two addresses, a pointer, six bytes

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..attitude import Errors, NoAttitude, errors
+from ..attitude import Errors, NoAttitude, errors, estimate
 from ..models.parameters import Rates
-from ..rotations import Floats
+from ..rotations import Floats, quaternions
+from ..samples import Readings
 from . import direct_computation as direct
 from . import on_wires
-from .readings import Readings, attitudes, truth
 from .subject import EmulatorUnderTest
 
 STEP, MOST = 0.001, 0.1  # seconds: resolution and range of the search
@@ -111,6 +111,18 @@ class Outcome:
     def behind(self, rates: Rates) -> Lag:
         """Return the delay of the emulator relative to the real sensors."""
         return lag_between(self.seconds, self.emulated[rates].attitudes, self.real.attitudes)
+
+
+def attitudes(subject: EmulatorUnderTest, readings: Readings) -> Floats:
+    """Filter the readings, from the true attitude on, as the experiment began at 0: float64[n, 4]."""
+    s = readings.samples(subject.sensors)
+    start = truth(subject, readings.seconds[:1])[0] if len(readings.seconds) else None
+    return estimate(s.seconds, s.gyro, s.accel, s.mag, subject.sensors.magnetometer.earth_field, start=start)
+
+
+def truth(subject: EmulatorUnderTest, seconds: Floats) -> Floats:
+    """Return the true attitude: float64[n, 4]."""
+    return quaternions(subject.motion.attitude(seconds))
 
 
 def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], None] | None = None) -> Outcome:

@@ -24,9 +24,8 @@ from ..imu_noise import ImuNoise
 from ..models.imu import Noise
 from ..models.sensed_motion import SensedMotion
 from ..rotations import Floats
-from ..samples import SampleLog
+from ..samples import Ints, Readings, SampleLog
 from ..sensors import SENSORS
-from .readings import Ints, Readings
 from .subject import EmulatorUnderTest
 
 Progress = Callable[[float], None]

@@ -192,10 +192,6 @@ def library(name: str) -> Library:
     return IQMATH if q.product == "cut" else ROUNDED
 
 
-class NoCost(ValueError):
-    """An operation without a figure in a library; the message is one sentence."""
-
-
 class Line(Struct, frozen=True):
     """One kind of operation in one part of the model. low, high: cycles of all of them; operands: in addition."""
 
@@ -234,6 +230,11 @@ class Estimate(Struct, frozen=True):
     def seconds(self) -> Fraction:
         return self.middle / SYSCLK
 
+    @property
+    def parts(self) -> list[str]:
+        """The names of all parts, in order."""
+        return list(dict.fromkeys(line.part for line in self.lines))
+
     def part(self, name: str) -> tuple[int, int]:
         """Return the cycles of one part, low and high, with its operands."""
         own = [line for line in self.lines if line.part == name]
@@ -253,13 +254,11 @@ class Estimate(Struct, frozen=True):
 
 
 def estimate(counts: Mapping[str, Mapping[str, int]], library: Library, tables: Tables = "RAM") -> Estimate:
-    """Estimate the cycles. counts: by part, then by kind. NoCost for a kind without a figure in the library."""
+    """Estimate the cycles. counts: by part, then by kind."""
     lines = []
     for part, kinds in counts.items():
         for kind, count in sorted(kinds.items()):
-            cost = library.costs.get(kind)
-            if cost is None:
-                raise NoCost(f"{library.name}: there is no cost for {kind!r}; it has {', '.join(library.costs)}")
+            cost = library.costs[kind]
             rom = library.rom.get(kind, 0) if tables == "boot ROM" else 0
             operands = 0 if kind in library.with_operands else count * OPERANDS[kind]
             lines.append(Line(part, kind, count, count * (cost.low + rom), count * (cost.high + rom), operands))

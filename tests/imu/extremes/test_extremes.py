@@ -7,7 +7,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from periph_sim.imu.extremes import NAMES, OUTSIDE, SWEEPS, USUAL, NoSuchExtreme, Report, report
+from periph_sim.core.input_error import InputError
+from periph_sim.imu.extremes import NAMES, OUTSIDE, SWEEPS, USUAL, Report, report
 from periph_sim.imu.extremes.events import first_where
 from periph_sim.imu.extremes.frames import codes_of
 from periph_sim.imu.extremes.plot import picture
@@ -168,7 +169,7 @@ def test_the_report_as_text_json_and_picture(whole: Report) -> None:
 def test_only_some_and_wrong_names() -> None:
     one = report(("float64", "float32", "float64"), only=("roll rate",), samples=100)
     assert one.names == ("float64", "float32") and {found.extreme for found in one.findings} == {"roll rate"}
-    with pytest.raises(NoSuchExtreme, match="there is no extreme 'rol rate'; did you mean roll rate"):
+    with pytest.raises(InputError, match="there is no extreme 'rol rate'; did you mean roll rate"):
         report(only=("rol rate",))
     with pytest.raises(NoSuchArithmetic):
         report(("float16",))

@@ -14,7 +14,6 @@ from periph_sim.core.time import LAST_TICK, Clock, Timebase
 from periph_sim.f28335.sci.module import Sci
 from periph_sim.f28335.sci.options import SciOptions
 from periph_sim.imu.extremes import outside_models, report
-from periph_sim.imu.extremes.finding import EVERY, Finding
 from periph_sim.imu.extremes.outside_models import (
     PHASES,
     allan_variances,
@@ -23,6 +22,7 @@ from periph_sim.imu.extremes.outside_models import (
     imu_hil_clocks,
     received,
 )
+from periph_sim.imu.extremes.sweep import EVERY, Finding
 from periph_sim.imu.extremes.text_report import text
 from periph_sim.imu.identification.allan import allan
 from periph_sim.imu.noise import AxisNoise, Gaussian, NoiseTerms

@@ -10,8 +10,9 @@ import pytest
 from periph_sim.imu.attitude import errors
 from periph_sim.imu.models.parameters import Rates
 from periph_sim.imu.moving import direct_computation as direct
-from periph_sim.imu.moving.readings import Readings, attitudes, truth
+from periph_sim.imu.moving.experiment import attitudes, truth
 from periph_sim.imu.moving.subject import EmulatorUnderTest
+from periph_sim.imu.samples import Readings
 from tests.imu.moving.subjects import TWO_ANGLES, flight, subject, without_noise
 
 FLOAT = "unit.dsp.settings.arithmetic=float64"

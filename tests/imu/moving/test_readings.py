@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from periph_sim.imu.moving import direct_computation as direct
-from periph_sim.imu.moving.readings import Readings
+from periph_sim.imu.samples import Readings
 from tests.devices.aerospace import body_rates, to_body
 from tests.imu.moving.subjects import STILL, TWO_ANGLES, subject, without_noise
 

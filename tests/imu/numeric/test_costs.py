@@ -17,7 +17,6 @@ from periph_sim.imu.numeric.estimate import (
     ROUNDED,
     RTS,
     SATURATED,
-    NoCost,
     estimate,
     library,
 )
@@ -64,11 +63,6 @@ def test_figures_of_the_guides() -> None:
     assert [IQMATH.costs[kind].low for kind in ("div", "sqrt", "mag", "atan2")] == [63, 63, 86, 109]
     assert [FASTRTS.costs[kind].low for kind in ("div", "sqrt", "sincos", "atan", "atan2")] == [25, 29, 44, 49, 50]
     assert (ROUNDED.costs["mul"].low, SATURATED.costs["mul"].low, RTS.costs["div"].low) == (17, 21, 222)
-
-
-def test_an_operation_without_a_figure_is_refused() -> None:
-    with pytest.raises(NoCost, match="there is no cost for 'log'"):
-        estimate({"part": {"log": 1}}, IQMATH)
 
 
 @pytest.mark.parametrize("name", ["float64", "float32", "q16", "q16 rounded", "q16 saturating", "q1", "q29"])

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.records.cause_trace.text_report import text
-from periph_sim.records.cause_trace.why import why
+from periph_sim.records.cause_trace.why import text, why
 from periph_sim.records.clock_history import ClockHistory, history
 from periph_sim.records.run import Run
 from tests.records.test_run import access, by_hand

@@ -8,7 +8,7 @@ import pytest
 
 from periph_sim.records import lint as show_lint
 from periph_sim.records import races_text_report as show_races
-from periph_sim.records.cause_trace import text_report as show_why
+from periph_sim.records.cause_trace import why as show_why
 from periph_sim.records.cause_trace.why import why
 from periph_sim.records.lint import Finding, all_lints
 from periph_sim.records.races import distances, races

@@ -10,8 +10,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.interfaces.reports.explain.explain import explain
 from periph_sim.processor.image_files.assemble import assemble
 from periph_sim.processor.image_files.write_coff2 import write
-from periph_sim.records.cause_trace.text_report import text
-from periph_sim.records.cause_trace.why import why
+from periph_sim.records.cause_trace.why import text, why
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene

@@ -27,8 +27,8 @@ def why(run: Path, question: str, depth: int, sysclk: str | None, as_json: bool)
     RUN is the output of `run --record x.psr`. A question is a field, wire, span, interrupt or variable, and a time:
     'SDA@3 us'. Variables of an image are recorded if a budget names them.
     """
-    from ...records.cause_trace.text_report import as_json as as_dict
-    from ...records.cause_trace.text_report import text
+    from ...records.cause_trace.why import as_json as as_dict
+    from ...records.cause_trace.why import text
     from ...records.cause_trace.why import why as answer_to
 
     with usage_errors_in_one_sentence():

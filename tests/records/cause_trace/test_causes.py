@@ -9,8 +9,7 @@ import pytest
 
 from periph_sim.core.records import Kind
 from periph_sim.records.cause_trace.causes import Step, end_of_walk, walk_back
-from periph_sim.records.cause_trace.text_report import as_json, text
-from periph_sim.records.cause_trace.why import why
+from periph_sim.records.cause_trace.why import as_json, text, why
 from periph_sim.records.races import races
 from periph_sim.records.record_text import happened
 from periph_sim.records.run import Run

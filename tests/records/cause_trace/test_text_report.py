@@ -6,8 +6,7 @@ import pytest
 
 from periph_sim.core.records import Kind
 from periph_sim.core.text_table import paragraph
-from periph_sim.records.cause_trace.text_report import SKIPPED, as_json, text
-from periph_sim.records.cause_trace.why import why
+from periph_sim.records.cause_trace.why import SKIPPED, as_json, text, why
 from periph_sim.records.run import Run
 from tests.records.cause_trace.test_causes import count, counted, edge, flag, read
 from tests.records.scenes import CYCLE, by_hand

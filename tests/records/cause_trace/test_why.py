@@ -19,8 +19,7 @@ from periph_sim.f28335.system_control import register_map as clocks_map
 from periph_sim.f28335.xint import register_map as xint_map
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
-from periph_sim.records.cause_trace.text_report import as_json, said, text
-from periph_sim.records.cause_trace.why import DEPTH, EFFECTS, why
+from periph_sim.records.cause_trace.why import DEPTH, EFFECTS, as_json, said, text, why
 from periph_sim.records.register_maps import is_status, one_clears, register_of, registers_of
 from periph_sim.records.run import NotInRun, Run
 from periph_sim.scene.case.load import load

@@ -1,6 +1,6 @@
 """The I2C controller of a case: the sensor head on SCL and SDA that [controller] describes, and its requests.
 
-    Case --head_plan--> HeadPlan, of all scenes of the case --build_head--> ControllerAgent, of one scene
+    Case --head_plan--> HeadPlan, of all scenes of the case --build_head--> SensorHead, of one scene
 
 All its times are counted by its own clock, `ppm` off. Rounds keep to that clock however long the run; of a phase of SCL
 the nearest tick is taken.
@@ -50,13 +50,6 @@ class HeadPlan(Struct, frozen=True):
     asked: Asked
     stuck_after: int
     clear_after: int
-
-
-class ControllerAgent(Struct, frozen=True):
-    """The agent of a scene: its I2C controller, and the sensor head that uses it."""
-
-    controller: I2cController
-    head: SensorHead
 
 
 def _agent_of(context: SceneContext) -> type[I2cController]:
@@ -110,8 +103,8 @@ def head_plan(scale: CaseTicks) -> HeadPlan:
 
 def build_head(
     context: SceneContext, table: Controller, plan: HeadPlan, on_stuck: Callable[[Wire], None]
-) -> ControllerAgent:
-    """Return the agent of a planned [controller], on the wires of a scene."""
+) -> SensorHead:
+    """Return the sensor head of a planned [controller], whose I2C controller is on the wires of a scene."""
     controller = _agent_of(context)(
         context.kernel,
         context.recorder,
@@ -124,7 +117,7 @@ def build_head(
         clear_after=plan.clear_after,
         gives_up=table.on_nack == "give up",
     )
-    head = SensorHead(
+    return SensorHead(
         context.kernel,
         controller,
         list(plan.requests),
@@ -133,7 +126,6 @@ def build_head(
         by_stop=table.pointer_by == "STOP",
         seed=context.case.seed,
     )
-    return ControllerAgent(controller, head)
 
 
 def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:

@@ -19,10 +19,10 @@ from .context import CaseTicks
 from .scope import scope_of_case
 
 if TYPE_CHECKING:
+    from ..processor.dsp import DspPlan
     from ..timing.budget_plan import BudgetPlan
     from .controller import HeadPlan
     from .host import HostPlan
-    from .unit import UnitPlan
 
 
 class ScenePlan:
@@ -40,7 +40,7 @@ class ScenePlan:
             case = parts.outside_parties.as_driven(case)
         self.case = case
         self._before = before
-        self._units: dict[str, UnitPlan] = {}
+        self._units: dict[str, DspPlan] = {}
 
     @cached_property
     def ticks(self) -> CaseTicks:
@@ -94,10 +94,10 @@ class ScenePlan:
         same_ticks = (one.timebase.per_second, one.start) == (two.timebase.per_second, two.start)
         return same_ticks and self.scope == other.scope and self.scope.pairs == other.scope.pairs
 
-    def unit(self, name: str) -> UnitPlan:
+    def unit(self, name: str) -> DspPlan:
         """Return what a unit consists of. BadCase for what it cannot have."""
         if name not in self._units:
-            self._units[name] = parts.unit.unit_plan(self.ticks, self.wiring, name)
+            self._units[name] = parts.unit.unit_plan(self.ticks, name)
         return self._units[name]
 
     @cached_property

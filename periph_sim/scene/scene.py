@@ -125,21 +125,24 @@ class Scene:
         context = SceneContext(case, self.timebase, self.start, self.kernel, self.recorder, wire, wiring)
         self.measured = MeasuredParts(context, self.wires, self.units, self.bus, serial)
         for name in case.unit:
-            built = parts.unit.build_unit(context, name, plan.unit(name), (programs or {}).get(name))
-            self.units[name], self.firmware[name] = built.dsp, built.firmware
-            self.model = self.model or built.model
+            program = (programs or {}).get(name)
+            self.units[name], self.firmware[name], model = parts.unit.build_unit(
+                context, name, plan.unit(name), program
+            )
+            self.model = self.model or model
         self._build_targets(context, sources or {})
         outside = case.outside
         shared = outside is not None and parts.outside_parties.drives_bus(outside)  # the bus has other parties
         if case.controller is not None:
-            side = parts.controller.build_head(context, case.controller, plan.head, self.stuck.report)
-            self.head = self.stuck.head = side.head
+            self.head = self.stuck.head = parts.controller.build_head(
+                context, case.controller, plan.head, self.stuck.report
+            )
             self.requests, self.bus.asked = list(plan.head.requests), plan.head.asked
-            side.controller.beside_others = shared
+            self.head.controller.beside_others = shared
             if not shared:
                 self.head.on_transfer.append(self.bus.count)
             if parts.controller.skips_bits(context):
-                self.bus.bit_skip = parts.controller.bit_skip_of(context, side.controller, self.units)
+                self.bus.bit_skip = parts.controller.bit_skip_of(context, self.head.controller, self.units)
         has_bus = "SCL" in self.wires and "SDA" in self.wires
         if has_bus and self.head is None and parts.controller.skips_bits(context):
             self.bus.bit_skip = parts.controller.bit_skip_of(context, None, self.units)

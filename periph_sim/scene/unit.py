@@ -1,6 +1,6 @@
 """A unit of a case: the F28335 that a [unit.NAME] table describes, with its firmware started.
 
-Case --unit_plan--> UnitPlan, of all scenes of the case --build_unit--> BuiltUnit, of one scene
+Case --unit_plan--> DspPlan, of all scenes of the case --build_unit--> Dsp with its firmware, of one scene
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
-from msgspec import Struct
 from msgspec.structs import replace
 
 from ..core.options import Answers, Value, options_from
@@ -29,7 +28,6 @@ from .case.model import Case
 from .case.optimizations import DECODING, POLLS
 from .case.transceiver import pulled_down
 from .case.unit_table import Unit
-from .case.wiring import Wiring
 from .context import CaseTicks, SceneContext
 from .firmware_loader import BadFirmware, BadSetting, Firmware, load_firmware, run_main, settings_for
 
@@ -65,23 +63,8 @@ def firmware_model_of(settings: object) -> FirmwareModel | None:
 T = TypeVar("T")
 
 
-class BuiltUnit(Struct, frozen=True):
-    """A built unit. model: the model with which the firmware computes the data of chips, or None."""
-
-    dsp: Dsp
-    firmware: Firmware
-    model: FirmwareModel | None
-
-
-class UnitPlan(Struct, frozen=True):
-    """The parts of a unit. wires: the name of the wire at each GPIO number. dsp: everything but its wires."""
-
-    wires: dict[int, str]
-    dsp: DspPlan
-
-
-def unit_plan(ticks: CaseTicks, wiring: Wiring, name: str) -> UnitPlan:
-    """Return what a unit of a case consists of. BadCase for what it cannot have."""
+def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
+    """Return what a unit of a case consists of, but for its wires. BadCase for what it cannot have."""
     case = ticks.case
     unit = case.unit[name]
     part = part_named(unit.part)
@@ -93,7 +76,7 @@ def unit_plan(ticks: CaseTicks, wiring: Wiring, name: str) -> UnitPlan:
         if module not in part.selectable:
             hint = did_you_mean(module, part.selectable)
             raise case.mistake(f"there is no module {module!r}; {hint}", "unit", name, "modules")
-    dsp = DspPlan(
+    return DspPlan(
         name,
         unit.modules,
         {},
@@ -112,18 +95,22 @@ def unit_plan(ticks: CaseTicks, wiring: Wiring, name: str) -> UnitPlan:
         system=options_of(case, SystemOptions, unit.options.get("system", {}), name, "system"),
         options=_module_options(case, name, unit, part),
     )
-    return UnitPlan(dict(wiring.pins[name]), dsp)
 
 
-def build_unit(context: SceneContext, name: str, plan: UnitPlan, program: Firmware | None) -> BuiltUnit:
-    """Return the unit, its firmware started. program: instead of the case's firmware. BadCase for wrong firmware."""
+def build_unit(
+    context: SceneContext, name: str, plan: DspPlan, program: Firmware | None
+) -> tuple[Dsp, Firmware, FirmwareModel | None]:
+    """Return a unit, its firmware, which is started, and the model by which it computes the data of chips, or None.
+
+    program: instead of the case's firmware. BadCase for wrong firmware.
+    """
     case, unit = context.case, context.case.unit[name]
-    wires = {pin: context.wire(wire) for pin, wire in plan.wires.items()}
-    dsp = Dsp(context.kernel, context.timebase, context.recorder, replace(plan.dsp, wires=wires))
+    wires = {pin: context.wire(wire) for pin, wire in context.wiring.pins[name].items()}
+    dsp = Dsp(context.kernel, context.timebase, context.recorder, replace(plan, wires=wires))
     if unit.image:
-        return BuiltUnit(dsp, _started_image(context, name, unit, dsp), None)
+        return dsp, _started_image(context, name, unit, dsp), None
     if unit.sources:
-        return BuiltUnit(dsp, _started_sources(case, name, unit, dsp), None)
+        return dsp, _started_sources(case, name, unit, dsp), None
     guard = UserCode(f"firmware {unit.firmware}", float(case.stall_limit))
     try:
         firmware = program or guard(load_firmware, unit.firmware)
@@ -138,7 +125,7 @@ def build_unit(context: SceneContext, name: str, plan: UnitPlan, program: Firmwa
     if model is not None:
         model.check(case, name)
     dsp.start(partial(run_main, firmware, dsp, settings))
-    return BuiltUnit(dsp, firmware, model)
+    return dsp, firmware, model
 
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:

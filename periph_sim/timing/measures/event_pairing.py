@@ -25,6 +25,7 @@ from ..language.events import Matcher
 from .groups import Groups
 from .measure import Measure
 from .measured_scene import MeasuredScene
+from .registry import UNNAMED, Sentence
 
 
 class _Seen:
@@ -45,21 +46,11 @@ FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # roles of a clause
 
 
 class Clauses(Struct, frozen=True):
-    """Events that say what the values of a measure prove, each with its role.
-
-    asked: the events of FOR_EACH, as a plural. nothing: why nothing was measured. unproven: the same where no GIVEN
-    came. cut_off: what is UNFINISHED, as a phrase. looks_back: as of a `Measure`.
-    unknown: of each UNLESS, a thing and a reason, as in "3 reads" and "may carry other frames".
-    """
+    """Events that say what the values of a measure prove, each with its role. said: what there is to say about them."""
 
     matchers: tuple[Matcher, ...] = ()
     roles: tuple[int, ...] = ()
-    asked: str = ""
-    nothing: str | None = None
-    unproven: str = ""
-    cut_off: str = ""
-    looks_back: str = "this occurrence"
-    unknown: tuple[tuple[str, str], ...] = ()
+    said: Sentence = UNNAMED
 
 
 NO_CLAUSES = Clauses()
@@ -123,11 +114,11 @@ class EventMeasure(Measure):
     STATE = State("_groups _queue _queued _newest")
 
     def __init__(self, *matchers: Matcher, order: Sequence[int] = (), clauses: Clauses = NO_CLAUSES) -> None:
-        self.asked: str = clauses.asked
+        self.asked: str = clauses.said.asked
         super().__init__()
         thing = matchers[0].thing if matchers else None
         self.needs: str = "" if thing is None else thing.needs
-        self.looks_back: str = clauses.looks_back
+        self.looks_back: str = clauses.said.looks_back
         self.weighs: bool = False
         self._clauses: Clauses = clauses
         self._roles: list[int] = list(clauses.roles)
@@ -135,7 +126,7 @@ class EventMeasure(Measure):
         self._measured = self._given = 0
         self._has_measured: bool = MEASURED_AT in clauses.roles
         self._has_given: bool = GIVEN in clauses.roles
-        self._unknown_counts: list[int] = [0] * len(clauses.unknown)
+        self._unknown_counts: list[int] = [0] * len(clauses.said.unknown)
         self._unfinished: list[tuple[int, int]] = []
         self.matchers: tuple[Matcher, ...] = matchers
         order = order or range(self._own)
@@ -276,7 +267,7 @@ class EventMeasure(Measure):
         for place in list(self._newest):
             self._settle(place, 1)
         self._drain()
-        for (thing, why), count in zip(self._clauses.unknown, self._unknown_counts, strict=True):
+        for (thing, why), count in zip(self._clauses.said.unknown, self._unknown_counts, strict=True):
             if count and not self.not_judged:
                 self.not_judged = f"{counted(count, thing)} {why}"
 
@@ -297,13 +288,13 @@ class EventMeasure(Measure):
         return self._unfinished
 
     def unfinished_text(self) -> str:
-        return self._clauses.cut_off
+        return self._clauses.said.cut_off
 
     def missing(self) -> str:
         if self.ungiven:
-            return self._clauses.unproven
-        if self._clauses.nothing is not None:
-            return self._clauses.nothing
+            return self._clauses.said.unproven
+        if self._clauses.said.nothing is not None:
+            return self._clauses.said.nothing
         return self.unmatched([m for m, seen in zip(self.matchers, self.seen, strict=True) if not seen])
 
     def unmatched(self, never: list[Matcher]) -> str:

@@ -26,7 +26,7 @@ from .load import BusLoad, CpuLoad
 from .margin import HeldPerTransfer, Margin
 from .measure import Measure
 from .pair import Between
-from .registry import MEASURES, PHRASES, Sentence
+from .registry import MEASURES, PHRASES, UNNAMED, Sentence
 from .reply import Reply
 from .states import SpanTime, StateEvents, TimeIn
 from .watched_wire import WatchedWire
@@ -40,7 +40,6 @@ ROLES = {
     "unfinished": UNFINISHED,
 }
 JITTER = "jitter of "
-UNNAMED = Sentence("", nothing=None)
 Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so it serves all scenes of a case
 
 
@@ -142,12 +141,12 @@ def _clauses(said: Said, scope: Scope, sentence: Sentence) -> Clauses:
     return Clauses(
         tuple(matcher(event, scope) for _, event in said.clauses),
         tuple(ROLES[clause] for clause, _ in said.clauses),
-        sentence.asked or ", ".join(map(repr, asked)),
-        sentence.nothing,
-        sentence.unproven,
-        sentence.cut_off or ", ".join(map(repr, unfinished)),
-        sentence.looks_back,
-        sentence.unknown or tuple(unknown),
+        replace(
+            sentence,
+            asked=sentence.asked or ", ".join(map(repr, asked)),
+            cut_off=sentence.cut_off or ", ".join(map(repr, unfinished)),
+            unknown=sentence.unknown or tuple(unknown),
+        ),
     )
 
 

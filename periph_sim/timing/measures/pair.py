@@ -162,7 +162,7 @@ class Between(EventMeasure):
             one, other = (f"{(at - self._began_at) / self._per_second:.6f} s" for at in self.again)
             what = f"{first!r} came at {one} and again at {other} before {second!r}"
             return f"{what}; add after a comma which belong together: in order, next or last"
-        if self.ungiven or self._clauses.nothing is not None:
+        if self.ungiven or self._clauses.said.nothing is not None:
             return EventMeasure.missing(self)
         if all(self.seen[:2]):
             return f"no {first!r} was followed by {second!r}{self._rule_text}"

@@ -16,7 +16,9 @@ class Sentence(Struct, frozen=True):
     about: what it measures, for documentation; of a row without one, the sentence says it.
     cost: the number of records that it takes in 0.1 s of timing/imu_hil_published.toml, which are five rounds.
     looks_back: as of a `Measure`, the records from which `timing/derived` makes those of the sentence included.
-    asked, nothing, unproven, cut_off, unknown: as of `Clauses`.
+    asked: the events of its clause `for each`, as a plural. nothing: why nothing was measured. unproven: the same where
+    no event of `given` came. cut_off: what is `unfinished`, as a phrase.
+    unknown: of each `unless`, a thing and a reason, as in "3 reads" and "may carry other frames".
     """
 
     text: str
@@ -30,6 +32,7 @@ class Sentence(Struct, frozen=True):
     unknown: tuple[tuple[str, str], ...] = ()
 
 
+UNNAMED = Sentence("", nothing=None)
 READS = "reads asked"
 ROUNDS = "rounds due"
 OTHER_FRAMES = "may carry frames that were not compared with them"

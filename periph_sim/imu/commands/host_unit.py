@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -56,6 +55,7 @@ def host_unit(
         from ...outside.live.pyserial_urls import register
     except ImportError:
         raise click.ClickException("the host unit needs pyserial: pip install 'periph-sim[live]'") from None
+    from ...outside.live.loop import signals_calling
     from ..host_unit import FlightFrames, UdpFrames, pacer_for, send_frames
 
     if (flight is None) == (udp is None):
@@ -65,7 +65,7 @@ def host_unit(
         raise click.UsageError("--period 0 s: expected more than 0")
     register()
     asked: list[int] = []
-    with _mistakes(port), _until_signal(asked):
+    with _mistakes(port), signals_calling(lambda number, _: asked.append(number)):
         encoding = _encoding(settings)
         source: FrameSource
         if udp is not None:
@@ -119,20 +119,3 @@ def _mistakes(port: str) -> Iterator[None]:
         raise click.ClickException(in_our_words(port, error)) from None
     except ValueError as error:
         raise click.ClickException(str(error)) from None
-
-
-@contextmanager
-def _until_signal(asked: list[int]) -> Iterator[None]:
-    """End after the present frame on Ctrl-C or TERM."""
-
-    def on_signal(number: int, _: Any) -> None:
-        asked.append(number)
-
-    before: dict[int, Callable[[int, Any], Any] | int | None] = {
-        number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)
-    }
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -8,21 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..identification.plot import COLOURS, STYLE
 from ..rotations import Floats, angles
 from .experiment import Outcome
 
-COLOURS = ("#0060a8", "#c04a00", "#3a7d34")  # distinguishable also with colour blindness
 DASHES = ("-", "--", "-.")
 ANGLES = ("roll", "pitch", "yaw")
 POINTS = 1200  # maximum per line: more are not visible and make files larger
-STYLE: dict[Any, Any] = {"svg.hashsalt": "periph-sim", "svg.fonttype": "none", "font.size": 9.0, "axes.axisbelow": True}
 
 
 def attitudes(outcome: Outcome, path: Path) -> None:
@@ -73,7 +71,7 @@ def _legend(panel: Axes) -> None:
 
 def _lines(panel: Axes, seconds: Floats, columns: Floats, names: Sequence[str]) -> None:
     step = max(1, -(-len(seconds) // POINTS))
-    for column, name, colour, dash in zip(columns.T, names, COLOURS, DASHES, strict=True):
+    for column, name, colour, dash in zip(columns.T, names, COLOURS[:3], DASHES, strict=True):
         panel.plot(seconds[::step], column[::step], dash, color=colour, linewidth=1.1, label=name)
 
 

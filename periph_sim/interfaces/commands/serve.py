@@ -6,10 +6,8 @@ Prints the port's path, and at the end the verdicts and the lateness.
 from __future__ import annotations
 
 import dataclasses
-import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -92,7 +90,7 @@ def serve(
     """
     from ...outside.live.case_for_line import case_for_bus, case_for_line
     from ...outside.live.i2cdriver_door import I2cDriverDoor
-    from ...outside.live.loop import Loop
+    from ...outside.live.loop import Loop, signals_calling
     from ...outside.live.pacing import Pacer
     from ...outside.session import Session
     from .live_shown import Shown
@@ -112,7 +110,7 @@ def serve(
         for loop in loops:
             loop.stop()
 
-    with running_user_code() if as_json else usage_errors_in_one_sentence(), _signals(end_it):
+    with running_user_code() if as_json else usage_errors_in_one_sentence(), signals_calling(end_it):
         served = case_for_line(case, sci, changes) if bus is None else case_for_bus(case, changes)
         shown = Shown(view, None if browser is None else address_given("--browser", browser))
         with Session(served, log=log, subscribe=shown.subscribe) as session:
@@ -162,17 +160,6 @@ def _given(*names: str) -> list[str]:
     context = click.get_current_context()
     options = {one.name: one.opts[0] for one in context.command.params}
     return [options[one] for one in names if context.get_parameter_source(one) is ParameterSource.COMMANDLINE]
-
-
-@contextmanager
-def _signals(on_signal: Callable[[int, Any], None]) -> Iterator[None]:
-    """Call a function on Ctrl-C and TERM; a shell ignores Ctrl-C for commands in the background."""
-    before = {number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _door(

@@ -6,8 +6,10 @@ doors --turn--> session --advance a step--> doors --turn--> ...      until `stop
 from __future__ import annotations
 
 import select
-from collections.abc import Sequence
-from typing import Protocol
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, Protocol
 
 from ..session import Session
 from .pacing import Pacer
@@ -64,3 +66,14 @@ class Loop:
     def _turn(self) -> None:
         for door in self._doors:
             door.turn()
+
+
+@contextmanager
+def signals_calling(on_signal: Callable[[int, Any], None]) -> Iterator[None]:
+    """Call a function on Ctrl-C and TERM; a shell ignores Ctrl-C for commands in the background."""
+    before = {number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -146,8 +146,7 @@ class Dsp(FirmwareView):
         """Run an image instead of Python firmware; a reset restarts it. Raise BadImage if it cannot boot."""
         from .image.boot import entry_of
         from .image.program import ImageProgram
-        from .image_files.load import require_loadable
-        from .image_files.shared_memory import shared_memory
+        from .image_files.load import require_loadable, shared_memory
 
         require_loadable(image, self.plan.part)
         entry = entry_of(image, boot)

@@ -12,14 +12,12 @@ from __future__ import annotations
 from ..core.records import Kind, Recorder
 from ..f28335.memory.ram import MEMORY
 from ..processor.dsp import Dsp
-from ..processor.image.function_spans import FunctionSpans
-from ..processor.image.preset_memory import Preset, PresetMemory
+from ..processor.image.call_stack import FunctionSpans
+from ..processor.image.case_variables import Preset, PresetMemory, VariableRecords
+from ..processor.image.instruction_watch import CPU, SECTION, STACK, StackDepth
 from ..processor.image.program import ImageProgram
-from ..processor.image.stack_depth import CPU, SECTION, STACK, StackDepth
-from ..processor.image.variable_records import VariableRecords
-from ..processor.image.wait_records import WaitRecords
-from ..processor.image_files.number_types import BadVariable
-from ..processor.image_files.variables import Variables
+from ..processor.image.waits import WaitRecords
+from ..processor.image_files.variables import BadVariable, Variables
 from .case.model import Case
 from .case.unit_table import Unit
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 from msgspec import Struct
 
-from ..processor.image.coverage import Coverage
-from ..processor.image.profile import Profile
+from ..processor.image.call_stack import Profile
+from ..processor.image.instruction_watch import Coverage
 from ..processor.image.program import ImageProgram
 from .case.model import Case
 from .scene import Scene
@@ -38,7 +38,7 @@ def profiled(
         raise case.mistake("no unit runs an image, and a profile is of images; give a unit image = ...", "unit")
     found = Profiled(case.name, scene.timebase.per_second, programs, {}, {})
     for name, program in programs.items():
-        if coverage and not program.functions.has_lines:
+        if coverage and not program.functions.debug.lines:
             what = "it tells no lines of its source, so there is nothing to cover; compile it with -g"
             raise case.mistake(what, "unit", name, "image")
         found.profiles[name] = Profile()

@@ -95,7 +95,7 @@ class _ImageNames:
 
     @cached_property
     def _image(self) -> Image:
-        from ..processor.image_files.program_file import program_in
+        from ..processor.image_files.load import program_in
 
         return program_in(Path(self._path))
 
@@ -107,10 +107,9 @@ class _ImageNames:
 
     @cached_property
     def _functions(self) -> tuple[str, ...]:
-        from ..processor.image_files.debug_info import DebugInfo
-        from ..processor.image_files.inspection import functions_of
+        from ..processor.image_files.functions import FunctionMap
 
-        return tuple(function.name for function in functions_of(self._image, DebugInfo(self._image)))
+        return tuple(function.name for function in FunctionMap(self._image).functions)
 
     def variable(self, name: str) -> Variable:
         return self._variables.find(name)

@@ -9,7 +9,7 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.interfaces.reports.explain.explain import explain
 from periph_sim.processor.image_files.assemble import assemble
-from periph_sim.processor.image_files.write_coff2 import write
+from periph_sim.processor.image_files.coff2 import write
 from periph_sim.records.cause_trace.why import text, why
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase

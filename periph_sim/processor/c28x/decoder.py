@@ -13,9 +13,17 @@ from typing import NamedTuple
 
 from .encodings import Encoding, encodings
 from .operand_field import is_operand
-from .operands import FPU_CONDITION_NAMES, parts_of
+from .operands import FPU_CONDITION_NAMES, PMA_PAGE, parts_of
 
 OPERAND = re.compile(r"(loc|mem)(16|32)")
+ADDRESS_BITS = 0x3F_FFFF
+UNC = 15  # field k of a branch without a condition
+CALLS = frozenset(["LCR", "LC", "FFC", "XCALL"])
+RETURNS = frozenset(["LRETR", "LRET", "LRETE", "IRET"])
+INTERRUPTS = frozenset(["TRAP", "INTR", "ITRAP0", "ITRAP1"])
+RELATIVE = frozenset(["B", "BF", "SB", "SBF", "BANZ", "BAR"])
+UNC_ENDS = frozenset(["B", "BF", "SB", "XB", "XRETC"])  # do not continue with the condition UNC
+ENDS = RETURNS | {"ESTOP0", "ITRAP0", "ITRAP1", "LB"}
 TMU = range(0xE270, 0xE27D)
 VCU = (0xE2, 0xE5)  # upper bytes
 
@@ -44,6 +52,36 @@ class Instruction(NamedTuple):
 
     def __str__(self) -> str:
         return self.text
+
+    @property
+    def is_call(self) -> bool:
+        """True for a call, which returns to the next instruction."""
+        return self.encoding.mnemonic in CALLS or self.encoding.mnemonic in ("TRAP", "INTR")
+
+    @property
+    def target(self) -> int | None:
+        """The target of a branch or call; None if it is not a branch, or its target is in a register.
+
+        Distances count from the address of the branch [SPRU430F chapter 6].
+        """
+        encoding = self.encoding
+        if "PC" not in (place.partition("@")[0] for place in encoding.writes) or "c" not in encoding.fields:
+            return None
+        mnemonic, number = encoding.mnemonic, self.values["c"]
+        if mnemonic in INTERRUPTS:
+            return None
+        if mnemonic in RELATIVE:
+            half = encoding.fields["c"].mask + 1 >> 1
+            return self.address + ((number ^ half) - half) & ADDRESS_BITS
+        return PMA_PAGE | number if mnemonic.startswith("X") else number
+
+    @property
+    def goes_on(self) -> bool:
+        """True if the next instruction may be reached from this one, directly or by a return."""
+        mnemonic = self.encoding.mnemonic
+        if self.is_call:
+            return True
+        return mnemonic not in ENDS and (mnemonic not in UNC_ENDS or self.values.get("k", UNC) != UNC)
 
 
 def decode(first: int, second: int) -> Encoding | None:

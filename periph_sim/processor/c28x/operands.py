@@ -4,7 +4,7 @@
     show  {l: 0x41, c: 7}  ->  "MOV *-SP[1],#7"
     read  "*-SP[1]" | "7"  ->  {l: 0x41} | {c: 7}
 
-This file has registers, modes and conditions; `number_operands` has numbers and addresses.
+A branch shows and reads its target address; its field holds the distance.
 
 Source: SPRU430F chapter 6, SPRUEO2A chapter 4 (syntax); the operand kinds are those of `encodings.toml`.
 """
@@ -12,13 +12,184 @@ Source: SPRU430F chapter 6, SPRUEO2A chapter 4 (syntax); the operand kinds are t
 from __future__ import annotations
 
 import re
+import struct
 from collections.abc import Callable, Mapping
 from functools import cache
+from typing import NamedTuple
 
-from . import number_operands as numbers
 from . import operand_field
 from .encodings import Encoding
-from .syntax_part import BadOperand, Evaluate, Part, Values, literal, ranged
+
+Values = Mapping[str, int]
+Evaluate = Callable[[str], int]  # evaluates an expression of the source
+Read = Callable[[str, int, Evaluate], dict[str, int]]  # parses an operand of the instruction at an address
+
+
+class BadOperand(ValueError):
+    """Text is not an operand of this kind; the message is one sentence."""
+
+
+class Part(NamedTuple):
+    """show: formats the fields, for an instruction's address. pattern: text that `read` parses, "" for literals."""
+
+    show: Callable[[Values, int], str]
+    pattern: str
+    read: Read | None = None
+    literal: str = ""
+
+
+def literal(text: str) -> Part:
+    """Return the part that is this text."""
+    return Part(lambda values, at: text, "", None, text)
+
+
+def ranged(number: int, least: int, most: int, text: str) -> int:
+    """Return a number if it is within its limits; else raise BadOperand."""
+    if not least <= number <= most:
+        raise BadOperand(f"{text.strip()!r} is {number}, outside {least} to {most}")
+    return number
+
+
+CALLS = ("LB", "LC", "LCR", "FFC")
+PMA_PAGE = 0x3F_0000  # the program page of C2xLP addresses
+IMMEDIATE = r"#(?:[^,|<]|<<(?!\s*#)|(?<!\|)\|(?!\|))+?"  # `<<` and `|` in an expression, not `#16<<#0..15`, `||`
+
+
+def number_part(token: str, encoding: Encoding) -> Part | None:
+    """An immediate "#16s", "#RC" or "#0..31" in field c; None if the form has no field c."""
+    if "c" not in encoding.fields:
+        return None
+    mask = encoding.fields["c"].mask
+    signed = token.endswith("s")
+    least = -(mask + 1 >> 1) if signed or token == "#16" else 0
+    most = mask >> 1 if token == "#8s" else mask
+
+    def show(values: Values, at: int) -> str:
+        number = values["c"]
+        if signed:
+            return f"#{number - mask - 1 if number > mask >> 1 else number}"
+        return f"#{number}" if number < 10 else f"#{number:#x}"
+
+    label = r"|[A-Za-z_$][\w$.]*" if encoding.mnemonic in CALLS else ""  # the target needs no #
+    return Part(
+        show, IMMEDIATE + label, lambda text, at, evaluate: {"c": _immediate(text, evaluate, least, most) & mask}
+    )
+
+
+def shift_part(token: str, encoding: Encoding) -> Part | None:
+    """A shift "#1..16" or "<<2..8" in field s."""
+    if "s" not in encoding.fields:
+        return None
+    prefix = token.rstrip("0123456789.")
+    bias, mask = encoding.shift_bias, encoding.fields["s"].mask
+    return Part(
+        lambda values, at: f"{prefix}{values['s'] + bias}",
+        rf"{re.escape(prefix)}[^,|<]+?" + (r"|\d+" if prefix == "#" else ""),
+        lambda text, at, evaluate: {
+            "s": ranged(evaluate(text.removeprefix(prefix)), bias + _least(encoding), mask + bias, text) - bias
+        },
+    )
+
+
+def optional_shift_part(token: str, encoding: Encoding) -> Part | None:
+    """`<<#0..15`; if omitted, 0."""
+    inner = shift_part(token.removeprefix("<<"), encoding)
+    if inner is None:
+        return None
+
+    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
+        assert inner is not None and inner.read is not None
+        return inner.read(text.strip().removeprefix("<<").strip(), at, evaluate) if text.strip() else {"s": 0}
+
+    return Part(lambda values, at: f"<<{inner.show(values, at)}", rf"|<<\s*(?:{inner.pattern})", read)
+
+
+def _least(encoding: Encoding) -> int:
+    return dict(encoding.at_least).get("s", 0)
+
+
+def float_of(upper: int) -> float:
+    """Return the float32 with this upper half and lower half 0."""
+    number: float = struct.unpack("<f", struct.pack("<I", upper << 16))[0]
+    return number
+
+
+def half_of(text: str, evaluate: Evaluate) -> int:
+    """Return the upper half of a float32 given as "#2.5", or the bits given as "#0x4020"."""
+    inner = text.strip().lstrip("#").strip()
+    if re.fullmatch(r"[-+]?(\d+\.\d*|\.\d+|\d+)(e[-+]?\d+)?", inner, re.I) and not re.fullmatch(r"0x.*", inner, re.I):
+        try:
+            bits = int(struct.unpack("<I", struct.pack("<f", float(inner)))[0])
+        except OverflowError:
+            raise BadOperand(f"{inner} is too large for a float32") from None
+        if bits & 0xFFFF:
+            raise BadOperand(f"{inner} needs more than the upper half of a float32")
+        return bits >> 16
+    return ranged(evaluate(inner), 0, 0xFFFF, text)
+
+
+def _immediate(text: str, evaluate: Evaluate, least: int, most: int) -> int:
+    return ranged(evaluate(text.strip().lstrip("#")), least, most, text)
+
+
+# Addresses ----------------------------------------------------------------------------------------------------------
+
+
+def branch_part(token: str, encoding: Encoding) -> Part:
+    """off8, off16: the target address of a relative branch."""
+    mask = encoding.fields["c"].mask
+    half = mask + 1 >> 1
+
+    def show(values: Values, at: int) -> str:
+        return f"{at + ((values['c'] ^ half) - half) & 0x3F_FFFF:#08x}"
+
+    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
+        distance = evaluate(text) - at
+        if not -half <= distance < half:
+            raise BadOperand(f"{text.strip()!r} is {distance} words away; this branch reaches {-half} to {half - 1}")
+        return {"c": distance & mask}
+
+    return Part(show, r"[^,|]+?", read)
+
+
+def address_part(page: int) -> Callable[[str, Encoding], Part]:
+    """The low 16 bits of an address in this page."""
+
+    def make(token: str, encoding: Encoding) -> Part:
+        prefix = token.rstrip("16pmaPA")
+        return Part(
+            lambda values, at: f"{prefix}{page | values['c']:#x}",
+            rf"{re.escape(prefix)}[^,|()]+?",
+            lambda text, at, evaluate: {"c": ranged(evaluate(text[len(prefix) :]), page, page | 0xFFFF, text) & 0xFFFF},
+        )
+
+    return make
+
+
+def _show_half_float(values: Values, at: int) -> str:
+    number = float_of(values["i"])
+    return f"#{number!r}" if number - number == 0 else f"#{values['i']:#06x}"
+
+
+BIT = Part(
+    lambda values, at: f"#{values['b']}",
+    IMMEDIATE,
+    lambda text, at, evaluate: {"b": _immediate(text, evaluate, 0, 15)},
+)
+HALF = Part(
+    lambda values, at: f"#{values['i']:#06x}",
+    IMMEDIATE,
+    lambda text, at, evaluate: {"i": _immediate(text, evaluate, 0, 0xFFFF)},
+)
+# The upper half of a float32 as a number; infinities and NaN as bits, "#0x7FC0".
+HALF_FLOAT = Part(_show_half_float, IMMEDIATE, lambda text, at, evaluate: {"i": half_of(text, evaluate)})
+# The label of RPTB: the end address of the block, which begins after the two words of RPTB.
+BLOCK_END = Part(
+    lambda values, at: f"{at + 2 + values['z']:#08x}",
+    r"[^,|]+?",
+    lambda text, at, evaluate: {"z": ranged(evaluate(text) - at - 2, 0, 127, text)},
+)
+
 
 CONDITIONS = ["NEQ", "EQ", "GT", "GEQ", "LT", "LEQ", "HI", "HIS", "LO", "LOS", "NOV", "OV", "NTC", "TC", "NBIO", "UNC"]
 CONDITION_NAMES = {name: code for code, name in enumerate(CONDITIONS)} | {"C": 7, "NC": 8}
@@ -203,21 +374,21 @@ _TOKENS: tuple[tuple[re.Pattern[str], Part | Callable[[str, Encoding], Part | No
         (r"FLAG,VALUE", _flags_and_values),
         (r"FLAG", _bit_names("g", MOVST0_BITS)),
         (r"INTx", _one_of("c", {name: code for code, name in enumerate(INTERRUPTS)}, INTERRUPTS.__getitem__)),
-        (r"<<#0\.\.15", numbers.optional_shift_part),
+        (r"<<#0\.\.15", optional_shift_part),
         (r"<<#16", literal("<<#16")),
         (r"#0\.0", literal("#0.0")),
-        (r"#16F(Hi|Lo)Hex", numbers.HALF),
-        (r"#16FHi", numbers.HALF_FLOAT),
-        (r"#bit", numbers.BIT),
-        (r"#0\.\.31", numbers.number_part),
-        (r"#\d+\.\.\d+", numbers.shift_part),
-        (r"<<\d\.\.8", numbers.shift_part),
-        (r"#(RC|8s|16s|8|16|7|10|22)", numbers.number_part),
-        (r"off(8|16)", numbers.branch_part),
-        (r"label", numbers.BLOCK_END),
-        (r"0:(16|pma)", numbers.address_part(0)),
-        (r"PA", numbers.address_part(0)),
-        (r"pma", numbers.address_part(numbers.PMA_PAGE)),
+        (r"#16F(Hi|Lo)Hex", HALF),
+        (r"#16FHi", HALF_FLOAT),
+        (r"#bit", BIT),
+        (r"#0\.\.31", number_part),
+        (r"#\d+\.\.\d+", shift_part),
+        (r"<<\d\.\.8", shift_part),
+        (r"#(RC|8s|16s|8|16|7|10|22)", number_part),
+        (r"off(8|16)", branch_part),
+        (r"label", BLOCK_END),
+        (r"0:(16|pma)", address_part(0)),
+        (r"PA", address_part(0)),
+        (r"pma", address_part(PMA_PAGE)),
         (r"pm", _one_of("s", PRODUCT_SHIFT_CODES, PRODUCT_SHIFTS.__getitem__)),
     )
 )

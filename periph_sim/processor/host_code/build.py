@@ -15,7 +15,7 @@ from pathlib import Path
 from msgspec import Struct
 
 from ...core.input_files import note_input, note_inputs_of
-from .register_symbols import BYTES_A_WORD, COPIED, SYMBOLS
+from .register_layout import BYTES_A_WORD, COPIED, SYMBOLS
 
 RUNTIME = Path(__file__).with_name("runtime.c")
 HOOKS = (

@@ -42,8 +42,7 @@ from .library import (
     WRITE,
     Library,
 )
-from .register_layout import LARGEST, WORD, BadLayout, Place, RegisterLayout
-from .register_symbols import BYTES_A_WORD, IER, IFR, VECTORS
+from .register_layout import BYTES_A_WORD, IER, IFR, LARGEST, VECTORS, WORD, BadLayout, Place, RegisterLayout
 
 FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000  # of registers: one address for each running program
 BLOCK_CYCLES = 6  # of a basic block: about three statements with loads, operations and stores

@@ -1,6 +1,6 @@
 """Call stack of an image, derived from its jumps; listeners receive calls and returns.
 
-    ImageProgram --jumped, routine--> CallStack --called, returned--> CallListener: spans, a profile
+    ImageProgram --jumped, routine--> CallStack --called, returned--> CallListener: FunctionSpans, Profile
                                           '-- frames: the innermost last
 
 A call pushes a frame with its return address; a jump to that address ends the frame and all inner ones. A jump to
@@ -10,11 +10,17 @@ with an RTOS, which returns through frames that it made, and with `exit`, which 
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Callable
+
+from msgspec import Struct
+
+from ...core.records import Kind, Recorder
 from ...core.state import State
 from ...core.time import Clock
+from ..c28x.decoder import CALLS, INTERRUPTS, RETURNS
 from ..c28x.execution.cpu import Operation
-from ..c28x.flow import CALLS, INTERRUPTS, RETURNS
-from .function_map import FunctionMap
+from ..image_files.functions import FunctionMap
 
 NOWHERE = -1  # instead of a return address: it does not return
 
@@ -127,3 +133,103 @@ class CallStack:
             name = self.frames.pop().name
             for listener in self._listeners:
                 listener.returned(name, tick)
+
+
+class FunctionSpans(CallListener):
+    """SPAN records of the begins and ends of functions.
+
+    A function that calls itself is one span, from its first call to its last return. place: returns the place of the
+    first instruction of a named function.
+    """
+
+    STATE = State("_depth")
+
+    __slots__ = ("_depth", "_place", "_places", "_recorder", "_unit")
+
+    def __init__(self, recorder: Recorder, unit: str, place: Callable[[str], str]) -> None:
+        self._recorder = recorder
+        self._unit = unit
+        self._place = place
+        self._places: dict[str, str] = {}
+        self._depth: dict[str, int] = {}
+
+    def called(self, name: str, tick: int) -> None:
+        depth = self._depth[name] = self._depth.get(name, 0) + 1
+        if depth == 1:
+            place = self._places.get(name)
+            if place is None:
+                place = self._places[name] = self._place(name)
+            self._recorder.emit(tick, Kind.SPAN, self._unit, name, 1, place)
+
+    def returned(self, name: str, tick: int) -> None:
+        depth = self._depth[name] = self._depth[name] - 1
+        if not depth:
+            self._recorder.emit(tick, Kind.SPAN, self._unit, name, 0)
+
+
+Stack = tuple[str, ...]
+
+
+class FunctionTime(Struct, frozen=True):
+    """Time of a function, in ticks. own: in its own code. total: with called functions and interrupts.
+
+    waits: part of `own` asleep in IDLE or in a wait whose passes were skipped. calls: number of calls.
+    """
+
+    name: str
+    calls: int
+    own: int
+    total: int
+    waits: int
+
+
+class Profile(CallListener):
+    """Profile of an image: time by stack of functions.
+
+    stacks: ticks by stack, (outermost, ..., innermost). waits: part of them asleep. calls: number by function.
+    """
+
+    __slots__ = ("_since", "_stack", "calls", "stacks", "waits")
+
+    def __init__(self) -> None:
+        self.stacks: Counter[Stack] = Counter()
+        self.waits: Counter[Stack] = Counter()
+        self.calls: Counter[str] = Counter()
+        self._stack: Stack = ()
+        self._since = 0
+
+    def called(self, name: str, tick: int) -> None:
+        self._count(tick)
+        self._stack = (*self._stack, name)
+        self.calls[name] += 1
+
+    def returned(self, name: str, tick: int) -> None:
+        self._count(tick)
+        self._stack = self._stack[:-1]
+
+    def slept(self, ticks: int) -> None:
+        """Count a time without instructions."""
+        self.waits[self._stack] += ticks
+
+    def finish(self, tick: int) -> None:
+        """Count the time up to the end of the run."""
+        self._count(tick)
+
+    def _count(self, tick: int) -> None:
+        if tick > self._since:
+            self.stacks[self._stack] += tick - self._since
+            self._since = tick
+
+    def functions(self) -> list[FunctionTime]:
+        """Return the times of all functions that were called, in descending order of their own time."""
+        own, total, waits = (Counter[str]() for _ in range(3))
+        for stack, ticks in self.stacks.items():
+            if stack:
+                own[stack[-1]] += ticks
+            for name in set(stack):
+                total[name] += ticks
+        for stack, ticks in self.waits.items():
+            if stack:
+                waits[stack[-1]] += ticks
+        found = [FunctionTime(name, self.calls[name], own[name], total[name], waits[name]) for name in self.calls]
+        return sorted(found, key=lambda one: (-one.own, -one.total, one.name))

@@ -18,7 +18,7 @@ from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.descriptor import FLASH
 from ...f28335.memory.ram import block_at
 from ...f28335.system_options import SystemOptions
-from ..c28x import flow
+from ..c28x.decoder import RELATIVE, UNC
 from ..c28x.execution.cpu import Cpu, Operation
 from ..c28x.fetch_queue import DEPTH, FetchQueue
 from ..c28x.hazards import PUSHES, hazards
@@ -28,7 +28,7 @@ from .elsewhere import UnmappedMemory
 if TYPE_CHECKING:
     from ...core.options import BoolOption
 
-BRANCHES = flow.RELATIVE | {"LB", "XB", "XBANZ"}
+BRANCHES = RELATIVE | {"LB", "XB", "XBANZ"}
 PREFETCHED = 2  # address bits of a fetch from flash with FOPT.ENPIPE
 WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3
 
@@ -77,7 +77,7 @@ class InstructionTiming:
         f.tested = 1 << f.b if encoding.id == "TBIT_loc16_bit" else f.c if encoding.id == "AND_AX_loc16_16" else 0
         block = block_at(f.address) if f.accesses else None
         f.block, f.block_end = (0, 0) if block is None else (block.base, block.base + block.size)
-        if encoding.id == "B_off16_COND" and f.k == flow.UNC:
+        if encoding.id == "B_off16_COND" and f.k == UNC:
             f.cycles = self._options.b_unc_cycles.assume(self._core.touched)
         elif encoding.id == "MOVL_loc32_ACC" and f.l == PUSHES:
             f.cycles = self._options.push_acc_cycles.assume(self._core.touched)

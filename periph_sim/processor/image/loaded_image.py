@@ -9,17 +9,17 @@ from typing import Annotated
 from ...core.chip import Note
 from ...core.state import State
 from ...core.time import Clock
+from ..image_files.functions import FunctionMap
 from ..image_files.model import Image
 from ..instruction_location import instruction_location
 from ..processor import Processor
 from ..program import Program
 from ..source_location import SourceLocation
 from .call_stack import CallListener, CallStack
+from .case_variables import VariableRecords
 from .cpu import ImageCpu
-from .function_map import FunctionMap
 from .instruction_watch import InstructionWatch
-from .variable_records import VariableRecords
-from .wait_records import WaitRecords
+from .waits import WaitRecords
 
 LAST_JUMPS = 8  # named in an error; a power of two
 
@@ -84,7 +84,7 @@ class LoadedImage(Program):
     def place_at(self, address: int) -> SourceLocation:
         """Return the place of an instruction."""
         functions = self.functions
-        source, inside = functions.line_at(address), functions.at(address)
+        source, inside = functions.debug.line_at(address), functions.at(address)
         name, begins = (inside.name, inside.address) if inside else ("", address)
         path, line = source or ("", 0)
         return instruction_location(name, begins, path, line, address)

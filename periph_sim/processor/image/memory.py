@@ -18,10 +18,10 @@ from ...form.c_types import UInt16
 from ..c28x.execution.engine import PAGE, Engine
 from ..c28x.execution.registers import IllegalOperation
 from ..processor import Processor
+from .case_variables import VariableRecords
 from .elsewhere import BOOT_ROM, UnmappedMemory
 from .instruction_timing import InstructionTiming
 from .polls import PollSkipper
-from .variable_records import VariableRecords
 
 WATCHDOG_KEY = clocks_map.BASE + clocks_map.WDKEY.offset
 RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, as M0 and M1 below

@@ -29,13 +29,11 @@ from ..image_files.model import Image
 from ..polling import Spin
 from ..processor import Processor
 from ..program import Awaited, Stop, UnansweredWait
-from .awaited import LoopRange, awaited
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
 from .loaded_image import LAST_JUMPS, LoadedImage
 from .polls import FEWEST
-from .unmodelled_wait import UnmodelledWait
-from .wait_records import IDLE
+from .waits import IDLE, LoopRange, UnmodelledWait, awaited
 
 
 class ImageProgram(LoadedImage):

@@ -25,11 +25,10 @@ from typing import NamedTuple
 
 from ...core.examples import EXAMPLES
 from ...core.input_files import read_input
-from ..c28x.assembler import BadInstruction, Parsed, parse
-from ..c28x.expressions import BadExpression, Undefined, evaluate
+from ..c28x.assembler import BadExpression, BadInstruction, Parsed, Undefined, evaluate, parse
+from .coff2 import write
 from .load import parse as parse_image
 from .model import BadImage, Image, Section, Symbol
-from .write_coff2 import write
 from .write_dwarf import Row, debug_sections
 
 ENTRY = "_c_int00"

@@ -16,7 +16,7 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from ..c28x import flow, operand_field
+from ..c28x import operand_field
 from ..c28x.decoder import Instruction
 
 PAGE = 6  # bits of an address within a data page
@@ -61,12 +61,12 @@ def accesses(instructions: Iterable[Instruction | int], functions: frozenset[int
             known = arrived or _Known()
         yield from _accesses(instruction, known)
         _follow(instruction, known)
-        goal = flow.target(instruction)
-        if flow.is_call(instruction):
+        goal = instruction.target
+        if instruction.is_call:
             known = _Known()
         elif goal is not None and goal > instruction.address:
             waiting.setdefault(goal, known.copy())
-        reached = flow.goes_on(instruction)
+        reached = instruction.goes_on
 
 
 def _accesses(instruction: Instruction, known: _Known) -> Iterator[Access]:

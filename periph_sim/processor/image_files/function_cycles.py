@@ -10,13 +10,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ...core.suggest import did_you_mean
-from ..c28x.decoder import Instruction, decode_at
+from ..c28x.decoder import UNC, Instruction, decode_at
 from ..c28x.execution.operations import operation
-from ..c28x.flow import UNC, goes_on
 from ..c28x.hazards import DP, SP, hazards
 from ..c28x.pipeline import Pipeline
 from .debug_info import DebugInfo
-from .inspection import Function, functions_of
+from .functions import Function, FunctionMap
 from .model import BadImage, Image
 
 WAITED = range(0xC000, 0x1_0000)  # L4 to L7: a fetch of 32 bits takes 2 cycles
@@ -45,12 +44,12 @@ class FunctionCycles(NamedTuple):
 
 def function_cycles(image: Image, name: str) -> FunctionCycles:
     """Return the cycles of a function. Raise BadImage if no function has this name."""
-    debug = DebugInfo(image)
-    functions = {function.name: function for function in functions_of(image, debug)}
+    found = FunctionMap(image)
+    functions = {function.name: function for function in found.functions}
     if name not in functions:
         raise BadImage(f"there is no function {name!r}; {did_you_mean(name, functions)}")
     function = functions[name]
-    reader = _Reader(image, debug)
+    reader = _Reader(image, found.debug)
     address = function.address
     while address < function.address + function.size:
         address += reader.read(address)
@@ -103,7 +102,7 @@ class _Reader:
             Row(address, found.text, published, registers + late, ", ".join(why), str(source.line) if source else "")
         )
         self.least += cycles + registers + late
-        if not goes_on(found):
+        if not found.goes_on:
             pipeline.drain()
         for register in self._pages:
             self._pages[register] += (f.makes | _written_early(found)) & register > 0

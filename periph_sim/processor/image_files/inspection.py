@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import NamedTuple
 
 from ...f28335.memory.address_space import Content, area_at
@@ -16,20 +15,10 @@ from ...f28335.memory.register_names import register_name
 from ...f28335.pie.register_map import VECTOR_TABLE, VECTORS
 from ..c28x.decoder import Instruction, sweep
 from .constants import Access, accesses
-from .debug_info import DebugInfo, SourceLine
+from .functions import Function, FunctionMap
 from .model import Image, Section
 
 VECTOR_NAMES = {address: name for name, address in VECTORS.items()}
-
-
-class Function(NamedTuple):
-    """address: run address. size: in words. source: line of its first instruction; None if unknown."""
-
-    name: str
-    address: int
-    size: int
-    section: str
-    source: SourceLine | None
 
 
 class Vector(NamedTuple):
@@ -62,9 +51,10 @@ class Register(NamedTuple):
 
 @dataclass(frozen=True)
 class Inspection:
-    """instructions, words: counts in code sections."""
+    """entry_name: symbol or function at the entry, else its address. instructions, words: counts in code sections."""
 
     image: Image
+    entry_name: str
     functions: tuple[Function, ...]
     vectors: tuple[Vector, ...]
     registers: tuple[Register, ...]
@@ -73,16 +63,11 @@ class Inspection:
     words: int
     debug_damaged: str
 
-    def function_at(self, address: int) -> str:
-        """Return the name of the function at a run address; the address itself if there is none."""
-        return _function_at(self.functions, address)
-
 
 def inspect(image: Image) -> Inspection:
     """Decode all code of an image once and summarise it."""
-    debug = DebugInfo(image)
-    functions = functions_of(image, debug)
-    starts = frozenset(function.address for function in functions)
+    functions = FunctionMap(image)
+    starts = frozenset(function.address for function in functions.functions)
     named: list[tuple[Access, str]] = []
     unknown: list[Unknown] = []
     instructions = 0
@@ -93,46 +78,19 @@ def inspect(image: Image) -> Inspection:
                 instructions += 1
             else:
                 word = section.words[found - section.run]
-                unknown.append(Unknown(found, word, _function_at(functions, found)))
-        named += [(access, _function_at(functions, access.instruction.address)) for access in accesses(code, starts)]
+                unknown.append(Unknown(found, word, functions.name_at(found)))
+        named += [(access, functions.name_at(access.instruction.address)) for access in accesses(code, starts)]
     return Inspection(
         image=image,
-        functions=functions,
-        vectors=tuple(_vectors(image, functions, named)),
+        entry_name=image.symbol_at.get(image.entry) or functions.name_at(image.entry),
+        functions=functions.functions,
+        vectors=tuple(_vectors(image, functions.functions, named)),
         registers=tuple(_registers(named)),
         unknown=tuple(unknown),
         instructions=instructions,
         words=sum(len(section.words) for section in image.code),
-        debug_damaged=debug.damaged,
+        debug_damaged=functions.debug.damaged,
     )
-
-
-def functions_of(image: Image, debug: DebugInfo) -> tuple[Function, ...]:
-    """Return functions from debug data, and elsewhere from symbols; by section and address."""
-    return tuple(_functions(image, debug))
-
-
-def _functions(image: Image, debug: DebugInfo) -> Iterator[Function]:
-    for section in image.code:
-        told = {function.address: function for function in debug.functions if section.runs_at(function.address)}
-        covered = [range(function.address, function.end) for function in told.values()]
-        symbols = {
-            symbol.address: symbol.name
-            for symbol in sorted(image.symbols, key=lambda symbol: (not symbol.external, symbol.name), reverse=True)
-            if symbol.section == section.name and not symbol.label and section.runs_at(symbol.address)
-        }
-        starts = sorted({*told, *(at for at in symbols if not any(at in where for where in covered))})
-        for at, after in pairwise([*starts, section.run + section.size]):
-            name = told[at].name if at in told else symbols[at]
-            end = min(told[at].end, section.run + section.size) if at in told else after
-            yield Function(name, at, end - at, section.name, debug.line_at(at))
-
-
-def _function_at(functions: tuple[Function, ...], address: int) -> str:
-    for function in functions:
-        if 0 <= address - function.address < function.size:
-            return function.name
-    return f"{address:#08x}"
 
 
 def _vectors(image: Image, functions: tuple[Function, ...], named: list[tuple[Access, str]]) -> Iterator[Vector]:

@@ -1,16 +1,17 @@
 """Load a linker's output file as an image that fits the F28335, or raise BadImage with the reason.
 
-Checked: no two loaded sections overlap, each is in loadable memory, the entry is in loaded code.
+Checked: no two loaded sections overlap, each is in loadable memory, the entry is in loaded code. Reserved memory, or
+the run addresses of copied code, may overlap on purpose (UNION in the linker's command file).
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 
 from ...core.input_files import read_input
 from ...f28335.descriptor import Part
-from ...f28335.memory.address_space import not_loadable
+from ...f28335.memory.address_space import Content, area_at, not_loadable
 from ...f28335.parts.f28335 import PART
 from . import coff2
 from .model import BadImage, Image, quoted
@@ -77,3 +78,34 @@ def require_loadable(image: Image, part: Part) -> None:
         why = not_loadable(address, len(words), part)
         if why:
             raise BadImage(f".cinit initialises {len(words)} words {why}")
+
+
+SOURCE = ".asm"
+
+
+def program_in(path: Path) -> Image:
+    """Load or assemble the image in a file. Raise BadImage naming the file if it is not an F28335 image."""
+    if path.suffix != SOURCE:
+        return load(path)
+    from .assemble import assemble_file  # slow import, needed for sources only
+
+    return assemble_file(path)[0]
+
+
+def shared_memory(image: Image) -> list[str]:
+    """Return a sentence for each pair of sections that overlap in RAM."""
+    in_ram = [section for section in image.sections if section.allocated and section.size and _is_ram(section.run)]
+    notes = []
+    for one, other in combinations(sorted(in_ram, key=lambda section: section.run), 2):
+        end = min(one.run + one.size, other.run + other.size)
+        if other.run < end:
+            notes.append(
+                f"sections {one.name} and {other.name} share {other.run:#08x} to {end - 1:#08x}: "
+                "unless this is a UNION in the linker's command file, one overwrites the other"
+            )
+    return notes
+
+
+def _is_ram(address: int) -> bool:
+    area = area_at(address)
+    return area is not None and area.content is Content.RAM

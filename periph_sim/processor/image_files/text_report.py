@@ -8,9 +8,10 @@ from ...core.text_table import columns, paragraph, text_table
 from ...f28335.memory.register_names import NOT_MODELLED
 from ..c28x.decoder import other_unit
 from .function_cycles import FunctionCycles
-from .inspection import Function, Inspection, Register, contents_of
+from .functions import Function
+from .inspection import Inspection, Register, contents_of
+from .load import shared_memory
 from .model import Section
-from .shared_memory import shared_memory
 
 LONGEST_TEXT = 10  # number of functions shown without -v
 
@@ -20,7 +21,7 @@ def text(found: Inspection, every: bool = False) -> str:
     image = found.image
     version = f", linker {image.tool_version}" if image.tool_version else ""
     lines = [
-        f"{image.kind}{version}, entry {image.entry:#08x} ({_named(found, image.entry)})",
+        f"{image.kind}{version}, entry {image.entry:#08x} ({found.entry_name})",
         f"{found.instructions} instructions in {found.words} words of code, {_unknown_count(found)}",
     ]
     if found.debug_damaged:
@@ -31,10 +32,6 @@ def text(found: Inspection, every: bool = False) -> str:
     if found.unknown:
         lines += ["", *_unknown(found)]
     return "\n".join(lines)
-
-
-def _named(found: Inspection, address: int) -> str:
-    return found.image.symbol_at.get(address) or found.function_at(address)
 
 
 def _unknown_count(found: Inspection) -> str:
@@ -134,7 +131,7 @@ def as_json(found: Inspection) -> dict[str, object]:
     return {
         "kind": image.kind,
         "linker": image.tool_version,
-        "entry": {"address": image.entry, "name": _named(found, image.entry)},
+        "entry": {"address": image.entry, "name": found.entry_name},
         "instructions": found.instructions,
         "words": found.words,
         "sections": [

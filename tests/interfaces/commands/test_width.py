@@ -13,7 +13,7 @@ import pytest
 
 from periph_sim.cli import cli
 from periph_sim.processor.image_files.assemble import assemble_file
-from periph_sim.processor.image_files.write_coff2 import write
+from periph_sim.processor.image_files.coff2 import write
 from tests.interfaces.commands.conftest import Run
 from tests.processor.image_files.own_images import image
 

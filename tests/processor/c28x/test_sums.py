@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from periph_sim.processor.c28x.encodings import by_id, encodings
-from periph_sim.processor.c28x.sums import Sum, sum_of
+from periph_sim.processor.image.repeated_pass import Sum, sum_of
 
 SUMS = {
     "ADDB_ACC_8", "ADDB_AX_8s", "ADDB_XARn_7", "ADDL_ACC_loc32", "ADDL_loc32_ACC", "ADDU_ACC_loc16", "ADD_AX_loc16",

@@ -14,7 +14,7 @@ from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.image.boot import Boot, Stub
 from periph_sim.processor.image.program import ImageProgram
-from periph_sim.processor.image.wait_records import WaitRecords
+from periph_sim.processor.image.waits import WaitRecords
 from periph_sim.processor.image_files.assemble import assemble
 from periph_sim.processor.image_files.model import Image
 

@@ -11,7 +11,7 @@ from hypothesis.strategies import integers
 from periph_sim.core.records import Kind, Record
 from periph_sim.processor.image.boot import Stub
 from periph_sim.processor.image.repeated_pass import Number, passes_within
-from periph_sim.processor.image.wait_records import WaitRecords
+from periph_sim.processor.image.waits import WaitRecords
 from tests.processor.image.rig import HEAD, Rig
 from tests.processor.image.test_polls import ADCST, HARDWARE, ROUTINE, both, lines
 from tests.profiles import examples

@@ -7,9 +7,9 @@ import struct
 import pytest
 
 from periph_sim.processor.image_files import coff2
+from periph_sim.processor.image_files.coff2 import write
 from periph_sim.processor.image_files.load import parse
 from periph_sim.processor.image_files.model import Image, Section, Symbol
-from periph_sim.processor.image_files.write_coff2 import write
 from tests.processor.image_files.own_images import CODE, ENTRY, image, text
 from tests.processor.image_files.test_load import GOOD, SECTION_AT, changed, refused
 

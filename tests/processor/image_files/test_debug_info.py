@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from periph_sim.processor.image_files.debug_info import DebugInfo
 from periph_sim.processor.image_files.function_cycles import function_cycles
-from periph_sim.processor.image_files.inspection import Function, inspect
+from periph_sim.processor.image_files.functions import Function
+from periph_sim.processor.image_files.inspection import inspect
 from periph_sim.processor.image_files.model import Image, Section, Symbol
 from periph_sim.processor.image_files.write_dwarf import debug_sections
 
@@ -72,6 +73,7 @@ def test_symbols_tell_functions_where_debug_data_tell_none_and_a_section_ends_th
         Function("_between", 0x8004, 4, ".text", a),
         Function("second", 0x8008, 0x18, ".text", b),
     )
+    assert inspect(replace(IMAGE, entry=0x8003)).entry_name == "first"
 
 
 def test_cycles_of_an_instruction_stand_beside_its_line():

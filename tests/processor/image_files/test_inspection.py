@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.processor.image_files import inspection
-from periph_sim.processor.image_files.inspection import Function, Inspection, inspect
+from periph_sim.processor.image_files import functions
+from periph_sim.processor.image_files.functions import Function, FunctionMap
+from periph_sim.processor.image_files.inspection import Inspection, inspect
+from periph_sim.processor.image_files.load import shared_memory
 from periph_sim.processor.image_files.model import Image, Section, Symbol
-from periph_sim.processor.image_files.shared_memory import shared_memory
 from tests.processor.image_files.own_images import CODE, ENTRY, HANDLER, image, text
 
 
@@ -38,8 +39,8 @@ def test_functions_end_where_the_next_one_begins_and_labels_are_none():
         ("_main", ENTRY, len(CODE) - 1),
         ("_handler_of_the_transfer", HANDLER, 1),
     ]
-    assert found.function_at(HANDLER) == "_handler_of_the_transfer"
-    assert found.function_at(0x1234) == "0x001234"
+    assert FunctionMap(image()).name_at(HANDLER) == "_handler_of_the_transfer"
+    assert FunctionMap(image()).name_at(0x1234) == "0x001234"
 
 
 def test_instructions_and_words_are_counted():
@@ -101,7 +102,7 @@ def test_code_that_is_copied_runs_elsewhere():
 
 def test_a_handler_has_the_name_that_budgets_know_and_not_its_symbol(monkeypatch: pytest.MonkeyPatch):
     of_debug_data = Function("on_transfer", HANDLER, 1, ".text", None)
-    monkeypatch.setattr(inspection, "functions_of", lambda image, debug: (of_debug_data,))
+    monkeypatch.setattr(functions, "_functions", lambda image, debug: (of_debug_data,))
     (vector,) = inspect(image()).vectors
     assert vector.handler == "on_transfer"
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.processor.c28x import flow
 from periph_sim.processor.c28x.decoder import Instruction, sweep
 from periph_sim.processor.image_files.debug_info import DebugInfo
 from periph_sim.processor.image_files.inspection import inspect
@@ -35,7 +34,7 @@ def test_branches_and_functions_are_at_the_beginning_of_an_instruction(name: str
             continue
         code = [one for one in sweep(section.run, section.words) if isinstance(one, Instruction)]
         begins = {one.address for one in code}
-        goals = [flow.target(one) for one in code]
+        goals = [one.target for one in code]
         inside = [goal for goal in goals if goal is not None and section.runs_at(goal)]
         functions = [one.address for one in DebugInfo(image).functions if section.runs_at(one.address)]
         assert set(inside) | set(functions) <= begins

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from periph_sim.processor.image_files.debug_info import SourceLine
 from periph_sim.processor.image_files.function_cycles import FunctionCycles, Row
-from periph_sim.processor.image_files.inspection import Function, Inspection, Register, Unknown, Vector
+from periph_sim.processor.image_files.functions import Function
+from periph_sim.processor.image_files.inspection import Inspection, Register, Unknown, Vector
 from periph_sim.processor.image_files.model import Image, Section, Symbol
 from periph_sim.processor.image_files.text_report import as_json, cycles_as_json, cycles_text, text
 
@@ -22,6 +23,7 @@ MAIN = Function("main", 0x8000, 4, ".text", SourceLine("main.c", 12))
 FUNCTIONS = (MAIN, *(Function(f"f{n}", 0x8004 + n, n % 3 + 1, ".text", None) for n in range(10)))
 WHOLE = Inspection(
     image=IMAGE,
+    entry_name="_begin",
     functions=FUNCTIONS,
     vectors=(Vector("TINT0", 0xD4C, "on_timer", "main"),),
     registers=(
@@ -95,7 +97,8 @@ def test_all_functions_by_address_and_each_register_where_it_is_touched():
 
 
 def test_what_an_image_has_none_of():
-    lines = text(replace(EMPTY, debug_damaged="KeyError: 3", image=replace(IMAGE, tool_version=6, entry=0x8004)))
+    without_symbol = replace(IMAGE, tool_version=6, entry=0x8004)
+    lines = text(replace(EMPTY, debug_damaged="KeyError: 3", entry_name="f0", image=without_symbol))
     assert lines.startswith(
         "TI COFF2, linker 6, entry 0x008004 (f0)\n9 instructions in 16 words of code, all known\n"
         "note: debug data are damaged and partly read (KeyError: 3)\n"

@@ -12,9 +12,8 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 
 from ....processor.c28x.decoder import Instruction, sweep
-from ....processor.c28x.flow import goes_on, is_call, target
-from ....processor.image.coverage import Coverage
-from ....processor.image.function_map import FunctionMap
+from ....processor.image.instruction_watch import Coverage
+from ....processor.image_files.functions import FunctionMap
 from ....processor.image_files.model import Image
 
 
@@ -53,7 +52,7 @@ def _files(image: Image, functions: FunctionMap, counts: Coverage) -> dict[str, 
     found: dict[str, FileCoverage] = defaultdict(FileCoverage)
     for instruction in _instructions(image):
         at = instruction.address
-        place = functions.line_at(at)
+        place = functions.debug.line_at(at)
         if place is None:
             continue
         of_file = found[place.file]
@@ -69,7 +68,7 @@ def _files(image: Image, functions: FunctionMap, counts: Coverage) -> dict[str, 
 
 def is_conditional(instruction: Instruction) -> bool:
     """Return True for a conditional branch."""
-    return target(instruction) is not None and goes_on(instruction) and not is_call(instruction)
+    return instruction.target is not None and instruction.goes_on and not instruction.is_call
 
 
 def _instructions(image: Image) -> Iterator[Instruction]:

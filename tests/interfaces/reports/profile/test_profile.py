@@ -117,7 +117,7 @@ def test_a_unit_in_python_has_no_profile(periph_sim: Run, case: Path):  # noqa: 
 
 def test_an_image_without_lines_is_not_covered_and_leaves_no_file(periph_sim: Run, case: Path):  # noqa: F811
     from periph_sim.processor.image_files.assemble import assemble
-    from periph_sim.processor.image_files.write_coff2 import write
+    from periph_sim.processor.image_files.coff2 import write
 
     Path("own.out").write_bytes(write(assemble(SOURCE)))
     came = periph_sim("profile", "own.toml", "--lcov", "own.info")

@@ -17,7 +17,6 @@ from periph_sim.processor.c28x.decoder import Instruction
 from periph_sim.processor.c28x.delay_slots import late_results, read_registers
 from periph_sim.processor.c28x.encodings import Encoding
 from periph_sim.processor.c28x.execution.operations import operation
-from periph_sim.processor.c28x.flow import goes_on, is_call, target
 from periph_sim.processor.c28x.hazards import hazards, is_held, writes_at_once
 from tests.processor.c28x.execution.random_instructions import AT, FORMS, passes
 
@@ -30,7 +29,7 @@ def static(row: Encoding, pair: int) -> str:
     one = Instruction(AT, pair, row)
     f = operation(one)
     needs, makes = hazards(row, f.l, f.n, f.m)
-    flow = (target(one), goes_on(one), is_call(one), late_results(one), read_registers(one))
+    flow = (one.target, one.goes_on, one.is_call, late_results(one), read_registers(one))
     return f"{one.text} {one.words} {flow} {needs:x} {makes:x} {is_held(row)} {writes_at_once(row)}"
 
 

@@ -1,7 +1,8 @@
-"""Description of a wait of an image: the registers and bits that its loop reads.
+"""Waits of an image: what a loop waits for, and for how long.
 
-The bits are those of the loop's first bit test or mask; without one, all bits of a register. A loop that reads no
-register, and has an exit, waits for memory: its words are named by the symbols before them.
+A wait is described by the registers and bits that its loop reads. The bits are those of the loop's first bit test or
+mask; without one, all bits of a register. A loop that reads no register, and has an exit, waits for memory: its words
+are named by the symbols before them.
 """
 
 from __future__ import annotations
@@ -10,10 +11,12 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
+from ...core.records import Kind, Recorder
 from ...core.registers import Register
+from ...core.state import State
+from ...core.time import Clock
 from ...f28335.memory.address_space import Content, area_at
 from ...f28335.memory.register_names import full_name
-from ..c28x import flow
 from ..c28x.decoder import Instruction, decode_at
 from ..image_files.model import Image
 from ..operand import Operand
@@ -102,8 +105,8 @@ def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
 def _may_end(cpu: ImageCpu, loop: LoopRange) -> bool:
     """Return True if the loop has an exit; a loop without one is the end of a program."""
     for one in _instructions(loop.first, _words(cpu, loop)):
-        goal = flow.target(one)
-        if goal is None or flow.is_call(one) or not flow.goes_on(one):
+        goal = one.target
+        if goal is None or one.is_call or not one.goes_on:
             continue
         if one.address == loop.branch or not loop.first <= goal <= loop.branch:
             return True
@@ -154,3 +157,57 @@ def _name(image: Image, address: int) -> str:
             offset = address - max(before)
             return image.symbol_at[max(before)] + (f"+{offset}" if offset else "")
     return f"{address:#06x}"
+
+
+LCR_WORDS = 2
+
+
+class UnmodelledWait(NamedTuple):
+    """A wait for unmodelled registers, which continues across interrupts.
+
+    since: the cycle at which it began. addresses: the unmodelled words that it reads.
+
+    sp: the stack pointer in the loop. routines: number of service routines active there.
+    """
+
+    since: int
+    loop: LoopRange
+    sp: int
+    routines: int
+    addresses: list[int]
+
+    def goes_on(self, cpu: ImageCpu) -> bool:
+        """Return True if the program is in the loop, in a function that it calls, or in a routine that interrupts it.
+
+        Call it at each entry of a service routine, too, and drop a wait that is over there.
+        """
+        routines = cpu.polls.routines
+        if routines != self.routines:
+            return routines > self.routines
+        first, branch = self.loop
+        if first <= cpu.pc <= branch:
+            return cpu.sp == self.sp
+        return cpu.sp > self.sp and first < cpu.rpc <= branch + LCR_WORDS
+
+
+IDLE = "IDLE"
+ENDLESS = "endless loop"  # one that reads no register
+
+
+class WaitRecords:
+    """WAIT records of an image, in the same form as those of Python firmware."""
+
+    STATE = State("_what")
+
+    def __init__(self, recorder: Recorder, clock: Clock, unit: str) -> None:
+        self._recorder, self._clock, self._unit = recorder, clock, unit
+        self._what = ""
+
+    def begins(self, what: str, cycle: int, place: str) -> None:
+        """Record the begin of a wait for `what`, or in IDLE; "": an endless loop that reads no register."""
+        self._what = what or ENDLESS
+        self._recorder.emit(self._clock.tick(cycle), Kind.WAIT, self._unit, self._what, 1, place)
+
+    def ends(self, cycle: int) -> None:
+        """Record the end of the last wait."""
+        self._recorder.emit(self._clock.tick(cycle), Kind.WAIT, self._unit, self._what, 0)

@@ -1,18 +1,28 @@
-"""FLAG records of `UNIT.memory` for each change of selected variables of an image."""
+"""Variables of an image that a case names: their initial values, and records of their changes.
+
+Initial values are stored when the image is loaded, and again when `main` is entered, since C start-up code sets
+initialised variables before.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+
+from msgspec import Struct
 
 from ...core.records import Kind, Recorder
 from ...core.state import State
 from ...core.time import Clock
 from ...f28335.memory.ram import MEMORY, Ram
 from ..image_files.variables import Variable
+from .call_stack import CallListener
 
 
 class VariableRecords:
-    """addresses: variables by the address of each of their words."""
+    """FLAG records of `UNIT.memory` for each change of a variable.
+
+    addresses: variables by the address of each of their words.
+    """
 
     STATE = State("_values")
 
@@ -59,3 +69,38 @@ class VariableRecords:
         if variable.words == 1:
             return variable.value_of(self._ram.word(variable.address))
         return variable.value_of(self._ram.word32(variable.address & ~1))
+
+
+MAIN = ("main", "_main")
+
+
+class Preset(Struct, frozen=True):
+    """bits: the words of the variable in memory, low one first."""
+
+    variable: Variable
+    bits: int
+
+
+class PresetMemory(CallListener):
+    """Initial values of variables that a case sets by symbol."""
+
+    STATE = State()
+
+    __slots__ = ("_presets", "_put")
+
+    def __init__(self, presets: Iterable[Preset], put: Callable[[int, int], None]) -> None:
+        self._presets = tuple(presets)
+        self._put = put
+
+    def put(self) -> None:
+        """Store all values, word by word."""
+        for preset in self._presets:
+            for word in range(preset.variable.words):
+                self._put(preset.variable.address + word, preset.bits >> 16 * word & 0xFFFF)
+
+    def called(self, name: str, tick: int) -> None:
+        if name in MAIN:
+            self.put()
+
+    def returned(self, name: str, tick: int) -> None:
+        pass

@@ -181,13 +181,14 @@ def _head(verdict: Verdict) -> str:
     kept = verdict.margin is not None and verdict.margin >= 0
     if verdict.worst is None or (verdict.broken and kept):
         return f"{verdict.name}: {verdict.found or 'nothing was measured'}"
-    return f"{verdict.name} {in_words(verdict.worst, verdict.unit)}, {_limit(verdict)}, at {instant(verdict.at_s)}"
+    worst, limit = (in_words(value, verdict.unit) for value in (verdict.worst, verdict.limit))
+    return f"{verdict.name} {worst}, {bound(verdict.which)} {limit} allowed, at {instant(verdict.at_s)}"
 
 
-def _limit(verdict: Verdict) -> str:
-    which = {"max": "at most", "min": "at least", "exactly": "exactly"}.get(verdict.which)
-    which = which or f"{percentile(verdict.which)} at most"
-    return f"{which} {in_words(verdict.limit, verdict.unit)} allowed"
+def bound(which: str) -> str:
+    """Return the words for a limit's key: "at most", "p99 at most"."""
+    words = {"max": "at most", "min": "at least", "exactly": "exactly"}
+    return words.get(which) or f"{percentile(which)} at most"
 
 
 def _us(chain: Chain, ticks: int, sign: bool = False) -> str:

@@ -11,7 +11,7 @@ grow with the run.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -116,10 +116,9 @@ def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict],
 
     ValueError if the table's ticks are not a run's.
     """
-    wanted = [verdict for verdict in verdicts if verdict.at_s is not None]
     if table.per_second is None or table.per_second.denominator != 1:
         raise ValueError(f"a table of {table.per_second} ticks a second is no recorded run")
-    keeper = _Keeper(wanted, Timebase(int(table.per_second)), start, table.end)
+    keeper = _Keeper(verdicts, Timebase(int(table.per_second)), start, table.end)
     for record in table.records():
         keeper.add(record)
     wires = [*dict.fromkeys(table.texts("where", table.rows(Kind.EDGE)))]
@@ -128,8 +127,7 @@ def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict],
 
 def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verdict], start: int) -> list[Window]:
     """Return windows from the wires of a run only, whose positions are ticks: their only records are edges."""
-    wanted = [verdict for verdict in verdicts if verdict.at_s is not None]
-    keeper = _Keeper(wanted, timebase, start, edges.length - 1)
+    keeper = _Keeper(verdicts, timebase, start, edges.length - 1)
     moves = [
         (at, c.name, to) for c in edges.channels for at, to in zip(c.edges.tolist(), c.levels.tolist(), strict=True)
     ]
@@ -159,10 +157,10 @@ class _State:
 class _Keeper:
     """Receiver of all records of a run in order of creation, which keeps those around some verdicts."""
 
-    def __init__(self, verdicts: Sequence[Verdict], timebase: Timebase, start: int, end: int) -> None:
+    def __init__(self, verdicts: Iterable[Verdict], timebase: Timebase, start: int, end: int) -> None:
         self._timebase = timebase
         self._start, self._end = start, end
-        self._wanted = [self._want(verdict) for verdict in verdicts]
+        self._wanted = [self._want(verdict, verdict.at_s) for verdict in verdicts if verdict.at_s is not None]
         self._ranges = _merged([span for one in self._wanted for span in one.kept])
         self._records: list[list[Record]] = [[] for _ in self._ranges]
         self._states: list[_State] = []
@@ -175,10 +173,9 @@ class _Keeper:
         """The tick after which nothing is kept."""
         return self._ranges[-1].end - 1 if self._ranges else self._start
 
-    def _want(self, verdict: Verdict) -> _Wanted:
-        assert verdict.at_s is not None
+    def _want(self, verdict: Verdict, at_s: float) -> _Wanted:
         per_second = self._timebase.per_second
-        at = self._start + round(verdict.at_s * per_second)
+        at = self._start + round(at_s * per_second)
         length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
         if verdict.until_s is not None:
             length = round(verdict.until_s * per_second) - (at - self._start)

@@ -10,11 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ....timing.verdict import Verdict, figure, in_words, instant, percentile
-from ..explain.chain import Chain, Part
+from ....timing.verdict import Verdict, figure, in_words, instant
+from ..explain.chain import Chain, Part, bound
 from .over_time import OverTime
-
-ALLOWED = {"max": "at most", "min": "at least", "exactly": "exactly"}
 
 
 @dataclass(frozen=True)
@@ -44,21 +42,17 @@ def failure(
 
 
 def _what(verdict: Verdict) -> str:
+    at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
     if verdict.worst is None or verdict.until_s is not None:
-        at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
         return f"is broken: {verdict.found}{at}"
-    allowed = ALLOWED.get(verdict.which) or f"for {percentile(verdict.which)} at most"
-    limit = "none" if (verdict.which, verdict.limit) == ("max", 0) else f"{allowed} {_plain(verdict.limit, verdict)}"
+    worst, limit = (in_words(value, verdict.unit) for value in (verdict.worst, verdict.limit))
+    of = "for " if verdict.which not in ("max", "min", "exactly") else ""
+    allowed = "none" if (verdict.which, verdict.limit) == ("max", 0) else f"{of}{bound(verdict.which)} {limit}"
     off = abs(verdict.worst - verdict.limit)
     beyond = ""
     if verdict.unit in ("us", "%", "LSB") and verdict.limit:
         beyond = f" ({figure(off, verdict.unit)} {'too much' if verdict.worst > verdict.limit else 'too little'})"
-    at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
-    return f"is broken: {_plain(verdict.worst, verdict)}, {limit} allowed{beyond}{at}"
-
-
-def _plain(value: float | int, verdict: Verdict) -> str:
-    return in_words(value, verdict.unit)
+    return f"is broken: {worst}, {allowed} allowed{beyond}{at}"
 
 
 def _count(verdict: Verdict, over: OverTime, per_second: int) -> str:

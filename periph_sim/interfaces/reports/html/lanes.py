@@ -101,7 +101,7 @@ class _Lanes:
         if not edges and first is None and not len(channel.edges):
             return None
         initial = first.value if first is not None else edges[0].value ^ 1 if edges else channel.initial
-        wave = Wave(wire, "", initial)
+        wave = Wave(wire, "", initial=initial)
         wave.chosen = self._named(wire) or (wire in BUS and self.about_bus) or (wire in SERIAL and self.about_serial)
         level = initial
         for record in edges:
@@ -175,7 +175,7 @@ class _Lanes:
         about = f"\n{known.doc} [{of.source}]" if of is not None and known is not None and known.doc else ""
         chosen = changes[0][3:5] in self.chosen_flags
         if known is not None and known.msb == known.lsb:
-            wave = Wave(what, unit, initial, chosen=chosen)
+            wave = Wave(what, unit, initial=initial, chosen=chosen)
             for record in changes:
                 if record.value != initial:
                     initial = record.value

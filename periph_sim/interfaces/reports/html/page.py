@@ -18,10 +18,9 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from .... import form
-from ....timing.verdict import Verdict, figure, in_words, instant, limit, percentile
-from ..explain.chain import Chain, Part, largest
+from ....timing.verdict import Verdict, figure, in_words, instant, limit
+from ..explain.chain import Chain, Part, bound, largest
 from .distribution import number, plot, scale_of
-from .failure import ALLOWED
 from .gather import BudgetReport, CaseReport
 from .over_time import OverTime, time_plot
 
@@ -169,8 +168,7 @@ def _gist(case: CaseReport) -> str:
 def _allowed(verdict: Verdict) -> str:
     """ "at most 60 us", "p99 at most 3.4 us"."""
     text = limit(verdict.limit, verdict.unit, "")
-    word = ALLOWED.get(verdict.which) or f"{percentile(verdict.which)} at most"
-    return f"{word} {text if text != f'{verdict.limit}' else in_words(verdict.limit, verdict.unit)}"
+    return f"{bound(verdict.which)} {text if text != f'{verdict.limit}' else in_words(verdict.limit, verdict.unit)}"
 
 
 def _worst_first(cases: Sequence[CaseReport]) -> list[Row]:

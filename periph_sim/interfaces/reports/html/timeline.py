@@ -24,36 +24,36 @@ class Texts(dict[str, int]):
 
 
 @dataclass
-class Wave:
-    """A binary signal.
-
-    initial: the level before the first edge.
-    at: the ticks of the edges.
-    says: for each edge, the index of its text.
-    """
+class Lane:
+    """at: the ticks of the events. says: for each event, the index of its text."""
 
     name: str
     unit: str
-    initial: int
     at: Ticks = field(default_factory=list)
     says: list[int] = field(default_factory=list)
     chosen: bool = False
 
     def json(self) -> dict[str, Any]:
-        return {"kind": "wave", "initial": self.initial, "at": _steps(self.at), "says": self.says}
+        return {"name": self.name, "unit": self.unit} | ({"chosen": 1} if self.chosen else {})
 
 
 @dataclass
-class Boxes:
+class Wave(Lane):
+    """A binary signal; its events are edges. initial: the level before the first one."""
+
+    initial: int = 0
+
+    def json(self) -> dict[str, Any]:
+        own = {"kind": "wave", "initial": self.initial, "at": _steps(self.at), "says": self.says}
+        return super().json() | own
+
+
+@dataclass
+class Boxes(Lane):
     """Time ranges with labels, in order of begin."""
 
-    name: str
-    unit: str
-    at: Ticks = field(default_factory=list)
     end: Ticks = field(default_factory=list)
     labels: list[int] = field(default_factory=list)
-    says: list[int] = field(default_factory=list)
-    chosen: bool = False
 
     def add(self, begin: int, end: int, label: int, says: int) -> None:
         self.at.append(begin)
@@ -63,31 +63,24 @@ class Boxes:
 
     def json(self) -> dict[str, Any]:
         long = [end - at for at, end in zip(self.at, self.end, strict=True)]
-        return {"kind": "boxes", "at": _steps(self.at), "long": long, "labels": self.labels, "says": self.says}
+        own = {"kind": "boxes", "at": _steps(self.at), "long": long, "labels": self.labels, "says": self.says}
+        return super().json() | own
 
 
 @dataclass
-class Marks:
+class Marks(Lane):
     """Labelled instants. strong: drawn as more important than the others (a write among reads).
 
     places: the firmware location of each, or empty if unknown.
     """
 
-    name: str
-    unit: str
-    at: Ticks = field(default_factory=list)
     labels: list[int] = field(default_factory=list)
-    says: list[int] = field(default_factory=list)
     strong: list[int] = field(default_factory=list)
     places: list[int] = field(default_factory=list)
-    chosen: bool = False
 
     def json(self) -> dict[str, Any]:
-        found = {"kind": "marks", "at": _steps(self.at), "labels": self.labels, "says": self.says}
-        return found | {"strong": self.strong} | ({"places": self.places} if self.places else {})
-
-
-Lane = Wave | Boxes | Marks
+        own = {"kind": "marks", "at": _steps(self.at), "labels": self.labels, "says": self.says, "strong": self.strong}
+        return super().json() | own | ({"places": self.places} if self.places else {})
 
 
 @dataclass(frozen=True)
@@ -125,9 +118,7 @@ class Timeline:
             "cycles": self.cycles,
             "shown": self.shown,
             "kept": self.kept,
-            "groups": [
-                {"name": name, "lanes": [_head(lane) | lane.json() for lane in lanes]} for name, lanes in self.groups
-            ],
+            "groups": [{"name": name, "lanes": [lane.json() for lane in lanes]} for name, lanes in self.groups],
             "says": self.says,
             "rows": [row.json() for row in self.rows],
         }
@@ -146,10 +137,6 @@ def only_chosen(timeline: Timeline) -> Timeline:
 
     groups = tuple((name, tuple(again(lane) for lane in lanes if lane.chosen)) for name, lanes in timeline.groups)
     return replace(timeline, groups=tuple(one for one in groups if one[1]), says=tuple(says))
-
-
-def _head(lane: Lane) -> dict[str, Any]:
-    return {"name": lane.name, "unit": lane.unit} | ({"chosen": 1} if lane.chosen else {})
 
 
 def _steps(at: Iterable[int]) -> list[int]:

@@ -100,16 +100,16 @@ def drawn() -> Timeline:
     line = Wave(
         "LINE",
         "",
-        1,
         [-10 * US, 5 * US, 15 * US],
         [says.place("LINE fell\nheld low by dsp"), *[says.place("moved")] * 2],
+        initial=1,
     )
     words = Boxes("SCIFFRX.RXFFST", "dsp")
     words.add(-100 * US, 5 * US, says.place("3"), says.place("RXFFST = 3"))
     words.add(5 * US, 200 * US, says.place("4"), says.place("RXFFST became 4"))
     span = Boxes("span", "dsp")
     span.add(0, 10 * US, says.place("work"), says.place("span work\nat main:7"))
-    register = Marks("REG", "dsp", [-1 * US, 2 * US], [says.place("11"), says.place("<b>")])
+    register = Marks("REG", "dsp", [-1 * US, 2 * US], labels=[says.place("11"), says.place("<b>")])
     register.says = [says.place("read REG = 0x0011\nat main:3"), says.place("write of REG\nat main:4")]
     register.strong, register.places = [0, 1], [says.place("main:3"), says.place("main:4")]
     return Timeline(

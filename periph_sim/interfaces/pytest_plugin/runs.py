@@ -1,7 +1,10 @@
-"""A run of a case for a test.
+"""A run of a case for a test, which asserts budgets with a table, causes and timing diagrams.
 
 Plan (case, programs, length) --run_plan--> Run: result, budgets, transfers, edges(), records
-                                             assert_budgets(...) --> nothing, or AssertionError with a picture
+                                             assert_budgets(...) --> nothing, or AssertionError with a text
+
+broken budgets --> budget, worst, limit, margin, when, why
+worst occurrences --> windows (of a second, short run, or of the run's own records) --> chain and diagram, in text
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from pathlib import Path
 from ...bus.i2c.transfer import Transfer
 from ...core.records import RECORDED, Recorder
 from ...core.suggest import did_you_mean
+from ...core.text_table import text_table
 from ...core.time import Timebase
 from ...processor.user_code import output_muted
 from ...replay.wire_log import WireLog
@@ -23,10 +27,10 @@ from ...scene.firmware_loader import Firmware
 from ...scene.prepared import PreparedScene
 from ...scene.result import Result
 from ...scene.scene import Scene
-from ...timing.verdict import NOTHING_PROVEN, Verdict
+from ...timing.verdict import NOTHING_PROVEN, Verdict, figure, instant, limit
 from ...traces.capture.capture import Capture
 from ...traces.formats.record_table import Columns, RecordTable
-from ..reports.explain.chain import Chain
+from ..reports.explain.chain import Chain, text
 from ..reports.explain.explain import chain_of, explain
 from ..reports.explain.window import Window, windows_of_edges, windows_of_table
 
@@ -154,8 +158,9 @@ class Run:
         __tracebackhide__ = True
         if not names:
             raise ValueError("assert_budgets: give at least one budget; assert_all() judges all budgets of the case")
-        asserted = {self.budgets[name].name for name in names}
-        self._judge([verdict for verdict in self.result.budgets if verdict.name in asserted], guaranteed)
+        for name in names:
+            _ = self.budgets[name]  # NoSuchBudget if there is none
+        self._judge([verdict for verdict in self.result.budgets if verdict.name in names], guaranteed)
 
     def assert_all(self, *, guaranteed: bool = False) -> None:
         """As `assert_budgets` for all budgets, and `assert_not_stuck`. ValueError if the case has no budgets."""
@@ -181,8 +186,6 @@ class Run:
         self._on_judged(self, verdicts)
         broken = [verdict for verdict in verdicts if not verdict.passed]
         if broken:
-            from .failure import failure_text
-
             raise AssertionError(failure_text(self, broken, len(verdicts)))
         if guaranteed:
             raise AssertionError(f"{self.result.case}: guaranteed=True: {NOTHING_PROVEN}; leave guaranteed out")
@@ -219,3 +222,62 @@ def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, recor
 
 def _named(capture: Capture, case: str) -> Capture:
     return replace(capture, path=Path(case))
+
+
+WIDTH = 72  # pytest puts 8 columns before each line
+MOST_EXPLAINED = 3  # worst occurrences explained
+
+
+def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
+    """Return several lines; the first names the budgets, and for a single one by how much."""
+    head = f"{len(broken)} of {judged} budgets {_worst_word(broken)}: {', '.join(verdict.name for verdict in broken)}"
+    if len(broken) == 1:
+        one = broken[0]
+        found = "was never measured" if one.worst is None else figure(one.worst, one.unit)
+        head = f"{one.name} {found}, limit {_limit(one)}"
+        if one.until_s is not None:
+            head = f"{one.name}: {one.found}"
+        head += "" if one.broken or one.worst is None else f"; not judged, as {one.found}"
+    lines = [f"{run.result.case}: {head}", "", *_table(broken)]
+    if run.result.first_wrong and any(verdict.measure == "wrong bytes" for verdict in broken):
+        lines += ["", f"first wrong: {run.result.first_wrong}"]
+    lines += [f"stuck: {line}" for line in run.result.stuck]
+    happened = [verdict for verdict in broken if verdict.at_s is not None]
+    for window, chain in run.explained(happened[:MOST_EXPLAINED]):
+        lines += ["", *_picture(window, chain)]
+    if len(happened) > MOST_EXPLAINED:
+        left = ", ".join(verdict.name for verdict in happened[MOST_EXPLAINED:])
+        lines += ["", f"(no picture of {left}; assert one alone to get it)"]
+    return "\n".join(lines)
+
+
+def _worst_word(verdicts: Sequence[Verdict]) -> str:
+    """Return "broken", "not judged", or both."""
+    words = ["broken"] * any(verdict.broken for verdict in verdicts)
+    return " or ".join([*words, *["not judged"] * any(not verdict.broken for verdict in verdicts)])
+
+
+def _picture(window: Window, chain: Chain | None) -> list[str]:
+    from ..reports.explain.picture import text_picture  # which only a failure needs
+
+    verdict = window.verdict
+    title = f"{verdict.name}, {figure(verdict.worst, verdict.unit)} at {instant(verdict.at_s)}:"
+    shown = [title] if chain is None else text(chain)
+    drawn = text_picture(window, WIDTH)
+    if not drawn:
+        return [*shown[:-1], f"{shown[-1]} no wire moves around it"] if chain is None else shown
+    return [*shown, *drawn] if chain is None else [*shown, "", *drawn]
+
+
+def _table(verdicts: Sequence[Verdict]) -> list[str]:
+    rows: list[tuple[str, ...]] = []
+    for verdict in verdicts:
+        worst, margin = (figure(value, verdict.unit) for value in (verdict.worst, verdict.margin))
+        why = verdict.why if verdict.worst is not None else "nothing was measured, which is not a pass"
+        why = verdict.found or why
+        rows.append((verdict.name, worst, _limit(verdict), margin, instant(verdict.at_s), why))
+    return text_table(("budget", "seen", "limit", "margin", "when", "why"), rows, range(1, 5), WIDTH)
+
+
+def _limit(verdict: Verdict) -> str:
+    return limit(verdict.limit, verdict.unit, verdict.which)

@@ -4,10 +4,6 @@ from __future__ import annotations
 
 # What pytester's own process must have imported before it runs pytest within itself: it forgets what comes new,
 # and numpy cannot be imported twice.
-import periph_sim.bus.i2c.skipping_controller
-import periph_sim.interfaces.pytest_plugin.collect
-import periph_sim.interfaces.pytest_plugin.failure
-import periph_sim.interfaces.pytest_plugin.fixtures  # noqa: F401
 
 # Without slipcover, which would write down what `make coverage` has counted, and end, as a session within ours ends.
 BARE_INI = """

@@ -20,6 +20,7 @@ CODE: Doing = "code"
 UNKNOWN: Doing = "unknown"
 NOT_KEPT = "the middle, for which no records were kept"
 DOING: dict[Kind, Doing] = {Kind.IRQ: "interrupt", Kind.SPAN: "span", Kind.WAIT: "wait"}
+IN_FIRMWARE = (Kind.ACCESS, *DOING)  # kinds of records of what firmware does
 
 
 @dataclass(frozen=True)
@@ -79,8 +80,7 @@ def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
 
 def units(window: Window) -> list[str]:
     """Return the units with firmware activity in or before the window, by name."""
-    kinds = (Kind.ACCESS, *DOING)
-    return sorted({r.where for r in window.all_records if r.kind in kinds})
+    return sorted({r.where for r in window.all_records if r.kind in IN_FIRMWARE})
 
 
 def open_at(window: Window, unit: str, tick: int) -> list[Record]:

@@ -21,7 +21,7 @@ from ....scene.case.model import Case
 from ....traces.capture.capture import Channel
 from ....traces.formats.record_table import Columns
 from .chain import Chain, FirmwarePlace, Part, Step, place_of
-from .cpu_activity import CODE, DOING, Episode, Stretch, episodes, open_at, phrase, timeline, units
+from .cpu_activity import CODE, DOING, IN_FIRMWARE, Episode, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
 
 SMALL = Fraction(1, 100)  # part of an occurrence: shorter waits are omitted
@@ -137,9 +137,6 @@ class Evidence:
         """Return changes of fields between two ticks, inclusive."""
         where = f"{self.unit}.{module}"
         return [r for r in self.window.between(begin, end, Kind.FLAG) if r.where == where and r.what in fields]
-
-    def episodes(self, begin: int, end: int) -> list[Episode]:
-        return episodes(self.window, self.unit, begin, end)
 
     # Bus --------------------------------------------------------------------------
 
@@ -311,7 +308,7 @@ class Evidence:
         The first routine comes with the flag that requested it.
         """
         least = (end - begin) * SMALL
-        found = [one for one in self.episodes(begin, end) if waits or one.doing != "wait"]
+        found = [one for one in episodes(self.window, self.unit, begin, end) if waits or one.doing != "wait"]
         routines = [one for one in found if one.doing == "interrupt"]
         optional = [one for one in found if one.doing == "wait" or one in routines[1:]]
         shown = [one for one in found if one not in optional or _inside(one, begin, end) > least]
@@ -353,7 +350,6 @@ def in_time(record: Record) -> tuple[int, int]:
     return record.tick, record.number
 
 
-IN_FIRMWARE = (Kind.ACCESS, *DOING)
 ON_WIRES = (Kind.EDGE, Kind.HOLD, Kind.BUS, Kind.FRAME)
 NO_ADDRESS = BusByte(0, acked=False, read=False)  # for a phase that ended before its address
 ENDS = ("START", "repeated START", "STOP", "arbitration lost")

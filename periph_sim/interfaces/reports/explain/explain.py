@@ -30,8 +30,8 @@ from ....timing.verdict import Verdict
 from ....traces.capture.capture import Span
 from ....traces.drawing.capture_lanes import bit_of
 from .chain import Chain, Part, Step, difference, parts_of
-from .cpu_activity import Stretch
-from .evidence import IN_FIRMWARE, ON_WIRES, Evidence, in_order
+from .cpu_activity import IN_FIRMWARE, Stretch
+from .evidence import ON_WIRES, Evidence, in_order
 from .fault_evidence import is_master, waited_for, wrong_characters
 from .findings import DERIVED_FROM, FINDINGS, PROMPT, Ends, answered, asked, awaited, held, transfers
 from .window import BIT, Window, is_late, windows

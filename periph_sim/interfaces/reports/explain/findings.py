@@ -27,6 +27,7 @@ from ....timing.measures.factory import measure_named
 from ....timing.measures.measure import Measure
 from ....timing.measures.watched_wire import WatchedWire
 from .chain import Part, Step
+from .cpu_activity import episodes
 from .evidence import Evidence, RecordedPhase, in_time
 from .fault_evidence import (
     I2C,
@@ -267,7 +268,7 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
         steps += lacks
         blame = blame or _blamed(lacks)
     if blame is None and all(write is not None for _, write, _ in bytes_sent(evidence, phase)):
-        before = evidence.episodes(evidence.window.kept[0].begin, at)
+        before = episodes(evidence.window, evidence.unit, evidence.window.kept[0].begin, at)
         steps += [evidence.episode_step(one, at) for one in before if one.doing in ("interrupt", "span")]
     return Finding([*steps, *unread(evidence, phase.end)], blame or written)
 

@@ -5,7 +5,6 @@ Imu, seed --> values(first, count), at(n) --> Noise: deg/s, g and gauss on x, y,
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from .models.imu import Noise
@@ -29,11 +28,23 @@ class ImuNoise:
 
     def at(self, number: int) -> Noise[float]:
         """Return one sample."""
-        return Noise(*((x.at(number), y.at(number), z.at(number)) for x, y, z in self._sensors))
+        g, a, m = self._sensors
+        return Noise(
+            (g[0].at(number), g[1].at(number), g[2].at(number)),
+            (a[0].at(number), a[1].at(number), a[2].at(number)),
+            (m[0].at(number), m[1].at(number), m[2].at(number)),
+        )
 
-    def near(self, number: int) -> Iterator[tuple[float, float] | None]:
-        """Yield the nine values of a sample with their maximum errors, without numpy; None for one that needs numpy."""
-        return (axis.near(number) for axes in self._sensors for axis in axes)
+    def near(self, number: int) -> list[tuple[float, float]] | None:
+        """Return the nine values of a sample with their maximum errors, without numpy; None if that needs numpy."""
+        found = []
+        for axes in self._sensors:
+            for axis in axes:
+                value = axis.near(number)
+                if value is None:
+                    return None
+                found.append(value)
+        return found
 
 
 def _axes_of(name: str, sensor: Any, period: float, seed: int) -> list[AxisNoise]:

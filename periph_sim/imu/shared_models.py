@@ -9,7 +9,7 @@ of floats, 0.0 equals -0.0 but is another number.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any, TypeVar
 
@@ -82,21 +82,26 @@ def model_noise(arithmetic: str, parameters: ImuParameters, seed: int | None) ->
     nearest = a.nearest if isinstance(a, Q) else a.constant
 
     def sample(number: int) -> Noise[Any]:
-        rounded = _rounded(a, noise.near(number)) if isinstance(a, Q) else None
-        return rounded or Noise(*((nearest(x), nearest(y), nearest(z)) for x, y, z in noise.at(number)))
+        near = noise.near(number) if isinstance(a, Q) else None
+        rounded = None if near is None else _rounded(nearest, near)
+        if rounded is not None:
+            return rounded
+        (p, q, r), (x, y, z), (north, east, down) = noise.at(number)
+        return Noise(
+            (nearest(p), nearest(q), nearest(r)),
+            (nearest(x), nearest(y), nearest(z)),
+            (nearest(north), nearest(east), nearest(down)),
+        )
 
     return lru_cache(REMEMBERED)(sample)
 
 
-def _rounded(a: Q, near: Iterable[tuple[float, float] | None]) -> Noise[int] | None:
+def _rounded(nearest: Callable[[float], int], near: list[tuple[float, float]]) -> Noise[int] | None:
     """Return a sample without numpy, if no error of its values changes their rounding; else None."""
     numbers = []
-    for value in near:
-        if value is None:
-            return None
-        middle, off = value
-        least = a.nearest(middle - off)
-        if least != a.nearest(middle + off):
+    for value, off in near:
+        least = nearest(value - off)
+        if least != nearest(value + off):
             return None
         numbers.append(least)
     p, q, r, x, y, z, north, east, down = numbers

@@ -113,10 +113,9 @@ class Models:
         on_overflow: Callable[[], None] = _ignore,
     ) -> None:
         from periph_sim.imu.models.imu import State
-        from periph_sim.imu.shared_models import model_noise, model_of, overflows_of
+        from periph_sim.imu.shared_models import model_noise, model_of
 
         self._model = model_of(arithmetic, parameters)
-        self._overflows = partial(overflows_of, self._model)
         self._state_of = State
         self._a = self._model.a
         self._state = self._model.at_rest
@@ -138,7 +137,7 @@ class Models:
             return self._computed(frame)
 
     def _computed(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
-        scaled, model, before = self._a.scaled, self._model, self._overflows()
+        scaled, model, before = self._a.scaled, self._model, self._model.overflows
         roll, pitch, yaw, x, y, z = FRAME.unpack(frame)
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
@@ -148,7 +147,7 @@ class Models:
         codes, state = model.step(attitude, pushed, self._added(), last)
         if frame is not NO_FRAME:
             self._state = state
-        for _ in range(self._overflows() - before):
+        for _ in range(model.overflows - before):
             self._on_overflow()
         x, y, z = codes.magnetometer
         return BIG.pack(*map(int, codes.gyroscope)), LITTLE.pack(*map(int, codes.accelerometer)), _swapped(x, y, z)

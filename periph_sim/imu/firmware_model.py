@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import atan2, cos, degrees, hypot, sin
 from typing import TYPE_CHECKING, Any
 
@@ -32,8 +32,20 @@ class ImuFirmware:
         self._noise_seed: Any = getattr(settings, "noise_seed", None)
 
     def check(self, case: Case, unit: str) -> None:
-        """Raise BadCase unless the case runs the models at their period."""
-        check_sensor_period(case, unit, self._settings, self.parameters)
+        """Raise BadCase unless the models' period is that at which this firmware runs them.
+
+        That is the period of the rounds; or of the host, if `models_run` is "frame" or there are no rounds.
+        """
+        rounds = case.controller or case.rounds
+        per_frame = getattr(self._settings, "models_run", "round") == "frame" or rounds is None
+        table = case.host if per_frame else rounds
+        if table is None:
+            return
+        per_round = f"once a round ({'controller' if case.rounds is None else 'rounds'}.period)"
+        try:
+            self.parameters.check_period(table.period, "once a host frame (host.period)" if per_frame else per_round)
+        except BadParameter as error:
+            raise case.mistake(error.what, "unit", unit, "settings", "parameters") from None
 
     def codes(self) -> ChipModel | None:
         """Return the model of the chips' bytes; None if no setting says its arithmetic."""
@@ -70,27 +82,6 @@ def _less(values: Sequence[float], bias: Sequence[float]) -> list[float]:
     return [value - known for value, known in zip(values, bias, strict=True)]
 
 
-def check_sensor_period(case: Case, unit: str, settings: object, sensors: ImuParameters) -> None:
-    """Raise BadCase unless the models' period is that at which this firmware runs them.
-
-    That is the period of the rounds; or of the host, if `models_run` is "frame" or there are no rounds.
-    """
-    rounds = case.controller or case.rounds
-    per_frame = getattr(settings, "models_run", "round") == "frame" or rounds is None
-    table = case.host if per_frame else rounds
-    if table is None:
-        return
-    what = (
-        "once a host frame (host.period)"
-        if per_frame
-        else f"once a round ({'controller' if case.rounds is None else 'rounds'}.period)"
-    )
-    try:
-        sensors.check_period(table.period, what)
-    except BadParameter as error:
-        raise case.mistake(error.what, "unit", unit, "settings", "parameters") from None
-
-
 class MotionTruth:
     """The readings of ideal sensors with the same parameters, of the true motion, in float64.
 
@@ -104,14 +95,10 @@ class MotionTruth:
         self._imu = imu
         self._motion = motion
         self._first = first
-        self._at: Callable[[Fraction], Mapping[str, Axes]] | None = None  # built on first use, which few runs need
 
-    def at(self, seconds: Fraction) -> Mapping[str, Axes]:
-        if self._at is None:
-            self._at = lru_cache(self.KEPT)(self._sensed())
-        return self._at(seconds)
-
-    def _sensed(self) -> Callable[[Fraction], Mapping[str, Axes]]:
+    @cached_property
+    def at(self) -> Callable[[Fraction], Mapping[str, Axes]]:
+        """Return the readings by chip as a function of time. Built on first use, which few runs need."""
         import numpy as np
 
         from .models.sensed_motion import SensedMotion  # computes arrays
@@ -122,7 +109,7 @@ class MotionTruth:
             values = felt.lsb(np.array([float(self._first + seconds)]))
             return {chip: tuple(axes[0].tolist()) for chip, axes in values.items()}
 
-        return at
+        return lru_cache(self.KEPT)(at)
 
 
 def resting_attitude(

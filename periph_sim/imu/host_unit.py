@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -35,14 +35,6 @@ KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # length of a datagram: format of it
 OTHERS = "six doubles (48 bytes), six singles (24) or a frame as it is (12)"
 
 
-class FrameSource(Protocol):
-    def frame(self, number: int) -> bytes | None:
-        """Return the bytes of frame `number`; None if there is none yet."""
-
-    def over(self, number: int) -> bool:
-        """Return True if the frame before `number` was the last."""
-
-
 class FlightFrames:
     """The frames of a flight in a CSV file. BadMotion or BadCapture if it contains none."""
 
@@ -53,9 +45,11 @@ class FlightFrames:
         self._order = encoding.byte_order
 
     def frame(self, number: int) -> bytes | None:
+        """Return the bytes of frame `number`."""
         return encode(self._values(number), self._order)
 
     def over(self, number: int) -> bool:
+        """Return True if the frame before `number` was the last."""
         return number > self._last
 
 
@@ -86,6 +80,7 @@ class UdpFrames:
         self._socket.close()
 
     def frame(self, number: int) -> bytes | None:
+        """Return the bytes of the latest values; None before the first."""
         latest = self._latest()
         if latest is None:
             self.held += self._frame is not None
@@ -136,7 +131,7 @@ class Sent:
 
 def send_frames(
     port: Any,
-    source: FrameSource,
+    source: FlightFrames | UdpFrames,
     period: Fraction,
     pacer: Pacer,
     frames: int | None = None,

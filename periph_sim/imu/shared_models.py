@@ -27,11 +27,10 @@ REMEMBERED = 16  # cached samples, also of several runs of a scene's models
 
 
 class RememberingImu(Imu[int]):
-    """An Imu in Q with a cache of the last samples. overflows: of all requested samples, cached ones included."""
+    """An Imu in Q with a cache of the last samples. `overflows` includes those of cached ones."""
 
     def __init__(self, a: Q, imu: ImuParameters) -> None:
         super().__init__(a, imu)
-        self.overflows = 0
         self._motion = lru_cache(REMEMBERED)(partial(_with_overflows, a, super().motion))
         self._codes_of = lru_cache(3 * REMEMBERED)(partial(_with_overflows, a, super().codes_of))
 
@@ -58,11 +57,6 @@ def _with_overflows(a: Q, compute: Callable[..., R], *arguments: Any) -> tuple[R
     """Return the result, and the number of intermediate results that did not fit."""
     before = a.overflows
     return compute(*arguments), a.overflows - before
-
-
-def overflows_of(model: Imu[Any]) -> int:
-    """Return the number of results that did not fit since the model was built; 0 for floats."""
-    return model.overflows if isinstance(model, RememberingImu) else 0
 
 
 @lru_cache(maxsize=16)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from periph_sim.imu.firmware_model import check_sensor_period, resting_attitude
+from periph_sim.imu.firmware_model import ImuFirmware, resting_attitude
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
@@ -53,18 +53,18 @@ def test_a_period_that_is_no_parameter_is_told_by_its_value(tmp_path: Path) -> N
 def test_models_that_run_with_each_frame_have_the_hosts_period() -> None:
     case = load(Path("timing/imu_models.toml"), ["host.period=10 ms"])
     per_frame, per_round = SimpleNamespace(models_run="frame"), SimpleNamespace(models_run="round")
-    check_sensor_period(case, "dsp", per_frame, ImuParameters(period=0.01))
-    check_sensor_period(case, "dsp", per_round, ImuParameters())
+    ImuFirmware(ImuParameters(period=0.01), per_frame).check(case, "dsp")
+    ImuFirmware(ImuParameters(), per_round).check(case, "dsp")
     with pytest.raises(BadCase, match=r"once a host frame \(host\.period\), every 10\.000 ms"):
-        check_sensor_period(case, "dsp", per_frame, ImuParameters())
+        ImuFirmware(ImuParameters(), per_frame).check(case, "dsp")
 
 
 def test_where_nobody_asks_in_rounds_it_is_the_hosts_and_alone_it_is_any() -> None:
     case = load(Path("timing/imu_models.toml"), ["host.period=10 ms"])
     asked_by_nobody = case.model_copy(update={"controller": None})
     with pytest.raises(BadCase, match=r"\(host\.period\)"):
-        check_sensor_period(asked_by_nobody, "dsp", None, ImuParameters())
-    check_sensor_period(asked_by_nobody.model_copy(update={"host": None}), "dsp", None, ImuParameters())
+        ImuFirmware(ImuParameters(), None).check(asked_by_nobody, "dsp")
+    ImuFirmware(ImuParameters(), None).check(asked_by_nobody.model_copy(update={"host": None}), "dsp")
 
 
 FIELD = (0.3, -0.05, 0.4)

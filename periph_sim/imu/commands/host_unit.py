@@ -14,7 +14,6 @@ from ...interfaces.commands.input_options import address_given, time_given
 
 if TYPE_CHECKING:
     from ..host_frame import Encoding
-    from ..host_unit import FrameSource
 
 SECTION = "run"
 EXAMPLE = "periph-sim host-unit /tmp/dsp --flight flight.csv"
@@ -67,7 +66,7 @@ def host_unit(
     asked: list[int] = []
     with _mistakes(port), signals_calling(lambda number, _: asked.append(number)):
         encoding = _encoding(settings)
-        source: FrameSource
+        source: FlightFrames | UdpFrames
         if udp is not None:
             address, number = address_given("--udp", udp)
             source = UdpFrames(address, number, encoding, udp_order, lambda line: click.echo(line, err=True))

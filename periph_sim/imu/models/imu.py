@@ -98,7 +98,12 @@ def _named(part: str, build: Callable[[], R]) -> R:
 
 
 class Imu(Generic[T]):
-    """The models of the three sensors. Stateless: `step` takes and returns the state."""
+    """The models of the three sensors. Stateless: `step` takes and returns the state.
+
+    overflows: number of results of `RememberingImu` that did not fit since it was built.
+    """
+
+    overflows = 0
 
     def __init__(self, a: Arithmetic[T], imu: parameters.ImuParameters) -> None:
         """Raise DoesNotFit, with the part's name, if a Q format cannot hold a constant."""

@@ -41,10 +41,9 @@ from typing import NamedTuple
 from . import BUILT, HARD_BUILT, LIBRARY, MANIFEST, PACKAGE, digest, source_of, symbol, usable
 from .c_checks import CHECK, REFUSAL, arrays_of, never_none, with_index_checks, with_none_refused
 from .compiled_class import BadDeclaration
-from .constants import declared, with_constants
 from .declarations import declarations, used_by
 from .directives import disobeyed
-from .source_copy import prepared
+from .source_copy import declared, prepared, with_constants
 from .sources import UNCHECKED, Sources, header_of
 
 DIRECTIVES = {

@@ -13,7 +13,7 @@ from ..core.records import Kind, Recorder
 from ..f28335.memory.ram import MEMORY
 from ..processor.dsp import Dsp
 from ..processor.image.call_stack import FunctionSpans
-from ..processor.image.case_variables import Preset, PresetMemory, VariableRecords
+from ..processor.image.case_variables import PresetMemory, VariableRecords
 from ..processor.image.instruction_watch import CPU, SECTION, STACK, StackDepth
 from ..processor.image.program import ImageProgram
 from ..processor.image.waits import WaitRecords
@@ -59,7 +59,7 @@ def _preset(case: Case, name: str, unit: Unit, program: ImageProgram) -> None:
     for symbol, value in unit.memory.items():
         try:
             variable = variables.find(symbol)
-            presets.append(Preset(variable, variable.bits_of(value)))
+            presets.append((variable, variable.bits_of(value)))
         except BadVariable as error:
             raise case.mistake(str(error), "unit", name, "memory", symbol) from None
     memory = PresetMemory(presets, program.cpu.fill)

@@ -150,17 +150,16 @@ def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
 
 @cache
 def _forms() -> Mapping[str, tuple[Encoding, ...]]:
-    """The forms of OBJMODE 1 by mnemonic, shorter ones first; aliases after the forms they stand for.
+    """The forms by mnemonic, shorter ones first; aliases after the forms they stand for.
 
     If equal, forms with fewer operands come first: `MOVL P,ACC` rather than `MOVL loc32,ACC`.
     """
     forms: dict[str, list[Encoding]] = {}
     for encoding in encodings():
-        if encoding.objmode != "0":
-            forms.setdefault(encoding.mnemonic, []).append(encoding)
-            if encoding.also:
-                also = replace(encoding, mnemonic=encoding.also.partition(" ")[0], syntax=encoding.also)
-                forms.setdefault(also.mnemonic, []).append(also)
+        forms.setdefault(encoding.mnemonic, []).append(encoding)
+        if encoding.also:
+            also = replace(encoding, mnemonic=encoding.also.partition(" ")[0], syntax=encoding.also)
+            forms.setdefault(also.mnemonic, []).append(also)
     return {name: tuple(sorted(rows, key=_before_others)) for name, rows in forms.items()}
 
 

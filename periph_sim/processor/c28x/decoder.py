@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import NamedTuple
 
-from .encodings import Encoding, encodings
+from .encodings import Encoding, encodings, places
 from .operand_field import is_operand
 from .operands import FPU_CONDITION_NAMES, PMA_PAGE, parts_of
 
@@ -65,7 +65,7 @@ class Instruction(NamedTuple):
         Distances count from the address of the branch [SPRU430F chapter 6].
         """
         encoding = self.encoding
-        if "PC" not in (place.partition("@")[0] for place in encoding.writes) or "c" not in encoding.fields:
+        if "PC" not in places(encoding.writes) or "c" not in encoding.fields:
             return None
         mnemonic, number = encoding.mnemonic, self.values["c"]
         if mnemonic in INTERRUPTS:
@@ -122,10 +122,10 @@ def sweep(address: int, words: Sequence[int]) -> Iterator[Instruction | int]:
 
 @cache
 def _candidates() -> tuple[tuple[Encoding, ...], ...]:
-    """The forms of OBJMODE 1, without aliases, by the upper byte of the first word."""
+    """The forms, without aliases, by the upper byte of the first word."""
     table: list[list[Encoding]] = [[] for _ in range(256)]
     for encoding in encodings():
-        if encoding.objmode == "0" or encoding.alias_of:
+        if encoding.alias_of:
             continue
         mask, value = encoding.mask >> 24, encoding.value >> 24
         for upper in range(256):

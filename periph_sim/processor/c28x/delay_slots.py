@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from .decoder import Instruction, decode_at
-from .encodings import Encoding
+from .encodings import Encoding, places
 from .execution.registers import LUF, LVF
 from .operands import FPU_APART, FPU_FIRST, REGISTER_FIELDS
 
@@ -30,14 +30,14 @@ def late_results(instruction: Instruction) -> int:
     encoding = instruction.encoding
     if not encoding.latency:
         return 0
-    late = (place for place in encoding.writes if encoding.latency != "2p/1" or _name(place) != AT_ONCE)
+    late = (place for place in places(encoding.writes) if encoding.latency != "2p/1" or place != AT_ONCE)
     return _registers(late, instruction.values) | (FLAGS if "LVF" in encoding.flags else 0)
 
 
 def read_registers(instruction: Instruction) -> int:
     """Return the FPU registers, and FLAGS, that are read, as bits."""
     encoding, values = instruction.encoding, instruction.values
-    mask = _registers(encoding.reads, values)
+    mask = _registers(places(encoding.reads), values)
     if encoding.id == "MOV32_loc32_ind_0_16":
         number, rest = divmod(values["c"] - FPU_FIRST, FPU_APART)
         mask |= 1 << number if number in range(8) and not rest else 0
@@ -86,13 +86,9 @@ def _at(address: int, word_at: Callable[[int], int]) -> Instruction | None:
     return decode_at(address, word_at(address), word_at(address + 1))
 
 
-def _name(place: str) -> str:
-    return place.partition("@")[0]
-
-
-def _registers(places: Iterable[str], values: Mapping[str, int]) -> int:
+def _registers(names: Iterable[str], values: Mapping[str, int]) -> int:
     mask = 0
-    for name in map(_name, places):
+    for name in names:
         if name in REGISTER_FIELDS:
             mask |= 1 << values[REGISTER_FIELDS[name]]
         elif name == ALL:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -51,7 +51,7 @@ class Encoding:
     """One form of an instruction.
 
     mask, value: the fixed bits within the two words. at_least, at_most: bounds of fields, part of the pattern.
-    objmode: "1", "0" or "X" for both. kind: core, fpu, c2xlp, c27x, emu or trap. alias_of: the form for which this is
+    kind: core, fpu, c2xlp, c27x, emu or trap. alias_of: the form for which this is
     a fixed value of the operand field. also: another syntax of it, or "". shift_bias: the shift minus the
     value of field s. cycles: when executed alone; see `cycles_of`. repeated: cycles of N + 1 executions after RPT,
     less N; 0 if not repeatable. latency: "2p" if the result is available one instruction later; "2p/1", "2p/2p"
@@ -69,7 +69,6 @@ class Encoding:
     fields: Mapping[str, BitField]
     at_least: tuple[tuple[str, int], ...]
     at_most: tuple[tuple[str, int], ...]
-    objmode: str
     kind: str
     alias_of: str
     shift_bias: int
@@ -116,9 +115,13 @@ class Encoding:
     @property
     def accesses(self) -> str:
         """The access at the address of its operand field: "", "r", "w" or "rw"."""
-        read = any(place.partition("@")[0] in LOCATIONS for place in self.reads)
-        written = any(place.partition("@")[0] in LOCATIONS for place in self.writes)
+        read, written = (any(name in LOCATIONS for name in places(column)) for column in (self.reads, self.writes))
         return "r" * read + "w" * written
+
+
+def places(column: Iterable[str]) -> list[str]:
+    """Return the places of a column `reads` or `writes`, without their phases."""
+    return [place.partition("@")[0] for place in column]
 
 
 LOCATIONS = ("loc16", "loc32", "mem16", "mem32")
@@ -158,7 +161,6 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
         fields=_fields(bits),
         at_least=at_least,
         at_most=at_most,
-        objmode=take("objmode", "1"),
         kind=take("class", "core"),
         alias_of=take("alias_of", ""),
         shift_bias=take("shift_bias", 0),

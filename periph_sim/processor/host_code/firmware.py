@@ -24,7 +24,6 @@ from ..error_origin import FirmwareError, FirmwareLost
 from ..image.elsewhere import UnmappedMemory
 from ..source_location import SourceLocation
 from .build import BadSources, Sources, compiled, linked
-from .keyboard_interrupt import enter_c, kept_in_c, leave_c
 from .library import (
     ANNOUNCED,
     ASSEMBLY,
@@ -41,6 +40,9 @@ from .library import (
     UNWOUND,
     WRITE,
     Library,
+    enter_c,
+    kept_in_c,
+    leave_c,
 )
 from .register_layout import BYTES_A_WORD, IER, IFR, LARGEST, VECTORS, WORD, BadLayout, Place, RegisterLayout
 

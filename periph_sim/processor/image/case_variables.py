@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from msgspec import Struct
-
 from ...core.records import Kind, Recorder
 from ...core.state import State
 from ...core.time import Clock
@@ -74,29 +72,22 @@ class VariableRecords:
 MAIN = ("main", "_main")
 
 
-class Preset(Struct, frozen=True):
-    """bits: the words of the variable in memory, low one first."""
-
-    variable: Variable
-    bits: int
-
-
 class PresetMemory(CallListener):
-    """Initial values of variables that a case sets by symbol."""
+    """Initial values of variables that a case sets by symbol: (variable, its words, low one first)."""
 
     STATE = State()
 
     __slots__ = ("_presets", "_put")
 
-    def __init__(self, presets: Iterable[Preset], put: Callable[[int, int], None]) -> None:
+    def __init__(self, presets: Iterable[tuple[Variable, int]], put: Callable[[int, int], None]) -> None:
         self._presets = tuple(presets)
         self._put = put
 
     def put(self) -> None:
         """Store all values, word by word."""
-        for preset in self._presets:
-            for word in range(preset.variable.words):
-                self._put(preset.variable.address + word, preset.bits >> 16 * word & 0xFFFF)
+        for variable, bits in self._presets:
+            for word in range(variable.words):
+                self._put(variable.address + word, bits >> 16 * word & 0xFFFF)
 
     def called(self, name: str, tick: int) -> None:
         if name in MAIN:

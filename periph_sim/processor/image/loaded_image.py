@@ -48,7 +48,7 @@ class LoadedImage(Program):
         self._entry = entry
         self._at = entry  # the present instruction, or the last one
         self._unwritten: set[str] = set()  # functions that have read unwritten memory
-        self.cpu.reads_unwritten = self
+        self.cpu.reads_unwritten = self.read_unwritten
 
     def load(self) -> None:
         """Put the image into memory."""

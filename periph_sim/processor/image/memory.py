@@ -7,7 +7,8 @@ load16, store16 --> Ram | Bus | UnmappedMemory: flash, and frames that are not m
 
 from __future__ import annotations
 
-from typing import Annotated, Protocol
+from collections.abc import Callable
+from typing import Annotated
 
 from ...core.state import State
 from ...f28335.memory.address_space import Content, area_at
@@ -33,18 +34,15 @@ L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # second addresses of L0 to L3
 MIRROR = L0_AGAIN - 0x8000
 
 
-class UnwrittenReads(Protocol):
-    """A subscriber to the first read of each unwritten word."""
-
-    def read_unwritten(self, address: int) -> None: ...
-
-
 def in_plain_ram(address: int) -> bool:  # core: noexcept
     return address < LOW_RAM or RAM_FROM <= address < RAM_TO
 
 
 class ImageMemory(Engine):
-    """watched: receives writes to some words of memory. reads_unwritten: receives reads of unwritten words."""
+    """watched: receives writes to some words of memory.
+
+    reads_unwritten: called at the first read of each unwritten word.
+    """
 
     STATE = State("elsewhere timing polls watched _tested _written _slots_seen")
 
@@ -66,7 +64,7 @@ class ImageMemory(Engine):
         self._written = [0] * RAM_TO  # 1 for a word that was written
         self.watched: VariableRecords | None = None
         self.polls = PollSkipper(self._time, self._core, skip_polls)
-        self.reads_unwritten: UnwrittenReads | None = None
+        self.reads_unwritten: Callable[[int], None] | None = None
 
     def fill(self, address: int, value: int) -> None:
         """Set a word before the program begins."""
@@ -174,7 +172,7 @@ class ImageMemory(Engine):
         if not self._written[address]:
             self._written[address] = 1
             if self.reads_unwritten is not None:
-                self.reads_unwritten.read_unwritten(address)
+                self.reads_unwritten(address)
 
     def _store(self, address: int, value: int, width: int) -> None:
         if address == WATCHDOG_KEY:

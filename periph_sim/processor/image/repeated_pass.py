@@ -15,7 +15,7 @@ from functools import cache
 from typing import NamedTuple
 
 from ...core.chip import NEVER
-from ..c28x.encodings import LOCATIONS, Encoding
+from ..c28x.encodings import LOCATIONS, Encoding, places
 from ..c28x.execution.cpu import Operation
 from ..c28x.execution.registers import M16
 
@@ -196,7 +196,7 @@ def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
 
 def reads(traced: Traced) -> Iterable[Place]:
     """Yield the possible counters that an instruction reads. Raise NotCounting if the table does not list them."""
-    for name in _names(traced.f.encoding.reads):
+    for name in places(traced.f.encoding.reads):
         yield from _words(name, traced, range(traced.sp[1], traced.sp[0]))
     yield from _address_registers(traced.needs)
 
@@ -206,13 +206,9 @@ def writes(traced: Traced) -> Iterable[Place]:
     f, encoding = traced.f, traced.f.encoding
     if _writes_in_part(encoding):
         raise NotCounting
-    for name in _names(encoding.writes):
+    for name in places(encoding.writes):
         yield from _words(name, traced, range(traced.sp[0], traced.sp[1]))
     yield from _address_registers(f.makes)
-
-
-def _names(places: Iterable[str]) -> Iterable[str]:
-    return (place.partition("@")[0] for place in places)
 
 
 def _words(name: str, traced: Traced, stack: Iterable[int]) -> Iterable[Place]:

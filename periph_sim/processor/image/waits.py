@@ -18,6 +18,7 @@ from ...core.time import Clock
 from ...f28335.memory.address_space import Content, area_at
 from ...f28335.memory.register_names import full_name
 from ..c28x.decoder import Instruction, decode_at
+from ..image_files.constants import Known, accesses
 from ..image_files.model import Image
 from ..operand import Operand
 from ..program import Awaited
@@ -25,7 +26,6 @@ from .cpu import ImageCpu
 
 LONGEST = 64  # words of a loop that is examined
 ALL = 0xFFFF
-BY_SP, BEHIND_BY_SP, BY_POINTER = 0x40, 0x80, 0xC0  # operand fields: below them by DP, *-SP[n], *+XARn[i]
 MEMORY = "memory"  # unknown words
 
 
@@ -115,37 +115,9 @@ def _may_end(cpu: ImageCpu, loop: LoopRange) -> bool:
 
 def _memory_read(cpu: ImageCpu, loop: LoopRange) -> list[int]:
     """Return the words of RAM that the loop reads, as far as its instructions determine their addresses."""
-    found: list[int] = []
-    dp: int | None = cpu.dp
-    changed: set[str] = set()  # registers that differ from the start of the loop
-    for one in _instructions(loop.first, _words(cpu, loop)):
-        field, dp_written = one.values.get("l", -1), "DP" in _places(one.encoding.writes)
-        if "r" in one.encoding.accesses:
-            address = _address(cpu, field, dp, changed)
-            area = None if address is None else area_at(address)
-            if address is not None and area is not None and area.content is Content.RAM:
-                found.append(address)
-        if dp_written:
-            dp = one.values.get("c") if one.encoding.mnemonic in ("MOVW", "MOVZ") else None
-        changed |= {
-            f"XAR{one.values['n']}" if place in ("XARn", "ARn") else place for place in _places(one.encoding.writes)
-        }
-    return list(dict.fromkeys(found))
-
-
-def _address(cpu: ImageCpu, field: int, dp: int | None, changed: set[str]) -> int | None:
-    """Return the address of an operand [SPRU430F Table 5-1]; None if unknown."""
-    if 0 <= field < BY_SP:
-        return None if dp is None else dp << 6 | field
-    if field < BEHIND_BY_SP:
-        return None if field < 0 or "SP" in changed else cpu.sp - (field - BY_SP)
-    if field >= BY_POINTER and f"XAR{field & 7}" not in changed:
-        return cpu.xar[field & 7] + (field >> 3 & 7)
-    return None
-
-
-def _places(columns: Sequence[str]) -> list[str]:
-    return [place.partition("@")[0] for place in columns]
+    found = accesses(_instructions(loop.first, _words(cpu, loop)), frozenset(), Known(cpu.dp, cpu.xar, cpu.sp))
+    read = dict.fromkeys(one.address for one in found if "r" in one.how)
+    return [address for address in read if (area := area_at(address)) is not None and area.content is Content.RAM]
 
 
 def _name(image: Image, address: int) -> str:

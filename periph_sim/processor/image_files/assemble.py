@@ -18,14 +18,15 @@ or of a shipped one. The first pass assigns addresses, the second emits words.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
 from ...core.examples import EXAMPLES
 from ...core.input_files import read_input
-from ..c28x.assembler import BadExpression, BadInstruction, Parsed, Undefined, evaluate, parse
+from ..c28x.assembler import BadExpression, BadInstruction, Parsed, evaluate, parse
 from .coff2 import write
 from .load import parse as parse_image
 from .model import BadImage, Image, Section, Symbol
@@ -107,7 +108,7 @@ class _Source:
         """Process all lines of a file. included: its name in the .include of another file."""
         for number, line in enumerate(text.splitlines(), 1):
             outer, self._place = self._place, _Place(path, number, included)
-            with _Line(self._place):
+            with _errors_at(self._place):
                 self._line(_without_comment(line).strip())
             self._place = outer
 
@@ -232,7 +233,7 @@ def assemble(text: str, path: Path | None = None) -> Image:
     for block in source.blocks:
         words: list[int] = []
         for place, at, put in block.pieces:
-            with _Line(place):
+            with _errors_at(place):
                 words += put(at, source.symbols)
         sections.append(Section(block.name, block.load, block.address, len(words), tuple(words), code=block.has_code))
     if source.entry not in source.symbols:
@@ -266,18 +267,13 @@ def sources_of(path: Path) -> list[Path]:
     return found
 
 
-class _Line:
-    """Context manager that adds the source line to errors."""
-
-    def __init__(self, place: _Place) -> None:
-        self._place = place
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, BadInstruction | BadExpression | Undefined):
-            raise BadImage(f"{self._place}: {error}") from None
+@contextmanager
+def _errors_at(place: _Place) -> Iterator[None]:
+    """Add the source line to errors."""
+    try:
+        yield
+    except (BadInstruction, BadExpression) as error:
+        raise BadImage(f"{place}: {error}") from None
 
 
 def included(name: str, folder: Path) -> Path:

@@ -4,7 +4,7 @@
     MOVL XAR4,#0x0085F0   XAR4 = 0x0085F0
     MOVL @0x2,XAR4        write of 0x0085F0 to 0x1C5 << 6 | 2
 
-DP and XAR0 to XAR7 are tracked within a function and over its forward branches, as compilers use them; what comes
+DP, SP and XAR0 to XAR7 are tracked within a function and over its forward branches, as compilers use them; what comes
 from memory, an argument or arithmetic is not known, and accesses by it are not listed.
 
 Source: SPRU430F chapter 5 (addresses).
@@ -18,6 +18,8 @@ from typing import NamedTuple
 
 from ..c28x import operand_field
 from ..c28x.decoder import Instruction
+from ..c28x.encodings import places
+from ..c28x.hazards import POPS, PUSHES
 
 PAGE = 6  # bits of an address within a data page
 FPU_REGISTERS = range(0x0F00, 0x0F30)  # addresses in moves that mean FPU registers, not memory
@@ -34,42 +36,48 @@ class Access(NamedTuple):
     instruction: Instruction
 
 
-class _Known:
-    """Known constants in registers; None if a value is unknown."""
+class Known:
+    """Known values of registers; None if a value is unknown."""
 
-    def __init__(self, dp: int | None = None, xar: Iterable[int | None] = (None,) * 8) -> None:
+    def __init__(self, dp: int | None = None, xar: Iterable[int | None] = (None,) * 8, sp: int | None = None) -> None:
         self.dp = dp
         self.xar = list(xar)
+        self.sp = sp
 
-    def copy(self) -> _Known:
-        return _Known(self.dp, self.xar)
+    def copy(self) -> Known:
+        return Known(self.dp, self.xar, self.sp)
 
 
-def accesses(instructions: Iterable[Instruction | int], functions: frozenset[int]) -> Iterator[Access]:
-    """Yield every access with a known address. functions: start addresses, where nothing is known."""
-    known = _Known()
-    waiting: dict[int, _Known] = {}  # known values at targets of forward branches
-    reached = False
+def accesses(
+    instructions: Iterable[Instruction | int], functions: frozenset[int], begin: Known | None = None
+) -> Iterator[Access]:
+    """Yield every access with a known address.
+
+    functions: start addresses, where nothing is known. begin: the values at the first instruction.
+    """
+    known = begin or Known()
+    waiting: dict[int, Known] = {}  # known values at targets of forward branches
+    reached = begin is not None
     for instruction in instructions:
         if isinstance(instruction, int) or instruction.address in functions:
-            known, reached = _Known(), True
+            known, reached = Known(), True
             waiting.clear()
             if isinstance(instruction, int):
                 continue
         arrived = waiting.pop(instruction.address, None)
         if not reached:
-            known = arrived or _Known()
+            known = arrived or Known()
         yield from _accesses(instruction, known)
         _follow(instruction, known)
         goal = instruction.target
         if instruction.is_call:
-            known = _Known()
+            known = Known()
         elif goal is not None and goal > instruction.address:
             waiting.setdefault(goal, known.copy())
         reached = instruction.goes_on
 
 
-def _accesses(instruction: Instruction, known: _Known) -> Iterator[Access]:
+def _accesses(instruction: Instruction, known: Known) -> Iterator[Access]:
     encoding, values = instruction.encoding, instruction.values
     if "l" in values and encoding.accesses:
         address = _address(values["l"], known, _width(instruction))
@@ -85,10 +93,12 @@ def _width(instruction: Instruction) -> int:
     return 32 if any(wide in instruction.encoding.syntax for wide in operand_field.WIDE) else 16
 
 
-def _address(field: int, known: _Known, width: int) -> int | None:
+def _address(field: int, known: Known, width: int) -> int | None:
     """Return the address of an operand field; None if it is a register or unknown."""
     if field in operand_field.DIRECT:
         return None if known.dp is None else known.dp << PAGE | field
+    if field in operand_field.STACK:
+        return None if known.sp is None else known.sp - (field & 0x3F)
     if field in operand_field.INDEXED:
         base = known.xar[field & 7]
         return None if base is None else base + (field >> 3 & 7)
@@ -103,12 +113,12 @@ def _address(field: int, known: _Known, width: int) -> int | None:
     return None
 
 
-def _stored(instruction: Instruction, known: _Known) -> int | None:
+def _stored(instruction: Instruction, known: Known) -> int | None:
     source = XAR.fullmatch(instruction.encoding.syntax.rpartition(",")[2])
     return known.xar[int(source[1])] if source and instruction.encoding.mnemonic == "MOVL" else None
 
 
-def _follow(instruction: Instruction, known: _Known) -> None:
+def _follow(instruction: Instruction, known: Known) -> None:
     """Update the known values after an instruction."""
     encoding, values, xar = instruction.encoding, instruction.values, known.xar
     field = values.get("l", -1)
@@ -117,7 +127,7 @@ def _follow(instruction: Instruction, known: _Known) -> None:
         xar[field & 7] = None if base is None else base + (step if field < 0x88 else -step)
     elif field in range(0xA0, 0xA8) and "w" in encoding.accesses:
         xar[field & 7] = None
-    changed = [_register(place.partition("@")[0], values) for place in encoding.writes]
+    changed = [_register(place, values) for place in places(encoding.writes)]
     constants = {"MOVL": "#22", "MOVB": "#8"}
     operand = encoding.syntax.rpartition(",")[2]
     for number in (register for register in changed if isinstance(register, int)):
@@ -130,6 +140,8 @@ def _follow(instruction: Instruction, known: _Known) -> None:
             xar[number] = None
     if "XAR[ARP]" in changed:
         known.xar = [None] * 8
+    if "SP" in changed or field in (PUSHES, POPS):
+        known.sp = None
     if "DP" in changed:
         if encoding.id in ("MOVW_DP_16", "MOVZ_DP_10"):
             known.dp = values["c"]

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from ...core.suggest import did_you_mean
 from ..c28x.decoder import UNC, Instruction, decode_at
+from ..c28x.encodings import places
 from ..c28x.execution.operations import operation
 from ..c28x.hazards import DP, SP, hazards
 from ..c28x.pipeline import Pipeline
@@ -120,7 +121,7 @@ class _Reader:
 
 def _written_early(found: Instruction) -> int:
     """Return DP and SP as bits, if the instruction writes them in D2."""
-    writes = {place.partition("@")[0] for place in found.encoding.writes}
+    writes = places(found.encoding.writes)
     moved = SP if found.values.get("l", 0) in (0xBD, 0xBE) else 0
     return (DP if "DP" in writes else 0) | (SP if "SP" in writes else 0) | moved
 

@@ -69,7 +69,8 @@ def inside(kind: DIE, name: str, path: str) -> tuple[int, DIE]:
         begin, at = at, step.end()
         whole, plain = name + path[:begin], _plain(kind)
         if step[1] is not None:
-            offset, kind = offset + _member_offset(whole, plain, step[1]), _member(whole, plain, step[1])
+            more, kind = _member(whole, plain, step[1])
+            offset += more
             continue
         if plain is None or plain.tag != ARRAY:
             raise BadVariable(f"{whole} is not an array, so it has no element {step[0]}")
@@ -123,19 +124,20 @@ def _entry(whole: str, plain: DIE | None, name: str) -> DIE:
     return found[name]
 
 
-def _member(whole: str, plain: DIE | None, name: str) -> DIE:
-    return _entry(whole, plain, name).get_DIE_from_attribute("DW_AT_type")
+def _member(whole: str, plain: DIE | None, name: str) -> tuple[int, DIE]:
+    """Return a member's word offset in its structure, 0 for a union, and its type."""
+    entry = _entry(whole, plain, name)
+    return _offset(f"{whole}.{name}", entry), entry.get_DIE_from_attribute("DW_AT_type")
 
 
-def _member_offset(whole: str, plain: DIE | None, name: str) -> int:
-    """Return the word offset of a member in a structure; 0 for a union."""
-    location = _entry(whole, plain, name).attributes.get("DW_AT_data_member_location")
+def _offset(member: str, entry: DIE) -> int:
+    location = entry.attributes.get("DW_AT_data_member_location")
     if location is None:
         return 0
     if isinstance(location.value, int):
         return location.value
     if not location.value or location.value[0] != DW_OP_PLUS_UCONST:
-        raise BadVariable(f"{whole}.{name}: the debug data give its offset as an expression; use its address")
+        raise BadVariable(f"{member}: the debug data give its offset as an expression; use its address")
     offset = 0
     for place, byte in enumerate(location.value[1:]):
         offset |= (byte & 0x7F) << 7 * place

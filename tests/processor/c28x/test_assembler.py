@@ -13,7 +13,7 @@ from tests.processor.c28x.operand_texts import lines
 from tests.processor.c28x.test_decoder import SHOWN
 
 AT = 0x8000
-FORMS = [row for row in encodings() if row.objmode != "0" and not row.alias_of]
+FORMS = [row for row in encodings() if not row.alias_of]
 
 
 def words(source: str, at: int = AT, **symbols: int) -> tuple[int, ...]:
@@ -244,8 +244,8 @@ def test_what_is_no_expression(text: str):
 # Every form with every operand --------------------------------------------------------------------------------------
 
 SYNTAXES = [
-    *((row.id, row.syntax) for row in encodings() if row.objmode != "0"),
-    *((f"{row.id} also", row.also) for row in encodings() if row.objmode != "0" and row.also),
+    *((row.id, row.syntax) for row in encodings()),
+    *((f"{row.id} also", row.also) for row in encodings() if row.also),
 ]
 
 

@@ -21,9 +21,8 @@ def both(row: Encoding, other: Encoding) -> bool:
     return (row.value ^ other.value) & row.mask & other.mask == 0
 
 
-@pytest.mark.parametrize("objmode", ["1", "0"])
-def test_no_two_forms_of_a_mode_match_the_same_words(objmode: str):
-    rows = [row for row in encodings() if row.objmode in ("X", objmode) and not row.alias_of]
+def test_no_two_forms_match_the_same_words():
+    rows = [row for row in encodings() if not row.alias_of]
     shared = [(row.id, other.id) for row, other in itertools.combinations(rows, 2) if both(row, other)]
     # told apart by the bound of n, which the fixed bits do not say
     assert [pair for pair in shared if not any(by_id()[name].at_most for name in pair)] == []
@@ -54,8 +53,7 @@ def test_a_number_too_wide_for_its_field_is_refused():
 
 def test_first_words_that_begin_no_instruction():
     """How many do was counted from the manual's opcode rows."""
-    rows = [row for row in encodings() if row.objmode != "0"]
-    begun = {(row.mask >> 16, row.value >> 16) for row in rows}
+    begun = {(row.mask >> 16, row.value >> 16) for row in encodings()}
     known = 0
     for upper in range(0, 0x10000, 0x100):  # those of this upper byte only: forty times quicker
         near = [(mask, value) for mask, value in begun if (upper ^ value) & mask & 0xFF00 == 0]

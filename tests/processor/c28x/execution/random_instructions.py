@@ -23,7 +23,7 @@ AT = 0x8000
 BLOCK = 1000
 ENDS = (0, 1, 0x7FFF, 0x8000, 0xFFFF, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF)
 FLOATS = (0, 0x8000_0000, 0x3F80_0000, 0x7F80_0000, 0xFF80_0001, 0x0080_0000, 0x0000_0001, 0x7F7F_FFFF, 0xC2F6_E979)
-FORMS = [row for row in encodings() if row.objmode != "0" and not row.alias_of]
+FORMS = [row for row in encodings() if not row.alias_of]
 
 
 class Scattered(Engine):

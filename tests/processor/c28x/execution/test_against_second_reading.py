@@ -12,7 +12,7 @@ from periph_sim.processor.c28x.execution.operations import form_of, operation
 from tests.processor.c28x.execution.flat import Flat
 from tests.processor.c28x.execution.second_reading import Before, CannotRead, read
 
-FORMS = [row for row in encodings() if row.objmode != "0" and not row.alias_of and row.kind in ("core", "c2xlp")]
+FORMS = [row for row in encodings() if not row.alias_of and row.kind in ("core", "c2xlp")]
 DIRECT = 0x05
 PAGE = 0x9000 >> 6
 AT = PAGE << 6 | DIRECT
@@ -124,5 +124,5 @@ def test_both_readings_agree(row: Encoding):
 
 def test_every_form_has_a_function():
     for row in encodings():
-        if row.objmode != "0" and not row.alias_of:
+        if not row.alias_of:
             assert form_of(row).encoding is row

@@ -24,6 +24,7 @@ from threading import Thread
 
 SERVER = "forkserver"
 IMPORTED = ["periph_sim.interfaces.reports.baselines.outcome", "periph_sim.interfaces.reports.sweep.one_run"]
+DIED = "its process died before it finished; periph-sim run shows how far it gets"
 _pools: set[ProcessPoolExecutor] = set()
 
 

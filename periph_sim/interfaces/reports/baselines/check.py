@@ -22,7 +22,7 @@ from typing import Literal, Protocol, TypeVar, TypeVarTuple
 from ....scene.case.discover import cases_below
 from ....timing.verdict import Verdict, broken
 from ..explain.chain import Chain
-from ..processes import end_workers, processes
+from ..processes import DIED, end_workers, processes
 from .compare import Change, compare, explain, moved_accesses
 from .event_chain import EventLine
 from .files import BadCheck, Baseline, path_for, read, text_of, write_all
@@ -358,5 +358,4 @@ def _apart(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> T:
         try:
             return process.submit(work, path, *rest).result()
         except BrokenProcessPool:
-            what = "its process died before it finished; periph-sim run shows how far it gets"
-            raise BadCheck(f"{path}: {what}") from None
+            raise BadCheck(f"{path}: {DIED}") from None

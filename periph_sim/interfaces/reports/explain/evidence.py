@@ -105,9 +105,9 @@ class Evidence:
                 found.append(record)
         return found
 
-    def in_progress(self, tick: int) -> list[Record]:
-        """Return the begins of the unit's service routines, spans and waits in progress at a tick, outermost first."""
-        return open_at(self.window, self.unit, tick)
+    def activity_at(self, tick: int) -> Record | None:
+        """Return the begin of the unit's innermost service routine, span or wait in progress at a tick."""
+        return next(reversed(open_at(self.window, self.unit, tick)), None)
 
     def doing_at(self, tick: int) -> str:
         """Return the firmware's activity at a tick as a phrase with its begin."""
@@ -121,7 +121,7 @@ class Evidence:
 
     def blame_at(self, tick: int) -> Part | None:
         """Return the firmware's activity at a tick, if any, as the cause."""
-        top = next(iter(self.in_progress(tick)[-1:]), None)
+        top = self.activity_at(tick)
         return None if top is None else Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
 
     def accesses(self, begin: int, end: int, way: str, module: str, *registers: str) -> list[Record]:

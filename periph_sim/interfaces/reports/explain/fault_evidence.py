@@ -156,7 +156,7 @@ def unread(evidence: Evidence, tick: int) -> list[Step]:
 
 def waited_for(evidence: Evidence, tick: int) -> list[Step]:
     """Return steps of a wait in progress at a tick: its place, and the last changes of the polled fields."""
-    wait = next(iter(evidence.in_progress(tick)[-1:]), None)
+    wait = evidence.activity_at(tick)
     if wait is None or wait.kind is not Kind.WAIT:
         return []
     steps = [evidence.step(wait, f"{phrase('wait', wait.what)} begins, and goes on")]

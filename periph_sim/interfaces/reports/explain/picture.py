@@ -23,7 +23,7 @@ from .window import Window, event_of
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
 RECEIVED = ("SCIFFRX.RXFFINT",)
-FLAGS: dict[str, tuple[str, ...]] = {  # related to records that a measure takes, whose name does not tell them
+FLAGS: dict[str, tuple[str, ...]] = {  # related to the records of a measure whose name does not contain them
     "answer": ANSWER,
     "stretch": ANSWER,
     "wrong bytes": (*ANSWER, "I2CDXR.DATA"),

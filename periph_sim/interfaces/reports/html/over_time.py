@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ....timing.values import Values
 from ....timing.verdict import Verdict
 from ....traces.drawing.svg_diagram import nice_step
-from .distribution import number
+from .distribution import number, scale_of
 
 COLUMNS = 240
 MOST = 2_000  # maximum number of violations that are kept with their instants
@@ -145,8 +145,16 @@ class TimePlot:
     summary: str
 
 
-def time_plot(over: OverTime, unit: str, size: int, per_second: int) -> TimePlot:
-    """Lay out the plot. unit, size: the unit to show, and its size in units of the values."""
+def shown_unit(over: OverTime, per_second: int) -> tuple[str, int]:
+    """Return the unit to show, and its size in units of the values."""
+    largest = max(max(abs(c.low), abs(c.high)) for c in over.columns)
+    unit, size, _ = scale_of(over.unit, largest, per_second // 10**9)
+    return "" if unit == "value" else unit, size
+
+
+def time_plot(over: OverTime, per_second: int) -> TimePlot:
+    """Lay out the plot. per_second: ticks."""
+    unit, size = shown_unit(over, per_second)
     seen = [*(c.low for c in over.columns), *(c.high for c in over.columns)]
     lines = [(key.replace("_", "."), value) for key, value in over.limits]
     least, most = min(seen), max(seen)

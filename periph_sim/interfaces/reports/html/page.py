@@ -20,9 +20,9 @@ from markupsafe import Markup
 from .... import form
 from ....timing.verdict import Verdict, figure, in_words, instant, limit
 from ..explain.chain import Chain, Part, bound, largest
-from .distribution import number, plot, scale_of
+from .distribution import number, plot
 from .gather import BudgetReport, CaseReport
-from .over_time import OverTime, time_plot
+from .over_time import shown_unit, time_plot
 
 STYLES = ("report.css", "budget.css", "timeline.css")
 SCRIPTS = (  # in order of dependency
@@ -77,9 +77,9 @@ def _template() -> Template:
         keep_trailing_newline=True,
     )
     pages.filters |= {"data": _data, "figure": figure, "instant": instant, "limit": limit, "share": _share}
-    pages.filters |= {"standing": _standing, "plot": _plot, "time_plot": _time_plot, "instants": _instants}
+    pages.filters |= {"standing": _standing, "instants": _instants}
     pages.filters |= {"gist": _gist, "allowed": _allowed, "parts": _parts}
-    pages.globals |= {"style": _joined(STYLES), "script": _joined(SCRIPTS)}
+    pages.globals |= {"plot": plot, "time_plot": time_plot, "style": _joined(STYLES), "script": _joined(SCRIPTS)}
     return pages.get_template("report.html")
 
 
@@ -112,28 +112,11 @@ def _share(one: BudgetReport) -> float | None:
     return round(min(100 * verdict.worst / verdict.limit, 100), 1)
 
 
-def _plot(one: BudgetReport) -> object:
-    assert one.distribution is not None
-    return plot(one.distribution, least_is_worst=one.verdict.which == "min")
-
-
-def _time_plot(one: BudgetReport) -> object:
-    assert one.over_time is not None
-    return time_plot(one.over_time, *_unit(one.over_time, one.per_second), one.per_second)
-
-
-def _unit(over: OverTime, per_second: int) -> tuple[str, int]:
-    """Return the unit to show, and its size in units of the values."""
-    largest = max(max(abs(c.low), abs(c.high)) for c in over.columns)
-    unit, size, _ = scale_of(over.unit, largest, per_second // 10**9)
-    return "" if unit == "value" else unit, size
-
-
 def _instants(one: BudgetReport) -> dict[str, object]:
     """Return instants in seconds for the script: worst value, values beyond a limit, values with waves."""
     over, rate = one.over_time, one.per_second
     assert over is not None
-    unit, size = _unit(over, rate)
+    unit, size = shown_unit(over, rate)
     worst = None if one.verdict.at_s is None else round(one.verdict.at_s * rate) / rate
     return {
         "end": over.end / rate,

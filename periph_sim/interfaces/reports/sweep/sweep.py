@@ -25,7 +25,7 @@ from ....scene.case.load import UnknownKey, load
 from ....scene.case.model import BadCase, Case
 from ....scene.firmware_loader import Firmware
 from ....timing.verdict import Verdict
-from ..processes import processes
+from ..processes import DIED, processes
 from .one_run import ERROR, Job, Row, rows_of
 from .plan import Changes, runs_of, texts_of
 
@@ -315,7 +315,6 @@ def _begins() -> bool:
             return False
 
 
-DIED = "its process died before it finished; periph-sim run shows how far it gets"
 NO_WORKER = (
     "no process can be started for the runs: a script that calls sweep needs `if __name__ == '__main__':` around what "
     "it does, since each process imports it; or give jobs=1"

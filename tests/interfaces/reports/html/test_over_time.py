@@ -54,7 +54,7 @@ def test_waves_are_kept_of_the_first_violations_and_the_worst_of_the_rest() -> N
 
 
 def test_values_and_limits_stand_at_the_height_of_their_axis() -> None:
-    plot = time_plot(run_of([10, 20, 30], max=40), "us", US, 1000 * MS)
+    plot = time_plot(run_of([10, 20, 30], max=40), 1000 * MS)
     heights = {text: y for y, text in plot.up}
     assert list(heights) == ["0 us", "20 us", "40 us"] and heights["0 us"] == 100
     (limit,) = plot.lines
@@ -66,26 +66,26 @@ def test_values_and_limits_stand_at_the_height_of_their_axis() -> None:
 
 def test_what_is_beyond_the_limit_is_red_over_the_whole_run_however_many_there_are() -> None:
     over = run_of([5] * 500 + [11] * 2500, max=10)
-    red = [float(part.split(" ")[0]) for part in time_plot(over, "us", US, 1000 * MS).broken.split("M")[1:]]
+    red = [float(part.split(" ")[0]) for part in time_plot(over, 1000 * MS).broken.split("M")[1:]]
     assert over.violation_count == 2500 and len(over.violations) == MOST
     assert len(red) > 0.8 * COLUMNS and red == sorted(red)
 
 
 def test_a_limit_far_off_is_told_and_not_drawn() -> None:
-    (limit,) = time_plot(run_of([5, 6], max=600), "us", US, 1000 * MS).lines
+    (limit,) = time_plot(run_of([5, 6], max=600), 1000 * MS).lines
     assert (limit.y, limit.above) == (None, True)
-    (limit,) = time_plot(run_of([500, 501], which="min", min=1), "us", US, 1000 * MS).lines
+    (limit,) = time_plot(run_of([500, 501], which="min", min=1), 1000 * MS).lines
     assert (limit.y, limit.above) == (None, False)
 
 
 def test_the_summary_counts() -> None:
-    assert time_plot(run_of([5, 6], max=5), "us", US, 1000 * MS).summary == "2 values over the run, 1 beyond a limit"
-    assert time_plot(run_of([5], max=5), "us", US, 1000 * MS).summary == "1 value over the run, none beyond a limit"
+    assert time_plot(run_of([5, 6], max=5), 1000 * MS).summary == "2 values over the run, 1 beyond a limit"
+    assert time_plot(run_of([5], max=5), 1000 * MS).summary == "1 value over the run, none beyond a limit"
 
 
 @given(st.lists(st.integers(-50, 50), min_size=1, max_size=40), st.integers(-50, 50))
 def test_all_of_it_is_on_the_paper(numbers: list[int], limit: int) -> None:
-    plot = time_plot(run_of(numbers, max=limit), "us", US, 1000 * MS)
+    plot = time_plot(run_of(numbers, max=limit), 1000 * MS)
     places = [y for y, _ in plot.up] + [line.y for line in plot.lines if line.y is not None]
     places += [float(part.split(" ")[1].split("v")[0]) for part in plot.values.split("M")[1:]]
     assert all(0 <= y <= 100 for y in places)

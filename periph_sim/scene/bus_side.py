@@ -32,6 +32,7 @@ class BusSide:
     spike: the length of ignored pulses, in ticks.
     before: called with each transfer before other subscribers.
 
+    monitor: of the wires; None before the first call of `rounds`, and without a bus.
     wire_bytes, nacked: of the transfers that were counted. bit_skip: None if no bits are skipped.
     """
 
@@ -43,7 +44,7 @@ class BusSide:
         self.bit_skip: BitSkip | None = None
         self._wires = wires
         self._spike = spike
-        self._watch: I2cMonitor | None = None
+        self.monitor: I2cMonitor | None = None
         self._rounds: BusRounds | None = None
 
     @property
@@ -55,23 +56,13 @@ class BusSide:
                 from ..bus.i2c.monitor import I2cMonitor
 
                 names = {sensor.address: name for name, sensor in sensors_of(self._case).items()}
-                self._watch = I2cMonitor(self._wires["SCL"], self._wires["SDA"], self._heard, names, self._spike)
+                self.monitor = I2cMonitor(self._wires["SCL"], self._wires["SDA"], self._heard, names, self._spike)
         return self._rounds
 
     @property
     def period(self) -> int:
         """Ticks from one round's due time to that of the next round; 0 if there are no rounds."""
         return 0 if self.asked is None else int(self.asked.period // 1)
-
-    @property
-    def held_since(self) -> int:
-        """The tick since which others hold SCL that the master has released; NO_TIME if that is not so or not known."""
-        return NO_TIME if self._watch is None else self._watch.held_since
-
-    @property
-    def open_transfer(self) -> Transfer | None:
-        """The transfer that has not ended with STOP; None if there is none, or if its first address is not complete."""
-        return None if self._watch is None else self._watch.open_transfer
 
     def count(self, transfer: Transfer) -> None:
         """Add a transfer of the controller agent to the figures of the run."""
@@ -95,7 +86,7 @@ class BusSide:
             self._rounds.finish(now)
 
     def _begun_at(self) -> int:
-        return NO_TIME if self._watch is None else self._watch.begun_at
+        return NO_TIME if self.monitor is None else self.monitor.begun_at
 
     def _heard(self, transfer: Transfer) -> None:
         for told in self.before:

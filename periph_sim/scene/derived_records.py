@@ -72,10 +72,10 @@ class DerivedRecords:
 
     def finish(self, scene: Scene) -> None:
         """Record what is incomplete at the end of the run."""
-        now = scene.kernel.now
-        if self._transfers is not None:
-            unfinished = None if scene.case.controller is not None else scene.bus.open_transfer
-            self._transfers.finish(now, unfinished, scene.bus.held_since)
+        now, monitor = scene.kernel.now, scene.bus.monitor
+        if self._transfers is not None and monitor is not None:
+            unfinished = None if scene.case.controller is not None else monitor.open_transfer
+            self._transfers.finish(now, unfinished, monitor.held_since)
         if self.bytes is not None:
             self.bytes.finish(now)
 

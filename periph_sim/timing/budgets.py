@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from fractions import Fraction
 from typing import final
 
 from msgspec import Struct
@@ -42,11 +41,8 @@ class BudgetJudge:
     ) -> None:
         self.budget = budget
         self._timebase = timebase
-        self._given: dict[str, str | int] = plan.given
-        self._limits: dict[str, int] = plan.limits
-        self._sentence: str = plan.text
+        self.plan: BudgetPlan = plan
         self._found = ""
-        self._coverage_of: Fraction = budget.coverage
         self.same_as: BudgetJudge | None = None if plan.same_as < 0 else others[plan.same_as]
         self.measure: Measure = plan.make() if self.same_as is None else self.same_as.measure
         self.measure.not_before = plan.not_before
@@ -66,7 +62,7 @@ class BudgetJudge:
     @property
     def limits(self) -> dict[str, int]:
         """The limits by their keys, in ticks, millionths or counts."""
-        return dict(self._limits)
+        return dict(self.plan.limits)
 
     def finish(self, now: int) -> None:
         """End the measures. An unfinished occurrence counts with the value that it has reached."""
@@ -108,7 +104,7 @@ class BudgetJudge:
 
     def _judge(self, start: BigInt) -> Verdict:
         measure = self.measure
-        limits = [(key, limit) for key, limit in self._limits.items() if self._can_judge(key, limit)]
+        limits = [(key, limit) for key, limit in self.plan.limits.items() if self._can_judge(key, limit)]
         silent = measure.silent or not limits
         enough = self._measured_enough()
         judged = enough and not silent and not measure.not_judged
@@ -116,7 +112,7 @@ class BudgetJudge:
         if not enough and not found:
             found = f"measured {measure.measured} of {measure.occasions} {measure.asked}, less than {self._coverage()}"
         if silent:
-            key, limit = next(iter(self._limits.items()))
+            key, limit = next(iter(self.plan.limits.items()))
             nearest = _Seen(key, limit, 0, NO_TIME, 0)
         else:
             key, limit = limits[0]
@@ -131,7 +127,7 @@ class BudgetJudge:
             at, until = measure.refuted_at, measure.refuted_until
         return Verdict(
             name=self.budget.name,
-            measure=self._sentence,
+            measure=self.plan.text,
             unit="us" if measure.unit == "time" else measure.unit,
             worst=None if silent else self.show(nearest.value),
             limit=self.show(nearest.limit),
@@ -156,11 +152,11 @@ class BudgetJudge:
 
     def _measured_enough(self) -> bool:
         measure = self.measure
-        part = self._coverage_of
+        part = self.budget.coverage
         return measure.occasions is None or measure.measured * part.denominator >= part.numerator * measure.occasions
 
     def _coverage(self) -> str:
-        return f"{float(100 * self._coverage_of):g} %"
+        return f"{float(100 * self.budget.coverage):g} %"
 
     def typical(self, start: int = 0) -> Verdict | None:
         """Return the verdict on the value furthest from the limit; None unless the measure took at least two values."""
@@ -178,7 +174,7 @@ class BudgetJudge:
         if verdict.unit == "us" and verdict.worst is not None:
             value = self._timebase.show(round(verdict.worst * self._timebase.per_second / 1_000_000))
         at = "" if verdict.at_s is None else f" at {verdict.at_s:.6f} s"
-        return f"{self.budget.measure} {value}{at} ({verdict.which} {self._given[verdict.which]})"
+        return f"{self.budget.measure} {value}{at} ({verdict.which} {self.plan.given[verdict.which]})"
 
     def _beside(self, which: str, limit: BigInt) -> _Seen:
         measure = self.measure

@@ -165,7 +165,7 @@ class Scene:
         if case.fault:
             self.faults = parts.faults.build_faults(context, self.wires, self.units)
         self.uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self.measured)
-        self._there = {
+        self._there = {  # by the names that measures have for the parts that they need
             "": True,
             "controller": self.head is not None,
             "rounds": self.bus.asked is not None,
@@ -173,7 +173,7 @@ class Scene:
             "host": self.host is not None,
             "SCI": self.uart.has_sci,
             "serial": self.case.serial is not None,
-        }  # the names of the parts that measures may need
+        }
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)

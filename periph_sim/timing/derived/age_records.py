@@ -33,7 +33,7 @@ from .transfer_records import begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
-    from .origins import Origins
+    from . import origins as read_origins  # a class named by its module is not imported by compiled code, either
 
 MODEL = "model"  # the span in which firmware computes sensor models
 
@@ -54,8 +54,8 @@ class ChipTopics:
 class AgeRecords(Listener):
     """origins: of what reads carry; None where only model ages are wanted."""
 
-    def __init__(self, recorder: Recorder, origins: Origins | None = None) -> None:
-        self.origins: Origins | None = origins
+    def __init__(self, recorder: Recorder, origins: read_origins.Origins | None = None) -> None:
+        self.origins: read_origins.Origins | None = origins
         self._chips = {chip.address: ChipTopics(recorder, name) for name, chip in known_sensors().items()}
         self._model_run: Topic = recorder.topic(Kind.DATA, MODEL, "model run")
         self._first_ended = NO_TIME  # the end of the first frame,

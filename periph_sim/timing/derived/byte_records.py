@@ -20,7 +20,7 @@ from .transfer_records import I2C, begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
-    from .origins import Origins
+    from . import origins as read_origins  # a class named by its module is not imported by compiled code, either
 
 
 class ByteRecords:
@@ -30,10 +30,10 @@ class ByteRecords:
     its place, as in "gyroscope byte 0". first_wrong: the first wrong read, as a sentence.
     """
 
-    def __init__(self, recorder: Recorder, origins: Origins | None) -> None:
+    def __init__(self, recorder: Recorder, origins: read_origins.Origins | None) -> None:
         self.wrong_places: dict[str, int] = {}
         self.first_wrong = ""
-        self._origins: Origins | None = origins
+        self._origins: read_origins.Origins | None = origins
         self._asked: Topic = recorder.topic(Kind.DATA, I2C, "bytes asked")
         self._compared: Topic = recorder.topic(Kind.DATA, I2C, "bytes compared")
         self._wrong: Topic = recorder.topic(Kind.DATA, I2C, "wrong bytes")

@@ -51,10 +51,10 @@ def codes_of(
     with np.errstate(all="ignore"):  # the arithmetic defines the results of x/0 and overflow
         for begin in range(0, length, piece):
             here = slice(begin, begin + piece)
-            now = _cut(attitude, here)
+            now = cut(attitude, here)
             turned, body = model.motion(now, _behind(last, now))
-            added = model.silence if noise is None else Noise(*(_cut(chip, here) for chip in noise))
-            codes = model.codes(turned, _cut(acceleration, here), body, _behind(body_last, body), added)
+            added = model.silence if noise is None else Noise(*(cut(chip, here) for chip in noise))
+            codes = model.codes(turned, cut(acceleration, here), body, _behind(body_last, body), added)
             for row, axis in zip(out, (axis for chip in codes for axis in chip), strict=True):
                 row[here] = axis
             last, body_last = _last(now), _last(body)
@@ -73,7 +73,8 @@ def _check_types(a: Arithmetic[Floats], given: tuple[Floats, ...]) -> None:
             raise ValueError(f"{axis}: an array of {array.dtype}, but {a.name} computes on {called}; convert it before")
 
 
-def _cut(arrays: Triple[Floats], here: slice) -> Triple[Floats]:
+def cut(arrays: Triple[Floats], here: slice) -> Triple[Floats]:
+    """Return a part of each of three arrays."""
     return arrays[0][here], arrays[1][here], arrays[2][here]
 
 

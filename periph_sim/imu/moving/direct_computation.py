@@ -16,7 +16,7 @@ import numpy as np
 from ..host_frame import ACCELERATION, ANGLE
 from ..host_frames import FRAME_BYTES, encode
 from ..imu_noise import ImuNoise
-from ..models.arrays import codes_of
+from ..models.arrays import codes_of, cut
 from ..models.imu import Codes, Noise
 from ..models.sensed_motion import SensedMotion
 from ..numeric import arithmetic_names as named
@@ -40,26 +40,19 @@ def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings
     one, many = named.scalar(subject.arithmetic), named.arrays(subject.arithmetic)
     noise = None
     if subject.seed is not None:
-        added = ImuNoise(imu, subject.seed).values(0, runs)
-        x, y, z = (_taken(one, chip) for chip in added)
-        noise = Noise(x, y, z)
-    scaled = [many.scaled(column, lsb) for column, lsb in zip(counts.T, 3 * [ANGLE] + 3 * [ACCELERATION], strict=True)]
+        noise = Noise(*(_taken(one, chip) for chip in ImuNoise(imu, subject.seed).values(0, runs)))
+    scales = 3 * [ANGLE] + 3 * [ACCELERATION]
+    roll, pitch, yaw, x, y, z = (many.scaled(column, lsb) for column, lsb in zip(counts.T, scales, strict=True))
     began = int(np.argmax(carried >= 0)) if (carried >= 0).any() else runs
     parts = []
     for part in (slice(0, began), slice(began, runs)):
-        x, y, z, *pushed = (column[part] for column in scaled)
-        noise_here = (
-            None if noise is None else Noise(_part(noise[0], part), _part(noise[1], part), _part(noise[2], part))
-        )
-        codes = codes_of(imu, (x, y, z), (pushed[0], pushed[1], pushed[2]), noise_here, arithmetic=many)
-        parts.append(_stacked(codes))
-    whole = {name: np.concatenate([one[name] for one in parts]) for name in Codes._fields}
+        added = None if noise is None else Noise(*(cut(chip, part) for chip in noise))
+        parts.append(codes_of(imu, cut((roll, pitch, yaw), part), cut((x, y, z), part), added, arithmetic=many))
+    whole = {
+        name: np.concatenate([np.stack(getattr(codes, name), axis=1) for codes in parts]).astype(np.int64)
+        for name in Codes._fields
+    }
     return Readings(_due(subject, runs), whole, _scales(subject))
-
-
-def _part(chip: Triple[Floats], part: slice) -> Triple[Floats]:
-    x, y, z = chip
-    return x[part], y[part], z[part]
 
 
 def sensors(subject: EmulatorUnderTest) -> Readings:
@@ -98,10 +91,6 @@ def _taken(a: Arithmetic[Any], chip: Triple[Floats]) -> Triple[Floats]:
     """Convert noise to the numbers of an arithmetic, as the firmware does."""
     x, y, z = (np.array([a.constant(value) for value in axis.tolist()]) for axis in chip)
     return x, y, z
-
-
-def _stacked(codes: Codes[np.ndarray[tuple[int], np.dtype[np.int16]]]) -> dict[str, Ints]:
-    return {name: np.stack(getattr(codes, name), axis=1).astype(np.int64) for name in codes._fields}
 
 
 def _due(subject: EmulatorUnderTest, rounds: int) -> Floats:

@@ -87,7 +87,8 @@ def races(run: Run, register: str | None = None) -> Races:
     Raise NotInRun if the firmware never accessed such a register, or if it does not exist.
     """
     chosen = groups_of(run, register)
-    places = [place for group, f in chosen if group.way == "R" for place in _places(run, group, f)]
+    reads = [(group, f, place) for group, f in chosen if group.way == "R" for place in _reads_by_place(run, group)]
+    places = [one for group, f, place in reads if (one := _judged(run, group, f, place)).reads]
     places.sort(key=lambda place: (NEVER if place.closest is None else place.closest, place.register, place.place))
     return Races(run, tuple(places), modifies_of(run, [group for group, _ in chosen]))
 
@@ -112,11 +113,6 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
     when = np.concatenate(ticks)
     order = np.argsort(when, kind="stable")
     return np.concatenate(cycles)[order], when[order], unplaced
-
-
-def _places(run: Run, group: Group, f: Field | None) -> list[PlaceRaces]:
-    judged = (_judged(run, group, f, place) for place in _reads_by_place(run, group))
-    return [one for one in judged if one.reads]
 
 
 class _Reads(NamedTuple):

@@ -12,6 +12,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from ...core.counted import counted
 from ...core.suggest import did_you_mean
 from ...records.recording import format_of, recording_formats, rewrite
 from ...traces import formats
@@ -105,8 +106,7 @@ def _part(capture: formats.Capture, channels: str | None, window: str | None) ->
 
 def _sizes(capture: formats.Capture) -> str:
     edges = sum(len(channel.edges) for channel in capture.channels)
-    count = len(capture.channels)
-    counts = f"{count} channel{'s' * (count != 1)}, {edges} edge{'s' * (edges != 1)}"
+    counts = f"{counted(len(capture.channels), 'channel')}, {counted(edges, 'edge')}"
     if capture.rate is None:
         return f"{counts}, {capture.length} positions"
     kind = "samples" if capture.sampled else "ticks"

@@ -13,7 +13,7 @@ from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.records.recording import recording
 from periph_sim.traces import formats
-from tests.records.recording.test_psr import record
+from tests.records.recording.test_recording import record_case
 
 Event = dict[str, Any]
 NS = 3  # ticks
@@ -40,7 +40,7 @@ def by_track(events: list[Event]) -> dict[tuple[str, str], list[Event]]:
 
 @pytest.mark.parametrize("case", ["imu_hil_published", "two_dsps", "responder"])
 def test_a_run_keeps_the_rules_of_the_format(tmp_path: Path, case: str):
-    events = events_of(record(case, tmp_path / "run.perfetto.json"))
+    events = events_of(record_case(case, tmp_path / "run.perfetto.json"))
     assert {event["ph"] for event in events} <= set("MBEiC")
     for event in events:
         assert isinstance(event["pid"], int) and isinstance(event["tid"], int) and event["name"]
@@ -66,7 +66,7 @@ def test_a_run_keeps_the_rules_of_the_format(tmp_path: Path, case: str):
 
 
 def test_transfers_have_the_bytes_of_the_bus(tmp_path: Path):
-    tracks = by_track(events_of(record("imu_hil_published", tmp_path / "run.perfetto.json")))
+    tracks = by_track(events_of(record_case("imu_hil_published", tmp_path / "run.perfetto.json")))
     begun = [event["name"] for event in tracks["bus", "transfers"] if event["ph"] == "B"]
     assert begun[:5] == ["0x68 W 0x68 R", "0x68 W ACK", "0x1D ACK", "0x68 R ACK", begun[4]]
     said = [event["name"] for event in tracks["bus", "controller"]]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from msgspec import Struct
@@ -105,7 +105,7 @@ def compiled(sources: Sources, folder: Path) -> Objects:
 
 def linked(objects: Objects, base: int, library: Path) -> Path:
     """Link the library. base: host address of the chip's word 0. Raise BadSources if something is missing."""
-    places = [f"-Wl,--defsym={name}={address:#x}" for name, address in _places(SYMBOLS, base).items()]
+    places = [f"-Wl,--defsym={name}={base + BYTES_A_WORD * address:#x}" for name, address in SYMBOLS.items()]
     places += [f"-Wl,--defsym={name}=0" for name in COPIED]
     replaced = [f"-Wl,--wrap={name}" for name in ENDING]
     checked = ["-fsanitize=undefined"] if objects.undefined else []
@@ -135,10 +135,6 @@ def _included(rule: Path) -> Iterator[Path]:
     _, _, files = rule.read_text(encoding="utf-8", errors="surrogateescape").partition(":")
     for name in re.split(r"(?<!\\)\s+", files.replace("\\\n", " ")):
         yield Path(name.replace("\\ ", " "))
-
-
-def _places(symbols: Mapping[str, int], base: int) -> dict[str, int]:
-    return {name: base + BYTES_A_WORD * address for name, address in symbols.items()}
 
 
 def _run(command: Sequence[str]) -> None:

@@ -143,8 +143,9 @@ class _Run:
         while how == LOOPS:
             self._dsp.cpu.compute(LOOP_CYCLES)
         if how == FAULT:
-            self._place = self._library.fault_pc or self._place
-            name, at = signal.strsignal(self._library.signal), self._library.fault_at
+            number, at, pc = self._library.fault()
+            self._place = pc or self._place
+            name = signal.strsignal(number)
             hint = (
                 "; access a register by its structure's name, not by its address" if at < BYTES // BYTES_A_WORD else ""
             )

@@ -62,20 +62,11 @@ class Library:
         how: int = self._library.c28x_run(address)
         return how
 
-    @property
-    def signal(self) -> int:
-        """The signal of a FAULT."""
-        return ctypes.c_int.in_dll(self._library, "c28x_signal").value
-
-    @property
-    def fault_at(self) -> int:
-        """The host address accessed in the fault."""
-        return ctypes.c_uint64.in_dll(self._library, "c28x_fault_at").value
-
-    @property
-    def fault_pc(self) -> int:
-        """The host address of the faulting instruction; 0 if unknown."""
-        return ctypes.c_uint64.in_dll(self._library, "c28x_fault_pc").value
+    def fault(self) -> tuple[int, int, int]:
+        """Return the signal of a FAULT, and the host addresses of the access and of the instruction; 0 if unknown."""
+        number = ctypes.c_int.in_dll(self._library, "c28x_signal").value
+        at, pc = (ctypes.c_uint64.in_dll(self._library, f"c28x_fault_{name}").value for name in ("at", "pc"))
+        return number, at, pc
 
     def address_of(self, name: str) -> int | None:
         """Return the host address of a function; None if there is none of this name."""

@@ -94,12 +94,16 @@ class CallStack:
         self.on_return(pc, cycle)
 
     def on_return(self, pc: int, cycle: int) -> None:
-        """Return to `pc`. If no frame has this return address, the innermost frame is replaced."""
+        """Return to `pc`. If no frame has this return address, the innermost frame is replaced
+        unless `pc` is in its function."""
         for place in range(len(self.frames) - 1, -1, -1):
             if self.frames[place].return_to == pc:
                 self._drop(place, cycle)
                 return
-        self._replace(pc, cycle)
+        frame = self.frames[-1]
+        if not frame.first <= pc < frame.end:
+            self._drop(len(self.frames) - 1, cycle)
+            self._push(pc, frame.return_to, cycle)
 
     def slept(self, ticks: int) -> None:
         """Pass on a time without instructions: IDLE, or a wait whose passes were skipped."""
@@ -109,14 +113,6 @@ class CallStack:
     def routine(self, pc: int, interrupted: int, cycle: int) -> None:
         """Enter a service routine at `pc`, which returns to `interrupted`."""
         self._push(pc, interrupted, cycle)
-
-    def _replace(self, pc: int, cycle: int) -> None:
-        """Replace the innermost frame if `pc` is in another function."""
-        frame = self.frames[-1]
-        if frame.first <= pc < frame.end:
-            return
-        self._drop(len(self.frames) - 1, cycle)
-        self._push(pc, frame.return_to, cycle)
 
     def _push(self, pc: int, return_to: int, cycle: int) -> None:
         inside = self._functions.at(pc)

@@ -57,7 +57,7 @@ def accesses(
     """
     known = begin or Known()
     waiting: dict[int, Known] = {}  # known values at targets of forward branches
-    reached = begin is not None
+    reached = True
     for instruction in instructions:
         if isinstance(instruction, int) or instruction.address in functions:
             known, reached = Known(), True

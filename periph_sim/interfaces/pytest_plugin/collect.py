@@ -87,7 +87,7 @@ class CaseItem(pytest.Item):
         self._line = line
 
     def runtest(self) -> None:
-        from .figures import add_properties
+        from .figures import properties
 
         assert isinstance(self.parent, CaseFile)
         run = self.parent.run()
@@ -95,7 +95,7 @@ class CaseItem(pytest.Item):
             run.assert_not_stuck()
             return
         verdict = run.result.budgets[self._number]
-        add_properties(self.user_properties, run.result.case, [verdict])
+        self.user_properties.extend(properties(run.result.case, verdict))
         if not verdict.passed and not verdict.broken and self.get_closest_marker("xfail") is not None:
             pytest.fail(f"{verdict.name} is not judged, so it is unknown if it breaks: {verdict.found}", pytrace=False)
         run.assert_verdict(self._number)

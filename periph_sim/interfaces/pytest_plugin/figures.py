@@ -112,9 +112,3 @@ def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
     return [(line, True) for line in head] + [
         (line, well) for lines, well in zip(body, good, strict=True) for line in lines
     ]
-
-
-def add_properties(into: list[Property], case: str, verdicts: Sequence[Verdict]) -> None:
-    """Add the figures of verdicts to a test's properties."""
-    for verdict in verdicts:
-        into.extend(properties(case, verdict))

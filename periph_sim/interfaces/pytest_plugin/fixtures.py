@@ -23,7 +23,7 @@ from ...scene.case.origin import Source
 from ...scene.firmware_loader import Firmware
 from ...timing.verdict import Verdict
 from . import current
-from .figures import add_properties
+from .figures import properties
 from .runs import Plan, Run, run_plan
 
 Program = Callable[[Any, Any], None]
@@ -102,7 +102,8 @@ class SceneFactory:
         """Add figures to the test that asserts now, which need not be the one that made the run."""
         item = self._config.stash.get(current, None)
         if item is not None:
-            add_properties(item.user_properties, run.result.case, verdicts)
+            for verdict in verdicts:
+                item.user_properties.extend(properties(run.result.case, verdict))
 
 
 def _length(given: Length) -> Fraction | None:

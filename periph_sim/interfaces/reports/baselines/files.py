@@ -33,7 +33,7 @@ SCHEMA: Literal[1] = 1  # version of the file format; other versions are refused
 class Figures(Table, frozen=True, kw_only=True):
     """Figures of one budget. unit: "time" (ticks) or what is counted. None: not measured, or no instant.
 
-    chain: the worst occurrence, one event per line: "TICKS EVENT", TICKS from its begin (see `chain`).
+    chain: the worst occurrence, one event per line: "TICKS EVENT", TICKS from its begin (see `event_chain`).
     """
 
     measure: str
@@ -50,8 +50,8 @@ class Figures(Table, frozen=True, kw_only=True):
 class Baseline(Table, frozen=True, kw_only=True):
     """The baseline of one case. counts: all other counts of a run.
 
-    digest: of the times of all chain events (see `event_digest`); "" in files of an earlier version.
-    bus_bytes: digests of the values of all bytes on the I2C bus (see `bus_bytes`); none in files of an earlier version.
+    digest: of the times of all chain events (see `digests`); "" in files of an earlier version.
+    bus_bytes: digests of the values of all bytes on the I2C bus (see `digests`); none in files of an earlier version.
     """
 
     schema_version: Literal[1] = SCHEMA

@@ -17,6 +17,7 @@ from math import ceil, floor, log10
 
 import numpy as np
 
+from ....core.counted import counted
 from ....timing.measures.measure import MILLIONTHS
 from ....timing.values import Values
 from ....traces.drawing.svg_diagram import nice_step
@@ -207,7 +208,7 @@ class _Scale:
         x, right = self.place(one.begin - self._shift), self.place(one.end - self._shift)
         alone = self._spread.counted and one.end - one.begin == 1
         values = number(one.begin) if alone else f"{number(one.begin)} to {number(one.end)}"
-        says = f"{values} {self._spread.unit}".rstrip() + f": {_times(one.count)}"
+        says = f"{values} {self._spread.unit}".rstrip() + f": {counted(one.count, 'value')}"
         return Bar(x, round(bottom - height, 2), max(round(right - x - 0.6, 2), 1), height, says)
 
     def across(self) -> tuple[tuple[float, str], ...]:
@@ -249,14 +250,10 @@ def number(value: float, step: float | None = None) -> str:
 
 
 def _summary(spread: Distribution) -> str:
+    count, worst = counted(spread.count, "value"), number(spread.worst)
     if spread.least == spread.worst:
-        return f"{_times(spread.count)}, {'all ' * (spread.count > 1)}{number(spread.worst)} {spread.unit}".rstrip()
-    least, worst = number(spread.least), number(spread.worst)
-    return f"{_times(spread.count)} from {least} to {worst} {spread.unit}".rstrip()
-
-
-def _times(count: int) -> str:
-    return f"{count} value{'s' * (count != 1)}"
+        return f"{count}, {'all ' * (spread.count > 1)}{worst} {spread.unit}".rstrip()
+    return f"{count} from {number(spread.least)} to {worst} {spread.unit}".rstrip()
 
 
 def _rule(x: float, text: str) -> Rule:

@@ -18,6 +18,7 @@ from math import ceil, floor
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.counted import counted
 from ....timing.values import Values
 from ....timing.verdict import Verdict
 from ....traces.drawing.svg_diagram import nice_step
@@ -199,7 +200,7 @@ def _axis_ticks(
 
 
 def _summary(over: OverTime) -> str:
-    count = f"{over.count} value{'s' * (over.count != 1)} over the run"
+    count = f"{counted(over.count, 'value')} over the run"
     if not over.violation_count:
         return f"{count}, none beyond a limit"
     return f"{count}, {over.violation_count} beyond a limit"

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 from .protocol import Row
@@ -141,9 +142,4 @@ def only_chosen(timeline: Timeline) -> Timeline:
 
 def _steps(at: Iterable[int]) -> list[int]:
     """Return each tick as its distance from the previous one, and the first as its distance from 0."""
-    before = 0
-    steps = []
-    for tick in at:
-        steps.append(tick - before)
-        before = tick
-    return steps
+    return [tick - before for before, tick in pairwise([0, *at])]

@@ -143,11 +143,6 @@ def table_4_1() -> ImuParameters:
     return _each(ImuParameters(), ("magnetometer",), hard_iron=NONE)
 
 
-def without_cross_axis() -> ImuParameters:
-    """The same without cross-axis sensitivity."""
-    return _each(table_4_1(), cross_axis=0.0)
-
-
 def with_printed_means() -> ImuParameters:
     """The same with biases to four decimals from the real IMU's means in Table 5.1; Table 4.1 rounds to two."""
     imu = table_4_1()
@@ -164,16 +159,12 @@ def with_floor() -> ImuParameters:
     return _each(with_printed_means(), ("accelerometer", "magnetometer"), rounding="floor")
 
 
-def with_floor_everywhere() -> ImuParameters:
-    return _each(with_printed_means(), rounding="floor")
-
-
 READINGS: list[tuple[str, Callable[[], ImuParameters]]] = [
-    ("bias of Table 4.1 alone", without_cross_axis),
+    ("bias of Table 4.1 alone", lambda: _each(table_4_1(), cross_axis=0.0)),
     ("and cross-axis sensitivity", table_4_1),
     ("and bias to four decimals", with_printed_means),
     ("and floor for two: table_5_1", with_floor),
-    ("and floor for the gyroscope", with_floor_everywhere),
+    ("and floor for the gyroscope", lambda: _each(with_printed_means(), rounding="floor")),
 ]
 
 

@@ -45,13 +45,9 @@ def quantity(units: Mapping[str, float], least: float, most: float, value: objec
         except (ValueError, ZeroDivisionError, OverflowError):
             raise ValueError(f"{value!r}: {digits!r} is not a number") from None
     if not isfinite(number) or not least <= number <= most:
-        raise ValueError(f"{value!r}: expected {shown(most, base_unit(units), least)}")
+        base = next(unit for unit, factor in units.items() if factor == 1)
+        raise ValueError(f"{value!r}: expected {shown(most, base, least)}")
     return number
-
-
-def base_unit(units: Mapping[str, float]) -> str:
-    """Return the unit whose factor is 1."""
-    return next(unit for unit, factor in units.items() if factor == 1)
 
 
 def shown(most: float, unit: str, least: float | None = None) -> str:

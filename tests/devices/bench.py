@@ -87,7 +87,6 @@ class Bench:
         channels = []
         for index, (name, edges) in enumerate(self.edges.items()):
             ticks = np.array([tick for tick, _ in edges], np.int64)
-            levels = np.array([level for _, level in edges], np.uint8)
-            channels.append(Channel(name, index, 1, ticks, levels))
+            channels.append(Channel(name, index, 1, ticks))
         capture = Capture(Path("bench"), Fraction(10**9), self.kernel.now + 1, tuple(channels), sampled=False)
         return i2c.transfers(capture)

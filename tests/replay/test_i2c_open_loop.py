@@ -175,8 +175,7 @@ def test_edges_of_both_lines_in_one_sample_are_no_condition():
 
 
 def line(*edges: int, initial: int = 1) -> Channel:
-    levels = [(initial + 1 + number) % 2 for number in range(len(edges))]
-    return Channel("", 0, initial, np.array(edges, np.int64), np.array(levels, np.uint8))
+    return Channel("", 0, initial, np.array(edges, np.int64))
 
 
 @pytest.mark.parametrize(

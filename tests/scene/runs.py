@@ -74,6 +74,5 @@ class Edges:
         channels = []
         for index, (name, edges) in enumerate(self._edges.items()):
             ticks = np.array([tick for tick, _ in edges], np.int64)
-            levels = np.array([level for _, level in edges], np.uint8)
-            channels.append(Channel(name, index, 1, ticks, levels))
+            channels.append(Channel(name, index, 1, ticks))
         return Capture(Path("scene"), Fraction(self._rate), length, tuple(channels), sampled=False, exact=True)

@@ -28,7 +28,7 @@ from ...core.registers import RegisterMap
 from ...core.time import GHZ, Timebase
 from ...f28335.i2c.register_map import I2C_MAP
 from ...f28335.sci.register_map import SCI_MAP
-from ...traces.capture.capture import Capture, Channel, channel_of_edges
+from ...traces.capture.capture import Capture, Channel
 from ...traces.capture.sampling import resampled
 from ...traces.decode.i2c_table import I2cRowKind as Row
 from ...traces.decode.i2c_table import I2cTable, i2c_table
@@ -161,7 +161,7 @@ class RunSignals:
                 levels = values >> bit & 1
                 moved = np.flatnonzero(levels[1:] != levels[:-1]) + 1
                 name = signal.name if signal.width == 1 else f"{signal.name}[{bit}]"
-                channels.append(channel_of_edges(name, len(channels), int(levels[0]), at[moved]))
+                channels.append(Channel(name, len(channels), int(levels[0]), at[moved]))
         return Capture(Path(), Fraction(self._per_second), max(end, last + 1), tuple(channels), False, (), True)
 
 

@@ -14,6 +14,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
@@ -61,9 +62,8 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One line. `edges` rise strictly, within 1 .. length - 1; `levels[i]` holds from `edges[i]` on.
+    """One line. `edges` rise strictly, within 1 .. length - 1; each inverts the level, which is `initial` before.
 
-    Neighbouring levels differ, so the level after edge i is `initial` inverted i + 1 times.
     `index` is the place in the file (bit of the sample, column, number of the export file).
     """
 
@@ -71,8 +71,14 @@ class Channel:
     index: int
     initial: int
     edges: Positions
-    levels: Levels
     unknown: tuple[Span, ...] = ()
+
+    @cached_property
+    def levels(self) -> Levels:
+        """The level from each edge on."""
+        levels = np.full(len(self.edges), self.initial, np.uint8)
+        levels[::2] ^= 1
+        return levels
 
     def at(self, positions: Positions) -> Levels:
         """Return the level at each position; an edge at a position is included."""
@@ -81,8 +87,7 @@ class Channel:
 
     def before(self, positions: Positions) -> Levels:
         """Return the level just before each position."""
-        done = np.searchsorted(self.edges, positions, side="left")
-        return (self.initial ^ (done & 1)).astype(np.uint8)
+        return self.at(positions - 1)
 
     def without_glitches(self, shortest: int) -> Channel:
         """Return the line without pulses of fewer than `shortest` positions, high or low. It must be known throughout.
@@ -100,13 +105,13 @@ class Channel:
             return self
         begins = np.flatnonzero(np.append(True, ~near))  # edges that begin a run of edges close to each other
         ends = np.flatnonzero(np.append(~near, True))
-        return channel_of_edges(self.name, self.index, self.initial, self.edges[ends[(ends - begins) & 1 == 0]])
+        return Channel(self.name, self.index, self.initial, self.edges[ends[(ends - begins) & 1 == 0]])
 
     def cut(self, span: Span) -> Channel:
         """Return the line within a span, positions unchanged; `initial` is the level where the span begins."""
         first, last = np.searchsorted(self.edges, [span.begin + 1, span.end])
         initial = self.initial ^ (int(first) & 1)
-        return Channel(self.name, self.index, initial, self.edges[first:last], self.levels[first:last])
+        return Channel(self.name, self.index, initial, self.edges[first:last])
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,13 +182,6 @@ def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | 
     return channel_of_states(name, index, np.fromiter(at, np.int64), np.array(states, np.uint8), length)
 
 
-def channel_of_edges(name: str, index: int, initial: int, edges: Positions, unknown: tuple[Span, ...] = ()) -> Channel:
-    """Build a Channel whose level is inverted at each of `edges`, which rise strictly from 1."""
-    levels = np.full(len(edges), initial, np.uint8)
-    levels[::2] ^= 1
-    return Channel(name, index, initial, edges, levels, unknown)
-
-
 def rate_of(text: str) -> Fraction:
     """Parse a sample rate: `4 MHz`, `500 kHz`, `1.5MHz`, `12000000`. ValueError says what was expected."""
     match = RATE.fullmatch(text)
@@ -218,7 +216,7 @@ def channel_of_states(name: str, index: int, at: Positions, states: Levels, leng
         holes[0] = (0, holes[0][1])
     elif begin:
         holes.insert(0, (0, begin))
-    return channel_of_edges(name, index, initial, edges, tuple(Span(*hole) for hole in holes))
+    return Channel(name, index, initial, edges, tuple(Span(*hole) for hole in holes))
 
 
 def changes(capture: Capture) -> tuple[Positions, NDArray[np.int64], Levels]:

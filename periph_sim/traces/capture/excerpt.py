@@ -36,7 +36,7 @@ def _within(channel: Channel, window: Span) -> Channel:
     cut = channel.cut(window)
     holes = (Span(max(h.begin, window.begin), min(h.end, window.end)) for h in channel.unknown)
     unknown = tuple(Span(h.begin - window.begin, h.end - window.begin) for h in holes if h.begin < h.end)
-    return Channel(cut.name, cut.index, int(cut.initial), np.subtract(cut.edges, window.begin), cut.levels, unknown)
+    return replace(cut, edges=np.subtract(cut.edges, window.begin), unknown=unknown)
 
 
 def window_of(text: str, rate: Fraction | None) -> Span:

@@ -16,7 +16,7 @@ from math import gcd
 
 import numpy as np
 
-from .capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
+from .capture import BadCapture, Capture, Channel, Positions, Span
 
 MOST_POSITION = 1 << 62
 FASTEST_ANALYSER = 10**10  # samples a second; nothing samples logic faster
@@ -59,7 +59,7 @@ def _moved(channel: Channel, ratio: Fraction, length: int) -> tuple[Channel, int
     spans = ((_ceil(hole.begin * ratio), min(_ceil(hole.end * ratio), length)) for hole in channel.unknown)
     unknown = tuple(Span(begin, end) for begin, end in spans if begin < end)
     edges = at[changes & 1 == 1]
-    return channel_of_edges(channel.name, channel.index, channel.initial, edges, unknown), lost
+    return Channel(channel.name, channel.index, channel.initial, edges, unknown), lost
 
 
 def _up(positions: Positions, ratio: Fraction) -> Positions:

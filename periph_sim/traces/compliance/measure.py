@@ -27,7 +27,7 @@ Rules:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -77,7 +77,7 @@ def _filtered(channel: Channel, short: NDArray[np.bool_]) -> tuple[Channel, Posi
     edges, levels = channel.edges[~short], channel.levels[~short]
     before = np.concatenate((np.array([channel.initial], np.uint8), levels))[:-1]
     real = levels != before
-    left = Channel(channel.name, channel.index, channel.initial, edges[real], levels[real], channel.unknown)
+    left = replace(channel, edges=edges[real])
     return left, channel.edges[short], _lengths(channel)[short]
 
 

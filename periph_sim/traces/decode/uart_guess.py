@@ -193,7 +193,7 @@ def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
         edges = part.edges[: LOOKED_AT - 2 * frames]
         if not len(edges) or width < 2:
             continue
-        some = replace(part, edges=edges, levels=part.levels[: len(edges)])
+        some = replace(part, edges=edges)
         end = int(edges[-1]) + ceil(line.frame * width)
         table = frames_of(some, line, width, end, sample)
         table = table.select(table.kind == UartRowKind.FRAME)

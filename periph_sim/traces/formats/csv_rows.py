@@ -64,7 +64,7 @@ class Rows:
         self._timed = timed
         self._separator = separator.encode()
         self._before: bytes | None = None  # levels of the last row, a byte each
-        self._last = Time(0, 0)
+        self.last = Time(0, 0)
         self._held = 0
         self._places: list[Positions] = []  # rows, or the digits of times
         self._decimals: list[int] = []
@@ -88,10 +88,6 @@ class Rows:
         levels = np.concatenate(self._levels) if self._levels else np.zeros((0, self._columns), np.uint8)
         return np.concatenate([*scaled, np.zeros(0, np.int64)]), decimals, levels
 
-    def last(self) -> Time:
-        """Return the time of the last row."""
-        return self._last
-
     # Whole blocks ------------------------------------------------------------------
 
     def _quickly(self, block: bytes) -> bool:
@@ -101,52 +97,42 @@ class Rows:
         form = _form(tail, self._columns)
         if form is None or not block.endswith(b"\n"):
             return False
-        return self._timed_rows(block, form) if self._timed else self._plain_rows(block, form)
-
-    def _plain_rows(self, block: bytes, form: Form) -> bool:
         width = len(form.bytes)
         data = np.frombuffer(block, np.uint8)
-        if len(data) % width:
+        if self._timed:
+            ends = np.flatnonzero(data == ord("\n")) + 1
+            begins = np.concatenate(([0], ends[:-1]))
+            if (ends - begins <= width).any():
+                return False
+            places = ends[:, None] + np.arange(-width, 0)
+            in_times = np.ones(len(data), np.bool_)
+            in_times[places] = False
+            if not IN_TIMES[data[in_times]].all():
+                return False
+            rows = data[places]
+        elif len(data) % width:
             return False
-        rows = data.reshape(-1, width)
+        else:
+            rows = data.reshape(-1, width)
         if ((rows & form.mask) != form.bytes).any():
             return False
-        changed = np.flatnonzero(data[width:] != data[:-width]) // width + 1
-        changed = changed[np.flatnonzero(np.diff(changed, prepend=0))]
-        changed = self._with_first(changed, rows[0][form.cells])
-        self._keep(changed + self.count, 0, np.bitwise_and(rows[changed][:, form.cells], 1))
-        self._done(len(rows), rows[-1][form.cells])
-        return True
-
-    def _timed_rows(self, block: bytes, form: Form) -> bool:
-        width = len(form.bytes)
-        data = np.frombuffer(block, np.uint8)
-        ends = np.flatnonzero(data == ord("\n")) + 1
-        begins = np.concatenate(([0], ends[:-1]))
-        if (ends - begins <= width).any():
-            return False
-        places = ends[:, None] + np.arange(-width, 0)
-        tails = data[places]
-        if ((tails & form.mask) != form.bytes).any():
-            return False
-        in_times = np.ones(len(data), np.bool_)
-        in_times[places] = False
-        if not IN_TIMES[data[in_times]].all():
-            return False
-        changed = np.flatnonzero((tails[1:] != tails[:-1]).any(axis=1)) + 1
-        changed = self._with_first(changed, tails[0][form.cells])
-        read = changed if len(changed) and changed[-1] == len(ends) - 1 else np.append(changed, len(ends) - 1)
-        cuts = zip(begins[read].tolist(), (ends[read] - width).tolist(), strict=True)
-        try:
-            digits, decimals = _times([block[begin:end] for begin, end in cuts])
-        except (ValueError, OverflowError):
-            return False
-        last = Time(int(digits[-1]), decimals)
-        if (digits[1:] < digits[:-1]).any() or (self.count and _less(Time(int(digits[0]), decimals), self._last)):
-            return False
-        self._keep(digits[: len(changed)], decimals, np.bitwise_and(tails[changed][:, form.cells], 1))
-        self._done(len(ends), tails[-1][form.cells])
-        self._last = last
+        changed = np.flatnonzero(rows[1:] != rows[:-1]) // width + 1
+        changed = self._with_first(changed[np.flatnonzero(np.diff(changed, prepend=0))], rows[0][form.cells])
+        at, decimals = changed + self.count, 0
+        if self._timed:
+            read = changed if len(changed) and changed[-1] == len(ends) - 1 else np.append(changed, len(ends) - 1)
+            cuts = zip(begins[read].tolist(), (ends[read] - width).tolist(), strict=True)
+            try:
+                digits, decimals = _times([block[begin:end] for begin, end in cuts])
+            except (ValueError, OverflowError):
+                return False
+            if (digits[1:] < digits[:-1]).any() or (self.count and _less(Time(int(digits[0]), decimals), self.last)):
+                return False
+            at, self.last = digits[: len(changed)], Time(int(digits[-1]), decimals)
+        self._keep(at, decimals, np.bitwise_and(rows[changed][:, form.cells], 1))
+        self._before = bytes(rows[-1][form.cells] & 1)
+        self.count += len(rows)
+        self.line += len(rows)
         return True
 
     def _with_first(self, changed: NDArray[np.intp], levels: Levels) -> NDArray[np.intp]:
@@ -154,11 +140,6 @@ class Rows:
         if self._before == bytes(levels & 1):
             return changed
         return np.concatenate((np.zeros(1, np.intp), changed))
-
-    def _done(self, rows: int, levels: Levels) -> None:
-        self._before = bytes(levels & 1)
-        self.count += rows
-        self.line += rows
 
     def _keep(self, places: NDArray[np.integer], decimals: int, levels: Levels) -> None:
         if not len(places):
@@ -187,8 +168,8 @@ class Rows:
                 now = self._row(row)
                 self.count += 1
                 if now != self._before:
-                    places.append(self._last.digits if self._timed else self.count - 1)
-                    decimals.append(self._last.decimals if self._timed else 0)
+                    places.append(self.last.digits if self._timed else self.count - 1)
+                    decimals.append(self.last.decimals if self._timed else 0)
                     levels.append(now)
                     self._before = now
         finally:
@@ -205,7 +186,7 @@ class Rows:
         """Return the levels of a row, a byte each, and store its time."""
         cells = [cell.strip() for cell in row.split(self._separator)]
         expected = f"{'a time and ' if self._timed else ''}{self._columns} levels 0 or 1"
-        time, levels = self._last, b""
+        time, levels = self.last, b""
         try:
             if self._timed:
                 time = _time(cells.pop(0))
@@ -214,9 +195,9 @@ class Rows:
             pass
         if len(levels) != self._columns:
             raise BadRow(self.line, repr(row[:80].decode("utf-8", "replace")), expected)
-        if self.count and _less(time, self._last):
+        if self.count and _less(time, self.last):
             raise BadRow(self.line, "a time before that of the row above", "rising times")
-        self._last = time
+        self.last = time
         return levels
 
 

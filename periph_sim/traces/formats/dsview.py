@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..capture import size_limits as limits
-from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_edges
+from ..capture.capture import BadCapture, Capture, Channel, Span
 from .packed_samples import BLOCK
 from .zip_member import Archive, Damage, ini_keys, samplerate_of
 
@@ -104,7 +104,7 @@ class Bits:
             self._rest = b""
         edges = np.frombuffer(self._edges, np.int64)
         unknown = (Span(known, length),) if known < length else ()
-        return channel_of_edges(name, index, self._first, edges[: np.searchsorted(edges, known)], unknown)
+        return Channel(name, index, self._first, edges[: np.searchsorted(edges, known)], unknown)
 
     def __len__(self) -> int:
         return len(self._edges)

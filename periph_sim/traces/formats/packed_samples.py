@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..capture import size_limits as limits
-from ..capture.capture import BadCapture, Channel, channel_of_edges
+from ..capture.capture import BadCapture, Channel
 
 BLOCK = 1 << 19  # bytes scanned at once: fits the caches of a processor
 
@@ -70,7 +70,7 @@ class Scan:
     def channels(self) -> tuple[Channel, ...]:
         """Return every channel, in the order given; nothing may be fed afterwards."""
         return tuple(
-            channel_of_edges(self._names[bit], bit, self._first >> bit & 1, np.frombuffer(edges, np.int64))
+            Channel(self._names[bit], bit, self._first >> bit & 1, np.frombuffer(edges, np.int64))
             for bit, edges in self._edges.items()
         )
 

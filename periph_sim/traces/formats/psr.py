@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 
 from ...core.input_files import open_regular
 from ...core.records import RECORDED, Kind
-from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_edges, channel_of_states
+from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_states
 from ..capture.grid import on_grid
 from .record_table import COLUMNS, TABLES, TOPIC, RecordTable, Topics
 
@@ -338,7 +338,7 @@ def _channel(table: RecordTable, place: int, entry: dict[str, Any], length: int)
     edges, levels = table.tick[own], table.value[own].astype(np.uint8)
     initial, index = _whole(entry["initial"]), _whole(entry["index"])
     unknown = tuple(Span(_whole(begin), _whole(end)) for begin, end in entry["unknown"])
-    channel = channel_of_edges(table.names["where"][place], index, initial, edges, unknown)
+    channel = Channel(table.names["where"][place], index, initial, edges, unknown)
     rising = (np.diff(edges, prepend=0) > 0).all() and (not len(edges) or edges[-1] < length)
     spans = [0, *(position for span in unknown for position in span), length]
     if initial > 1 or not rising or spans != sorted(spans) or (channel.levels != levels).any():
@@ -362,5 +362,5 @@ def _at_rate(capture: Capture, rate: Fraction) -> Capture:
             raise BadCapture(capture.path, "its times", found, "one", "state the right rate or none")
         length = max([length, *(edges[-1:] + 1).tolist()])
         unknown = tuple(Span(*span) for span in bounds.reshape(-1, 2).tolist())
-        channels.append(channel_of_edges(c.name, c.index, c.initial, edges, unknown))
+        channels.append(Channel(c.name, c.index, c.initial, edges, unknown))
     return Capture(capture.path, rate, length, tuple(channels), True, capture.notes)

@@ -28,7 +28,7 @@ from typing import BinaryIO
 import numpy as np
 
 from ..capture import size_limits as limits
-from ..capture.capture import BadCapture, Capture, Channel, Positions, channel_of_edges, rate_of
+from ..capture.capture import BadCapture, Capture, Channel, Positions, rate_of
 from ..capture.grid import nearest
 from .csv_rows import NUMBER, BadRow, Rows, Time
 
@@ -110,7 +110,7 @@ def _read(path: Path, file: BinaryIO, rate: Fraction | None, salvage: bool) -> C
 def _channel(name: str, index: int, at: Positions, levels: np.ndarray[tuple[int], np.dtype[np.uint8]]) -> Channel:
     """Build a channel. The first state is that of position 0; unchanged states are dropped."""
     turned = np.flatnonzero(levels[1:] != levels[:-1]) + 1
-    return channel_of_edges(name, index, int(levels[0]), at[turned])
+    return Channel(name, index, int(levels[0]), at[turned])
 
 
 def _blocks(path: Path, file: BinaryIO) -> Iterator[bytes]:
@@ -202,7 +202,7 @@ def _timed(
         per_second = Fraction(10 ** next(p for p in UNITS.values() if 10**p >= head.rate or p == 15))
     try:
         at, decimals, levels = rows.changes()
-        decimals, at, last = _since_first(at, decimals, rows.last())
+        decimals, at, last = _since_first(at, decimals, rows.last)
         if head.rate is None:
             finest = 10**decimals
             step = gcd(finest, last, int(np.gcd.reduce(at)))

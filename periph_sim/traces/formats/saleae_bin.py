@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ...core.input_files import open_regular
 from ..capture import size_limits as limits
-from ..capture.capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
+from ..capture.capture import BadCapture, Capture, Channel, Positions, Span
 
 NAME = "Saleae binary (digital_N.bin or their folder)"
 SUFFIXES = (".bin", "/")
@@ -144,7 +144,7 @@ class _Line:
         initial = chunks[0].initial
         if len(edges) and edges[0] == 0:
             initial, edges = initial ^ 1, edges[1:]
-        return channel_of_edges(self._path.stem, index, initial, edges, tuple(unknown))
+        return Channel(self._path.stem, index, initial, edges, tuple(unknown))
 
     def _changes(self, file: BinaryIO, chunk: Chunk) -> float | None:
         """Read the changes of a chunk. Return None, or the last time before they end early."""

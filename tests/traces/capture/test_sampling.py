@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.traces import formats
-from periph_sim.traces.capture.capture import BadCapture, Capture, Span, channel_of, channel_of_edges
+from periph_sim.traces.capture.capture import BadCapture, Capture, Channel, Span, channel_of
 from periph_sim.traces.capture.sampling import (
     LONGEST_PAUSE,
     grid_of,
@@ -29,7 +29,7 @@ GHZ3 = Fraction(3 * 10**9)
 
 
 def ticks(edges: list[int], length: int, rate: Fraction | None = GHZ3, unknown: tuple[Span, ...] = ()) -> Capture:
-    channel = channel_of_edges("a", 0, 1, np.array(edges, np.int64), unknown)
+    channel = Channel("a", 0, 1, np.array(edges, np.int64), unknown)
     return Capture(Path("x"), rate, length, (channel,), sampled=False)
 
 
@@ -146,7 +146,7 @@ def test_a_capture_keeps_that_it_is_exact(tmp_path: Path):
 
 def test_a_pause_may_be_long_beside_as_much_of_the_rest():
     at = np.arange(1, 10**4) * 10**4
-    line = channel_of_edges("SCL", 0, 1, np.append(at, at[-1] + LONGEST_PAUSE + 3))
+    line = Channel("SCL", 0, 1, np.append(at, at[-1] + LONGEST_PAUSE + 3))
     capture = Capture(Path("x.vcd"), Fraction(10**9), int(line.edges[-1]) + 1, (line,), sampled=False)
     assert on_samples(capture).sampled
     longer = replace(capture, length=3 * capture.length)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from hypothesis import strategies as st
 
-from periph_sim.traces.capture.capture import Capture, Channel, Span, channel_of_edges
+from periph_sim.traces.capture.capture import Capture, Channel, Span
 
 RATE = Fraction(1_000_000)
 
@@ -36,5 +36,5 @@ def captures(draw: st.DrawFn, names: tuple[str, ...]) -> Capture:
                 edges[~inside] if np.count_nonzero(inside) % 2 == 0 else np.sort(np.append(edges[~inside], hole.end))
             )
         edges = np.unique(edges[(edges > 0) & (edges < length)])
-        channels.append(channel_of_edges(name, bit, draw(st.integers(0, 1)), edges, holes))
+        channels.append(Channel(name, bit, draw(st.integers(0, 1)), edges, holes))
     return Capture(Path("lines"), RATE, length, tuple(channels))

@@ -18,7 +18,7 @@ from periph_sim.bus.uart.reader import Heard, UartCounter, UartReader
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.wire import Wire
-from periph_sim.traces.capture.capture import Channel, channel_of_edges
+from periph_sim.traces.capture.capture import Channel
 from periph_sim.traces.capture.sampling import sample_step
 from periph_sim.traces.decode import uart
 from periph_sim.traces.decode.uart import PARITIES, Line
@@ -139,7 +139,7 @@ def test_time_stamps_are_read_as_the_samples_that_they_are_of(sent: bytes, tenth
         line[(20 + 7 * place) % len(line)] ^= 1
     capture = of_bytes(bytes(line), ("RX",))
     wire = capture.channels[0]
-    stretched = channel_of_edges("RX", 0, wire.initial, wire.edges * tick)
+    stretched = Channel("RX", 0, wire.initial, wire.edges * tick)
     stamps = replace(
         capture, rate=capture.rate * tick, length=capture.length * tick, channels=(stretched,), sampled=False
     )

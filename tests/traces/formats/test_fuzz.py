@@ -25,7 +25,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from periph_sim.traces import formats
-from periph_sim.traces.capture.capture import channel_of_edges
+from periph_sim.traces.capture.capture import Channel
 from periph_sim.traces.formats import BadCapture, Capture
 from tests.captures.where import captures
 from tests.profiles import examples
@@ -68,7 +68,7 @@ def seeds() -> dict[str, bytes]:
 
 
 def small() -> Capture:
-    channels = [channel_of_edges(name, n, 1, np.array([5 + n, 90], np.int64)) for n, name in enumerate(["SCL", "SDA"])]
+    channels = [Channel(name, n, 1, np.array([5 + n, 90], np.int64)) for n, name in enumerate(["SCL", "SDA"])]
     return Capture(Path("made"), Fraction(10**6), 100, tuple(channels))
 
 

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from periph_sim.traces import formats
 from periph_sim.traces.capture import size_limits as limits
-from periph_sim.traces.capture.capture import channel_of_edges
+from periph_sim.traces.capture.capture import Channel
 from periph_sim.traces.formats import BadCapture, Capture, Span, sigrok_sr
 from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
@@ -389,7 +389,7 @@ def test_chunks_behind_a_missing_one_are_dropped(tmp_path: Path):
 
 def lines(length: int, *channels: list[int], rate: Fraction | None = Fraction(4_000_000)) -> Capture:
     """A capture of channels a, b, ..., each given as its initial level and its edges."""
-    made = [channel_of_edges(chr(97 + n), n, c[0], np.array(c[1:], np.int64)) for n, c in enumerate(channels)]
+    made = [Channel(chr(97 + n), n, c[0], np.array(c[1:], np.int64)) for n, c in enumerate(channels)]
     return Capture(Path("made"), rate, length, tuple(made))
 
 

@@ -25,7 +25,7 @@ from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.measures.registry import MEASURES, Sentence
 from periph_sim.timing.verdict import Verdict
-from periph_sim.traces.capture.capture import Span, channel_of_edges
+from periph_sim.traces.capture.capture import Channel, Span
 from tests.interfaces.reports.explain.made import drawn
 from tests.interfaces.reports.explain.test_fault_evidence import explained
 from tests.interfaces.reports.explain.test_master_explained import REQUESTS, SCRIPT
@@ -275,9 +275,7 @@ CASE = case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}})
 def test_a_stuck_bus_is_told_by_the_lines_that_are_low_then(scl: list[int], sda: list[int], falls: list[str]):
     """Edges of lines that begin high; reported at 60."""
     window = drawn("wait AAS 0 -", begin=60, end=60)
-    channels = tuple(
-        channel_of_edges(name, i, 1, np.array(at)) for i, (name, at) in enumerate((("SCL", scl), ("SDA", sda)))
-    )
+    channels = tuple(Channel(name, i, 1, np.array(at)) for i, (name, at) in enumerate((("SCL", scl), ("SDA", sda))))
     verdict = replace(window.verdict, measure="stuck", unit="count")
     chain = chain_of(CASE, replace(window, verdict=verdict, edges=replace(window.edges, channels=channels)))
     assert [step.what for step in chain.steps if "falls" in step.what] == falls

@@ -21,7 +21,7 @@ from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
-from periph_sim.traces.capture.capture import channel_of_edges
+from periph_sim.traces.capture.capture import Channel
 from tests.interfaces.reports.explain.made import drawn
 from tests.records.scenes import line_of
 from tests.scene.runs import TIMING
@@ -324,8 +324,8 @@ def test_a_byte_came_of_what_was_written_before_its_first_bit():
     byte = Record(9, 90, Kind.BUS, "controller", "byte", 0x11 << 1, "", 0)
     writes = [Record(n, at, Kind.ACCESS, "dsp", "W I2C-A.I2CDXR", 0x11, "f:1", 0) for n, at in ((7, 20), (8, 40))]
     channels = (
-        channel_of_edges("SDA", 0, 1, np.array([85])),
-        channel_of_edges("SCL", 1, 0, np.array([30, 35, 45, 50])),
+        Channel("SDA", 0, 1, np.array([85])),
+        Channel("SCL", 1, 0, np.array([30, 35, 45, 50])),
     )
     window = replace(window, records=(*window.records, *writes, byte), edges=replace(window.edges, channels=channels))
     phase = RecordedPhase("", 0, 99, 0x50, True, True, 15, "START", (byte,))

@@ -15,7 +15,7 @@ from periph_sim.replay.wire_log import WireLog
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
-from periph_sim.traces.capture.capture import Capture, Span, channel_of_edges
+from periph_sim.traces.capture.capture import Capture, Channel, Span
 from periph_sim.traces.formats.record_table import Columns
 from tests.scene.small import case
 
@@ -116,7 +116,7 @@ def test_five_milliseconds_before_and_behind_an_occurrence_are_kept():
     """An edge at tick 100, and nothing any more until the end at 1 s."""
     timebase = Timebase(150_000_000)
     ms = timebase.per_second // 1000
-    scl = channel_of_edges("SCL", 0, 1, np.array([100]))
+    scl = Channel("SCL", 0, 1, np.array([100]))
     edges = Capture(Path("made"), Fraction(timebase.per_second), 1000 * ms, (scl,), sampled=False)
     late = Verdict("late", "response", "us", 2000.0, 1, 0, 1, "fail", 0.5)
     (window,) = windows_of_edges(edges, timebase, [late], 0)

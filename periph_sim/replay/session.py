@@ -31,9 +31,9 @@ from ..timing.budgets import BudgetJudge
 from ..timing.verdict import Verdict
 from ..traces.capture.capture import Capture
 from ..traces.decode import uart
+from .doubtful_frames import line_errors
 from .i2c_closed_loop import I2cReplay
 from .i2c_setup import PATIENCE, TAIL, Answering
-from .line_errors import line_errors
 from .replay import Progress
 from .report import FAIL, NOT_JUDGED, PASS, Report
 from .scene_setup import LEAD, alone, check_length, rate_of, unit_with

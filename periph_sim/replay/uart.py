@@ -28,10 +28,9 @@ from ..scene.uart_lines import line_of
 from ..traces.capture.capture import Capture, gap_notes
 from ..traces.decode import uart as decode
 from . import BadReplay
-from .ambiguous import Word, settled
 from .compare import NOTHING, Happened, compare
 from .divergence_history import AS_RECEIVER
-from .line_errors import line_errors
+from .doubtful_frames import Word, line_errors, settled
 from .picture import Side, divergence_picture, title_of
 from .replay import Progress, Replay
 from .report import Report, verdict_of

@@ -11,7 +11,7 @@ blocks of fixed length, a number a column, so that no object is created for a re
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple, final
@@ -47,15 +47,6 @@ COLLECTED |= {"cause": ("q", 8), "text": ("I", 4), "field": ("I", 4)}
 EMPTY = {name: array(code, bytes(BLOCK * size)) for name, (code, size) in COLLECTED.items()}
 TABLES = ("kind", "where", "what", "text", "field")
 TOPIC = TABLES[:3]
-
-
-class Strings(dict[str, int]):
-    """Indices of strings; a new string is appended."""
-
-    def __missing__(self, text: str) -> int:
-        place = len(self)
-        self[text] = place
-        return place
 
 
 class Topics(NamedTuple):
@@ -244,22 +235,18 @@ class Columns(RecordSink):
     def _topics_in_use(self) -> tuple[dict[str, tuple[str, ...]], Topics]:
         """Return topics that have records, and their names; both in order of first use."""
         tags = self._column("topic", "<u4")
-        wheres, whats = Strings(), Strings()
+        wheres: dict[str, int] = {}
+        whats: dict[str, int] = {}
         known = list(self._topics)
         first = np.full(len(known), len(tags))
         first[tags[::-1]] = np.arange(len(tags))[::-1]  # assigned in reverse, so that each topic's first place remains
         used = np.flatnonzero(first < len(tags))
         used = used[np.argsort(first[used])]
-        of = [(NUMBER_OF[known[tag][0]], wheres[known[tag][1]], whats[known[tag][2]]) for tag in used.tolist()]
+        of = [
+            (NUMBER_OF[kind], wheres.setdefault(where, len(wheres)), whats.setdefault(what, len(whats)))
+            for kind, where, what in (known[tag] for tag in used.tolist())
+        ]
         renumbered = np.zeros(len(known), np.uint32)
         renumbered[used] = np.arange(len(used))
         names = {"kind": tuple(kind.value for kind in KINDS), "where": tuple(wheres), "what": tuple(whats)}
         return names, Topics(np.array(of, np.int64).reshape(-1, 3), renumbered[tags])
-
-
-def table_of(records: Iterable[Record], per_second: Fraction, end: int) -> RecordTable:
-    """Return the table of given records."""
-    columns = Columns()
-    for record in records:
-        columns.add(record)
-    return columns.table(per_second, end, {})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from periph_sim.core.records import RECORDED, Kind, Record
 from periph_sim.traces import formats
 from periph_sim.traces.formats import psr
-from periph_sim.traces.formats.record_table import BLOCK, table_of
+from periph_sim.traces.formats.record_table import BLOCK, Columns, RecordTable
 from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
 
@@ -44,6 +44,13 @@ def runs(draw: st.DrawFn) -> list[Record]:
         )
         for n, tick in enumerate(ticks, 1)
     ]
+
+
+def table_of(records: Iterable[Record], per_second: Fraction, end: int) -> RecordTable:
+    columns = Columns()
+    for record in records:
+        columns.add(record)
+    return columns.table(per_second, end, {})
 
 
 def saved(path: Path, records: list[Record], end: int = 0) -> Path:

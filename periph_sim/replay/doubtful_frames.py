@@ -1,13 +1,15 @@
-"""Handling of frames that receivers may read either way: the frames of a line and the words that were received are
-compared without the ambiguous parts.
+"""Frames of a UART capture that prove nothing about a receiver of the line.
 
     frames, rejected starts  --fit?-->  words to compare, one against one
     words received           ------->   ambiguous: frames with a glitch at a sample point
 
-A glitch in a data, parity or stop bit leaves that bit open, so the word may have either value. A glitch in the start
-bit, or a nearly valid start, leaves open whether a frame begins at all. A receiver that decides otherwise than the
-decoder may read other frames up to the next pause. Comparison resumes at the place in the burst from which on most
-words agree.
+Receivers may read an ambiguous frame either way. A glitch in a data, parity or stop bit leaves that bit open, so the
+word may have either value. A glitch in the start bit, or a nearly valid start, leaves open whether a frame begins at
+all. A receiver that decides otherwise than the decoder may read other frames up to the next pause. Comparison resumes
+at the place in the burst from which on most words agree.
+
+A line that is read at a wrong rate, in a wrong format or inverted decodes into frames with errors. A receiver with the
+same settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.
 """
 
 from __future__ import annotations
@@ -17,12 +19,18 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..traces.decode.uart import Event, Frame, Line, RejectedStart
+from ..core.counted import counted
+from ..traces.capture.capture import Capture
+from ..traces.decode.uart import Break, Event, Frame, Line, RejectedStart
+from ..traces.decode.uart_guess import NEAR, Guess, guess
 from .compare import Happened, byte_words
 
 LIKELY = Fraction(1, 4)  # minimum length, in bits, of a rejected start that a receiver may accept
 AHEAD = 8  # number of words that must agree where comparison resumes
 EXTRA = 2  # number of words that a receiver may read in addition to the frames
+MOST = Fraction(1, 10)  # largest share of frames with errors that is plausible in the right format
+SCI_BITS = 8  # maximum number of data bits of an SCI's word
+SURE = 0.5  # minimum certainty of a guess that contradicts the format
 
 
 class Word(NamedTuple):
@@ -137,3 +145,73 @@ class _Settling:
                 return number
         both_end = len(items) == len(self._found) - word
         return AHEAD if both_end else len(items)
+
+
+@dataclass(frozen=True)
+class LineErrors:
+    """The errors of one channel.
+
+    wrong: number of frames with a framing or parity error, except breaks and frames that a glitch makes ambiguous.
+    frames: number of frames.
+    doubt: a sentence that says why the channel has another format; empty if there is no evidence for this.
+    """
+
+    wrong: int
+    frames: int
+    doubt: str
+
+
+def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequence[Event]) -> LineErrors:
+    """Return the errors of a channel that was decoded as `line`, with the doubt that they raise about that format."""
+    frames = [event for event in events if isinstance(event, Frame)]
+    breaks = {event.at for event in events if isinstance(event, Break)}
+    breaks |= _break_at_end(capture, channel, line)
+    wrong = sum((one.frame_error or one.parity_error) and not one.unsure and one.at not in breaks for one in frames)
+    found = LineErrors(wrong, len(frames), "")
+    better = _better(capture, channel, line, found) if wrong else None
+    if better is None and wrong <= MOST * len(frames):
+        return found
+    advice = "expected few; check rate, format and polarity of the line" if better is None else _advice(better)
+    return LineErrors(
+        wrong,
+        len(frames),
+        f"read at {float(line.baud):g} baud, {line.shape}, {wrong} of {counted(len(frames), 'frame')} in the capture "
+        f"({wrong / len(frames):.1%}) have framing or parity errors; {advice}",
+    )
+
+
+def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
+    """Return the edge at which the line goes low for the rest of the capture: a break without its end."""
+    wire = capture.channel(channel)
+    if not len(wire.edges) or wire.levels[-1] != int(line.invert) or capture.rate is None:
+        return set()
+    last = int(wire.edges[-1])
+    return {last} if capture.length - last >= line.frame * capture.rate / Fraction(line.baud) else set()
+
+
+def _better(capture: Capture, channel: str | int, line: Line, found: LineErrors) -> Guess | None:
+    """Return the format that the edges suggest, if it is another one with fewer errors; else None."""
+    try:
+        other = guess(capture, channel)
+    except ValueError:
+        return None
+    many = found.wrong > MOST * found.frames
+    same_rate = abs(Fraction(other.line.baud) / Fraction(line.baud) - 1) <= NEAR
+    if same_rate and other.line.invert == line.invert:
+        # The guess is not better if it is the same format, or has a ninth data bit, which takes bad stop bits as data.
+        hides = other.line.shape == line.shape or other.line.bits > SCI_BITS
+        if hides or not many:
+            return None
+    return other if other.sure >= SURE and other.errors < found.wrong / found.frames else None
+
+
+def _advice(better: Guess) -> str:
+    if better.line.invert:
+        return (
+            f"the line idles low, like an inverted one of {better.line.baud} baud, {better.line.shape}; "
+            "capture it at the SCI's pin"
+        )
+    return (
+        f"the line's edges fit {better.line.baud} baud, {better.line.shape}; if that is its format, give "
+        f"--baud {better.line.baud} --format {better.line.shape}"
+    )

@@ -346,11 +346,7 @@ def _text(phase: Phase) -> str:
 def _stretches(phase: Phase, long_low: Fraction, ticks_per_position: Fraction) -> tuple[tuple[int, int, int], ...]:
     found = []
     for number, byte in enumerate(phase.bytes, -1):
-        for place, low in _lows(byte):
-            if (number >= 0 or place == 8) and low > long_low:
-                found.append((number, place, int(low * ticks_per_position)))
+        for place, bit in enumerate(byte.bits):
+            if bit.low is not None and (number >= 0 or place == 8) and bit.low > long_low:
+                found.append((number, place, int(bit.low * ticks_per_position)))
     return tuple(found)
-
-
-def _lows(byte: Byte) -> list[tuple[int, int]]:
-    return [(place, bit.low) for place, bit in enumerate(byte.bits) if bit.low is not None]

@@ -20,7 +20,7 @@ from ..traces.capture.sampling import sample_step, stamp_notes
 from ..traces.decode import i2c as decode
 from ..traces.decode.scl_times import impossible_rate
 from . import BadReplay
-from .i2c_script import AsTarget, Turn, as_target, most_frequent, turns
+from .i2c_script import Turn, as_target, most_frequent, turns
 from .scene_setup import LEAD, check_length, rate_of, settings_of, undeclared, unit_with
 
 STEP = Fraction(25, 1000)  # simulated seconds between reports of progress
@@ -137,7 +137,13 @@ def played(capture: Capture, scl: str | int, sda: str | int, first: int | None =
         raise BadReplay(f"{capture.path}: no I2C transfer on {scl!r} and {sda!r}; the lines may be swapped")
     last = wanted[-1]
     check_length(capture, capture.length if last.stop is None else last.stop.at)
-    notes = _before(found) + _cut(last) + _shared(capture, scl, sda) + stamp_notes(capture)
+    notes = []
+    if pulses := sum(len(transfer.lead) for transfer in found if not transfer.phases):
+        notes.append(f"clock pulses before the capture's first START, of a transfer unknown and not played: {pulses}")
+    notes += _cut(last)
+    if shared := decode.shared_edges(capture, scl, sda):
+        notes.append(f"samples with an edge of both lines, where SDA is put half a sample off SCL's edge: {shared}")
+    notes += stamp_notes(capture)
     lines = capture.channel(scl), capture.channel(sda)
     notes += gap_notes(capture, *lines)
     return Played(capture, lines, rate, whole, wanted, list(turns(wanted)), notes)
@@ -216,7 +222,11 @@ def _settings(part: Played, address: int, lead: Fraction, in_reach: bool) -> dic
     target = as_target(address, part.turns, end + int(part.rate))
     if in_reach:
         return {"replies": target.replies}
-    part.notes += _refusals(target)
+    if target.refused:
+        part.notes.append(
+            f"refusals of {target.address:02X} that follow neither a write that a STOP ended nor the start, "
+            f"which the firmware cannot be set to repeat: {target.refused}"
+        )
     answered = [turn.answer.ack for turn in part.turns if turn.address == address]
     if answered and not any(answered):
         part.notes.append(f"{address:02X} is not acknowledged in the capture: the firmware does not answer")
@@ -228,13 +238,6 @@ def _settings(part: Played, address: int, lead: Fraction, in_reach: bool) -> dic
     }
 
 
-def _before(found: list[decode.Transfer]) -> list[str]:
-    pulses = sum(len(transfer.lead) for transfer in found if not transfer.phases)
-    if not pulses:
-        return []
-    return [f"clock pulses before the capture's first START, of a transfer unknown and not played: {pulses}"]
-
-
 def _cut(last: decode.Transfer) -> list[str]:
     """Return a note on a last transfer without its STOP."""
     if last.stop is not None:
@@ -243,19 +246,3 @@ def _cut(last: decode.Transfer) -> list[str]:
     bits = len(phase.bytes[-1].bits) if phase.bytes else 0
     inside = f"in the middle of a byte, after {counted(bits, 'bit')}" if 0 < bits < BYTE else "before a STOP"
     return [f"the capture ends {inside}: the rest of its last transfer is not compared"]
-
-
-def _shared(capture: Capture, scl: str | int, sda: str | int) -> list[str]:
-    count = decode.shared_edges(capture, scl, sda)
-    if not count:
-        return []
-    return [f"samples with an edge of both lines, where SDA is put half a sample off SCL's edge: {count}"]
-
-
-def _refusals(target: AsTarget) -> list[str]:
-    if not target.refused:
-        return []
-    return [
-        f"refusals of {target.address:02X} that follow neither a write that a STOP ended nor the start, "
-        f"which the firmware cannot be set to repeat: {target.refused}"
-    ]

@@ -48,10 +48,6 @@ class BadCapture(ValueError):
         self.expected = expected
         self.way_out = way_out
 
-    def with_path(self, path: Path) -> BadCapture:
-        """Return the same error with another path."""
-        return BadCapture(path, self.place, self.found, self.expected, self.way_out)
-
 
 class Span(NamedTuple):
     """Positions from `begin` up to, not including, `end`."""

@@ -42,7 +42,9 @@ def sample_points_of(line: Line, width: Fraction, step: int = 1, vote: bool = Fa
     One sample in the middle; vote: three, an eighth of a bit apart. width: positions of a bit. step: of a sample.
     """
     places = (Fraction(3, 8), HALF, Fraction(5, 8)) if vote else (HALF,)
-    return [tuple(_sample((bit + place) * width, step) for place in places) for bit in range(_checked_bits(line))]
+    bits = range(_checked_bits(line))
+    # The first sample not before each place, counted from half a sample before the first low one.
+    return [tuple(step * ceil((bit + place) * width / step - HALF) for place in places) for bit in bits]
 
 
 def windows_of(line: Line, width: Fraction) -> list[tuple[int, int]]:
@@ -55,18 +57,8 @@ def windows_of(line: Line, width: Fraction) -> list[tuple[int, int]]:
     return [(int((bit + QUARTER) * width) + 1 if bit else 0, int((bit + LATEST) * width)) for bit in bits]
 
 
-def longest_glitch(width: Fraction) -> int:
-    """Return the length of the longest glitch, in positions: less than half a bit."""
-    return ceil(width / 2) - 1
-
-
 def _checked_bits(line: Line) -> int:
     return 2 + line.bits + (line.parity != "none")
-
-
-def _sample(after: Fraction, step: int) -> int:
-    """Return the first sample not before a time, counted from half a sample before the first low one."""
-    return step * ceil(after / step - HALF)
 
 
 def sample_point_step(step: int, width: Fraction | float) -> int:
@@ -213,7 +205,7 @@ def _glitches(
 ) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
     """Return for each frame, which begin at `at`, if a glitch is in it, and the bits that it makes unsure."""
     glitched, unsure = np.zeros(len(at), bool), np.zeros(len(at), np.int32)
-    short = np.flatnonzero(np.diff(edges) <= longest_glitch(width)) if len(at) else edges[:0]
+    short = np.flatnonzero(np.diff(edges) <= ceil(width / 2) - 1) if len(at) else edges[:0]
     begins, ends = edges[short], edges[short + 1]
     windows = windows_of(line, width)
     frame = np.searchsorted(at, begins, side="right") - 1

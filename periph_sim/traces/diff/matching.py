@@ -20,7 +20,7 @@ from collections import Counter
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import chain
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -77,19 +77,9 @@ def class_of(kind: str) -> str:
 
 
 T = TypeVar("T")
+Pair = tuple[Event | None, Event | None]  # one event in both captures, None where it is missing
 FEW_EVENTS = 5_000  # aligned one by one, across the bounds of transfers
 FEW_GROUPS = 60  # each compared with each of the other side
-
-
-class Pair(NamedTuple):
-    """One event in both captures, None where it is missing. If the words differ, it is changed."""
-
-    a: Event | None
-    b: Event | None
-
-    @property
-    def changed(self) -> bool:
-        return self.a is not None and self.b is not None and self.a.word != self.b.word
 
 
 def pairs(a: Sequence[Group], b: Sequence[Group], rates: tuple[Fraction, Fraction]) -> list[Pair]:
@@ -107,17 +97,17 @@ class _Pairing:
         for run, left, right in _between(self._aligned(*texts, *begins), a, b):
             yield from self._block(left, right)
             for one, other in zip(a[run.a : run.a + run.length], b[run.b : run.b + run.length], strict=True):
-                yield from map(Pair, one, other)
+                yield from zip(one, other, strict=True)
 
     def _block(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
         """Pair groups without equals: by event if half of all are equal, else each group with a similar one."""
         if len(a) == len(b) and all(shape(one) == shape(other) for one, other in zip(a, b, strict=True)):
             for one, other in zip(a, b, strict=True):
-                yield from map(Pair, one, other)
+                yield from zip(one, other, strict=True)
             return
         if sum(map(len, a)) + sum(map(len, b)) <= FEW_EVENTS:
             found = [*self._events([*chain.from_iterable(a)], [*chain.from_iterable(b)])]
-            same = sum(pair.a is not None and pair.b is not None and not pair.changed for pair in found)
+            same = sum(one is not None and other is not None and one.word == other.word for one, other in found)
             if same >= ENOUGH * (len(found) - same):
                 yield from found
                 return
@@ -125,8 +115,8 @@ class _Pairing:
         runs = similar_runs(a, b) if few else self._by_head(a, b)
         for run, left, right in _between(runs, a, b):
             if few or not runs or not left or not right:
-                yield from (Pair(event, None) for group in left for event in group)
-                yield from (Pair(None, event) for group in right for event in group)
+                yield from ((event, None) for group in left for event in group)
+                yield from ((None, event) for group in right for event in group)
             else:
                 yield from self._block(left, right)
             for one, other in zip(a[run.a : run.a + run.length], b[run.b : run.b + run.length], strict=True):
@@ -143,7 +133,7 @@ class _Pairing:
         at = [event.at for event in a], [event.at for event in b]
         for run, left, right in _between(self._aligned(*words, *at), a, b):
             yield from _unlike(left, right)
-            yield from map(Pair, a[run.a : run.a + run.length], b[run.b : run.b + run.length])
+            yield from zip(a[run.a : run.a + run.length], b[run.b : run.b + run.length], strict=True)
 
     def _aligned(self, a: Iterable[Hashable], b: Iterable[Hashable], at_a: list[int], at_b: list[int]) -> list[Run]:
         one, other = _numbered(a, b)
@@ -155,9 +145,9 @@ def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
     """Pair events without equals: those of one class are changed, the rest missing or inserted."""
     classes = align(*_numbered([class_of(event.kind) for event in a], [class_of(event.kind) for event in b]))
     for run, left, right in _between(classes, a, b):
-        yield from (Pair(event, None) for event in left)
-        yield from (Pair(None, event) for event in right)
-        yield from map(Pair, a[run.a : run.a + run.length], b[run.b : run.b + run.length])
+        yield from ((event, None) for event in left)
+        yield from ((None, event) for event in right)
+        yield from zip(a[run.a : run.a + run.length], b[run.b : run.b + run.length], strict=True)
 
 
 def _numbered(a: Iterable[Hashable], b: Iterable[Hashable]) -> tuple[Numbers, Numbers]:

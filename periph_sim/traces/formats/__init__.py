@@ -142,7 +142,9 @@ def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -
         try:
             lost = writer.write(ready, unfinished)
         except BadCapture as error:
-            raise (error.with_path(path) if str(error).startswith(str(unfinished)) else error) from None
+            if str(error).startswith(str(unfinished)):
+                raise BadCapture(path, error.place, error.found, error.expected, error.way_out) from None
+            raise
         except OSError as error:
             found = (error.strerror or "an error").lower()
             raise BadCapture(path, "writing", found, "room for the file", "give another path") from error

@@ -67,10 +67,7 @@ class Archive:
         self.path = path
         self.what = what
         self.notes: list[str] = []
-        try:
-            self._file = path.open("rb")
-        except OSError as error:
-            raise BadCapture(path, "the file", (error.strerror or "an error").lower(), what, "check its name") from None
+        self._file = path.open("rb")
         try:
             self.members = self._members(salvage)
         except BaseException:

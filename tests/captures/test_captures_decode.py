@@ -16,8 +16,8 @@ import pytest
 from periph_sim.traces import formats
 from periph_sim.traces.decode import i2c, uart
 from periph_sim.traces.decode.i2c_table import i2c_table
+from periph_sim.traces.decode.uart import uart_table
 from periph_sim.traces.decode.uart_guess import guess
-from periph_sim.traces.decode.uart_table import uart_table
 from periph_sim.traces.formats import Capture
 from tests.captures.where import FOLDER, capture_of, decoded, needs_captures, oracle, remarks
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..capture.capture import Positions
 from . import i2c_table, spi
 from .i2c_table import I2cTable
-from .uart_table import UartTable
+from .uart import UartTable
 
 PURPOSES = (
     "general call",
@@ -56,7 +56,7 @@ DETAILS = ("", "write", "read", *FAULTS, *RESERVED)
 START, ADDRESS, ADDRESS_LOW, CUT = (EVENTS.index(name) for name in ("start", "address", "address low", "cut"))
 FRAME, BREAK, REJECTED, SELECT, WORD, DESELECT = range(len(OF_I2C), len(EVENTS))
 
-OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # by uart_table.Kind
+OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # by `UartRowKind`
 OF_FAULTS = np.array([0, *range(3, 10)], np.uint8)  # by parity error + 2 * frame error + 4 * glitch
 WAYS = [("read" if byte & 1 else "write") + (purpose_of(byte) and ", " + purpose_of(byte)) for byte in range(256)]
 OF_ADDRESS = np.array([DETAILS.index(way) for way in WAYS], np.uint8)  # by address byte

@@ -15,15 +15,284 @@ least a whole frame is a break, in addition to its frame.
 
 A pulse of less than half a bit is a glitch. If it is at a place at which receivers sample a bit, they may
 read that bit either way, and the line does not show which.
+
+    falling edges --> where the next frame would begin --> the chain of frames --> edges within each --> bits
+
+A frame decides where the next may begin, so the chain is followed frame by frame, with one list access each; all else
+is done for all frames at once, in a table, whose rows `events` makes objects of.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
+from fractions import Fraction
+from math import ceil
+from typing import NamedTuple
 
-from ..capture.capture import Capture
+import numpy as np
+from numpy.typing import NDArray
+
+from ..capture.capture import Capture, Channel, Positions
+from ..capture.sampling import rate_text, sample_step
 from .uart_line import PARITIES, Line
-from .uart_table import UartRowKind, UartTable, uart_table
+
+HALF, QUARTER, LATEST = Fraction(1, 2), Fraction(1, 4), Fraction(7, 8)
+
+
+def width_of(capture: Capture, baud: Fraction | int) -> Fraction:
+    """Return the samples of one bit. ValueError if the capture has no rate, or under two samples a bit."""
+    if capture.rate is None:
+        raise ValueError(f"{capture.path}: frames need a time base and the file states no rate; state the rate")
+    width = capture.rate / Fraction(baud)
+    if width < 2:
+        raise ValueError(
+            f"{capture.path}: {float(width):.2f} samples a bit at {float(baud):.7g} baud; expected at least 2, "
+            f"so the rate of {rate_text(capture.rate)} or the baud rate is wrong"
+        )
+    return width
+
+
+def sample_points_of(line: Line, width: Fraction, step: int = 1, vote: bool = False) -> list[tuple[int, ...]]:
+    """Return the offsets of each bit's samples from the first low position, from the start bit to the first stop bit.
+
+    One sample in the middle; vote: three, an eighth of a bit apart. width: positions of a bit. step: of a sample.
+    """
+    places = (Fraction(3, 8), HALF, Fraction(5, 8)) if vote else (HALF,)
+    bits = range(_checked_bits(line))
+    # The first sample not before each place, counted from half a sample before the first low one.
+    return [tuple(step * ceil((bit + place) * width / step - HALF) for place in places) for bit in bits]
+
+
+def windows_of(line: Line, width: Fraction) -> list[tuple[int, int]]:
+    """Return the first and last position, from the first low one, at which a receiver may sample each bit.
+
+    From a quarter to seven eighths of a bit: receivers of 8 or 16 samples a bit vote around the middle, and count bits
+    from an edge that they see up to one of these samples late. They watch the start bit from its begin on.
+    """
+    bits = range(_checked_bits(line))
+    return [(int((bit + QUARTER) * width) + 1 if bit else 0, int((bit + LATEST) * width)) for bit in bits]
+
+
+def _checked_bits(line: Line) -> int:
+    return 2 + line.bits + (line.parity != "none")
+
+
+def sample_point_step(step: int, width: Fraction | float) -> int:
+    """Return the step of sample points: that of the samples, or 1 where a bit would have under two samples.
+
+    In the second case, the grid of the signal's own edges was mistaken for the sampling grid of an analyser.
+    """
+    return step if width >= 2 * step else 1
+
+
+class UartRowKind(IntEnum):
+    """Kind of a row. CUT: a frame that the end of the capture, or of its known part, left incomplete."""
+
+    FRAME = 0
+    BREAK = 1
+    CUT = 2
+    REJECTED = 3
+
+
+class UartTable(NamedTuple):
+    """Arrays of equal length, in the order of the rows' begins, a frame before the break it is part of.
+
+    The tuple is of columns.
+
+    kind          uint8   a `UartRowKind`
+    at            int64   the start edge
+    end           int64   FRAME: the end of its last stop bit; BREAK, REJECTED: the rising edge; CUT: where it was
+                          cut off
+    value         int32   the data bits, the first one least significant; -1 for a break and a rejected start
+    bits          uint8   data bits received; 0 for a break and a rejected start
+    parity_error  bool
+    frame_error   bool    the stop bit was low
+    glitched      bool    there is a glitch within the frame
+    unsure        int32   the bits that receivers may read differently: bit 0 the start bit, then as sent
+    """
+
+    kind: NDArray[np.uint8]
+    at: Positions
+    end: Positions
+    value: NDArray[np.int32]
+    bits: NDArray[np.uint8]
+    parity_error: NDArray[np.bool_]
+    frame_error: NDArray[np.bool_]
+    glitched: NDArray[np.bool_]
+    unsure: NDArray[np.int32]
+
+    def select(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> UartTable:
+        """Return the table of some rows: their numbers, a mask, or a slice."""
+        return UartTable._make(column[rows] for column in self)
+
+
+def uart_table(capture: Capture, channel: str | int, line: Line, glitch: int = 0, vote: bool = False) -> UartTable:
+    """Decode frames, breaks and rejected starts of one channel; none spans unknown levels.
+
+    glitch: pulses of fewer positions are removed first. vote: each bit is the majority of three samples. LookupError
+    for a missing channel; ValueError if the capture has no rate, or under two samples a bit.
+    """
+    wire = capture.channel(channel)
+    width = width_of(capture, line.baud)
+    spans = [(wire.cut(span).without_glitches(glitch), span.end) for span in capture.known(wire)]
+    step = sample_point_step(sample_step(capture), width)
+    return _joined([_table(part, line, width, end, step, vote) for part, end in spans])
+
+
+def _table(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote: bool) -> UartTable:
+    frames, rejected = _frames(wire, line, width, end, step, vote)
+    breaks = breaks_of(wire, line, width)
+    if not len(breaks.at) and not len(rejected.at):
+        return frames
+    both = _joined([frames, rejected, breaks])
+    return both.select(np.argsort(both.at, kind="stable"))
+
+
+def frames_of(wire: Channel, line: Line, width: Fraction, end: int, step: int = 1) -> UartTable:
+    """Decode the frames of a line that is known up to `end`, each bit `width` positions long, each sample `step`."""
+    return _frames(wire, line, width, end, step, vote=False)[0]
+
+
+def _frames(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote: bool) -> tuple[UartTable, UartTable]:
+    """Return (frames, rejected starts)."""
+    low = int(line.invert)  # level of the wire during a start bit
+    edges = wire.edges
+    first = int(wire.initial == low)  # among the edges, the first that may start a frame
+    starts = edges[first::2]
+    looks = np.array(sample_points_of(line, width, step, vote), np.int64)  # a row a bit
+    last = looks[:, -1]
+
+    taken, rejected = _chain(starts, edges, first, looks, end)
+    at = starts[taken]
+    cut = len(at) > 0 and int(at[-1] + last[-1]) >= end
+    seen = _majority([_seen(edges, first, taken, column) for column in looks.T])
+
+    value = seen >> 1 & (1 << line.bits) - 1
+    stop = seen >> len(looks) - 1 & 1
+    frame_error = stop == 0
+    parity_error = np.zeros(len(at), bool)
+    if line.parity != "none":
+        parity_error = (seen >> 1 + line.bits & 1) != _parity(line.parity, value)
+    table = UartTable(
+        np.zeros(len(at), np.uint8),
+        at,
+        at + round(line.frame * width),
+        value,
+        np.full(len(at), line.bits, np.uint8),
+        parity_error,
+        frame_error,
+        *_glitches(edges, at, line, width),
+    )
+    if cut:
+        bits = int(np.searchsorted(last[1:], end - int(at[-1])))
+        bits = min(bits, line.bits)
+        table.kind[-1] = UartRowKind.CUT
+        table.end[-1] = end
+        table.value[-1] &= (1 << bits) - 1
+        table.bits[-1] = bits
+        table.parity_error[-1] = table.frame_error[-1] = table.glitched[-1] = False
+        table.unsure[-1] = 0
+    return table, _without_value(UartRowKind.REJECTED, starts[rejected], edges[2 * rejected + first + 1])
+
+
+def _seen(edges: Positions, first: int, taken: NDArray[np.int64], looks: Positions) -> NDArray[np.int32]:
+    """Return the levels at the sample points of each frame, as bits; 1 is the idle level. Each edge of a frame inverts
+    all sample points after it; edge 0 is the start bit's own."""
+    begin = 2 * taken + first
+    if not len(begin):
+        return np.empty(0, np.int32)
+    after = np.append(begin[1:], len(edges))
+    inside = edges[begin[0] :]
+    passed = np.searchsorted(looks, inside - np.repeat(edges[begin], after - begin))
+    turns = np.array([(1 << len(looks)) - (1 << n) for n in range(len(looks) + 1)], np.int32)
+    levels: NDArray[np.int32] = turns[0] ^ np.bitwise_xor.reduceat(turns[passed], begin - begin[0])
+    return levels
+
+
+def _majority(seen: list[NDArray[np.int32]]) -> NDArray[np.int32]:
+    if len(seen) == 1:
+        return seen[0]
+    a, b, c = seen
+    return a & b | a & c | b & c
+
+
+def _glitches(
+    edges: Positions, at: Positions, line: Line, width: Fraction
+) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
+    """Return for each frame, which begin at `at`, if a glitch is in it, and the bits that it makes unsure."""
+    glitched, unsure = np.zeros(len(at), bool), np.zeros(len(at), np.int32)
+    short = np.flatnonzero(np.diff(edges) <= ceil(width / 2) - 1) if len(at) else edges[:0]
+    begins, ends = edges[short], edges[short + 1]
+    windows = windows_of(line, width)
+    frame = np.searchsorted(at, begins, side="right") - 1
+    within = (frame >= 0) & (begins <= at[frame] + windows[-1][1]) if len(short) else np.zeros(0, bool)
+    frame, begins, ends = frame[within], begins[within], ends[within]
+    glitched[frame] = True
+    for bit, (window, until) in enumerate(windows):
+        touched = (begins - at[frame] <= until) & (ends - at[frame] > window)
+        unsure[frame[touched]] |= 1 << bit
+    return glitched, unsure
+
+
+def _chain(
+    starts: Positions, edges: Positions, first: int, looks: NDArray[np.int64], end: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the edges that start a frame, and those that are rejected as starts.
+
+    Candidates are the first edge, and each time the first after the last sample point of the candidate before. An edge
+    whose start bit is over at its sample point starts nothing.
+    """
+    passed = [np.searchsorted(edges, starts + look, side="right") for look in looks[0].tolist()]
+    high = sum((done - first & 1 == 0).astype(np.int64) for done in passed)
+    start, stop = starts + looks[0, -1], starts + looks[-1, -1]
+    glitch = (2 * high > len(passed)) & (start < end)
+    behind = np.searchsorted(starts, np.where(glitch, start, stop), side="right")
+    behind[~glitch & (stop >= end)] = len(starts)  # cut off: nothing follows
+    hops: list[int] = behind.tolist()
+    tried: list[int] = []
+    n, count = 0, len(hops)
+    while n < count:
+        tried.append(n)
+        n = hops[n]
+    chosen = np.array(tried, np.int64)
+    sound = ~glitch[chosen]
+    return chosen[sound], chosen[~sound]
+
+
+def breaks_of(wire: Channel, line: Line, width: Fraction) -> UartTable:
+    """The breaks of a line, each bit `width` positions long."""
+    first = int(wire.initial == int(line.invert))
+    falls, rises = wire.edges[first::2], wire.edges[first + 1 :: 2]
+    falls = falls[: len(rises)]
+    long = rises - falls >= ceil(line.frame * width)
+    return _without_value(UartRowKind.BREAK, falls[long], rises[long])
+
+
+def _without_value(kind: UartRowKind, at: Positions, ends: Positions) -> UartTable:
+    count = len(at)
+    no, nothing = np.zeros(count, bool), np.zeros(count, np.uint8)
+    values, unsure = np.full(count, -1, np.int32), np.zeros(count, np.int32)
+    of = np.full(count, kind, np.uint8)
+    return UartTable(of, at, ends, values, nothing, no, no.copy(), no.copy(), unsure)
+
+
+def _parity(kind: str, value: NDArray[np.int32]) -> NDArray[np.int32]:
+    if kind in ("mark", "space"):
+        return np.full(len(value), int(kind == "mark"), np.int32)
+    odd = value.copy()
+    for shift in (8, 4, 2, 1):
+        odd ^= odd >> shift
+    return (odd & 1) ^ np.int32(kind == "odd")
+
+
+def _joined(tables: list[UartTable]) -> UartTable:
+    if len(tables) == 1:
+        return tables[0]
+    kinds = (np.uint8, np.int64, np.int64, np.int32, np.uint8, np.bool_, np.bool_, np.bool_, np.int32)
+    none = (np.empty(0, kind) for kind in kinds)
+    return UartTable._make(np.concatenate(columns) for columns in zip(none, *tables, strict=True))
+
 
 __all__ = ["PARITIES", "Break", "CutFrame", "Event", "Frame", "Line", "RejectedStart", "events"]
 

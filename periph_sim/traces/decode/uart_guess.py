@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from ...core.counted import counted
 from ..capture.capture import Capture, Channel, Span
 from ..capture.sampling import sample_step
+from .uart import UartRowKind, breaks_of, frames_of, sample_point_step
 from .uart_line import Line, line_of
-from .uart_table import UartRowKind, breaks_of, frames_of, sample_point_step
 
 Pulses = NDArray[np.int64]
 

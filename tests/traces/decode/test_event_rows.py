@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.traces.decode import i2c_table, uart_table
+from periph_sim.traces.decode import i2c_table, uart
 from periph_sim.traces.decode.event_rows import (
     DETAILS,
     EVENTS,
@@ -22,7 +22,7 @@ from periph_sim.traces.decode.event_rows import (
     uart_rows,
 )
 from periph_sim.traces.decode.i2c_table import I2cTable
-from periph_sim.traces.decode.uart_table import UartTable
+from periph_sim.traces.decode.uart import UartTable
 from tests.traces.decode.test_i2c_table import of_wave, wave
 
 KINDS = [np.int64, np.int64, np.uint8, np.uint8, np.int32, np.uint8, np.uint8]
@@ -109,11 +109,11 @@ def test_of_uart_every_set_of_faults_has_its_words():
 
 
 def test_of_uart_every_kind_has_its_word():
-    kinds = np.array([*uart_table.UartRowKind], np.uint8)
+    kinds = np.array([*uart.UartRowKind], np.uint8)
     zeros = np.zeros(len(kinds), np.int64)
     of = UartTable(kinds, zeros, zeros, zeros.astype(np.int32), zeros.astype(np.uint8), *[zeros > 0] * 3, zeros)
     assert dict(
-        zip([kind.name for kind in uart_table.UartRowKind], [row[3] for row in told(uart_rows(of))], strict=True)
+        zip([kind.name for kind in uart.UartRowKind], [row[3] for row in told(uart_rows(of))], strict=True)
     ) == {
         "FRAME": "frame",
         "BREAK": "break",

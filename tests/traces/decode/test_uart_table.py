@@ -21,8 +21,7 @@ from periph_sim.core.wire import Wire
 from periph_sim.traces.capture.capture import Channel
 from periph_sim.traces.capture.sampling import sample_step
 from periph_sim.traces.decode import uart
-from periph_sim.traces.decode.uart import PARITIES, Line
-from periph_sim.traces.decode.uart_table import UartRowKind, uart_table
+from periph_sim.traces.decode.uart import PARITIES, Line, UartRowKind, uart_table
 from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.formats.writers import frame_bits, uart_wave

@@ -113,7 +113,7 @@ class Models:
         on_overflow: Callable[[], None] = _ignore,
     ) -> None:
         from periph_sim.imu.models.imu import State
-        from periph_sim.imu.shared_models import model_noise, model_of
+        from periph_sim.imu.shared_models import ModelNoise, model_of
 
         self._model = model_of(arithmetic, parameters)
         self._state_of = State
@@ -121,7 +121,7 @@ class Models:
         self._state = self._model.at_rest
         self._on_overflow = on_overflow
         self._quiet = self._a.name != "float32"  # numpy warns, Python's arithmetic does not
-        self._noise = model_noise(arithmetic, parameters, noise_seed)
+        self._noise = ModelNoise(arithmetic, parameters, noise_seed)
         self._number = 0
 
     def chips(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
@@ -154,7 +154,7 @@ class Models:
 
     def _added(self) -> Noise[Any]:
         """Return this sample's noise. Its generation costs no time: the dissertation does not describe it."""
-        added = self._noise(self._number)
+        added = self._noise.at(self._number)
         self._number += 1
         return added
 
@@ -185,6 +185,7 @@ def _swapped(x: Any, y: Any, z: Any) -> bytes:
 def estimated(arithmetic: str, parameters: ImuParameters) -> Fraction:
     """Return the seconds at 150 MHz for the equations; not for "bytes", which has none."""
     from periph_sim.imu.models.counts import counts_of
-    from periph_sim.imu.numeric.estimate import estimate, library
+    from periph_sim.imu.numeric import arithmetic_names as named
+    from periph_sim.imu.numeric.estimate import estimate
 
-    return estimate(counts_of(parameters), library(arithmetic)).seconds()
+    return estimate(counts_of(parameters), named.library(arithmetic)).seconds()

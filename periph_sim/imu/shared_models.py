@@ -90,6 +90,13 @@ def model_noise(arithmetic: str, parameters: ImuParameters, seed: int | None) ->
     return lru_cache(REMEMBERED)(sample)
 
 
+class ModelNoise:
+    """The noise of a model's samples, for firmware. at: returns that of a sample by its number, as `model_noise`."""
+
+    def __init__(self, arithmetic: str, parameters: ImuParameters, seed: int | None) -> None:
+        self.at = model_noise(arithmetic, parameters, seed)
+
+
 def _rounded(nearest: Callable[[float], int], near: list[tuple[float, float]]) -> Noise[int] | None:
     """Return a sample without numpy, if no error of its values changes their rounding; else None."""
     numbers = []

@@ -16,7 +16,8 @@ from ...core.input_error import InputError
 from ...core.suggest import did_you_mean
 from ..models.counts import counts_of
 from ..models.parameters import ImuParameters
-from ..numeric.estimate import RTS, Estimate, Tables, estimate, library
+from ..numeric import arithmetic_names as named
+from ..numeric.estimate import RTS, Estimate, Tables, estimate
 from . import events, outside_models
 from .frames import REFERENCE
 from .sweep import Finding, Sweep
@@ -86,7 +87,7 @@ def report(
     names = tuple(dict.fromkeys(names))
     imu = imu or ImuParameters()
     counts = counts_of(imu)
-    costs = {name: estimate(counts, library(name), tables) for name in names}
+    costs = {name: estimate(counts, named.library(name), tables) for name in names}
     errors = {name: worst(name, imu, samples, seed) for name in names if name != REFERENCE}
     found = [sweep.find(name, errors.get(name)) for sweep in SWEEPS if sweep.name in wanted for name in names]
     for event, findings in EVENTS.items():

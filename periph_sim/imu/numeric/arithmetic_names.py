@@ -2,18 +2,22 @@
 
 name --> scalar(name)   one number at a time, as firmware does
      --> arrays(name)   element by element
+     --> library(name)  the costs of its operations
 """
 
 from __future__ import annotations
 
 import re
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...core.input_error import InputError
 from ...core.suggest import did_you_mean
 from .arithmetic import Arithmetic
 from .float64 import Float64
 from .q import Overflow, Product, Q, RoundedQ
+
+if TYPE_CHECKING:
+    from .estimate import Library
 
 EXAMPLES = ("float64", "float32", "q16", "q16 rounded", "q16 saturating")
 
@@ -67,3 +71,15 @@ def _float32() -> Arithmetic[Any]:
     from .float32 import Float32  # computed by numpy, also for one number
 
     return Float32()
+
+
+def library(name: str) -> Library:
+    """Return the implementation on the F28335: IQmath, the FPU with fastRTS, or software."""
+    from .estimate import DOUBLE, FASTRTS, IQMATH, ROUNDED, SATURATED
+
+    q = format_of(name)
+    if q is None:
+        return DOUBLE if name == "float64" else FASTRTS
+    if q.overflow == "saturate":
+        return SATURATED
+    return IQMATH if q.product == "cut" else ROUNDED

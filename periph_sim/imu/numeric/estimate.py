@@ -20,8 +20,6 @@ from typing import Literal
 
 from msgspec import Struct, field
 
-from .arithmetic_names import format_of
-
 Tables = Literal["RAM", "boot ROM"]
 
 # Operands and results of an operation.
@@ -180,16 +178,6 @@ DOUBLE = Library(
 
 SYSCLK = 150_000_000  # Hz: the dissertation's board
 MEASURED = Fraction(250, 1_000_000)  # seconds, section 5.4: GPIO high to low, code in RAM
-
-
-def library(name: str) -> Library:
-    """Return the implementation on the F28335: IQmath, the FPU with fastRTS, or software."""
-    q = format_of(name)
-    if q is None:
-        return DOUBLE if name == "float64" else FASTRTS
-    if q.overflow == "saturate":
-        return SATURATED
-    return IQMATH if q.product == "cut" else ROUNDED
 
 
 class Line(Struct, frozen=True):

@@ -18,7 +18,6 @@ from periph_sim.imu.numeric.estimate import (
     RTS,
     SATURATED,
     estimate,
-    library,
 )
 from periph_sim.imu.numeric.float64 import Float64
 from periph_sim.imu.numeric.q import DoesNotFit
@@ -68,7 +67,7 @@ def test_figures_of_the_guides() -> None:
 @pytest.mark.parametrize("name", ["float64", "float32", "q16", "q16 rounded", "q16 saturating", "q1", "q29"])
 def test_names_lead_to_arithmetics_of_that_name(name: str) -> None:
     assert named.scalar(name).name == named.arrays(name).name == name
-    assert set(library(name).costs) == set(OPERANDS)
+    assert set(named.library(name).costs) == set(OPERANDS)
 
 
 @pytest.mark.parametrize("name", ["", "q", "Q16", "q16 wrapping", "float16", "q16  rounded", "q99999", "qq"])

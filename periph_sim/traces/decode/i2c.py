@@ -142,7 +142,7 @@ class Condition(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Phase:
-    """From a START or repeated START on: the address byte and what follows it. All None if it was cut off."""
+    """Part of a transfer, from a START or repeated START on. Address and direction are None if they were cut off."""
 
     start: Condition
     address: int | None
@@ -157,7 +157,7 @@ class Phase:
 
 @dataclass(frozen=True, slots=True)
 class Transfer:
-    """From START to STOP.
+    """A transfer from START to STOP.
 
     gap: positions between the STOP before and this START; None if there is no such STOP in sight.
     stop: None if the capture ends first. lead: rising SCL before the first START of the capture, of a

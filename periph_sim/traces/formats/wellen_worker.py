@@ -93,7 +93,7 @@ class Changes:
 
 
 def collected(wave: Any, places: dict[str, int], variables: list[Any]) -> Iterator[Changes]:
-    """Yield the changes of each signal. Reading one scans the whole FST, so many are read at once."""
+    """Yield the changes of each signal. Many are read at once, because reading one scans the whole FST."""
     if len(variables) <= FEW or str(wave.file_format) != "FST":
         for variable in variables:
             changes = Changes(variable.bitwidth)

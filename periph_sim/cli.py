@@ -4,7 +4,7 @@
 ended the process (`supervisor`).
 
 One file of a package in `PACKAGES` that defines a click command of its own name is one subcommand, found by being
-there; its SECTION is where the help lists it, its EXAMPLE stands first in its own help.
+there; its SECTION is where the help lists it, and its own help begins with its EXAMPLE.
 Only the one that is asked for is imported: `periph-sim decode` starts without chips and boards.
 """
 

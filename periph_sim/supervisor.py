@@ -133,7 +133,7 @@ def split(name: str, *, strict: bool = True) -> Completion:
 
 
 def _status_of(work: Callable[[], object]) -> int:
-    """The exit status that `work` ends with."""
+    """Return the exit status that `work` ends with."""
     try:
         work()
     except SystemExit as ended:
@@ -239,7 +239,7 @@ def _numbers(names: tuple[str, ...]) -> list[signal.Signals]:
 
 
 def _say(sentence: str) -> None:
-    """A line on standard error, whatever user code made of sys.stderr."""
+    """Write a line to standard error, regardless of what user code did with sys.stderr."""
     with suppress(OSError):
         os.write(2, f"{sentence}\n".encode())
 

@@ -209,12 +209,12 @@ SHORT_NAME = 8
 def write(image: Image) -> bytes:
     """Return the file's bytes. Debug sections are COPY sections, whose size counts bytes."""
     strings = _NewStrings()
-    contents = [_contents(section) for section in image.sections]
     debug = list(image.debug.items())
     count = len(image.sections) + len(debug)
     at = FILE_HEADER.size + OPTIONAL_HEADER.size + SECTION_HEADER.size * count
     headers, raw = b"", b""
-    for section, data in zip(image.sections, contents, strict=True):
+    for section in image.sections:
+        data = struct.pack(f"<{len(section.words)}H", *section.words)
         place = at + len(raw) if data else 0
         headers += _header_of(
             strings.field(section.name), section.run, section.address, section.size, place, _flags(section)
@@ -250,10 +250,6 @@ class _NewStrings:
 
     def table(self) -> bytes:
         return struct.pack("<I", 4 + len(self._names)) + self._names
-
-
-def _contents(section: Section) -> bytes:
-    return struct.pack(f"<{len(section.words)}H", *section.words)
 
 
 def _flags(section: Section) -> int:

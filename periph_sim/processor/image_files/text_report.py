@@ -11,7 +11,6 @@ from .function_cycles import FunctionCycles
 from .functions import Function
 from .inspection import Inspection, Register, contents_of
 from .load import shared_memory
-from .model import Section
 
 LONGEST_TEXT = 10  # number of functions shown without -v
 
@@ -39,15 +38,14 @@ def _unknown_count(found: Inspection) -> str:
     return "all known" if not count else f"{count} unknown word{'s' * (count > 1)}"
 
 
-def _shown_sections(found: Inspection) -> list[Section]:
-    return [section for section in found.image.sections if contents_of(section) not in ("", "registers")]
-
-
 def _sections(found: Inspection) -> list[str]:
     rows = []
-    for section in _shown_sections(found):
+    for section in found.image.sections:
+        contents = contents_of(section)
+        if contents in ("", "registers"):
+            continue
         runs = f"{section.run:#08x}" if section.copied else ""
-        rows.append((section.name, f"{section.address:#08x}", runs, str(section.size), contents_of(section)))
+        rows.append((section.name, f"{section.address:#08x}", runs, str(section.size), contents))
     if found.image.initial:
         words = sum(len(words) for _, words in found.image.initial)
         rows.append((".cinit, applied", "", "", str(words), "data that the loader writes"))

@@ -240,6 +240,7 @@ def test_a_sleep_that_the_watchdog_ends_is_none(tmp_path: Path):
         (FLAG, "NOP", "_flag+1"),
         (POINTED, "MOVL XAR4,#_flag", "_flag+1"),
         ("MOVW DP,#0x9040 >> 6\n MOV AL,@0\n SB again,EQ", "NOP", "0x9040"),
+        ("MOV AL,*+XAR4[AR0]\n SB again,EQ", "MOVL XAR4,#_flag\n MOVB XAR0,#1", "_flag+1"),
         ("MOV @AL,*(0:0x9040)\n SB again,EQ", "NOP", "0x9040"),
         (LOCAL, "ADDB SP,#4\n MOV *-SP[2],#0", "0x0402"),
         (CALLED, "NOP", "memory"),

@@ -2,6 +2,12 @@
 
 Every line with an encoding is compared both ways: the words decode to an instruction of its mnemonic and length, and
 the source assembles to the words. TI's assembler takes some names for forms that the manual names otherwise.
+
+    "     98 00000004 FE02          ADDB      SP,#2     ; comment"
+    "     107 00000007 761F!         MOVW      DP,#_CpuSysRegs+128"     "!" and the like: the linker changes this word
+    "         00000008 0002"                                            the second word
+
+Constants of symbols that other files define are 0 there.
 """
 
 from __future__ import annotations
@@ -9,6 +15,8 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -17,7 +25,68 @@ import pytest
 from periph_sim.processor.c28x.assembler import parse
 from periph_sim.processor.c28x.decoder import decode_at
 from tests.processor.image_files.public_images import VARIABLE
-from tests.processor.image_files.public_listings import BEGINS, Line, Symbols, instructions
+
+BEGINS = "TMS320C2000 Assembler"
+WORD = re.compile(r" *(\d+)? +([0-9a-fA-F]{8}) ([0-9A-Fa-f]{4})(.) *([^;]*)")
+LABEL = re.compile(r" *\d+ ([0-9a-f]{8})? +([\w$.]+):")
+SETS = re.compile(r" *\d+ +([0-9a-f]{4,8}) +([\w$.]+)\s+\.(?:set|asg)\b")
+DATA = ("_CLA", "$C$DW")  # names of tables, whose lines have words, too
+
+
+@dataclass
+class Line:
+    """bound: the linker changes one of its words."""
+
+    address: int
+    source: str
+    words: list[int]
+    bound: bool
+
+
+class Symbols(dict[str, int]):
+    """0 for what another file defines."""
+
+    def __contains__(self, name: object) -> bool:
+        return True
+
+    def __missing__(self, name: str) -> int:
+        return 0
+
+
+def instructions(text: str) -> tuple[list[Line], Symbols]:
+    """The instructions of a listing, without lines of data."""
+    symbols, labels = Symbols(), list[str]()
+    for printed in text.splitlines():
+        label, sets, word = LABEL.match(printed), SETS.match(printed), WORD.match(printed)
+        if label and label[1]:
+            symbols[label[2]] = int(label[1], 16)
+        elif label:
+            labels.append(label[2])  # what follows says where it is
+        elif sets:
+            symbols[sets[2]] = int(sets[1], 16)
+        elif word:
+            symbols |= dict.fromkeys(labels, int(word[2], 16))
+            labels.clear()
+    return [line for line in _lines(text) if line.source and not line.source.startswith((".", *DATA))], symbols
+
+
+def _lines(text: str) -> Iterator[Line]:
+    line = None
+    for printed in text.splitlines():
+        found = WORD.match(printed)
+        if not found:
+            continue
+        address, word = int(found[2], 16), int(found[3], 16)
+        if found[1]:
+            if line is not None:
+                yield line
+            line = Line(address, " ".join(found[5].split()), [word], found[4] != " ")
+        elif line is not None and address == line.address + len(line.words):
+            line.words.append(word)
+            line.bound |= found[4] != " "
+    if line is not None:
+        yield line
+
 
 REPOSITORY = "Furkanprlk/DSP_F28335_Examples"  # at 3b480c1: boot ROMs of the F2837x, compiled code and assembly
 BOTH_NAMES = {"C28OBJ": "SETC OBJMODE", "C28ADDR": "CLRC AMODE", "C28MAP": "SETC M0M1MAP"}

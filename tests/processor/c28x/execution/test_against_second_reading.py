@@ -1,8 +1,18 @@
-"""Every form whose op is a formula, from random states and from the ends of each range, against a second reading."""
+"""Every form whose op is a formula, from random states and from the ends of each range, against a second reading.
+
+The columns `op` and `flags` of encodings.toml are worked out on wide integers, without code of what executes:
+
+    "ACC += x16(loc) << s"  +  "N Z C V OVC"  +  state before  ->  registers, operand and flags after
+
+A form whose op is prose is not read: `PROSE` names each.
+"""
 
 from __future__ import annotations
 
 import random
+import re
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import pytest
 
@@ -10,7 +20,181 @@ from periph_sim.processor.c28x.decoder import Instruction
 from periph_sim.processor.c28x.encodings import Encoding, encodings
 from periph_sim.processor.c28x.execution.operations import form_of, operation
 from tests.processor.c28x.execution.flat import Flat
-from tests.processor.c28x.execution.second_reading import Before, CannotRead, read
+
+STATEMENT = re.compile(r"(ACC:P|ACC|AX|P|PH|PL|T|TL|XT|XAR\d|XARn|AR6|AR7|loc|DP|SP|PM|OVC) (=|\+=|-=|&=|\|=|\^=) (.+)")
+DIFFERENCE = re.compile(r"(ACC|AX) - (loc|u\(loc\))( - !C)?")  # the only ones that are no -=
+WIDTH = {"ACC": 32, "P": 32, "XT": 32, "loc": 0, "AX": 16, "T": 16, "PH": 16, "PL": 16, "TL": 16, "ACC:P": 64}
+WIDTH |= {"AR6": 16, "AR7": 16, "DP": 16, "SP": 16, "PM": 3, "OVC": 6, "XARn": 32} | {f"XAR{n}": 32 for n in range(8)}
+FLAGGED = ("ACC:P", "ACC", "AX", "loc", "P")  # whose value N and Z are of, if more than one thing is written
+
+
+class Before(NamedTuple):
+    """acc to sxm: registers. loc: the operand, of `bits` bits. values: of the form's fields."""
+
+    registers: Mapping[str, int]
+    loc: int
+    bits: int
+    values: Mapping[str, int]
+
+
+class CannotRead(Exception):
+    """An op that is prose."""
+
+
+def signed(value: int, bits: int) -> int:
+    value &= (1 << bits) - 1
+    return value - (1 << bits) if value >> bits - 1 else value
+
+
+def names(before: Before) -> dict[str, object]:
+    """What an op may mention, as numbers and functions."""
+    r, values = before.registers, before.values
+    p_shift = r["PM"]
+    p = signed(r["P"], 32)
+    x = values.get("x", 0)
+    c = values.get("c", 0)
+    return {
+        **r,
+        "loc": before.loc,
+        "s_field": values.get("s", 0),
+        "AX": r["ACC"] >> 16 * x & 0xFFFF,
+        "T": r["XT"] >> 16,
+        "Psh": (p << 1 if p_shift == 0 else p >> p_shift - 1) & 0xFFFFFFFF,
+        "imm16": c, "uimm16": c, "uimm8": c, "uimm7": c, "uimm10": c, "uimm22": c,
+        "simm16": signed(c, 16), "simm8": signed(c, 8),
+        "ARn": r["XAR"][values.get("n", 0)] & 0xFFFF if "n" in values else 0,
+        "XARn": r["XAR"][values.get("n", 0)] if "n" in values else 0,
+        **{f"XAR{n}": r["XAR"][n] for n in range(8)},
+        **{f"AR{n}": r["XAR"][n] & 0xFFFF for n in range(8)},
+        "PH": r["P"] >> 16, "PL": r["P"] & 0xFFFF, "TL": r["XT"] & 0xFFFF,
+        "x16": lambda v: (signed(v, 16) if r["SXM"] else v & 0xFFFF),
+        "s": lambda v: signed(v, 16), "u": lambda v: v,
+        "s32": lambda v: signed(v, 16), "s64": lambda v: signed(v, 32), "u64": lambda v: v,
+        "low16": lambda v: v & 0xFFFF, "high16": lambda v: v >> 16 & 0xFFFF,
+        "low32": lambda v: v & 0xFFFFFFFF, "high32": lambda v: v >> 32 & 0xFFFFFFFF,
+        "PMlow": lambda t: (t << 1 if p_shift == 0 else (t & (1 << 38) - 1) >> p_shift - 1) & 0xFFFFFFFF,
+        "NC": 1 - r["C"], "ACCP": r["ACC"] << 32 | r["P"],
+    }  # fmt: skip
+
+
+def python_of(expression: str) -> str:
+    text = re.sub(r"\bT\((\d+):0\)", lambda found: f"(T & {(1 << int(found[1]) + 1) - 1})", expression)
+    text = re.sub(r"\bAX\(2:0\)", "(AX & 7)", text)
+    text = re.sub(r"\bloc\(15:10\)", "(loc >> 10)", text)
+    text = re.sub(r"\bloc\(5:0\)", "(loc & 63)", text)
+    text = text.replace("!C", "NC").replace("ACC:P", "ACCP")
+    text = re.sub(r"<< \(?s\+1\)?", "<< (s_field+1)", text)
+    text = re.sub(r"<< s\b", "<< s_field", text)
+    if not re.fullmatch(r"[\w\s+\-*&|^~<>()]+", text) or not set(re.findall(r"[A-Za-z]\w*", text)) <= KNOWN:
+        raise CannotRead(expression)
+    return text
+
+
+KNOWN = set(
+    names(
+        Before(
+            {"PM": 0, "P": 0, "ACC": 0, "XT": 0, "SXM": 0, "C": 0, "XAR": [0] * 8, "OVC": 0, "DP": 0, "SP": 0},
+            0,
+            16,
+            {"n": 0},
+        )
+    )
+)
+
+
+class After(NamedTuple):
+    """written: what each named place holds; flags: those that the form writes."""
+
+    written: dict[str, int]
+    flags: dict[str, int]
+
+
+def read(op: str, flags: str, before: Before) -> After:
+    """What a form does. CannotRead where its op is prose."""
+    statements = [re.sub(r" \((carry|borrow)[^)]*\)", "", part.strip()) for part in op.split(";")]
+    statements = [part for part in statements if not re.fullmatch(r"OVCU [+-]= (carry|borrow)", part)]
+    parsed = [STATEMENT.fullmatch(part.partition(", ")[0]) for part in statements]
+    if not all(parsed):
+        raise CannotRead(op)
+    state = names(before)
+    result = After({}, {})
+    exact: dict[str, tuple[int, int]] = {}
+    for found in parsed:
+        assert found is not None
+        goal, how, expression = found.groups()
+        own = state["ACCP" if goal == "ACC:P" else goal]
+        assert isinstance(own, int)
+        width = WIDTH[goal] or before.bits
+        sides = DIFFERENCE.fullmatch(expression)
+        if how in ("+=", "-="):
+            adds, operand, third = how == "+=", expression.removesuffix(" + C"), "C" * expression.endswith(" + C")
+        elif sides:
+            adds, operand, third = False, sides[2], "NC" * bool(sides[3])
+            own = evaluated(sides[1], state)
+        else:
+            value = evaluated(expression, state)
+        if how in ("+=", "-=") or sides:
+            sum_of = own, evaluated(operand, state), evaluated(third, state) if third else 0
+            value = arithmetic(sum_of, adds, width, flags, before, result.flags)
+        elif how != "=":
+            value = {"&=": int.__and__, "|=": int.__or__, "^=": int.__xor__}[how](own, value)
+        value &= (1 << width) - 1
+        result.written[goal] = value
+        state["ACCP" if goal == "ACC:P" else goal] = value
+        exact[goal] = (value, width)
+    flag_n_and_z(flags, exact, before, result.flags)
+    return result
+
+
+def evaluated(expression: str, state: dict[str, object]) -> int:
+    value = eval(python_of(expression), {"__builtins__": {}}, state)
+    assert isinstance(value, int)
+    return value
+
+
+def arithmetic(
+    operands: tuple[int, int, int], adds: bool, width: int, flags: str, before: Before, into: dict[str, int]
+) -> int:
+    """a + b + carry, or a - b - borrow, with its flags, on integers that are wide enough."""
+    names_of = flags.split()
+    ones = (1 << width) - 1
+    a, b, third = operands
+    sign = 1 if adds else -1
+    unsigned = (a & ones) + sign * ((b & ones) + third)
+    true = signed(a, width) + sign * (signed(b, width) + third)
+    value = unsigned & ones
+    carry = int(unsigned > ones) if adds else int(unsigned >= 0)
+    if "C" in names_of:
+        into["C"] = carry
+    elif "C:set-only" in names_of:
+        into["C"] = before.registers["C"] | carry
+    elif "C:clear-only" in names_of:
+        into["C"] = before.registers["C"] & carry
+    overflow = true != signed(true, width)
+    if "V" in names_of:
+        into["V"] = before.registers["V"] | int(overflow)
+    if "OVCU" in names_of:
+        into["OVC"] = signed(before.registers["OVC"] + (carry if adds else carry - 1), 6)
+    elif "OVC" in names_of and overflow:
+        if before.registers["OVM"]:
+            return ones >> 1 if true > 0 else (ones >> 1) + 1
+        into["OVC"] = signed(before.registers["OVC"] + (1 if true > 0 else -1), 6)
+    return value
+
+
+def flag_n_and_z(flags: str, written: Mapping[str, tuple[int, int]], before: Before, into: dict[str, int]) -> None:
+    names_of = flags.split()
+    if "nz@AX" in names_of or "nz@ACC" in names_of:
+        return  # the operand is memory here
+    goal = next((name for name in FLAGGED if name in written), None)
+    if goal is None:
+        return
+    value, width = written[goal]
+    if "N" in names_of or "N=0" in names_of:
+        into["N"] = value >> width - 1 if "N" in names_of else 0
+    if "Z" in names_of or "Z=1" in names_of:
+        into["Z"] = int(value == 0)
+
 
 FORMS = [row for row in encodings() if not row.alias_of and row.kind in ("core", "c2xlp")]
 DIRECT = 0x05

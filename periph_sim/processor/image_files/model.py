@@ -107,6 +107,3 @@ class Image:
             if symbol.section:
                 named.setdefault(symbol.address, symbol.name)
         return named
-
-    def symbol(self, name: str) -> Symbol | None:
-        return next((symbol for symbol in self.symbols if symbol.name == name), None)

@@ -189,7 +189,6 @@ def test_a_model_of_an_image_answers_for_each_word():
     )
     found = Image("own", ENTRY, (text(), far, *stack), symbols)
     assert found.symbol_at == {0x8000: "y", 0x8001: "b", 0x8002: "N"}
-    assert (found.symbol("SIZE"), found.symbol("size")) == (symbols[-1], None)
     assert (found.stack, Image("own", ENTRY, (text(), stack[0])).stack) == ((0x500, 0x50F), (0, 0xFFFF))
     assert (far.end, far.copied, text().copied) == (0x320000 + len(CODE), True, False)
     places = (0x8FFF, 0x9000, 0x9000 + len(CODE) - 1, 0x9000 + len(CODE), 0x320000)

@@ -53,7 +53,7 @@ def image(name: str, *modules: str, **more: object) -> Case:
 def words(scene: Scene, name: str, count: int) -> list[int]:
     """Words of the program's memory, from a symbol on."""
     dsp = scene.units["dsp"]
-    symbol = dsp.program.image.symbol(name)  # type: ignore[union-attr]
+    symbol = next(one for one in dsp.program.image.symbols if one.name == name)  # type: ignore[union-attr]
     return [dsp.processor.bus.ram.word(symbol.address + index) for index in range(count)]
 
 

@@ -13,13 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from .chip_input import WriteOrigins
 from .registers import RegisterMap
 from .state import State
-
-if TYPE_CHECKING:
-    from .chip_input import WriteOrigins
 
 NEVER = 2**62  # a cycle that no run reaches; compares and adds like any other
 

@@ -20,9 +20,10 @@ sections 7.2, 7.4.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, final
+from typing import final
 
 from ..core.chip import NEVER, Note
+from ..core.options import IntOption
 from ..core.records import NOWHERE, Kind, Recorder
 from ..core.registers import Field, Register
 from ..core.state import State
@@ -36,9 +37,6 @@ from .cpu_time import CpuTime
 from .firmware_notes import FirmwareNotes
 from .operand import Operand
 from .source_location import SourceLocation
-
-if TYPE_CHECKING:
-    from ..core.options import IntOption
 
 REGISTERS_END = 0x8000  # no register lies above
 

@@ -38,8 +38,7 @@ from ..f28335.system_control import register_map as clocks_map
 from ..f28335.system_control.module import WDRST_CYCLES, SystemControl
 from ..f28335.system_options import SystemOptions
 from .interrupt_lines import InterruptLines, pie_lines
-from .processor import Processor
-from .program import Program
+from .processor import Processor, Program
 from .python.cpu import Cpu
 from .python.firmware_view import FirmwareView
 from .source_location import SourceLocation

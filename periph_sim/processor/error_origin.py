@@ -20,7 +20,6 @@ from .stall_watch import NoProgress
 
 FIRMWARE_VIEW = (
     str(Path("processor", "python", "register_view.py")),
-    str(Path("processor", "python", "port_fields.py")),
     str(Path("processor", "python", "firmware_view.py")),
 )  # these reject wrong names
 

@@ -12,17 +12,15 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING, final
+from typing import final
 
 from ..bus.i2c.bit_skip import SKIPPED_BITS, BitParty, BitSkip, CycleTimes
 from ..core.chip import PINS_CHANGED
 from ..core.socket import PinReleaseGate, Socket
 from ..core.time import Clock
+from ..core.wire import Pin
 from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import SCL
-
-if TYPE_CHECKING:
-    from ..core.wire import Pin
 
 MARGIN = 2  # cycles: an edge between two cycles is sampled at the later one
 SCL_INDEX = 0  # among the module's outputs

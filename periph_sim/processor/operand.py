@@ -7,16 +7,14 @@ An instruction that names the same register each time is resolved once, not at e
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, final
+from typing import final
 
+from ..core.chip import Chip
 from ..core.records import NOWHERE, OF_MODIFIES, Topic
 from ..core.registers import Field, Register, Yields
+from ..core.socket import Socket
 from ..f28335.memory.memory_map import BOTH, HIGH, LOW, WORDS_MASK, ModuleRange, WaitStates
 from ..f28335.pie.register_map import PIEACK
-
-if TYPE_CHECKING:
-    from ..core.chip import Chip
-    from ..core.socket import Socket
 
 
 @final

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..core.records import Kind
 from ..core.registers import Field
-from ..processor.instruction_location import parsed
+from ..processor.source_location import parsed
 from .polls import LONGEST_PASS, MOST_READS, NDBool, Polls, skipped_polls
 from .read_modify_write import ReadModifyWrite, modifies_of, read_modify_writes
 from .run import Group, Rows, Run

@@ -6,7 +6,7 @@ import dataclasses
 
 from ..core.counted import counted
 from ..core.text_table import paragraph, text_table
-from ..processor.instruction_location import parsed
+from ..processor.source_location import parsed
 from .races import DECADES, NearMiss, PlaceRaces, Races
 from .read_modify_write import ReadModifyWrite
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.registers import Field
-from ..processor.instruction_location import statement
+from ..processor.source_location import statement
 from .register_maps import MODIFY, OVERTAKEN, one_clears
 from .run import Group, Rows, Run, among
 

@@ -23,8 +23,7 @@ from typing import NamedTuple
 from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
 from ..processor.dsp import Dsp
-from ..processor.instruction_location import InstructionLocation
-from ..processor.source_location import SourceLocation
+from ..processor.source_location import InstructionLocation, SourceLocation
 from ..scene.scene import Scene
 from .compare import TIMING, Change, Divergence
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ..processor.instruction_location import InstructionLocation
-from ..processor.source_location import SourceLocation
+from ..processor.source_location import InstructionLocation, SourceLocation
 
 if TYPE_CHECKING:
     from ..core.kernel import Kernel

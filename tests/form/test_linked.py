@@ -36,7 +36,7 @@ CHAINS = {
 }
 NO_CHAINS = {
     ("timing.measures.event", "Jitter", "of"): "one for each `jitter of` in a sentence",
-    ("processor.python.port_fields", "Port", "_half"): "a half has no half",
+    ("processor.python.register_view", "Port", "_half"): "a half has no half",
 }
 
 

@@ -57,8 +57,8 @@ class Bench:
         memory.add(ModuleRange("PIE", 0x0CE0, 0x20, Frame.PF0, self.pie_socket))
         self.processor = Processor(self.kernel, self.clock, self.recorder, name, memory, self.core, self.pie, options)
         self.cpu = Cpu(self.processor, self.clock, self.recorder, options, code=code, skip_polls=skip_polls)
-        self.flags = ModulePort(self.cpu, memory.places["FLAGS"])
-        self.pie_regs = ModulePort(self.cpu, memory.places["PIE"])
+        self.flags = ModulePort(self.cpu.accesses, memory.places["FLAGS"])
+        self.pie_regs = ModulePort(self.cpu.accesses, memory.places["PIE"])
         self.log: list[tuple[str, int]] = []
         self.socket.publish(0)
 

@@ -7,8 +7,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from periph_sim.core.chip import NEVER
-from periph_sim.processor.processor import Processor
-from periph_sim.processor.program import Program, Stop
+from periph_sim.processor.processor import Processor, Program, Stop
 
 ST0, AL, PC_LOW, PC_HIGH = 0, 2, 12, 13  # words of the context
 

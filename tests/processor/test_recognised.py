@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.core.records import EVERYWHERE, NOWHERE, OF_MODIFIES, Kind, Recorder, RecordSink
-from periph_sim.processor.python.recognised import Recogniser
+from periph_sim.processor.python.waits import Recogniser
 from tests.processor.bench import Bench
 
 

@@ -12,7 +12,7 @@ import pytest
 from periph_sim.core.agent import Agent
 from periph_sim.core.kernel import CHIP, TIMER, SimulationStuck
 from periph_sim.processor.error_origin import FirmwareError
-from periph_sim.processor.program import Stop
+from periph_sim.processor.processor import Stop
 from tests.processor.bench import Bench
 
 TICKS = 20  # of a cycle

@@ -16,7 +16,7 @@ from periph_sim.core.records import RECORDED, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.imu.host_frames import encoding_of
 from periph_sim.imu.shared_models import model_of
-from periph_sim.processor.python.recognised import comparison_of
+from periph_sim.processor.python.waits import comparison_of
 from periph_sim.scene.case.load import _loaded, load
 from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings_for
 from periph_sim.scene.prepared import PreparedScene

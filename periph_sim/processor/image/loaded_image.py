@@ -11,10 +11,8 @@ from ...core.state import State
 from ...core.time import Clock
 from ..image_files.functions import FunctionMap
 from ..image_files.model import Image
-from ..instruction_location import instruction_location
-from ..processor import Processor
-from ..program import Program
-from ..source_location import SourceLocation
+from ..processor import Processor, Program
+from ..source_location import SourceLocation, instruction_location
 from .call_stack import CallListener, CallStack
 from .case_variables import VariableRecords
 from .cpu import ImageCpu

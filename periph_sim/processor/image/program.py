@@ -28,7 +28,7 @@ from ..error_origin import FirmwareLost, InterruptFault
 from ..image_files.model import Image
 from ..polling import Spin
 from ..processor import Processor
-from ..program import Awaited, Stop, UnansweredWait
+from ..processor import Awaited, Stop, UnansweredWait
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
 from .loaded_image import LAST_JUMPS, LoadedImage

@@ -21,7 +21,7 @@ from ..c28x.decoder import Instruction, decode_at
 from ..image_files.constants import Known, accesses
 from ..image_files.model import Image
 from ..operand import Operand
-from ..program import Awaited
+from ..processor import Awaited
 from .cpu import ImageCpu
 
 LONGEST = 64  # words of a loop that is examined

@@ -1,7 +1,12 @@
-"""Register accesses of Python firmware, with the cycles that they take.
+"""Instructions of Python firmware, register accesses among them: their cycles, and interrupts at their boundaries.
 
+instruction, run, idle --boundary--> Processor.take_interrupt --> vector --> service routine --> Processor.iret
 firmware --> wait for writes, wait states --> Bus --> value, or a posted write --> boundary
                                                 ^--- reads of a replayed pass of a wait return the earlier values
+i2c.I2CSTR.when(XRDY=1) --> Condition: bits of a register and their value, whose passes of a wait need no Python
+
+A service routine is called on the firmware's own stack, at the instruction boundary at which the chip would take the
+interrupt.
 """
 
 # core: compiled
@@ -10,19 +15,129 @@ from __future__ import annotations
 
 from typing import final
 
-from ...core.chip import Note
+from ...core.chip import NEVER, Note
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.cpu.compiled_code_costs import CodeCosts
+from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.memory.ram import block_at
 from ..bus import Bus
 from ..cpu_time import CpuTime
+from ..error_origin import Misuse
 from ..operand import Operand
 from ..polling import Spin
-from ..processor import Processor
+from ..processor import Processor, Stop
 from ..source_location import SourceLocation
 from ..user_code import warn
-from .instructions import Instructions
 from .program import PythonProgram
+
+SLEEPS = Stop.SLEEPS
+
+
+@final
+class Instructions:
+    """busy_cycles: cycles of computations and service routines, not of waits."""
+
+    __slots__ = ("_core", "_epilogue", "_processor", "_program", "_prologue", "_time", "busy_cycles")
+
+    _prologue: int
+    _epilogue: int
+
+    def __init__(self, processor: Processor, program: PythonProgram, code: CodeCosts) -> None:
+        self.busy_cycles = 0
+        self._processor = processor
+        self._program = program
+        self._time: CpuTime = processor.time
+        self._core: CpuInterrupts = processor.interrupts.core
+        self._prologue = code.isr_prologue
+        self._epilogue = code.isr_epilogue
+
+    def instruction(self, cycles: int) -> None:
+        """Execute one instruction, or an inseparable group: interrupts wait for its end."""
+        time, core = self._time, self._core
+        cycle = time.cycle + cycles
+        if cycle >= time.lease and not self._processor.reach(cycle):
+            self._program.yield_turn()
+        time.cycle = cycle
+        if core.ifr or core.next_wake <= cycle or core.owes_instruction:
+            self.serve()
+
+    def go_to(self, cycle: int) -> None:
+        """Let time pass to `cycle`, without interrupts."""
+        if not self._processor.reach(cycle):
+            self._program.yield_turn()
+
+    def run(self, cycles: int) -> None:
+        """Execute straight-line code, interruptible at each cycle."""
+        time, core = self._time, self._core
+        end = time.cycle + cycles
+        if end < time.lease and core.next_wake > end and not core.ifr and not core.owes_instruction:
+            time.cycle = end
+            return
+        left = cycles
+        while left > 0:
+            if time.lands < NEVER:  # one by one until the posted writes have landed
+                self.instruction(1)
+                left -= 1
+                continue
+            began = time.cycle
+            self._rest_until(began + left)
+            left -= time.cycle - began
+            if core.ifr or core.next_wake <= time.cycle:
+                self.serve()
+
+    def idle(self) -> None:
+        """Wait in IDLE for an interrupt that IER enables; with INTM = 0 the caller serves it next."""
+        time, core = self._time, self._core
+        core.idle(time.cycle)
+        self.go_to(time.cycle + cpu_costs.IDLE)
+        while not core.idle_ends(time.cycle):
+            self._rest_until(max(time.cycle, core.next_wake))
+        if core.ready > time.cycle:
+            self.go_to(core.ready)
+
+    def after_main(self) -> None:
+        """Run the run-time library's endless loop of exit(), a branch to itself; service routines still run."""
+        time = self._time
+        while True:
+            began = time.cycle
+            self._rest_until(NEVER)
+            passes = max(1, -(-(time.cycle - began) // cpu_costs.SB_ALWAYS))
+            self.go_to(began + passes * cpu_costs.SB_ALWAYS)
+            self.serve()
+
+    def _rest_until(self, cycle: int) -> None:
+        """Sleep to `cycle`, or to the boundary at which an interrupt can be taken."""
+        if not self._processor.rest(cycle):
+            self._program.yield_turn(SLEEPS)
+
+    def serve(self) -> None:
+        """Take every interrupt that can be taken at this instruction boundary."""
+        time, core = self._time, self._core
+        if core.owes_instruction:
+            core.instruction_done()
+        number = core.next_taken(time.cycle)
+        while number:
+            self._call_routine(number)
+            number = core.next_taken(time.cycle)
+
+    def _call_routine(self, number: int) -> None:
+        processor, program, time = self._processor, self._program, self._time
+        spin, program.spin = program.spin, None
+        began, busy = time.cycle, self.busy_cycles
+        if not processor.take_interrupt(number):
+            program.yield_turn()
+        routine = program.entered
+        assert routine is not None
+        self.run(self._prologue)
+        routine()
+        self.run(self._epilogue)
+        if not processor.iret():
+            program.yield_turn()
+        self.busy_cycles = busy + time.cycle - began
+        program.spin = spin
+        if spin is not None:
+            spin.hold_up(time.cycle - began)
+
 
 MANY_READS = 1000  # registers read in a row, without a write or a wait
 CYCLES_OF_A_PASS = 100  # most cycles for each read of a loop that only polls
@@ -36,11 +151,10 @@ POLLING = Note(
 
 @final
 class Accesses:
-    """Register and memory accesses: each takes one cycle and the frame's wait states."""
+    """Register and memory accesses: each takes one cycle and the frame's wait states. bus: the unit's."""
 
     __slots__ = (
         "_between",
-        "_bus",
         "_instructions",
         "_notes",
         "_polling_places",
@@ -48,6 +162,7 @@ class Accesses:
         "_reads",
         "_reads_from",
         "_time",
+        "bus",
     )
 
     _between: int
@@ -56,7 +171,7 @@ class Accesses:
         self, processor: Processor, program: PythonProgram, instructions: Instructions, code: CodeCosts
     ) -> None:
         self._between = code.between_accesses
-        self._bus: Bus = processor.bus
+        self.bus: Bus = processor.bus
         self._instructions = instructions
         self._program = program
         self._time: CpuTime = processor.time
@@ -75,7 +190,7 @@ class Accesses:
                 self._check_for_polling()
         elif spin.made:
             instructions.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the previous value
-        bus = self._bus
+        bus = self.bus
         free = bus.free_from if operand.block else bus.free(operand)
         if time.cycle < free:
             self._wait_for_writes(operand, spin)
@@ -114,9 +229,9 @@ class Accesses:
     def write(self, operand: Operand, value: int) -> None:
         """Write the operand's words, each in its place in `value`."""
         self._before_write()
-        at = self._bus.posts_at(self._time.cycle, operand)
+        at = self.bus.posts_at(self._time.cycle, operand)
         self._instructions.go_to(at)
-        self._bus.store(at, operand, value)
+        self.bus.store(at, operand, value)
         self._instructions.instruction(1)
 
     def modify(self, operand: Operand, number: int) -> None:
@@ -124,15 +239,15 @@ class Accesses:
         self._before_write()
         time = self._time
         self._wait_for_writes(operand, self._program.spin)
-        self._instructions.go_to(time.cycle + self._bus.read_waits(operand))
+        self._instructions.go_to(time.cycle + self.bus.read_waits(operand))
         if operand.meets:
             time.meet()
-        self._bus.modify(time.cycle, operand, number)
+        self.bus.modify(time.cycle, operand, number)
         self._instructions.instruction(1)
 
     def load(self, address: int, width: int = 16) -> int:
         """Return a 16- or 32-bit value from an address. Raise NoSuchAddress if nothing is there."""
-        bus, time, instructions = self._bus, self._time, self._instructions
+        bus, time, instructions = self.bus, self._time, self._instructions
         if block_at(address) is not None:
             instructions.run(self._between)
             instructions.go_to(bus.reads_at(time.cycle, address, width))
@@ -147,7 +262,7 @@ class Accesses:
 
     def store(self, address: int, value: int, width: int = 16) -> None:
         """Write 16 or 32 bits to an address. Raise NoSuchAddress if nothing is there."""
-        bus, time, instructions = self._bus, self._time, self._instructions
+        bus, time, instructions = self.bus, self._time, self._instructions
         if block_at(address) is not None:
             self._before_write()
             instructions.go_to(bus.writes_at(time.cycle, address, width))
@@ -162,16 +277,16 @@ class Accesses:
 
     def _refuse(self, operand: Operand) -> None:
         """Let the cycles of an access pass whose width the frame does not support; it has no effect."""
-        self._instructions.instruction(1 + self._bus.read_waits(operand))
-        self._bus.note_width(self._time.cycle, operand)
+        self._instructions.instruction(1 + self.bus.read_waits(operand))
+        self.bus.note_width(self._time.cycle, operand)
 
     def _fetch(self, operand: Operand) -> int:
         if operand.meets:
             self._time.meet()
-        return self._bus.fetch(self._time.cycle, operand)
+        return self.bus.fetch(self._time.cycle, operand)
 
     def _wait_for_writes(self, operand: Operand, spin: Spin | None) -> None:
-        free, cycle = self._bus.free(operand), self._time.cycle
+        free, cycle = self.bus.free(operand), self._time.cycle
         if cycle < free:
             if spin is not None:
                 spin.hold_up(free - cycle)
@@ -185,3 +300,45 @@ class Accesses:
             self._instructions.run(self._between)
         else:
             spin.pure = False
+
+
+EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how the bits compare with the value
+
+
+@final
+class Condition:
+    """A comparison of bits of a register with a value: `holds` makes the read of a pass of a wait."""
+
+    __slots__ = ("_accesses", "_mask", "_operand", "_test", "_value", "_where")
+
+    def __init__(
+        self,
+        accesses: Accesses,
+        operand: Operand,
+        mask: int,
+        value: int,
+        test: int = EQUAL,
+        where: SourceLocation | None = None,
+    ) -> None:
+        """mask, value: unshifted, as in the register. where: its statement in the firmware, if known."""
+        self._accesses = accesses
+        self._operand = operand
+        self._mask = mask
+        self._value = value
+        self._test = test
+        self._where = where
+
+    def holds(self) -> bool:
+        """Read the register, and return True if the condition is true; the cycles of the read pass."""
+        bits, test = self._accesses.read(self._operand, self._where) & self._mask, self._test
+        if test == EQUAL:
+            return bits == self._value
+        if test == UNEQUAL:
+            return bits != self._value
+        return bits < self._value if test == BELOW else bits > self._value
+
+    def __call__(self) -> bool:
+        return self.holds()
+
+    def __bool__(self) -> bool:
+        raise Misuse(f"a condition on {self._operand} has no value by itself; give it to dsp.spin, or call it")

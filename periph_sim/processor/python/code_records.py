@@ -4,17 +4,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, final
+from typing import final
 
 from ...core.records import Kind, Recorder, Topic
 from ...core.time import Clock
 from ...form.c_types import Text
 from ..operand import Operand
-from ..polling import Spin
+from ..polling import Poll, Spin
 from .program import PythonProgram
-
-if TYPE_CHECKING:
-    from ..polling import Poll
 
 
 @final

@@ -16,9 +16,8 @@ from ...f28335.cpu.compiled_code_costs import BARE, CodeCosts
 from ...f28335.system_options import SystemOptions
 from ...form.c_types import Text
 from ..processor import Processor
-from .accesses import Accesses
+from .accesses import Accesses, Instructions
 from .code_records import CodeRecords
-from .instructions import Instructions
 from .program import Handler, PythonProgram
 from .waits import Waits
 

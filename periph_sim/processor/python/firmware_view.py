@@ -69,7 +69,7 @@ class FirmwareView:
             way = f"name it in modules of [unit.{self.name}]" if known else did_you_mean(name, self._sockets)
             raise KeyError(f"{self.name} has no module {name!r}; {way}")
         if name not in self._ports:
-            self._ports[name] = ModulePort(self.cpu, self.memory.places[name])
+            self._ports[name] = ModulePort(self.cpu.accesses, self.memory.places[name])
         return self._ports[name]
 
     def spin(

@@ -28,8 +28,7 @@ from ...core.kernel import Kernel
 from ...f28335.pie.register_map import VECTORS
 from ...form.c_types import BigInt, Text
 from ..error_origin import FirmwareError, FirmwareLost, FirmwareStalled, raised_at
-from ..processor import Processor
-from ..program import Program, Stop
+from ..processor import Processor, Program, Stop
 from ..source_location import SourceLocation, SourceLocator
 from ..stall_watch import NoProgress, watch
 from ..user_code import as_firmware_error, output_aside

@@ -6,6 +6,9 @@ i2c.I2CDXR.all = 0x5A         one write
 gpio.GPADAT.GPIO28 = 1        read and write of the upper 16 bits: bit fields are 16-bit words in TI's headers
 timer.PRD.all = 30_000_000    one 32-bit write of PRD and PRDH, the `all` of TI's header
 timer.PRD.half.MSW            16-bit read of PRDH
+i2c.I2CSTR.when(XRDY=1)       the condition XRDY == 1, for a wait to read and compare: no access yet
+
+A register is a `Port`; each has a class of its own, made once in a process, with a `PortField` for each name.
 """
 
 # core: compiled
@@ -13,13 +16,201 @@ timer.PRD.half.MSW            16-bit read of PRDH
 from __future__ import annotations
 
 from collections.abc import Mapping
+from operator import index
 from typing import final
 
 from ...core.registers import Field, Register
 from ...core.suggest import did_you_mean
-from ...f28335.memory.memory_map import BOTH, HIGH, LOW, ModuleRange
-from .cpu import Cpu
-from .port_fields import Port, PortField, Registers, no_such_name
+from ...f28335.memory.memory_map import BOTH, HIGH, LOW, WORDS_MASK, ModuleRange
+from ...form.c_types import BigInt, Text
+from ..error_origin import Misuse
+from ..operand import Operand
+from ..source_location import SourceLocation
+from .accesses import Accesses, Condition
+
+
+class Port:
+    """One register of one module of a unit. where, fields: "I2C-A.I2CSTR" and its names, set in subclasses."""
+
+    __slots__ = ("_accesses", "_fields", "_half", "_operands", "_place")
+    where = ""
+    fields: tuple[str, ...] = ()
+
+    def __init__(self, accesses: Accesses, place: ModuleRange, fields: dict[str, PortField]) -> None:
+        self._accesses = accesses
+        self._place = place
+        self._fields = fields
+        self._half: Port | None = None
+        self._operands: list[Operand | None] = [None] * len(fields)  # by `PortField.number`, made when needed
+
+    def __setattr__(self, name: str, value: int) -> None:
+        if name in STATE:
+            object.__setattr__(self, name, value)  # in compiled form, they are no Python attributes
+        else:
+            self._assign(name, value)
+
+    def _assign(self, name: Text, value: BigInt) -> None:
+        field: PortField | None = self._fields.get(name)
+        if field is None:
+            raise cannot_be_written(self.where, name, self.fields)
+        field.assign(self, value)
+
+    def when(self, *, mask: object = None, value: object = None, **wanted: object) -> Condition:
+        """Return the condition that a field has a value, when(XRDY=1), or that register & mask == value."""
+        if len(wanted) > 1 and mask is None and value is None:
+            raise self._one_at_a_time(wanted)
+        if len(wanted) + (mask is not None or value is not None) != 1 or (mask is None) != (value is None):
+            raise Misuse(f"{self.where}.when needs a field and its number, when(NAME=1), or a mask= and a value=")
+        for name, number in wanted.items():
+            if name not in self._fields:
+                raise no_such_name(self.where, name, self.fields)
+            return self._fields[name].condition(self, number)
+        if "all" not in self._fields:
+            raise no_such_name(self.where, "all", self.fields)
+        return self._fields["all"].masked(self, mask, value)
+
+    def _one_at_a_time(self, wanted: dict[str, object]) -> Exception:
+        """Return the error for several fields: that of an invalid one, else one that suggests a mask of them all."""
+        mask = value = 0
+        for name, number in wanted.items():
+            if name not in self._fields:
+                return no_such_name(self.where, name, self.fields)
+            field = self._fields[name]
+            try:
+                value |= field.in_place(number)
+            except Misuse as error:
+                return error
+            mask |= field.mask
+        given = ", ".join(f"{name}={number}" for name, number in wanted.items())
+        return Misuse(
+            f"{self.where}.when({given}): a wait reads one field; give when(mask={mask:#x}, value={value:#x})"
+        )
+
+    def comparison(self, name: Text, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
+        """Return the condition that compares a field with a number; None if `PortField.comparison` returns none."""
+        found = self._fields.get(name)
+        return None if found is None else found.comparison(self, number, test, where)
+
+    def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:  # core: python
+        """Return the port of the register's halves, made at the first call."""
+        if self._half is None:
+            self._half = made(self._accesses, self._place, fields)
+        return self._half
+
+
+STATE = frozenset(Port.__slots__)
+
+
+@final
+class PortField:
+    """A name of a port: a field, or whole words of the register.
+
+    number: its index among the port's names. mask: its bits.
+    """
+
+    __slots__ = ("_field", "_lsb", "_most", "_register", "_where", "_words", "mask", "number")
+
+    _lsb: int
+    mask: int
+    _most: BigInt
+
+    def __init__(self, number: int, register: Register, words: int, field: Field | None, where: str) -> None:
+        """words: those that an access transfers. where: the full name, for messages."""
+        self.number = number
+        self._register = register
+        self._words = words
+        self._field = field
+        self.mask = WORDS_MASK[words] if field is None else field.mask
+        self._lsb = field.lsb if field is not None else 16 if words == HIGH else 0
+        self._most = self.mask >> self._lsb
+        self._where = where
+
+    def __get__(self, port: Port, owner: object) -> int:
+        return self._read(port)
+
+    def _read(self, port: Port) -> int:
+        operand: Operand = port._operands[self.number] or self._operand(port)
+        return (port._accesses.read(operand) & self.mask) >> self._lsb
+
+    def assign(self, port: Port, value: BigInt) -> None:
+        if type(value) is not int or not 0 <= value <= self._most:
+            value = self._fitting(value)
+        operand: Operand = port._operands[self.number] or self._operand(port)
+        if self._field is None:
+            port._accesses.write(operand, value << self._lsb)
+        else:
+            port._accesses.modify(operand, value)
+
+    def condition(self, port: Port, number: object) -> Condition:
+        """Return the condition that this field has a value. Raise Misuse if it cannot have it."""
+        value = self.in_place(number)
+        return Condition(port._accesses, port._operands[self.number] or self._operand(port), self.mask, value)
+
+    def in_place(self, number: object) -> BigInt:
+        """Return the number shifted to the field's bits. Raise Misuse if the field cannot have it."""
+        return self._whole(f"{self._where} == {number!r} never holds", number, self._most) << self._lsb
+
+    def comparison(self, port: Port, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
+        """Return the condition that compares this field with a number. where: its statement in the firmware.
+
+        Return None if a read has effects, its record needs a place that is unknown, or the number is out of range.
+        """
+        operand: Operand = port._operands[self.number] or self._operand(port)
+        if not operand.placed:
+            where = None
+        elif where is None:
+            return None
+        if not operand.looks or not 0 <= number <= self._most:
+            return None
+        return Condition(port._accesses, operand, self.mask, number << self._lsb, test, where)
+
+    def masked(self, port: Port, mask: object, value: object) -> Condition:
+        """Return the condition that these bits have this value. Raise Misuse if they cannot."""
+        where = f"{self._where}.when(mask={mask!r}, value={value!r})"
+        bits = self._whole(f"{where}: the mask does not fit", mask, self._most)
+        wanted = self._whole(f"{where}: the value does not fit", value, self._most)
+        if not bits:
+            raise Misuse(f"{where} tests no bit; expected a mask of 1 to {self._most:#x}")
+        if wanted & ~bits:
+            raise Misuse(f"{where} never holds: {wanted & ~bits:#x} is outside of the mask {bits:#x}")
+        return Condition(port._accesses, port._operands[self.number] or self._operand(port), bits, wanted)
+
+    def _whole(self, what: Text, value: object, most: BigInt) -> BigInt:
+        """Return the value as an int. Raise Misuse if it is none, or exceeds `most`."""
+        try:
+            number = index(value)  # type: ignore[arg-type]
+        except TypeError:
+            number = -1
+        if not 0 <= number <= most:
+            raise Misuse(f"{what}; expected a whole number from 0 to {most:#x}")
+        return number
+
+    def _operand(self, port: Port) -> Operand:
+        operand = port._accesses.bus.operand(port._place, self._register, self._words, self._field)
+        port._operands[self.number] = operand
+        return operand
+
+    def _fitting(self, value: object) -> BigInt:
+        """Return any integer type as an int. Raise Misuse if the value is none, or does not fit."""
+        most = self._most
+        try:
+            number = index(value)  # type: ignore[arg-type]
+        except TypeError:
+            raise Misuse(f"{self._where} = {value!r}: expected a whole number from 0 to {most:#x}") from None
+        if not 0 <= number <= most:
+            raise Misuse(f"{self._where} = {number:#x}: expected 0 to {most:#x}; cut it as C would, with & {most:#x}")
+        return number
+
+
+def no_such_name(where: str, name: str, names: tuple[str, ...]) -> AttributeError:
+    return AttributeError(f"{where} has no field {name!r}; {did_you_mean(name, names)}")
+
+
+def cannot_be_written(where: str, name: str, names: tuple[str, ...]) -> AttributeError:
+    """Return the error for an assignment to an unknown name, or to one that has names of its own."""
+    if name not in names:
+        return no_such_name(where, name, names)
+    return AttributeError(f"{where}.{name} cannot be assigned to; it has names of its own, which can")
 
 
 class RegisterPort(Port):  # core: python
@@ -37,14 +228,14 @@ Ports = tuple[Register, type[RegisterPort], dict[str, PortField]]
 _made: dict[str, Ports] = {}  # shared data of the ports of a register, by its full name
 
 
-def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterPort:  # core: python
+def register_port(accesses: Accesses, place: ModuleRange, register: Register) -> RegisterPort:  # core: python
     """Return the port of one register."""
     where = f"{place.name}.{register.name}"
     found = _made.get(where)
     if found is None or found[0] is not register:
         found = _made[where] = _ports_of(where, register)
     _, made, fields = found
-    return made(cpu.accesses, cpu.processor.bus, place, fields)
+    return made(accesses, place, fields)
 
 
 def _ports_of(where: str, register: Register) -> Ports:
@@ -74,13 +265,13 @@ def _class(where: str, names: tuple[str, ...], ports: Mapping[str, object]) -> t
 
 
 @final
-class ModulePort(Registers):
+class ModulePort:
     """One module's registers by name. A port is made at its first use: firmware uses a few of a hundred."""
 
     __dict__: dict[str, RegisterPort]
 
-    def __init__(self, cpu: Cpu, place: ModuleRange) -> None:
-        self._cpu = cpu
+    def __init__(self, accesses: Accesses, place: ModuleRange) -> None:
+        self._accesses = accesses
         self._place = place
         self._made: dict[str, RegisterPort] = {}
 
@@ -90,7 +281,7 @@ class ModulePort(Registers):
         if name not in registers:
             near = did_you_mean(name, [r.name for r in registers])
             raise AttributeError(f"{self._place.name} has no register {name!r}; {near}")
-        port = self._made[name] = vars(self)[name] = register_port(self._cpu, self._place, registers[name])
+        port = self._made[name] = vars(self)[name] = register_port(self._accesses, self._place, registers[name])
         return port
 
     def __setattr__(self, name: str, value: object) -> None:

@@ -21,7 +21,7 @@ from typing import final
 
 from ...core.records import NOWHERE, OF_MODIFIES, UNWANTED, Kind, Recorder, RecordSink, Subjects
 from ...form.c_types import Text
-from ...processor.instruction_location import statement
+from ...processor.source_location import statement
 from ...records.register_maps import MODIFY, OVERTAKEN
 from .cleared_flags import CLEARABLE, CLEARABLE_FLAGS, Cleared, ClearedRegister, Flag, Modify, Place
 from .measure import Measure

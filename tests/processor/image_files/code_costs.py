@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.processor.image_files.assemble import SHIPPED
-from periph_sim.processor.instruction_location import statement
+from periph_sim.processor.source_location import statement
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
 from tests.processor.image_files.public_images import public_image

@@ -20,8 +20,7 @@ from pathlib import Path
 
 from ....core.text_table import columns, together
 from ....core.time import Timebase
-from ....processor.instruction_location import parsed
-from ....processor.source_location import SourceLocation
+from ....processor.source_location import SourceLocation, parsed
 from ....timing.verdict import Verdict, figure, in_words, instant, percentile
 from .cpu_activity import Doing, Stretch, phrase
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 
 from ....core.text_table import paragraph, text_table
 from ....processor.image.call_stack import Profile
-from ....processor.instruction_location import parsed
+from ....processor.source_location import parsed
 
 LONGEST_TEXT = 20  # number of functions that are shown without -v
 FINE = 1000  # us: shorter times are shown to the nanosecond

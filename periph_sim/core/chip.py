@@ -13,9 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
-from .chip_input import WriteOrigins
 from .registers import RegisterMap
 from .state import State
 
@@ -50,6 +49,17 @@ def joined(notes: Iterable[tuple[int, Note]]) -> list[tuple[int, Note]]:
         members.setdefault(one, []).append(note.member)
     texts = {note: f"{note.text}: {', '.join(names)}" if names[0] else note.text for note, names in members.items()}
     return [(at, note._replace(text=texts[note])) for note, at in found.items()]
+
+
+class WriteOrigins(Protocol):
+    """Origins of writes to a chip, as numbers of records.
+
+    mark: the record of the next write.
+    out_mark: the record of the write that the outputs show now; 0 for none.
+    """
+
+    mark: int
+    out_mark: int
 
 
 class Chip:

@@ -13,10 +13,11 @@ import dataclasses
 import re
 import sys
 from collections.abc import Callable, Mapping
+from enum import Enum
 from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
-from types import NoneType, SimpleNamespace
+from types import NoneType, SimpleNamespace, UnionType
 from typing import (
     Annotated,
     Any,
@@ -24,6 +25,7 @@ from typing import (
     NotRequired,
     Required,
     TypeVar,
+    Union,
     get_args,
     get_origin,
     get_type_hints,
@@ -32,7 +34,42 @@ from typing import (
 
 import msgspec
 
-from .expected import UNIONS, expected, limits_of
+UNIONS = (Union, UnionType)
+NAMES: dict[Any, str] = {int: "a whole number", float: "a number", Fraction: "a number", str: "a text"}
+NAMES |= {bool: "true or false", bytes: "bytes", Path: "a path", list: "a list", tuple: "a list"}
+
+
+def expected(kind: Any, found: object) -> str:
+    """Describe the values of a plain type in a phrase for a message.
+
+    Of a union, only the members with limits whose type is that of the found value are described, or all members if
+    there are none.
+    """
+    origin, arguments = get_origin(kind), get_args(kind)
+    is_enum = isinstance(kind, type) and issubclass(kind, Enum)
+    if origin is Literal or is_enum:
+        shown = [repr(one.value if is_enum else one) for one in (kind if is_enum else arguments)]
+        return " or ".join(filter(None, [", ".join(shown[:-1]), shown[-1]]))
+    if origin is Annotated:
+        is_of_kind = type(found) is arguments[0] or isinstance(found, list | tuple)
+        return limits_of(arguments[1]) if is_of_kind else expected(arguments[0], found)
+    if origin in UNIONS:
+        there = [one for one in arguments if one is not NoneType]
+        alike = [one for one in there if get_origin(one) is Annotated and type(found) is get_args(one)[0]]
+        return ", or ".join(expected(one, found) for one in alike or there)
+    if origin is tuple and ... not in arguments:
+        return f"a list of {len(arguments)}"
+    return NAMES.get(origin or kind) or f"a {getattr(kind, '__name__', kind)}"
+
+
+def limits_of(limits: msgspec.Meta) -> str:
+    """Describe the limits of a value or of a list's length in words, for example "1 to 10"."""
+    if limits.min_length is not None:
+        return f"{limits.min_length} or more entries"
+    if limits.ge is None:
+        return f"{limits.le} or less"
+    return f"{limits.ge} or more" if limits.le is None else f"{limits.ge} to {limits.le}"
+
 
 T = TypeVar("T")
 Place = tuple[str | int, ...]  # keys and indices that lead to a value, from the outermost table
@@ -199,7 +236,7 @@ def _table(kind: Any) -> Converter:
 def _typed_dict(kind: Any) -> Converter:
     """Return the converter of a TypedDict, whose values stay dictionaries."""
     hints = get_type_hints(kind, include_extras=True)
-    named = {name: converter_of(_without_required(hint)) for name, hint in hints.items()}
+    named = {name: converter_of(hint) for name, hint in hints.items()}
     # String annotations hide NotRequired from __required_keys__.
     optional = {name for name, hint in hints.items() if get_origin(hint) is NotRequired}
     required = [name for name in named if name in kind.__required_keys__ - optional]
@@ -215,16 +252,13 @@ def _typed_dict(kind: Any) -> Converter:
     return made
 
 
-def _without_required(hint: Any) -> Any:
-    """Return `int` for `Required[int]` and `NotRequired[int]`."""
-    return get_args(hint)[0] if get_origin(hint) in (Required, NotRequired) else hint
-
-
 def converter_of(annotation: Any) -> Converter:
     """Return the converter of values of this type."""
     if is_typeddict(annotation):
         return _typed_dict(annotation)
     origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin in (Required, NotRequired):
+        return converter_of(arguments[0])
     if _is_plain(annotation):
         return _by_msgspec(annotation)
     if origin is Annotated:

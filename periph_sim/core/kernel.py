@@ -24,9 +24,20 @@ from __future__ import annotations
 
 from typing import final
 
-from .agent import REQUESTED, Action, Agent, Call, SampledParty, Settleable, Shortcut, describe
+from .agent import (
+    NUMBERS,
+    REQUESTED,
+    Action,
+    Agent,
+    Call,
+    Event,
+    EventQueue,
+    SampledParty,
+    Settleable,
+    Shortcut,
+    describe,
+)
 from .chip import NEVER
-from .event_queue import NUMBERS, Event, EventQueue
 from .state import State
 
 TIMER, PADS, CHIP, CPU, PROBE = range(5)

@@ -1,10 +1,12 @@
-"""Modules outside the core that define what the core uses by name, as entry points of this package would.
+"""Imports on demand: a module is imported when one of its names is first needed.
 
-The core imports none of them: each is imported when a case first needs what it defines.
+The core imports no module of `HOMES`, which define what the core uses by name, as entry points of this package would.
+The names of a package (`lazy_names`) do not load the package's other modules.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from types import ModuleType
 
@@ -19,3 +21,20 @@ HOMES = {
 def registered(what: str) -> ModuleType:
     """Import and return the module that is registered for one of `HOMES`."""
     return import_module(HOMES[what])
+
+
+def lazy_names(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[str], object]:
+    """Return the `__getattr__` of a package. homes: for each module, the names that it defines."""
+    places = {name: module for module, names in homes.items() for name in names}
+
+    imported: dict[str, ModuleType] = {}  # imported modules, indexed by attribute name
+
+    def found(name: str) -> object:
+        module = imported.get(name)
+        if module is None:
+            if name not in places:
+                raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            module = imported[name] = import_module(f"{package}.{places[name]}")
+        return getattr(module, name)
+
+    return found

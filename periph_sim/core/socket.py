@@ -12,11 +12,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import final
 
-from .agent import Agent
-from .chip import ANY_CHANGED, NEVER, PINS_CHANGED, WAKE_CHANGED, Chip, Note
-from .chip_input import WaitingInputs, WriteOrigins
-from .event_queue import Event
-from .flag_recorder import FlagRecorder, watched_registers
+from .agent import Agent, Event
+from .chip import ANY_CHANGED, NEVER, PINS_CHANGED, WAKE_CHANGED, Chip, Note, WriteOrigins
+from .flag_recorder import FlagRecorder, WaitingInputs, watched_registers
 from .kernel import CHIP, Kernel
 from .records import Kind, Recorder
 from .sampler import Sampler

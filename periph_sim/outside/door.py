@@ -13,8 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple, final
 
-from ..core.agent import Agent
-from ..core.event_queue import Event
+from ..core.agent import Agent, Event
 from ..core.kernel import Kernel
 from ..core.wire import Wire
 from ..form.c_types import Text

@@ -19,9 +19,8 @@ from fractions import Fraction
 from operator import itemgetter
 from typing import TYPE_CHECKING, final
 
-from ..core.agent import Agent
+from ..core.agent import Agent, Event
 from ..core.chip import NEVER
-from ..core.event_queue import Event
 from ..core.sampler import Sampler
 from ..core.socket import WAKE, Socket
 from ..core.time import Clock

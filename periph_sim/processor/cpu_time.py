@@ -13,9 +13,8 @@ from __future__ import annotations
 
 from typing import final
 
-from ..core.agent import Agent
+from ..core.agent import Agent, Event
 from ..core.chip import NEVER
-from ..core.event_queue import Event
 from ..core.kernel import CPU, Kernel
 from ..core.state import State
 from ..core.time import LAST_TICK, Clock

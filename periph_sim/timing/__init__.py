@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..core.lazy_names import lazy_names
+from ..core.registered import lazy_names
 
 if TYPE_CHECKING:
     from .measures.over_table import Durations, between, happened, periods

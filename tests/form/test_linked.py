@@ -16,8 +16,8 @@ from periph_sim.form.compiled_class import OBJECT
 from tests.form.package import classes
 
 CHAINS = {
-    ("core.chip_input", "Input", "following"),
-    ("core.event_queue", "Event", "following"),
+    ("core.flag_recorder", "Input", "following"),
+    ("core.agent", "Event", "following"),
     ("core.agent", "SampledParty", "following"),
     ("core.agent", "Settleable", "following"),
     ("core.agent", "Settleable", "then"),
@@ -100,7 +100,7 @@ def release(length: int, *links: tuple[str, str, str]) -> None:
 
 
 @pytest.mark.parametrize(
-    "link", [("core.event_queue", "Event", "following"), ("timing.measures.modifies", "Access", "after")]
+    "link", [("core.agent", "Event", "following"), ("timing.measures.modifies", "Access", "after")]
 )
 def test_a_chain_of_20_000_is_released_in_256_kilobytes_of_stack(link: tuple[str, str, str]):
     release(20_000, link)

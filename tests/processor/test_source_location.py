@@ -1,4 +1,4 @@
-"""Which files are the firmware's, in either form of the package, and what the text of an instruction's location contains."""
+"""Which files are the firmware's, in either form of the package, and the parts of a location in an image."""
 
 from __future__ import annotations
 

@@ -22,8 +22,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import final
 
-from ...core.agent import Agent, Shortcut
-from ...core.event_queue import Event
+from ...core.agent import Agent, Event, Shortcut
 from ...core.kernel import Kernel
 from ...core.time import NO_TIME, Clock
 from ...core.wire import Wire

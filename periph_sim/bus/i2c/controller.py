@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ...core.event_queue import Event
+from ...core.agent import Event
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder, Topic
 from ...core.sampler import Sampler, watch

@@ -20,8 +20,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple, final
 
-from ...core.agent import Agent
-from ...core.event_queue import Event
+from ...core.agent import Agent, Event
 from ...core.records import Kind, Topic
 from ...core.sampler import watch
 from ...core.state import State

@@ -13,8 +13,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import final
 
-from ...core.agent import Agent
-from ...core.event_queue import Event
+from ...core.agent import Agent, Event
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
 from ...core.state import State

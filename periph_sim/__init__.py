@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .interfaces.reports.baselines.files import BadCheck
     from .interfaces.reports.sweep.sweep import Sweep, sweep
     from .processor.dsp import Dsp
-    from .processor.error_origin import FirmwareError
+    from .processor.user_code import FirmwareError
     from .records.cause_trace.why import why
     from .records.lint import lint
     from .records.recording import BadRecording
@@ -75,7 +75,7 @@ _HOMES = {
     "api": ("make_case", "run"),
     "core.kernel": ("SimulationStuck",),
     "processor.dsp": ("Dsp",),
-    "processor.error_origin": ("FirmwareError",),
+    "processor.user_code": ("FirmwareError",),
     "records.cause_trace.why": ("why",),
     "records.lint": ("lint",),
     "records.recording": ("BadRecording",),

@@ -19,8 +19,7 @@ from random import Random
 from ..core.chip import Note
 from ..core.settings import duration
 from ..core.wire import Wire
-from ..processor.error_origin import Misuse
-from ..processor.user_code import UserCode
+from ..processor.user_code import Misuse, UserCode
 from .targets import TargetContext
 
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..bus.i2c.target_side import Stretches
-from ..processor.error_origin import FirmwareError, defined_at
-from ..processor.user_code import UserCode
+from ..processor.user_code import FirmwareError, UserCode, defined_at
 
 HOOKS = {"on_address": 1, "on_write": 1, "on_read": 0, "on_stop": 0}  # and their arguments
 NEEDED = ("on_write", "on_read")  # at least one of them

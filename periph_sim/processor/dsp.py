@@ -37,7 +37,7 @@ from ..f28335.pie.module import Pie
 from ..f28335.system_control import register_map as clocks_map
 from ..f28335.system_control.module import WDRST_CYCLES, SystemControl
 from ..f28335.system_options import SystemOptions
-from .interrupt_lines import InterruptLines, pie_lines
+from .interrupts import InterruptLines, pie_lines
 from .processor import Processor, Program
 from .python.cpu import Cpu
 from .python.firmware_view import FirmwareView
@@ -108,7 +108,7 @@ class Dsp(FirmwareView):
         self._modules: list[tuple[ModuleDescriptor, Socket]] = []
         self._lines = InterruptLines(self.pie, self._sockets)
         self._firmware: Callable[[], None] = _nothing
-        self._restart: Callable[[int], None] = self._python_from_reset
+        self._restart: Callable[[int], None] = lambda delay: self.cpu.start(self._from_reset, delay)
         self._gates = self.control.gates
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
         self.resets = 0
@@ -167,18 +167,14 @@ class Dsp(FirmwareView):
         def begin(delay: int = 0) -> None:
             program.begin()
             if boot != "entry":
-                self._leave_boot_rom()
+                cycle = self.clock.cycle_at(self._kernel.now)
+                self.control.boot(cycle)  # set the clock as the boot ROM leaves it
+                self._sockets["SYS"].publish(cycle)
             self.processor.start(program, delay)
 
         self._restart = begin
         begin()
         return program
-
-    def _leave_boot_rom(self) -> None:
-        """Set the clock as the boot ROM leaves it."""
-        cycle = self.clock.cycle_at(self._kernel.now)
-        self.control.boot(cycle)
-        self._sockets["SYS"].publish(cycle)
 
     def _sysclk_hz(self) -> Fraction:
         return self.control.sysclk_hz * (1 + self.plan.ppm / 1_000_000)
@@ -334,9 +330,6 @@ class Dsp(FirmwareView):
         for socket in self._sockets.values():
             socket.publish(cycle)  # after the reset of all, since that of SYS changes the clock
         self.gate(cycle)
-
-    def _python_from_reset(self, delay: int) -> None:
-        self.cpu.start(self._from_reset, delay)
 
     def _from_reset(self) -> None:
         """Run TI's start-up code, unless the firmware has its own, and then the firmware."""

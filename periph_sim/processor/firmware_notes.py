@@ -13,8 +13,8 @@ from ..core.records import Kind, Recorder
 from ..core.state import State
 from ..core.time import Clock
 from ..form.c_types import Text
-from .error_origin import FirmwareError
 from .source_location import SourceLocation
+from .user_code import FirmwareError
 
 
 @final

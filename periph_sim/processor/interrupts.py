@@ -1,4 +1,7 @@
-"""Interrupts of one CPU: requests, vectors, and the context in memory.
+"""Interrupts of one CPU: requests from its modules, vectors, and the context in memory.
+
+    module --lines of its chip--> PIE --INT1 to INT12--> Interrupts
+    CPU timers 1 and 2 --INT13, INT14--> Interrupts
 
     request --> CpuInterrupts --> due --> take --vector_delay--> fetch --> entered ... iret --> returned
                                            |                      |                     |
@@ -14,21 +17,24 @@ Source: SPRU430F section 3.4, Table 3-4 (context); SPRUFB0D sections 8.1 to 8.5,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import final
 
 from ..core.chip import NEVER
 from ..core.records import Kind, Recorder
+from ..core.socket import Socket
 from ..core.state import State
 from ..core.time import Clock
-from ..f28335.cpu.interrupts import CONTEXT_WORDS, IER_WORD, ST1_WORD, CpuInterrupts, frame_of
+from ..f28335.cpu.interrupts import CONTEXT_WORDS, IER_WORD, ST1_WORD, CpuInterrupts, frame_of, int13_source
+from ..f28335.descriptor import ModuleDescriptor
 from ..f28335.memory.ram import Ram, block_at
 from ..f28335.pie.module import Pie
-from ..f28335.pie.register_map import GROUPS, VECTOR_TABLE, VECTORS
+from ..f28335.pie.register_map import CPU_VECTORS, GROUPS, LINES, VECTOR_TABLE, VECTORS
 from ..form.c_types import Text
 from .cpu_time import CpuTime
-from .error_origin import InterruptFault
 from .firmware_notes import FirmwareNotes
+from .user_code import InterruptFault
 
 NAME_OF = {address: name for name, address in VECTORS.items()}
 CODE_ADDRESS = 0x3F_FFFF  # valid bits of a vector
@@ -163,3 +169,68 @@ class Interrupts:
             if block_at(address) is None:
                 raise InterruptFault(f"{self._name}: SP = {sp:#x} at cycle {cycle}; {address:#06x} is not memory")
         return first
+
+
+Handler = Callable[[int, int], None]  # called with a cycle and a mask of lines
+Places = tuple[tuple[int, int], ...]  # group and line in the PIE
+
+
+class InterruptLines:
+    """interrupts: of the CPU; set before time passes."""
+
+    interrupts: Interrupts
+
+    def __init__(self, pie: Pie, sockets: Mapping[str, Socket]) -> None:
+        """sockets: the modules of the unit, by name."""
+        self._pie = pie
+        self._sockets = sockets
+
+    def request_handler(self, descriptor: ModuleDescriptor) -> Handler:
+        """Return the function that takes a module's interrupt requests to the PIE, or straight to the CPU."""
+        if not descriptor.interrupts:
+            return _no_request
+        vector = descriptor.interrupts[0].vector
+        if vector in LINES:
+            return partial(self._requested, pie_lines(descriptor))
+        return partial(self._timer1_requested if vector == "INT13" else self._cpu_requested, CPU_VECTORS[vector])
+
+    def follow_pie(self, cycle: int) -> None:
+        """Request the interrupts of the CPU that the PIE has pulsed."""
+        pulses, self._pie.pulses = self._pie.pulses, 0
+        number = 1
+        while pulses:
+            if pulses & 1:
+                self.interrupts.request(cycle, number)
+            pulses >>= 1
+            number += 1
+
+    def _cpu_requested(self, interrupt: int, cycle: int, asked: int) -> None:
+        self.interrupts.request(cycle, interrupt)
+
+    def _timer1_requested(self, interrupt: int, cycle: int, asked: int) -> None:
+        """Request INT13 for timer 1, unless XNMICR assigns it to the XNMI pin (SPRUFB0D Table 123)."""
+        xint = self._sockets.get("XINT")
+        xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
+        if int13_source(xnmicr) == "TINT1":
+            self.interrupts.request(cycle, interrupt)
+
+    def _requested(self, places: Places, cycle: int, asked: int) -> None:
+        for i, (group, line) in enumerate(places):
+            if asked >> i & 1:
+                self._pie.request(cycle, group, line)
+        self._sockets["PIE"].publish(cycle)
+
+    def held(self, places: Places, cycle: int, held: int) -> None:
+        """Pass the lines that a module holds to the PIE."""
+        for i, (group, line) in enumerate(places):
+            self._pie.hold(cycle, group, line, bool(held >> i & 1))
+        self._sockets["PIE"].publish(cycle)
+
+
+def pie_lines(descriptor: ModuleDescriptor) -> Places:
+    """Return group and line of a module's interrupts in the PIE, in the order of its chip's LINES."""
+    return tuple(LINES[one.vector] for one in descriptor.interrupts if one.vector in LINES)
+
+
+def _no_request(cycle: int, asked: int) -> None:
+    raise AssertionError("this module has no interrupt lines")

@@ -17,6 +17,7 @@ from types import CodeType, FrameType
 from typing import NamedTuple, final
 
 from .. import __file__ as package_file
+from ..form.c_types import Text
 
 PACKAGE = f"{Path(package_file).parent}{os.sep}"  # no location in the firmware is in here,
 COMPILED = "periph_sim/"  # nor in here: file names of compiled modules in tracebacks
@@ -126,7 +127,7 @@ class Parts(NamedTuple):
     pc: int
 
 
-def instruction_location(function: str, begins: int, path: str, line: int, pc: int) -> InstructionLocation:
+def instruction_location(function: Text, begins: int, path: Text, line: int, pc: int) -> InstructionLocation:
     """Return the location of an instruction. function: "" if unknown. begins: its first address."""
     path = path.replace("\\", "/")  # the compiler may have run on Windows
     if path:
@@ -141,7 +142,7 @@ def instruction_location(function: str, begins: int, path: str, line: int, pc: i
     return found
 
 
-def parsed(text: str) -> Parts | None:
+def parsed(text: Text) -> Parts | None:
     """Return the parts of a recorded location; None if it is not an instruction's, or the function is unknown."""
     found = TEXT.fullmatch(text)
     if found is None:
@@ -149,7 +150,7 @@ def parsed(text: str) -> Parts | None:
     return Parts(found["function"], found["file"] or "", int(found["line"] or 0), int(found["pc"], 16))
 
 
-def statement(text: str) -> str:
+def statement(text: Text) -> Text:
     """Return the part of a location that all instructions of a source line share; any other location unchanged."""
     if not text.endswith(")"):
         return text

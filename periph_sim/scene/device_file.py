@@ -13,8 +13,7 @@ from typing import Any
 from ..devices.device_bus import DeviceBus
 from ..devices.python_target import HOOKS, NEEDED, PythonTarget
 from ..devices.targets import TargetContext
-from ..processor.error_origin import FirmwareStalled, defined_at, flaw_of
-from ..processor.user_code import PASSES, UserCode
+from ..processor.user_code import PASSES, FirmwareStalled, UserCode, defined_at, flaw_of
 from .case.device_tables import DeviceTable
 from .context import SceneContext
 from .firmware_loader import BadSetting, filled, module_of_file, why_not_loaded

@@ -27,8 +27,7 @@ from ..core.convert import BadTable, convert, keys_of
 from ..core.examples import EXAMPLES
 from ..core.input_files import note_input, read_input
 from ..core.suggest import did_you_mean
-from ..processor.error_origin import Misuse, defined_at, flaw_of, raised_at
-from ..processor.user_code import PASSES, message_of
+from ..processor.user_code import PASSES, Misuse, defined_at, flaw_of, message_of, raised_at
 from .case.error_text import complaint
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from ..core.records import Recorder
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase, TimeError
 from ..core.uncollected import uncollected
-from ..processor.error_origin import FirmwareStalled
+from ..processor.user_code import FirmwareStalled
 from . import parts
 from .bus_side import SPIKE, BusSide
 from .case.model import Case
@@ -69,7 +69,7 @@ class Scene:
 
     WIRES = SceneWires
 
-    @uncollected
+    @uncollected()
     def __init__(
         self,
         case: Case | ScenePlan,

@@ -22,8 +22,7 @@ from ..f28335.descriptor import Part, named_class
 from ..f28335.parts import part_named, part_names
 from ..f28335.system_options import SystemOptions
 from ..processor.dsp import Dsp, DspPlan
-from ..processor.error_origin import Misuse
-from ..processor.user_code import UserCode
+from ..processor.user_code import Misuse, UserCode
 from .case.model import Case
 from .case.optimizations import DECODING, POLLS
 from .case.transceiver import pulled_down

@@ -38,7 +38,7 @@ def test_nothing_is_collected_meanwhile() -> None:
     assert plain
     with passes() as seen:
 
-        @uncollected
+        @uncollected()
         def build() -> tuple[int, int]:
             return len(many()), len(seen)
 
@@ -47,20 +47,17 @@ def test_nothing_is_collected_meanwhile() -> None:
 
 
 def test_it_is_on_again_after_an_error() -> None:
-    @uncollected
-    def fails() -> None:
+    with pytest.raises(ValueError, match="as it builds"), uncollected():
         assert not gc.isenabled()
         raise ValueError("as it builds")
-
-    with pytest.raises(ValueError, match="as it builds"):
-        fails()
     assert gc.isenabled()
 
 
 def test_who_had_it_off_finds_it_off() -> None:
     gc.disable()
     try:
-        uncollected(many)(3)
+        with uncollected():
+            many(3)
         assert not gc.isenabled()
     finally:
         gc.enable()

@@ -10,7 +10,7 @@ from greenlet import GreenletExit
 
 from periph_sim.core.chip import NEVER
 from periph_sim.f28335.cpu.interrupts import NMI
-from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.processor.user_code import FirmwareError
 from tests.processor.bench import Bench
 
 TICKS = 20  # a cycle

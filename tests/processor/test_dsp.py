@@ -17,7 +17,7 @@ from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.sci.register_map import SCI_MAP
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp, DspPlan
-from periph_sim.processor.error_origin import Misuse
+from periph_sim.processor.user_code import Misuse
 
 # First and last address of each module (the register maps of the manuals).
 FRAMES = """

@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.f28335.system_options import SystemOptions
-from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.processor.user_code import FirmwareError
 from tests.processor.bench import Bench
 
 

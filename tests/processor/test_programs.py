@@ -10,8 +10,8 @@ from periph_sim.core.kernel import CPU
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.f28335.descriptor import Frame
 from periph_sim.f28335.memory.memory_map import ModuleRange, NoSuchAddress
-from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.processor.processor import Program, Stop
+from periph_sim.processor.user_code import FirmwareError
 from tests.processor.bench import Bench
 from tests.processor.scripted_program import Op, ScriptedProgram, Step
 

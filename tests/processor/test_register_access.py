@@ -16,9 +16,9 @@ from periph_sim.f28335.descriptor import Frame
 from periph_sim.f28335.memory.memory_map import ModuleRange, NoSuchAddress
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan
-from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.processor.python import register_view
 from periph_sim.processor.python.accesses import Accesses
+from periph_sim.processor.user_code import FirmwareError
 from tests.processor.bench import Bench
 
 

@@ -11,8 +11,8 @@ import pytest
 
 from periph_sim.core.agent import Agent
 from periph_sim.core.kernel import CHIP, TIMER, SimulationStuck
-from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.processor.processor import Stop
+from periph_sim.processor.user_code import FirmwareError
 from tests.processor.bench import Bench
 
 TICKS = 20  # of a cycle

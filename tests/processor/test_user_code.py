@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.processor.error_origin import FirmwareStalled
 from periph_sim.processor.stall_watch import NoProgress
-from periph_sim.processor.user_code import UserCode
+from periph_sim.processor.user_code import FirmwareStalled, UserCode
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from tests.interfaces.commands.conftest import Run, periph_sim

@@ -8,7 +8,7 @@ import pytest
 
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.processor.user_code import FirmwareError
 from periph_sim.scene.case.load import load
 from periph_sim.scene.result import Result
 from tests.scene.runs import TIMING, run_case

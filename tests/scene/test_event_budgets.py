@@ -10,7 +10,7 @@ from periph_sim import timing
 from periph_sim.core.records import RECORDED, Kind
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.pie.register_map import LINES
-from periph_sim.processor.interrupt_lines import pie_lines
+from periph_sim.processor.interrupts import pie_lines
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.processor.user_code import FirmwareError
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene

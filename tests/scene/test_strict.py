@@ -11,7 +11,7 @@ import pytest
 
 from periph_sim.core.chip import Note, joined
 from periph_sim.processor.dsp import Dsp
-from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.processor.user_code import FirmwareError
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.result import notes_of

@@ -22,35 +22,33 @@ from typing import Annotated, Protocol, cast
 
 from msgspec import Meta
 
+from ...core.agent import Agent
 from ...core.convert import Before
 from ...core.discover import modules_with
 from ...core.kernel import Kernel
 from ...core.sampler import watch
 from ...core.settings import DURATION_TEXT
 from ...core.state import State
-from ...core.time import TimeError, seconds
+from ...core.time import seconds
 from ...core.wire import Wire
 
 
-def _length(value: object) -> object:
+def _length(value: object) -> Fraction:
     if not isinstance(value, str):
         raise ValueError(f'{value!r} has no unit; write for instance "{value} ms"')
-    try:
-        return seconds(value)
-    except TimeError as error:
-        raise ValueError(str(error)) from None
+    return seconds(value)
 
 
 def _not_negative(value: object) -> object:
     length = _length(value)
-    if isinstance(length, Fraction) and length < 0:
+    if length < 0:
         raise ValueError("it is negative; a time is 0 or more")
     return length
 
 
 def _above_zero(value: object) -> object:
     length = _length(value)
-    if isinstance(length, Fraction) and length <= 0:
+    if length <= 0:
         raise ValueError("it must be longer than 0")
     return length
 
@@ -79,6 +77,27 @@ class When:
             raise ValueError("times needs every; give every, or remove times")
         if self.every is not None and self.spread > self.every:
             raise ValueError("spread is longer than every, so faults would be out of order; shorten it")
+
+
+class SdaPuller(Agent):
+    """A party that a fault arms, and that then pulls SDA low in a clock of SCL. `sampled` receives the level of SCL."""
+
+    STATE = State("_armed _pulls")
+
+    def __init__(self, place: FaultContext) -> None:
+        self._scl, self._sda = place.wire("SCL"), place.wire("SDA")
+        self._pin = self._sda.attach(place.who)
+        self._armed = False
+        self._pulls = False
+        watch([self._scl], self)
+
+    def arm(self) -> None:
+        self._armed = True
+
+    def _pull(self, pulls: bool) -> None:
+        """Pull SDA, or release it."""
+        self._pulls = pulls
+        self._pin.drive(not pulls)
 
 
 class HeldLine:

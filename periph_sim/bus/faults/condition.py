@@ -16,9 +16,8 @@ from fractions import Fraction
 from functools import partial
 from typing import Literal
 
-from ...core.sampler import watch
 from ...core.state import State
-from . import FaultContext, Length, Repeated, When
+from . import FaultContext, Length, Repeated, SdaPuller, When
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,29 +28,22 @@ class Settings(When):
     late: Length = Fraction(1, 1_000_000)
 
 
-class Condition:
-    STATE = State("_armed _pulls _rise")
+class Condition(SdaPuller):
+    STATE = State("_rise")
 
     def __init__(self, settings: Settings, place: FaultContext) -> None:
+        super().__init__(place)
         self._kernel = place.kernel
-        self._scl, self._sda = place.wire("SCL"), place.wire("SDA")
-        self._pin = self._sda.attach(place.who)
         self._stop = settings.condition == "STOP"
         self._late = place.ticks(settings.late)
-        self._armed = False
-        self._pulls = False
         self._rise = 0  # number of the last rise of SCL while the fault was armed
-        watch([self._scl], self._scl_changed)
 
-    def arm(self) -> None:
-        self._armed = True
-
-    def _scl_changed(self, now: int, level: int) -> None:
-        if not level:
+    def sampled(self, now: int, levels: int) -> None:
+        if not levels:
             if self._armed and self._stop:
-                self._pull()
+                self._pull(True)
             elif self._pulls:
-                self._let_go()
+                self._pull(False)
         elif self._armed:
             self._rise += 1
             rise = self._rise
@@ -65,18 +57,7 @@ class Condition:
         if others:  # the bit is 0, or a START is in progress
             return
         self._armed = False
-        if self._stop:
-            self._let_go()
-        else:
-            self._pull()
-
-    def _pull(self) -> None:
-        self._pulls = True
-        self._pin.drive(0)
-
-    def _let_go(self) -> None:
-        self._pulls = False
-        self._pin.drive(1)
+        self._pull(not self._stop)
 
 
 def attach(settings: Settings, place: FaultContext) -> Repeated:

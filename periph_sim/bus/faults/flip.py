@@ -10,10 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...core.agent import Agent
-from ...core.sampler import watch
 from ...core.state import State
-from . import FaultContext, Repeated, When
+from . import FaultContext, Repeated, SdaPuller, When
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,43 +19,31 @@ class Settings(When):
     """The settings of `When`. The first bit that is 1 after the time of the fault becomes 0."""
 
 
-class Flip(Agent):
-    STATE = State("_armed _pulls _is_one")
+class Flip(SdaPuller):
+    STATE = State("_is_one")
 
-    def __init__(self, settings: Settings, place: FaultContext) -> None:
-        self._scl, self._sda = place.wire("SCL"), place.wire("SDA")
-        self._pin = self._sda.attach(place.who)
-        self._armed = False
-        self._pulls = False
+    def __init__(self, place: FaultContext) -> None:
+        super().__init__(place)
         self._is_one = False  # True in the clock in which the fault changes a 1, because no other party pulls SDA
-        watch([self._scl], self._scl_changed)
         self._sda.watch_pulls(self)
 
-    def arm(self) -> None:
-        self._armed = True
-
-    def _scl_changed(self, now: int, level: int) -> None:
-        if level:
+    def sampled(self, now: int, levels: int) -> None:
+        if levels:
             self._is_one = self._pulls and self._alone()
         elif self._is_one:  # the clock is over in which a 1 was changed
             self._armed = self._is_one = False
-            self._let_go()
+            self._pull(False)
         elif self._armed and not self._pulls:
-            self._pulls = True
-            self._pin.drive(0)
+            self._pull(True)
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
         """Release SDA if the last other party releases it during a 0 bit: this is a STOP, which must not be blocked."""
         if self._pulls and self._scl.level and not self._is_one and self._alone():
-            self._let_go()
+            self._pull(False)
 
     def _alone(self) -> bool:
         return len(self._sda.held_by()) == 1
 
-    def _let_go(self) -> None:
-        self._pulls = False
-        self._pin.drive(1)
-
 
 def attach(settings: Settings, place: FaultContext) -> Repeated:
-    return Repeated(settings, place, Flip(settings, place).arm)
+    return Repeated(settings, place, Flip(place).arm)

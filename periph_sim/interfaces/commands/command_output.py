@@ -43,7 +43,7 @@ MISTAKES = {
     "periph_sim.core.wire.TooManyParties",
     "periph_sim.f28335.memory.memory_map.NoSuchAddress",
     "periph_sim.traces.capture.capture.BadCapture",
-    "periph_sim.processor.error_origin.FirmwareError",
+    "periph_sim.processor.user_code.FirmwareError",
     "periph_sim.records.run.NotInRun",
     "periph_sim.records.recording.BadRecording",
     "periph_sim.replay.BadReplay",

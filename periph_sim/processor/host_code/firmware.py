@@ -20,9 +20,9 @@ from tempfile import TemporaryDirectory
 
 from ...f28335.memory.memory_map import NoSuchAddress
 from ..dsp import Dsp
-from ..error_origin import FirmwareError, FirmwareLost
 from ..image.elsewhere import UnmappedMemory
 from ..source_location import SourceLocation
+from ..user_code import FirmwareError, FirmwareLost
 from .build import BadSources, Sources, compiled, linked
 from .library import (
     ANNOUNCED,

@@ -24,7 +24,6 @@ from ...form.c_types import Text
 from ..c28x.execution.cpu import WRITES, Operation
 from ..c28x.execution.registers import IllegalOperation
 from ..c28x.operand_field import SP_FIELD
-from ..error_origin import FirmwareLost, InterruptFault
 from ..image_files.model import Image
 from ..polling import Spin
 from ..processor import Processor

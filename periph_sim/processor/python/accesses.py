@@ -22,12 +22,11 @@ from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.memory.ram import block_at
 from ..bus import Bus
 from ..cpu_time import CpuTime
-from ..error_origin import Misuse
 from ..operand import Operand
 from ..polling import Spin
 from ..processor import Processor, Stop
 from ..source_location import SourceLocation
-from ..user_code import warn
+from ..user_code import Misuse, warn
 from .program import PythonProgram
 
 SLEEPS = Stop.SLEEPS

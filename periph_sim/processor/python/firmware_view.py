@@ -22,7 +22,7 @@ from ...f28335.parts.f28335 import PART
 from ...f28335.pie import register_map as pie_map
 from ...f28335.system_control.module import SystemControl
 from ...form.c_types import BigInt, Text
-from ..error_origin import Misuse, flaw_of
+from ..user_code import Misuse, flaw_of
 from .cpu import Cpu
 from .register_view import ModulePort
 

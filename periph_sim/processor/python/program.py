@@ -27,11 +27,10 @@ from ...core.chip import NEVER
 from ...core.kernel import Kernel
 from ...f28335.pie.register_map import VECTORS
 from ...form.c_types import BigInt, Text
-from ..error_origin import FirmwareError, FirmwareLost, FirmwareStalled, raised_at
 from ..processor import Processor, Program, Stop
 from ..source_location import SourceLocation, SourceLocator
 from ..stall_watch import NoProgress, watch
-from ..user_code import as_firmware_error, output_aside
+from ..user_code import FirmwareError, FirmwareLost, FirmwareStalled, as_firmware_error, output_aside, raised_at
 
 ROUTINES = 0x30_0000  # code address of a service routine, in flash: this plus the address of its vector
 

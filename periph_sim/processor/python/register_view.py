@@ -23,9 +23,9 @@ from ...core.registers import Field, Register
 from ...core.suggest import did_you_mean
 from ...f28335.memory.memory_map import BOTH, HIGH, LOW, WORDS_MASK, ModuleRange
 from ...form.c_types import BigInt, Text
-from ..error_origin import Misuse
 from ..operand import Operand
 from ..source_location import SourceLocation
+from ..user_code import Misuse
 from .accesses import Accesses, Condition
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.processor.user_code import FirmwareError
 from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.case.origin import Source
 from periph_sim.scene.scene import Scene

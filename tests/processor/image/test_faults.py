@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.processor.error_origin import FirmwareLost
+from periph_sim.processor.user_code import FirmwareLost
 from tests.processor.image.rig import HEAD, Rig
 
 STACK = ' .reserve ".stack", 0x400, 16\n' + HEAD

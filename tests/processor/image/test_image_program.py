@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.processor.user_code import FirmwareError
 from tests.processor.image.rig import HEAD, Rig
 
 CYCLE = 400  # ticks, behind reset: 30 MHz / 4, of ticks of 1/3 ns

@@ -7,8 +7,8 @@ from collections import Counter
 import pytest
 
 from periph_sim.f28335.memory.memory_map import AddressMap
-from periph_sim.processor.error_origin import FirmwareLost
 from periph_sim.processor.image import elsewhere
+from periph_sim.processor.user_code import FirmwareLost
 from tests.processor.image.rig import HEAD, Rig
 
 LOOP = """

@@ -12,7 +12,7 @@ from ....core.kernel import SimulationStuck
 from ....core.records import Recorder
 from ....core.time import Timebase
 from ....f28335.memory.memory_map import NoSuchAddress
-from ....processor.error_origin import FirmwareError
+from ....processor.user_code import FirmwareError
 from ....scene.case.load import load
 from ....scene.case.model import BadCase, Case
 from ....scene.outside_parties import not_run

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ....core.kernel import SimulationStuck
 from ....f28335.memory.memory_map import NoSuchAddress
-from ....processor.error_origin import FirmwareError
+from ....processor.user_code import FirmwareError
 from ....scene.case.load import text_of
 from ....scene.case.model import BadCase
 from ....scene.firmware_loader import Firmware

@@ -18,8 +18,7 @@ from time import process_time
 from ....core.kernel import SimulationStuck
 from ....core.text_table import paragraph, text_table
 from ....f28335.memory.memory_map import NoSuchAddress
-from ....processor.error_origin import FirmwareError
-from ....processor.user_code import output_muted
+from ....processor.user_code import FirmwareError, output_muted
 from ....scene.case.model import BadCase, Case
 from ....timing.verdict import duration_text
 from .observe import Error, Errors, Observed, built, compare, observe

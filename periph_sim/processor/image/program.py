@@ -26,8 +26,8 @@ from ..c28x.execution.registers import IllegalOperation
 from ..c28x.operand_field import SP_FIELD
 from ..image_files.model import Image
 from ..polling import Spin
-from ..processor import Processor
-from ..processor import Awaited, Stop, UnansweredWait
+from ..processor import Awaited, Processor, Stop, UnansweredWait
+from ..user_code import FirmwareLost, InterruptFault
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
 from .loaded_image import LAST_JUMPS, LoadedImage

@@ -55,7 +55,7 @@ def _own_measures(case: Case) -> dict[str, str]:
     missed"`. BadCase, with file and line, for an invalid one.
     """
     from ..timing.measures.factory import check_measure
-    from .case.load import read
+    from .case.toml_file import read
 
     sentences = dict(case.measures)
     file = case.folder / case.measures_from
@@ -95,7 +95,7 @@ class _ImageNames:
 
     @cached_property
     def _image(self) -> Image:
-        from ..processor.image_files.load import program_in
+        from ..processor.image_files.program_file import program_in
 
         return program_in(Path(self._path))
 

@@ -29,7 +29,7 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
     if function is not None:
         return _explain(image, function, as_json)
     from ...processor.image_files.inspection import inspect
-    from ...processor.image_files.load import program_in
+    from ...processor.image_files.program_file import program_in
     from ...processor.image_files.text_report import as_json as as_dict
     from ...processor.image_files.text_report import text
 
@@ -42,7 +42,7 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
 def _explain(image: Path, function: str, as_json: bool) -> int:
     """Show the cycles of one function."""
     from ...processor.image_files.function_cycles import function_cycles
-    from ...processor.image_files.load import program_in
+    from ...processor.image_files.program_file import program_in
     from ...processor.image_files.text_report import cycles_as_json, cycles_text
 
     with usage_errors_in_one_sentence():

@@ -17,18 +17,18 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from .keys import CASES, current
+
 if TYPE_CHECKING:
     from ...supervisor import Completion
     from .fixtures import SceneFactory
     from .runs import Run
 
 
-CASES = "periph_sim_cases"
 MARKER = (
     "case(file, *changes, seconds=None, record=False): "
     "the case that fixture case_run runs, with KEY=VALUE changes as for periph-sim run --set"
 )
-current: pytest.StashKey[pytest.Item] = pytest.StashKey()
 _in_tests: list[pytest.Item] = []  # running now; several if a test runs its own session
 _completion: Completion | None = None  # of the session running in this process
 

@@ -80,18 +80,6 @@ def require_loadable(image: Image, part: Part) -> None:
             raise BadImage(f".cinit initialises {len(words)} words {why}")
 
 
-SOURCE = ".asm"
-
-
-def program_in(path: Path) -> Image:
-    """Load or assemble the image in a file. Raise BadImage naming the file if it is not an F28335 image."""
-    if path.suffix != SOURCE:
-        return load(path)
-    from .assemble import assemble_file  # slow import, needed for sources only
-
-    return assemble_file(path)[0]
-
-
 def shared_memory(image: Image) -> list[str]:
     """Return a sentence for each pair of sections that overlap in RAM."""
     in_ram = [section for section in image.sections if section.allocated and section.size and _is_ram(section.run)]

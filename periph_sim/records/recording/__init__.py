@@ -132,7 +132,7 @@ def _opened(path: Path) -> Iterator[tuple[type[RecordingWriter], IO[Any]]]:
 
     chosen = format_of(path)
     if chosen is None:
-        hint = did_you_mean(path.suffix, recording_formats())
+        hint = did_you_mean(path.suffix, sorted(recording_formats()))
         raise BadRecording(f"{path}: no recording is written as {path.suffix!r}; {hint}")
     encoding = "utf-8" if chosen.MODE == "w" else None
     try:

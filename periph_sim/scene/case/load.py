@@ -6,24 +6,23 @@ change of host.jitter --> the table [host] is read and checked anew; all others 
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from ...core.convert import BadTable, Mistake, keys_of
-from ...core.input_files import note_inputs_of, read_input
+from ...core.input_files import note_inputs_of
 from ...core.shorten import shorten
 from ...core.suggest import did_you_mean
 from ...core.table import separate
 from .error_text import explain
 from .model import BadCase, Case
 from .origin import SHOWN, Place, Source, texts_in
+from .toml_file import copied, text_of, tree_of
 
 WIDEST = 2**63 - 1  # largest integer: the limit of TOML and of compiled code
-_TOO_LONG = re.compile(r"[0-9_]{4300}")  # Python parses no integer of more digits
 
 
 NAMES = {"name", "measure", "chip", "model", "pair", "breaks", "order"}  # keys whose texts are names
@@ -107,46 +106,6 @@ def located(case: Case, folder: Path) -> Case:
     return case.model_copy(update={"unit": case.unit | moved})
 
 
-def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
-    """Return the text of a TOML file and its tree. what: its kind, for messages. Raise BadCase if either fails."""
-    text = text_of(path, what)
-    return text, tree_of(path, text)
-
-
-def text_of(path: Path, what: str) -> str:
-    """Return the text of a TOML file. what: its kind, for messages. Raise BadCase if it cannot be read as UTF-8."""
-    try:
-        data = read_input(path)
-    except IsADirectoryError:
-        raise BadCase(
-            f"{path}: is a folder; give a {what} file, or run all its cases: periph-sim check {path}"
-        ) from None
-    except OSError as error:
-        raise BadCase(f"{path}: cannot be read ({error.strerror}); give the path of a {what} file") from None
-    try:
-        return data.decode("utf-8-sig")  # Notepad begins a file with a byte order mark
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        found = f"byte {data[error.start]:#04x}"
-        raise BadCase(
-            f"{path}, line {line}: {found} is not UTF-8; a {what} file is TOML, which is UTF-8 text"
-        ) from None
-
-
-def tree_of(path: Path, text: str) -> dict[str, Any]:
-    """Return the tree of a TOML text. path: for messages. Raise BadCase if the text cannot be parsed."""
-    try:
-        return cast(dict[str, Any], copied(_tables(text)))
-    except tomllib.TOMLDecodeError as error:
-        raise BadCase(f"{path}: it is not TOML: {error}") from None
-    except ValueError:
-        found = _TOO_LONG.search(text)
-        line = 0 if found is None else text.count("\n", 0, found.start()) + 1
-        raise BadCase(f"{path}, line {line}: an integer is too long; it must fit 64 bits") from None
-    except RecursionError:
-        raise BadCase(f"{path}: its tables or lists are nested too deeply; a case has at most five levels") from None
-
-
 def refuse_unusable(source: Source, tree: object, place: Place = ()) -> None:
     """Raise BadCase, with file, line and key, for an integer beyond 64 bits or a name with unprintable characters."""
     if isinstance(tree, dict):
@@ -169,19 +128,6 @@ def _check_name(source: Source, name: str, place: Place) -> None:
         key = ".".join(ascii(part)[1:-1] if isinstance(part, str) else str(part) for part in place)
         where = source.where(place)
         raise BadCase(f"{where}: {key}: {name!a} is no name; a name is one line of printable characters")
-
-
-@lru_cache(maxsize=16)
-def _tables(text: str) -> dict[str, Any]:
-    """Return the tree of a TOML text, parsed once for all scenes that change a key of it. It must not be changed."""
-    return tomllib.loads(text)
-
-
-def copied(value: Any) -> Any:
-    """Return tables and lists anew, with the same values in them: changes go into these."""
-    if isinstance(value, dict):
-        return {key: copied(inner) for key, inner in value.items()}
-    return [copied(inner) for inner in value] if isinstance(value, list) else value
 
 
 def apply(tree: dict[str, object], change: str) -> Place:

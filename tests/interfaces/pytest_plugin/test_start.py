@@ -9,7 +9,8 @@ import sys
 
 def test_start():
     ours = {name.removeprefix("periph_sim") for name in sys.modules if name.startswith("periph_sim")}
-    assert ours == {"", ".form", ".interfaces", ".interfaces.pytest_plugin"}  # form: the choice of the core
+    plugin = ".interfaces.pytest_plugin"
+    assert ours == {"", ".form", ".interfaces", plugin, f"{plugin}.keys"}  # form: the choice of the core
     assert not {"pydantic", "numpy", "greenlet", "rich", "click", "drawsvg"} & set(sys.modules)
 """
 

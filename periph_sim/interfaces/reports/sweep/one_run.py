@@ -15,8 +15,8 @@ from pathlib import Path
 from ....core.kernel import SimulationStuck
 from ....f28335.memory.memory_map import NoSuchAddress
 from ....processor.user_code import FirmwareError
-from ....scene.case.load import text_of
 from ....scene.case.model import BadCase
+from ....scene.case.toml_file import text_of
 from ....scene.firmware_loader import Firmware
 from ....scene.prepared import PreparedScene
 from ....timing.verdict import Verdict

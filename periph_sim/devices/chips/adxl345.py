@@ -6,21 +6,184 @@ Not modelled: detection of tap, activity, inactivity and free fall, AUTO_SLEEP, 
 sample is the source's value at that instant), the INT pins, the 5 us between two reads of the FIFO, which I2C up to
 400 kHz always keeps. Enabling an event that is not detected leaves a note.
 
-Source: ADXL345 data sheet Rev 0, sections named at the methods.
+Source: ADXL345 data sheet Rev 0, register map, FIFO section and the sections named at the methods.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
+from enum import IntEnum
 from fractions import Fraction
 
 from ...core.options import Answers, IntOption, TextOption, choice
-from ...core.registers import Register
+from ...core.registers import Register, RegisterMap
 from ...core.state import State
 from ...core.time import Clock, Timebase
-from .adxl345_fifo import DEPTH, Fifo, Mode
-from .adxl345_map import DATA, MAP, OFFSETS, SHEET
-from .register_chip import RegisterChip, Source, clipped, nearest
+from .register_chip import Bits, RegisterChip, Source, byte_register, clipped, nearest
+
+SHEET = "ADXL345 Rev 0"
+MAP_SECTION = f"{SHEET} register map"
+OFFSETS = ("OFSX", "OFSY", "OFSZ")
+DATA = ("DATAX0", "DATAX1", "DATAY0", "DATAY1", "DATAZ0", "DATAZ1")
+EVENTS: Bits = (
+    ("DATA_READY", "7"),
+    ("SINGLE_TAP", "6"),
+    ("DOUBLE_TAP", "5"),
+    ("Activity", "4"),
+    ("Inactivity", "3"),
+    ("FREE_FALL", "2"),
+    ("Watermark", "1"),
+    ("Overrun", "0"),
+)
+AXES_OF_ACTIVITY: Bits = (
+    ("ACT_ac_dc", "7"),
+    ("ACT_X", "6"),
+    ("ACT_Y", "5"),
+    ("ACT_Z", "4"),
+    ("INACT_ac_dc", "3"),
+    ("INACT_X", "2"),
+    ("INACT_Y", "1"),
+    ("INACT_Z", "0"),
+)
+TAP_AXES: Bits = (("Suppress", "3"), ("TAP_X", "2"), ("TAP_Y", "1"), ("TAP_Z", "0"))
+TAP_STATUS: Bits = (
+    ("ACT_X", "6"),
+    ("ACT_Y", "5"),
+    ("ACT_Z", "4"),
+    ("Asleep", "3"),
+    ("TAP_X", "2"),
+    ("TAP_Y", "1"),
+    ("TAP_Z", "0"),
+)
+POWER_CTL: Bits = (("Link", "5"), ("AUTO_SLEEP", "4"), ("Measure", "3"), ("Sleep", "2"), ("Wakeup", "1:0"))
+DATA_FORMAT: Bits = (
+    ("SELF_TEST", "7"),
+    ("SPI", "6"),
+    ("INT_INVERT", "5"),
+    ("FULL_RES", "3"),
+    ("Justify", "2"),
+    ("Range", "1:0"),
+)
+
+MAP = RegisterMap(
+    "ADXL345",
+    SHEET,
+    (
+        byte_register(0x00, "DEVID", "R", 0xE5, MAP_SECTION),
+        byte_register(0x1D, "THRESH_TAP", "R/W", 0x00, MAP_SECTION),
+        *(byte_register(0x1E + i, name, "R/W", 0x00, MAP_SECTION) for i, name in enumerate(OFFSETS)),
+        byte_register(0x21, "DUR", "R/W", 0x00, MAP_SECTION),
+        byte_register(0x22, "Latent", "R/W", 0x00, MAP_SECTION),
+        byte_register(0x23, "Window", "R/W", 0x00, MAP_SECTION),
+        byte_register(0x24, "THRESH_ACT", "R/W", 0x00, MAP_SECTION),
+        byte_register(0x25, "THRESH_INACT", "R/W", 0x00, MAP_SECTION),
+        byte_register(0x26, "TIME_INACT", "R/W", 0x00, MAP_SECTION),
+        byte_register(0x27, "ACT_INACT_CTL", "R/W", 0x00, MAP_SECTION, AXES_OF_ACTIVITY),
+        byte_register(0x28, "THRESH_FF", "R/W", 0x00, MAP_SECTION),
+        byte_register(0x29, "TIME_FF", "R/W", 0x00, MAP_SECTION),
+        byte_register(0x2A, "TAP_AXES", "R/W", 0x00, MAP_SECTION, TAP_AXES),
+        byte_register(0x2B, "ACT_TAP_STATUS", "R", 0x00, MAP_SECTION, TAP_STATUS),
+        byte_register(0x2C, "BW_RATE", "R/W", 0x0A, MAP_SECTION, (("LOW_POWER", "4"), ("Rate", "3:0"))),
+        byte_register(0x2D, "POWER_CTL", "R/W", 0x00, MAP_SECTION, POWER_CTL),
+        byte_register(0x2E, "INT_ENABLE", "R/W", 0x00, MAP_SECTION, EVENTS),
+        byte_register(0x2F, "INT_MAP", "R/W", 0x00, MAP_SECTION, EVENTS),
+        byte_register(0x30, "INT_SOURCE", "R", 0x02, MAP_SECTION, EVENTS),
+        byte_register(0x31, "DATA_FORMAT", "R/W", 0x00, MAP_SECTION, DATA_FORMAT),
+        *(byte_register(0x32 + i, name, "R", 0x00, MAP_SECTION) for i, name in enumerate(DATA)),
+        byte_register(
+            0x38, "FIFO_CTL", "R/W", 0x00, MAP_SECTION, (("Mode", "7:6"), ("Trigger", "5"), ("Samples", "4:0"))
+        ),
+        byte_register(0x39, "FIFO_STATUS", "R", 0x00, MAP_SECTION, (("FIFO_TRIG", "7"), ("Entries", "5:0"))),
+    ),
+)
+
+
+DEPTH = 32
+HELD = DEPTH + 1  # including the one at the output of the filter
+
+
+class Mode(IntEnum):
+    BYPASS = 0
+    FIFO = 1
+    STREAM = 2
+    TRIGGER = 3
+
+
+class Fifo:
+    """The output register and the FIFO, with DATA_READY, Overrun and the number of entries.
+
+        sample --> bypass: output register
+               --> FIFO, stream, trigger: 32 samples and one more at the output of the filter --> output register
+
+    output: the six bytes of the data registers. triggered: FIFO_TRIG.
+    """
+
+    STATE = State("output mode samples overrun triggered _unread _waiting")
+
+    def __init__(self, overrun_when_filled: bool) -> None:
+        self.output = bytes(6)
+        self.mode = Mode.BYPASS
+        self.samples = 0  # of FIFO_CTL: the watermark, or the number that a trigger keeps
+        self.overrun = False
+        self.triggered = False
+        self._unread = False  # True if the output register is unread, in bypass
+        self._waiting: deque[bytes] = deque()
+        self._overrun_when_filled = overrun_when_filled
+
+    @property
+    def entries(self) -> int:
+        return len(self._waiting)
+
+    @property
+    def data_ready(self) -> bool:
+        return self._unread if self.mode is Mode.BYPASS else bool(self._waiting)
+
+    @property
+    def watermark(self) -> bool:
+        """True if FIFO_CTL's number of entries is reached; at power-on 0 of 0, hence INT_SOURCE reads 0x02."""
+        return self.entries >= self.samples
+
+    @property
+    def keeps_first(self) -> bool:
+        """True if later samples are lost when it is full; else the oldest are dropped."""
+        return self.mode is Mode.FIFO or (self.mode is Mode.TRIGGER and self.triggered)
+
+    def set_up(self, mode: Mode, samples: int) -> None:
+        """Apply a write of FIFO_CTL. Bypass empties the FIFO; the other modes keep its contents."""
+        if mode is Mode.BYPASS:
+            self._waiting.clear()
+        if mode is not self.mode:
+            self.overrun = self.triggered = self._unread = False
+        self.mode, self.samples = mode, samples
+
+    def push(self, sample: bytes) -> None:
+        """Add a new sample from the filter."""
+        if self.mode is Mode.BYPASS:
+            self.overrun |= self._unread
+            self.output, self._unread = sample, True
+            return
+        lost = len(self._waiting) == HELD
+        if not (lost and self.keeps_first):
+            self._waiting.append(sample)
+            if lost:
+                self._waiting.popleft()
+        self.overrun |= len(self._waiting) >= DEPTH if self._overrun_when_filled else lost
+
+    def trigger(self) -> None:
+        """Handle trigger mode's event: the last `samples` are kept, and new ones fill the rest."""
+        if self.mode is Mode.TRIGGER and not self.triggered:
+            self.triggered = True
+            while len(self._waiting) > self.samples:
+                self._waiting.popleft()
+
+    def latch(self) -> bytes:
+        """Return the sample for a burst of reads; it counts as read, whole or not."""
+        if self._waiting:
+            self.output = self._waiting.popleft()
+        self._unread = self.overrun = False
+        return self.output
+
 
 ADDRESSES = (0x53, 0x1D)  # SDO/ALT ADDRESS low, high
 LSB_PER_G = 256

@@ -14,11 +14,30 @@ from __future__ import annotations
 from fractions import Fraction
 
 from ...core.options import Answers, BoolOption, IntOption, TextOption, choice
-from ...core.registers import Register
+from ...core.registers import Register, RegisterMap
 from ...core.state import State
 from ...core.time import Clock, Timebase
-from .hmc5883l_map import DATA, MAP, SHEET
-from .register_chip import RegisterChip, Source, nearest
+from .register_chip import RegisterChip, Source, byte_register, nearest
+
+SHEET = "HMC5883L data sheet"
+MAP_SECTION = f"{SHEET}, register list"
+DATA = ("DXRA", "DXRB", "DZRA", "DZRB", "DYRA", "DYRB")  # in this order: x, z, y, high byte first
+
+MAP = RegisterMap(
+    "HMC5883L",
+    SHEET,
+    (
+        byte_register(0x00, "CRA", "R/W", 0x10, MAP_SECTION, (("MA", "6:5"), ("DO", "4:2"), ("MS", "1:0"))),
+        byte_register(0x01, "CRB", "R/W", 0x20, MAP_SECTION, (("GN", "7:5"), ("ZERO", "4:0"))),
+        byte_register(0x02, "Mode", "R/W", 0x01, MAP_SECTION, (("HS", "7"), ("MD", "1:0"))),
+        *(byte_register(0x03 + i, name, "R", 0x00, MAP_SECTION) for i, name in enumerate(DATA)),
+        byte_register(0x09, "Status", "R", 0x00, MAP_SECTION, (("LOCK", "1"), ("RDY", "0"))),
+        byte_register(0x0A, "IRA", "R", ord("H"), MAP_SECTION),
+        byte_register(0x0B, "IRB", "R", ord("4"), MAP_SECTION),
+        byte_register(0x0C, "IRC", "R", ord("3"), MAP_SECTION),
+    ),
+)
+
 
 ADDRESSES = (0x1E,)
 LSB_PER_GAUSS = (1370, 1090, 820, 660, 440, 390, 330, 230)  # by GN

@@ -11,8 +11,7 @@ from fractions import Fraction
 import pytest
 
 from periph_sim.bus.i2c.transfer import BusTiming
-from periph_sim.devices.chips.adxl345 import Adxl345, Adxl345Options
-from periph_sim.devices.chips.adxl345_fifo import Fifo
+from periph_sim.devices.chips.adxl345 import Adxl345, Adxl345Options, Fifo
 from tests.devices.bench import MS, SECOND, TIMEBASE, US, Bench, steady
 
 BW_RATE, POWER_CTL, INT_ENABLE, INT_SOURCE, DATA_FORMAT, DATA = 0x2C, 0x2D, 0x2E, 0x30, 0x31, 0x32

@@ -6,7 +6,7 @@ from datetime import datetime
 
 import pytest
 
-from periph_sim.devices.targets.calendar_registers import BadTime, CalendarTime, registers_of, time_in
+from periph_sim.devices.targets.rtc import BadTime, CalendarTime, registers_of, time_in
 from periph_sim.scene.case.model import BadCase
 from tests.devices.targets.bus_of import SECOND, Bus
 

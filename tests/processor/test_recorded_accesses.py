@@ -1,11 +1,18 @@
-"""What a record of an access says: the value that was read or written, also where the read itself changes it."""
+"""Records of firmware: the values of accesses, and the file and line of waits, spans and service routines."""
 
 from __future__ import annotations
 
+import linecache
+from fractions import Fraction
+from pathlib import Path
+
 from periph_sim.core.kernel import Kernel
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import OF_MODIFIES, RECORDED, Kind, Record, Recorder, RecordSink
 from periph_sim.core.time import Timebase
 from periph_sim.processor.dsp import Dsp, DspPlan
+from periph_sim.processor.source_location import SourceLocation
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
 from tests.processor.bench import Bench
 
 
@@ -69,3 +76,117 @@ def test_each_half_of_a_pair_is_recorded_in_its_place():
         ("W", 0x3333_0000),
         ("W", 0x4444),
     ]
+
+
+def test_idle_is_recorded_from_the_instruction_to_the_interrupt() -> None:
+    found: list[Record] = []
+    recorder = Recorder()
+    recorder.subscribe([Kind.WAIT], found.append)
+    bench = Bench([(200, 0, 0)], recorder=recorder)
+    bench.enable()
+    bench.cpu.handle("SEQ1INT", lambda: bench.note("served"))
+
+    def firmware() -> None:
+        bench.cpu.compute(50)
+        bench.cpu.idle()
+        bench.note("awake")
+
+    log = dict(bench.run(firmware, 600))
+    assert [(record.what, record.value) for record in found] == [("IDLE", 1), ("IDLE", 0)]
+    begin, end = (bench.clock.cycle_at(record.tick) for record in found)
+    assert 50 <= begin < 60 and 200 <= end <= log["served"] <= log["awake"]
+
+
+CASE = load(Path(__file__).parents[2] / "timing" / "imu_hil_published.toml")
+
+
+def records(*kinds: Kind, seconds: Fraction = Fraction(8, 1000)) -> list[Record]:
+    found: list[Record] = []
+    Scene(CASE, lambda recorder, _: recorder.subscribe(kinds, found.append)).run(seconds)
+    return found
+
+
+class OfModifies(RecordSink):
+    """Keeps what is said of the places of accesses to I2CSTR by who needs them of read-modify-writes only."""
+
+    def __init__(self) -> None:
+        self.said: list[tuple[str, str, str]] = []  # R or W, the field, the place
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        return ("R I2C-A.I2CSTR", "W I2C-A.I2CSTR").index(what) if what.endswith("I2CSTR") else -1
+
+    def places(self, tag: int) -> int:
+        return OF_MODIFIES
+
+    def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
+        self.said.append(("RW"[tag], field, text))
+
+
+def source(record: Record) -> str:
+    where = record.text
+    assert isinstance(where, SourceLocation) and where == f"{str(where).partition(':')[0]}:{where.line}"
+    return linecache.getline(where.path, where.line).strip()
+
+
+def test_waits_begin_and_end_in_turn_and_name_what_is_polled():
+    waits = records(Kind.WAIT)
+    assert [w.value for w in waits] == [1, 0] * (len(waits) // 2) + [1] * (len(waits) % 2)
+    first, second = waits[0], waits[2]
+    assert (first.what, source(first)) == ("I2C-A.I2CSTR.AAS", "dsp.spin(lambda: i2c.I2CSTR.AAS == 1)")
+    assert (second.what, source(second)) == ("I2C-A.I2CSTR.RRDY", "dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)")
+    assert any(w.what == "I2C-A.I2CSTR.XRDY and I2C-A.I2CSTR.SCD" for w in waits)
+
+
+def test_a_condition_that_holds_at_once_is_no_wait():
+    """The firmware of the emulator without its wait for SDIR finds XRDY set at its second look."""
+    waits = records(Kind.WAIT, seconds=Fraction(4, 1000))
+    assert [w.what for w in waits] == ["I2C-A.I2CSTR.AAS"]
+
+
+def test_spans_and_routines_say_where_they_are():
+    found = [r for r in records(Kind.SPAN, Kind.IRQ, Kind.ACCESS) if r.value and r.kind is not Kind.ACCESS]
+    said = {r.what: source(r) for r in found}
+    assert said == {
+        "model": 'dsp.compute(self.cost, "model")',
+        "SCIRXINTA": "def sci_received(self) -> None:",
+    }
+
+
+def test_a_span_of_a_with_statement_is_where_the_statement_is(tmp_path: Path):
+    firmware = tmp_path / "steps.py"
+    firmware.write_text(
+        'def main(dsp, settings):\n    with dsp.span("step"):\n        dsp.compute(9)\n', encoding="utf-8"
+    )
+    case = tmp_path / "steps.toml"
+    case.write_text(
+        f'name = "steps"\nduration = "1 us"\n[unit.dsp]\nfirmware = "{firmware}"\nmodules = []\n', encoding="utf-8"
+    )
+    found: list[Record] = []
+    Scene(load(case), lambda recorder, _: recorder.subscribe([Kind.SPAN], found.append)).run()
+    assert [record.value for record in found] == [1, 0]
+    assert (found[0].text, source(found[0])) == ("main:2", 'with dsp.span("step"):')
+
+
+def test_what_happens_while_a_routine_computes_is_not_its_doing():
+    case = load(
+        Path(__file__).parents[2] / "timing" / "imu_hil_published.toml",
+        ["unit.dsp.settings.frame_cost=200 us", "host.first=4.24 ms"],
+    )
+    found: list[Record] = []
+    Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, found.append)).run(Fraction(8, 1000))
+    entered = next(r for r in found if r.kind is Kind.IRQ and r.value)
+    left = next(r for r in found if r.kind is Kind.IRQ and not r.value)
+    inside = [r for r in found if entered.tick < r.tick < left.tick]
+    of_it = {r.kind for r in inside if r.cause == entered.number}
+    assert of_it == {Kind.ACCESS, Kind.SPAN}
+    assert sum(r.kind is Kind.EDGE for r in inside) > 20
+
+
+def test_the_place_of_a_field_that_is_only_read_is_not_worked_out_for_who_wants_those_of_modifies():
+    keeper = OfModifies()
+    Scene(CASE, lambda recorder, _: recorder.subscribe([Kind.ACCESS], keeper)).run(Fraction(8, 1000))
+    modified = [(way, field) for way, field, place in keeper.said if place]
+    assert {field for _, field in modified} == {"SCD"} and len({place for _, _, place in keeper.said if place}) == 1
+    assert modified.count(("R", "SCD")) == modified.count(("W", "SCD")) > 0
+    polls = [place for way, field, place in keeper.said if field in ("AAS", "RRDY", "XRDY")]
+    assert len(polls) > 20 and not any(polls)

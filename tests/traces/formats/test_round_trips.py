@@ -1,16 +1,25 @@
-"""What is written and read again has the same edges, on the samples of the same rate."""
+"""Written files hold the same edges, read by this package, by other libraries or by sigrok."""
 
 from __future__ import annotations
 
+import json
+import re
+import shutil
+import subprocess
+from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
+import pywellen
 from hypothesis import example, given, settings
 
 from periph_sim.traces import formats
-from periph_sim.traces.capture.capture import channel_of
+from periph_sim.traces.capture.capture import changes, channel_of
+from periph_sim.traces.decode import i2c, uart
 from periph_sim.traces.formats import Capture, Span
 from tests.profiles import examples
+from tests.records.vcdvcd_reader import VCDVCD
 from tests.traces.formats.looks import edges, facts
 from tests.traces.formats.strategies import captures
 
@@ -121,3 +130,133 @@ def test_names_that_vcd_cannot_hold_are_changed_and_told(tmp_path: Path):
     )
     again = formats.read(tmp_path / "x.vcd")
     assert edges(again) == {"My_SDA": [0], "My_SDA_2": [1], "channel_2": [0], "channel_3": [1], "_end": [0]}
+
+
+TRACES = Path(__file__).resolve().parents[3] / "traces"
+SIGROK = shutil.which("sigrok-cli")
+needs_sigrok = pytest.mark.skipif(SIGROK is None, reason="sigrok-cli is not installed")
+
+States = dict[str, list[tuple[int, str]]]
+
+
+def expected(capture: Capture) -> States:
+    """Name as VCD has it -> (position, state)."""
+    found: States = {f"capture.{c.name.replace(' ', '_')}": [] for c in capture.channels}
+    names = list(found)
+    for at, which, state in zip(*(column.tolist() for column in changes(capture)), strict=True):
+        found[names[which]].append((at, "01x"[state]))
+    return found
+
+
+def positions(states: States, per_second: Fraction, rate: Fraction) -> States:
+    return {name: [(round(at * rate / per_second), state) for at, state in of] for name, of in states.items()}
+
+
+@given(given=captures())
+@settings(max_examples=examples(40), deadline=None)
+def test_vcdvcd_reads_the_same_changes(tmp_path_factory: pytest.TempPathFactory, given: Capture):
+    path = tmp_path_factory.mktemp("vcd") / "x.vcd"
+    formats.write(given, path)
+    other = VCDVCD(str(path))
+    per_second = 1 / Fraction(str(other.timescale["timescale"]))
+    found = {name: [(at, state) for at, state in other[name].tv] for name in other.signals}
+    assert positions(found, per_second, given.rate) == expected(given)
+    assert round(other.endtime * given.rate / per_second) == given.length
+
+
+@given(given=captures())
+@settings(max_examples=examples(40), deadline=None)
+def test_wellen_reads_the_same_changes(tmp_path_factory: pytest.TempPathFactory, given: Capture):
+    path = tmp_path_factory.mktemp("vcd") / "x.vcd"
+    formats.write(given, path)
+    other = pywellen.Waveform(str(path), multi_threaded=False)
+    per_second = Fraction(10 ** -other.timescale.unit.to_exponent(), other.timescale.factor)
+    found = {re.sub(r"\[3\]$", "", v.full_name): [(at, str(state)) for at, state in v.signal] for v in other.all_vars()}
+    plain = {re.sub(r"\[3\]$", "", name): of for name, of in expected(given).items()}  # it takes indices for ranges
+    assert positions(found, per_second, given.rate) == plain
+
+
+def oracle(path: Path, *decoder: str) -> list[str]:
+    command = [str(SIGROK), "-I", "vcd", "-i", str(path), "-P", decoder[0], "-A", decoder[1]]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    return [line.partition(": ")[2] for line in said.splitlines()]
+
+
+@needs_sigrok
+@pytest.mark.parametrize("name", ["imu_round.sr", "nack.sr"])
+def test_sigrok_decodes_the_same_bytes(tmp_path: Path, name: str):
+    capture = formats.read(TRACES / name)
+    formats.write(capture, tmp_path / "x.vcd")
+    wanted = "i2c=address-read:address-write:data-read:data-write:ack:nack"
+    said = oracle(tmp_path / "x.vcd", "i2c:scl=SCL:sda=SDA", wanted)
+    ours = []
+    for event in i2c.events(capture):
+        if isinstance(event, i2c.Address):
+            ours.append(f"Address {'read' if event.read else 'write'}: {event.value:02X}")
+        elif isinstance(event, i2c.Data):
+            ours.append(f"Data {'read' if event.read else 'write'}: {event.value:02X}")
+        elif isinstance(event, i2c.Ack | i2c.Nack):
+            ours.append(type(event).__name__.upper())
+    assert len(ours) > 10 and [line for line in said if line in set(ours)] == ours
+
+
+@needs_sigrok
+def test_sigrok_decodes_the_same_frames(tmp_path: Path):
+    capture = formats.read(TRACES / "host_frames.sr")
+    formats.write(capture, tmp_path / "x.vcd")
+    said = oracle(tmp_path / "x.vcd", "uart:rx=RX:baudrate=115200", "uart=rx-data")
+    frames = [event for event in uart.events(capture, "RX", uart.Line(115200)) if isinstance(event, uart.Frame)]
+    assert said == [f"{frame.value:02X}" for frame in frames] and len(said) == 24
+
+
+def picture(capture: Capture, path: Path) -> dict[str, object]:
+    formats.write(capture, path)
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def test_a_short_window(tmp_path: Path):
+    lines = (
+        channel_of("SCL", 0, [0, 4, 8, 12], [1, 0, 1, 0], 20),
+        channel_of("SDA", 1, [0, 2, 6, 10], [1, 0, None, 1], 20),
+    )
+    shown = picture(Capture(Path("x"), formats.rate_of("4 MHz"), 20, lines), tmp_path / "x.wavedrom.json")
+    assert shown == {
+        "signal": [{"name": "SCL", "wave": "1.0.1.0..."}, {"name": "SDA", "wave": "10.x.1...."}],
+        "config": {"skin": "narrowerer"},
+        "foot": {"text": "10 bricks, 500 ns each"},
+    }
+
+
+@given(given=captures())
+@settings(max_examples=examples(40), deadline=None)
+def test_the_bricks_are_the_edges(tmp_path_factory: pytest.TempPathFactory, given: Capture):
+    path = tmp_path_factory.mktemp("drom") / "x.wavedrom.json"
+    try:
+        shown = picture(given, path)
+    except formats.BadCapture as error:
+        assert " bricks of " in str(error) and not path.exists()
+        return
+    bricks = {len(lane["wave"]) for lane in shown["signal"]}
+    assert len(bricks) == 1
+    at, which, states = (column.tolist() for column in changes(given))
+    size = min([b - a for a, b in pairwise(sorted({*at, given.length}))], default=1)
+    for number, lane in enumerate(shown["signal"]):
+        placed = [(place, letter) for place, letter in enumerate(lane["wave"]) if letter != "."]
+        expected = [(p, "01x"[s]) for p, w, s in zip(at, which, states, strict=True) if w == number]
+        assert [letter for _, letter in placed] == [letter for _, letter in expected]
+        steps = {p // b for (p, _), (b, _) in zip(expected, placed, strict=True) if b}
+        assert len(steps) <= 1 and all(step <= size for step in steps)
+
+
+def test_a_long_window_is_refused(tmp_path: Path):
+    many = channel_of("SCL", 0, range(5000), [n & 1 for n in range(5000)], 5000)
+    far = channel_of("SCL", 0, [0, 1], [0, 1], 10**6)
+    sparse = channel_of("SCL", 0, [0, 3, 900_001], [0, 1, 0], 10**6)
+    way_out = "state a shorter one, as --window '100 us..150 us'"
+    for line, found in ((many, "4999 edges, expected at most 1000"), (sparse, "1000000 bricks of 1 positions")):
+        with pytest.raises(formats.BadCapture) as caught:
+            formats.write(Capture(Path("x.sr"), None, 10**6, (line,)), tmp_path / "x.wavedrom.json")
+        assert str(caught.value).startswith(f"x.sr, the window: found {found}") and str(caught.value).endswith(way_out)
+    with pytest.raises(formats.BadCapture, match="1000000 bricks of 1 positions"):
+        formats.write(Capture(Path("x.sr"), None, 10**6, (far,)), tmp_path / "x.wavedrom.json")
+    assert list(tmp_path.iterdir()) == []

@@ -154,10 +154,7 @@ def test_a_capture_that_begins_with_sda_low_is_no_start_to_the_chip():
     wave = I2cWave(20, 4)
     wave.samples += bytes([0b01]) * 400  # SCL high, SDA low; then a STOP
     wave.idle(400)
-    wave.start()
-    wave.byte(0xA1)
-    wave.byte(0x42, ack=False)
-    wave.stop()
+    wave.transfer(0xA1, 0x42, nack_last=True)
     wave.idle(400)
     assert replay(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)).verdict == "pass"
 
@@ -165,10 +162,7 @@ def test_a_capture_that_begins_with_sda_low_is_no_start_to_the_chip():
 def test_edges_of_both_lines_in_one_sample_are_no_condition():
     wave = I2cWave(20, 0)  # SDA changes with SCL's fall
     wave.idle(400)
-    wave.start()
-    wave.byte(0xA1)
-    wave.byte(0x42, ack=False)
-    wave.stop()
+    wave.transfer(0xA1, 0x42, nack_last=True)
     wave.idle(400)
     report = replay(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000))
     assert report.verdict == "pass" and any("edge of both lines" in note for note in report.notes)
@@ -198,10 +192,7 @@ def simultaneous() -> Capture:
     wave = I2cWave(20, 0)
     wave.idle(401)  # an edge beside the others, and
     wave.samples[7] ^= 2  # one of a spike: all are 250 ns apart, and not 5 us
-    wave.start()
-    wave.byte(0xA1)
-    wave.byte(0x42, ack=False)
-    wave.stop()
+    wave.transfer(0xA1, 0x42, nack_last=True)
     wave.idle(400)
     return of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)
 
@@ -226,10 +217,7 @@ def test_the_bus_s_own_raster_is_no_sampling_grid(tmp_path: Path):
     """Ideal edges, all of them 5 us apart: they are told by the tick, so that a late answer is still late."""
     wave = I2cWave(20, 0)
     wave.idle(400)
-    wave.start()
-    wave.byte(0xA1)
-    wave.byte(0x42, ack=False)
-    wave.stop()
+    wave.transfer(0xA1, 0x42, nack_last=True)
     wave.idle(400)
     formats.write(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000), tmp_path / "ideal.vcd")
     report = replay(formats.read(tmp_path / "ideal.vcd"))

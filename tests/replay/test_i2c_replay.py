@@ -150,9 +150,7 @@ def refused(times: int) -> Capture:
     """A controller that asks for 0x50 again and again, and nobody is there."""
     wave = new_wave()
     for _ in range(times):
-        wave.start()
-        wave.byte(0x50 << 1, ack=False)
-        wave.stop()
+        wave.transfer(0x50 << 1, nack_last=True)
         wave.idle(100)
     return captured(wave)
 

@@ -137,10 +137,7 @@ def read_of_12() -> formats.Capture:
     """53 read: 12, not acknowledged; a position is a quarter of a second, and so of a bit."""
     wave = I2cWave(2, 1)
     wave.idle(8)
-    wave.start()
-    wave.byte(0xA7)
-    wave.byte(0x12, ack=False)
-    wave.stop()
+    wave.transfer(0xA7, 0x12, nack_last=True)
     wave.idle(4)
     return of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4)
 

@@ -34,9 +34,7 @@ def mixed(tmp_path: Path) -> Path:
     bus.byte(0x22, ack=False)
     bus.stop()
     bus.idle(100)
-    bus.start()
-    bus.byte(0x00, ack=False)
-    bus.stop()
+    bus.transfer(0x00, nack_last=True)
     bus.idle(400)
     frames = [(Fraction(200 + 400 * n), frame_bits(0x41 + n)) for n in range(2)]
     line = uart_wave(frames, Fraction(40), len(bus.samples))

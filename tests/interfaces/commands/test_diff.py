@@ -91,9 +91,7 @@ def test_channels_of_other_names_in_b(periph_sim: Run, tmp_path: Path):
     renamed = tmp_path / "b.sr"
     drawn = I2cWave(20, 4)
     drawn.idle(9)
-    drawn.start()
-    drawn.byte(0xA6)
-    drawn.stop()
+    drawn.transfer(0xA6)
     renamed.write_bytes(sr_bytes(["clock", "data"], "4 MHz", bytes(drawn.samples)))
     assert periph_sim("diff", a, str(renamed)).status == 2
     came = periph_sim("diff", a, str(renamed), "--map-b", "scl=clock,sda=data")

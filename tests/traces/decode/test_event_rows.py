@@ -79,9 +79,7 @@ def test_a_ten_bit_address_that_is_asked_to_send_is_whole_where_its_own_transfer
         bus.again()
         bus.byte(0b11110_00_1 | high << 1)
     bus.stop()
-    bus.start()
-    bus.byte(0b11110_10_1)
-    bus.stop()
+    bus.transfer(0b11110_10_1)
     found = [row[4:6] for row in told(i2c_rows(i2c_table.i2c_table(of_wave(bus)))) if row[3] == "address"]
     assert found == [(0x7A, 8), (0x242, 10), (0x7B, 8), (0x7A, 8)]
 

@@ -74,10 +74,7 @@ def test_a_repeated_start_turns_the_direction():
 
 def test_the_address_is_seven_bits_and_ten_bit_addresses_are_not_joined():
     bus = wave()
-    bus.start()
-    bus.byte(0b11110110)
-    bus.byte(0x42)
-    bus.stop()
+    bus.transfer(0b11110110, 0x42)
     found = events(bus)
     assert isinstance(found[1], Address) and found[1].value == 0b1111011
     assert isinstance(found[3], Data) and found[3].value == 0x42
@@ -171,12 +168,8 @@ def test_glitches_of_sda_under_low_scl_are_nothing():
 
 def test_what_comes_before_the_first_start_is_a_lead_without_events():
     bus = wave()
-    bus.start()
-    bus.byte(0xA6)
-    bus.stop()
-    bus.start()
-    bus.byte(0xA7)
-    bus.stop()
+    bus.transfer(0xA6)
+    bus.transfer(0xA7)
     late = I2cWave()
     late.samples = bus.samples[30:]  # two of nine bits are over
     first, second = transfers(late)
@@ -216,10 +209,7 @@ def test_nothing_happens_on_an_idle_or_dead_bus():
 
 def test_nothing_is_decoded_across_a_gap():
     bus = wave()
-    bus.start()
-    bus.byte(0xA6)
-    bus.byte(0x00)
-    bus.stop()
+    bus.transfer(0xA6, 0x00)
     marks = ["".join("_-"[sample >> bit & 1] for sample in bus.samples) for bit in (0, 1)]
     holed = [wave[:100] + "?" * 20 + wave[120:] for wave in marks]
     found = i2c.transfers(drawn(f"SCL {holed[0]}\nSDA {holed[1]}"))
@@ -233,9 +223,7 @@ def test_nothing_is_decoded_across_a_gap():
 
 def test_each_bit_knows_its_clock_and_where_its_data_came():
     bus = wave(half=5, hold=2)
-    bus.start()
-    bus.byte(0b10000000)
-    bus.stop()
+    bus.transfer(0b10000000)
     bits = transfers(bus)[0].phases[0].bytes[0].bits
     fall = 15
     assert bits[0] == i2c.Bit(1, fall + 5, 5, 5, fall + 2, C)
@@ -288,9 +276,7 @@ def test_a_stop_right_behind_a_start():
 
 def test_a_second_stop_ends_nothing():
     bus = wave()
-    bus.start()
-    bus.byte(0xA6)
-    bus.stop()
+    bus.transfer(0xA6)
     alone = events(bus)
     bus.stop()
     assert events(bus) == alone

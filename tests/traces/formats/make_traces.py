@@ -39,9 +39,7 @@ def nack() -> bytes:
     wave = I2cWave()
     wave.idle(400)
     for _ in range(2):
-        wave.start()
-        wave.byte(0x53 << 1, ack=False)
-        wave.stop()
+        wave.transfer(0x53 << 1, nack_last=True)
         wave.idle(800)
     read_registers(wave, 0x53, 0x00, (0xE5,))
     wave.idle(200)

@@ -107,6 +107,13 @@ class I2cWave:
             self.bit(value >> place & 1)
         self.bit(0 if ack else 1)
 
+    def transfer(self, *values: int, nack_last: bool = False) -> None:
+        """START, the bytes with their acknowledges, STOP."""
+        self.start()
+        for place, value in enumerate(values, 1):
+            self.byte(value, ack=not nack_last or place < len(values))
+        self.stop()
+
     def _low(self, value: int) -> None:
         self._put(0, self._sda, self.hold)
         self._put(0, value, self.half - self.hold)

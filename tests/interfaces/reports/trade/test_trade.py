@@ -1,19 +1,33 @@
-"""A trade of rows: how long they run, which are refused, and which one is recommended."""
+"""A trade of rows: their CPU times, which of them are refused, and which one is recommended."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
+from itertools import count
 from math import inf
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from periph_sim.interfaces.reports.trade import trade as module
+from periph_sim.interfaces.reports.trade import trade
 from periph_sim.interfaces.reports.trade.observe import Error, Errors, Observed
 from periph_sim.interfaces.reports.trade.rows import AS_GIVEN, Row, rows_of
-from periph_sim.interfaces.reports.trade.trade import Cost, Outcome, Trade, as_json, text, trade
+from periph_sim.interfaces.reports.trade.trade import (
+    FEWEST,
+    MOST,
+    PATIENCE,
+    Cost,
+    Outcome,
+    Trade,
+    are_apart,
+    as_json,
+    costs_of,
+    text,
+)
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
 
@@ -31,7 +45,7 @@ def timed(monkeypatch: pytest.MonkeyPatch) -> None:
     def costs_of(rows: dict[str, object], start: Fraction, length: Fraction) -> dict[str, Cost]:
         return {name: Cost(1 - 0.1 * number, 0.01, 5) for number, name in enumerate(rows)}
 
-    monkeypatch.setattr(module, "costs_of", costs_of)
+    monkeypatch.setattr(trade, "costs_of", costs_of)
 
 
 def traded(case: str, *names: str, length: Fraction = ROUND, max_error_s: float = inf) -> Trade:
@@ -39,7 +53,7 @@ def traded(case: str, *names: str, length: Fraction = ROUND, max_error_s: float 
         return load(TIMING / f"{case}.toml", [*more])
 
     rows = [*rows_of(make, []), LATE, WRONG]
-    return trade(make, [row for row in rows if row.name in names], length, max_error_s)
+    return trade.trade(make, [row for row in rows if row.name in names], length, max_error_s)
 
 
 def observing(monkeypatch: pytest.MonkeyPatch, late: Times, recorded: float = 1.0) -> list[tuple[str, float, str]]:
@@ -52,7 +66,7 @@ def observing(monkeypatch: pytest.MonkeyPatch, late: Times, recorded: float = 1.
         times = late(float(length)) if name == "late" else [recorded if record else 1.0]
         return Observed({"a": "pass"}, {"a": np.array(times)}, {}, {})
 
-    monkeypatch.setattr(module, "observe", observe)
+    monkeypatch.setattr(trade, "observe", observe)
     return runs
 
 
@@ -126,7 +140,7 @@ def outcome(name: str, cpu_s: float, time_s: float = 0, differ: Sequence[str] = 
     ],
 )
 def test_the_cheapest_row_that_judges_alike_is_recommended(others: list[Outcome], max_error_s: float, best: str):
-    found, why = module._best([outcome("exact", 3.0), *others], max_error_s)
+    found, why = trade._best([outcome("exact", 3.0), *others], max_error_s)
     assert found.row.name == best
     assert why.startswith(
         "its budgets agree with the most accurate row" if best != "exact" else "it is the most accurate"
@@ -160,3 +174,78 @@ def test_json_has_every_row_and_infinite_errors_as_text(monkeypatch: pytest.Monk
         and given["cost"] == {"cpu_s": 1.0, "spread_s": 0.01, "runs": 5}
     )
     assert late["time_error"] == {"amount": "infinite", "unit": "s", "place": "a"}
+
+
+CASE = load(Path(__file__).resolve().parents[4] / "timing" / "responder.toml")
+ROWS = {"slow": (CASE, ""), "quick": (CASE, ".psr")}
+
+
+def costs(
+    monkeypatch: pytest.MonkeyPatch, slow: float, quick: float, jitter: float, each_s: float = 0.0
+) -> dict[str, Cost]:
+    """Costs of two rows whose runs take so long, more or less, while a run lets this much CPU time pass."""
+    number = count()
+
+    def cpu_s(case: object, record: str, start: Fraction, length: Fraction) -> float:
+        return (quick if record else slow) + jitter * (-1) ** (next(number) // 2)
+
+    clock = count(0, each_s)
+    monkeypatch.setattr(trade, "_cpu_s", cpu_s)
+    monkeypatch.setattr(trade, "process_time", lambda: float(next(clock)))
+    return costs_of(ROWS, Fraction(1, 100), Fraction(2, 100))
+
+
+def test_rows_that_are_apart_are_not_repeated(monkeypatch: pytest.MonkeyPatch):
+    found = costs(monkeypatch, slow=2.0, quick=1.0, jitter=0.1)
+    assert {name: cost.runs for name, cost in found.items()} == {"slow": FEWEST, "quick": FEWEST}
+    assert found["slow"].cpu_s == pytest.approx(2.1) and found["slow"].spread_s == pytest.approx(0.2 / FEWEST**0.5)
+    assert found["quick"].is_below(found["slow"]) and not found["slow"].is_below(found["quick"])
+
+
+def test_rows_that_differ_by_less_than_their_spread_are_repeated(monkeypatch: pytest.MonkeyPatch):
+    found = costs(monkeypatch, slow=1.01, quick=1.0, jitter=0.1)
+    assert {cost.runs for cost in found.values()} == {MOST} and not are_apart([*found.values()])
+
+
+def test_repeating_ends_when_it_has_taken_long(monkeypatch: pytest.MonkeyPatch):
+    found = costs(monkeypatch, slow=1.0, quick=1.0, jitter=0.1, each_s=PATIENCE * 0.6)
+    assert {cost.runs for cost in found.values()} == {FEWEST + 1}
+
+
+class Scene:
+    """Notes what is done to it."""
+
+    start = 7
+
+    def __init__(self, done: list[str]) -> None:
+        self.timebase = self
+        self._done = done
+
+    def ticks(self, seconds: Fraction, rounding: str) -> int:
+        return int(seconds * 1000)
+
+    def advance(self, until: int) -> None:
+        self._done.append(f"advance to {until}")
+
+    def run(self, length: Fraction) -> None:
+        self._done.append(f"run {length}")
+
+
+def test_set_up_and_start_are_not_counted_and_writing_a_recording_is(monkeypatch: pytest.MonkeyPatch):
+    done: list[str] = []
+
+    @contextmanager
+    def built(case: object, record: str) -> Iterator[Any]:
+        done.append("build")
+        yield Scene(done)
+        done.append(f"write {record}")
+
+    def clock() -> float:
+        done.append("clock")
+        return float(len(done))
+
+    monkeypatch.setattr(trade, "built", built)
+    monkeypatch.setattr(trade, "process_time", clock)
+    seconds = trade._cpu_s(CASE, ".psr", Fraction(1, 10), Fraction(1, 2))
+    assert done == ["build", "advance to 107", "clock", "run 1/2", "write .psr", "clock"]
+    assert seconds == (6 - 3) / 0.5

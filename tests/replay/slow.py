@@ -48,8 +48,7 @@ def slow_case(folder: Path, modules: str = '"I2C-A"', more: str = "") -> Path:
 
 def one_read(stretched: int = 0, byte: int = 0xA7) -> Capture:
     """A read of one byte from 0x50 at 100 kHz, 4 MHz samples; SCL is low for `stretched` more before the byte."""
-    wave = I2cWave(20, 4)
-    wave.idle(400)
+    wave = I2cWave(20, 4, idle=400)
     wave.start()
     wave.byte(0xA1)
     wave.samples += bytes([0b00]) * stretched

@@ -20,8 +20,7 @@ def wave_of(text: str, half: int = 20) -> I2cWave:
 
     Without P at its end the capture ends there.
     """
-    wave = I2cWave(half, half // 5)
-    wave.idle(400)
+    wave = I2cWave(half, half // 5, idle=400)
     for word in text.split():
         if word == "S":
             wave.start()

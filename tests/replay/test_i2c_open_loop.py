@@ -215,8 +215,7 @@ def test_one_verdict_whether_the_rate_is_stated_or_inferred_from_time_stamps(tmp
 
 def test_the_bus_s_own_raster_is_no_sampling_grid(tmp_path: Path):
     """Ideal edges, all of them 5 us apart: they are told by the tick, so that a late answer is still late."""
-    wave = I2cWave(20, 0)
-    wave.idle(400)
+    wave = I2cWave(20, 0, idle=400)
     wave.transfer(0xA1, 0x42, nack_last=True)
     wave.idle(400)
     formats.write(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000), tmp_path / "ideal.vcd")

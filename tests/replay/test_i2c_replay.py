@@ -46,9 +46,7 @@ def captured(wave: I2cWave, rate: int = 4_000_000) -> Capture:
 
 
 def new_wave(half: int = 20) -> I2cWave:
-    wave = I2cWave(half, half // 5)
-    wave.idle(400)
-    return wave
+    return I2cWave(half, half // 5, idle=400)
 
 
 # Agreement ----------------------------------------------------------------------

@@ -128,8 +128,7 @@ def test_low_phases_that_are_longer_by_a_sample_stay_so_that_nothing_adds_up():
 
 
 def test_the_targets_half_is_a_turn_for_each_address():
-    wave = I2cWave(4, 1)
-    wave.idle(10)
+    wave = I2cWave(4, 1, idle=10)
     read_registers(wave, 0x53, 0x32, (0xFB, 0xFF))
     wave.idle(10)
     wave.transfer(0x68 << 1, nack_last=True)
@@ -146,8 +145,7 @@ def test_the_targets_half_is_a_turn_for_each_address():
 
 
 def test_a_byte_the_capture_cut_off_is_answered_with_its_first_bits_and_ones():
-    wave = I2cWave(4, 1)
-    wave.idle(10)
+    wave = I2cWave(4, 1, idle=10)
     wave.start()
     wave.byte(0x53 << 1 | 1)
     for bit in (0, 1, 0):
@@ -157,13 +155,11 @@ def test_a_byte_the_capture_cut_off_is_answered_with_its_first_bits_and_ones():
 
 
 def test_the_usual_hold_is_the_controllers_median_and_half_a_position_where_it_never_moved():
-    wave = I2cWave(20, 7)
-    wave.idle(10)
+    wave = I2cWave(20, 7, idle=10)
     read_registers(wave, 0x53, 0x32, (0xFB,))
     assert usual_hold(i2c.transfers(capture_of(wave))) == 7
     assert usual_hold([]) == Fraction(1, 2)
-    wave = I2cWave(20, 7)
-    wave.idle(10)
+    wave = I2cWave(20, 7, idle=10)
     wave.start()
     wave.byte(0xA7)
     wave.hold = 11
@@ -189,8 +185,7 @@ def test_both_halves_together_are_the_capture(name: str):
 
 def test_both_halves_of_unusual_endings():
     """A repeated START after one bit of a byte; a read whose last byte is acknowledged; STOP in the ninth pulse."""
-    wave = I2cWave(4, 1)
-    wave.idle(10)
+    wave = I2cWave(4, 1, idle=10)
     wave.start()
     wave.byte(0x50 << 1, ack=False)
     wave.bit(0)
@@ -205,8 +200,7 @@ def test_both_halves_of_unusual_endings():
 
 def test_both_halves_of_a_capture_that_ends_within_a_byte():
     for ending in (1, 6):  # with SCL low, and with SCL high
-        wave = I2cWave(4, 1)
-        wave.idle(10)
+        wave = I2cWave(4, 1, idle=10)
         wave.start()
         wave.byte(0x50 << 1)
         wave.bit(1)
@@ -218,8 +212,7 @@ def test_both_halves_of_a_capture_that_ends_within_a_byte():
 @pytest.mark.parametrize(("ending", "last"), [([0b00], (54, "scl 0")), ([], (50, "scl 1"))])
 def test_the_last_fall_of_scl_is_an_edge_where_the_capture_shows_it(ending: list[int], last: tuple[int, str]):
     """START at 10, SCL falls at 14, and rises at 18 and every 8 positions from there; five bits."""
-    wave = I2cWave(4, 1)
-    wave.idle(10)
+    wave = I2cWave(4, 1, idle=10)
     wave.start()
     for bit in (0, 1, 0, 1, 0):
         wave.bit(bit)
@@ -239,8 +232,7 @@ def test_the_last_fall_of_scl_is_an_edge_where_the_capture_shows_it(ending: list
     ),
 )
 def test_both_halves_of_any_traffic_are_that_traffic(half, data, turns_):
-    wave = I2cWave(half, data.draw(st.integers(0, half - 1)))
-    wave.idle(3)
+    wave = I2cWave(half, data.draw(st.integers(0, half - 1)), idle=3)
     wave.start()
     for number, (address, read, content, acked, restart) in enumerate(turns_):
         wave.byte(address << 1 | read, ack=acked)

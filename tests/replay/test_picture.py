@@ -135,8 +135,7 @@ def test_window_marks_and_axis_count_from_the_last_agreed_event_of_each_side(
 
 def read_of_12() -> formats.Capture:
     """53 read: 12, not acknowledged; a position is a quarter of a second, and so of a bit."""
-    wave = I2cWave(2, 1)
-    wave.idle(8)
+    wave = I2cWave(2, 1, idle=8)
     wave.transfer(0xA7, 0x12, nack_last=True)
     wave.idle(4)
     return of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4)

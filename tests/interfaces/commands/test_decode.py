@@ -25,8 +25,7 @@ FRAMES = TRACES / "host_frames.sr"
 
 def both(folder: Path) -> Path:
     """An I2C read and, beginning within it, two serial frames; the channels have other names."""
-    bus = I2cWave(20, 5)
-    bus.idle(100)
+    bus = I2cWave(20, 5, idle=100)
     read_registers(bus, 0x53, 0x00, (0xE5,))
     bus.idle(400)
     line = uart_wave(
@@ -40,8 +39,7 @@ def both(folder: Path) -> Path:
 
 def test_an_idle_serial_line_beside_an_i2c_bus_is_a_note(periph_sim: Run, tmp_path: Path):
     """As in a recording of an I2C-only case of ours, whose RX never moves."""
-    bus = I2cWave(20, 5)
-    bus.idle(100)
+    bus = I2cWave(20, 5, idle=100)
     read_registers(bus, 0x53, 0x00, (0xE5,))
     bus.idle(40)
     path = tmp_path / "run.sr"
@@ -266,8 +264,7 @@ def test_glitches_are_left_out_on_request(periph_sim: Run, spike: str):
 
 def test_without_a_rate_positions_are_shown(periph_sim: Run, tmp_path: Path):
     path = tmp_path / "no_rate.sr"
-    bus = I2cWave(4, 1)
-    bus.idle(10)
+    bus = I2cWave(4, 1, idle=10)
     read_registers(bus, 0x53, 0x00, (0xE5,))
     unsaid = metadata(["SCL", "SDA"], "").replace(b"samplerate=\n", b"")
     path.write_bytes(zip_bytes({"version": b"2", "metadata": unsaid, "logic-1-1": bytes(bus.samples)}))

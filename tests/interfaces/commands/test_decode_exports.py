@@ -24,8 +24,7 @@ needs_sigrok = pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="si
 @pytest.fixture
 def mixed(tmp_path: Path) -> Path:
     """10-bit address 0x2A5 written and read again with a repeated START, a general call nobody answers, two frames."""
-    bus = I2cWave(20, 5)
-    bus.idle(100)
+    bus = I2cWave(20, 5, idle=100)
     bus.start()
     for byte in (0xF4, 0xA5, 0x11):
         bus.byte(byte)

@@ -70,8 +70,7 @@ def test_json_has_a_burst_of_frames_as_an_object(periph_sim: Run, tmp_path: Path
 
 def wave(tmp_path: Path, *steps: str) -> Path:
     """A bus in steps: S, Sr, P, a byte with its answer (`A5 A`, `A5 N`), `1` a bit, `~` 400 samples more of low SCL."""
-    bus = I2cWave(20, 5)
-    bus.idle(100)
+    bus = I2cWave(20, 5, idle=100)
     for step in " ".join(steps).split():
         if step == "~":
             bus.samples += bytes([bus.samples[-1] & 2]) * 400  # SDA as it is

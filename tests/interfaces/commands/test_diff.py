@@ -18,8 +18,7 @@ HOST_FRAMES = str(ROOT / "traces" / "host_frames.sr")
 
 def wave(path: Path, *, rate: str = "4 MHz", half: int = 20, lead: int = 50, pause: int = 100, last: int = 0x22) -> str:
     """Two transfers; `pause` samples between them, the last byte as given."""
-    drawn = I2cWave(half, half // 5)
-    drawn.idle(lead)
+    drawn = I2cWave(half, half // 5, idle=lead)
     for number in range(2):
         drawn.start()
         for value in (0xA6, 0x11, last if number else 0x33):
@@ -89,8 +88,7 @@ def test_json_lists_what_differs_or_all(periph_sim: Run, tmp_path: Path):
 def test_channels_of_other_names_in_b(periph_sim: Run, tmp_path: Path):
     a = wave(tmp_path / "a.sr")
     renamed = tmp_path / "b.sr"
-    drawn = I2cWave(20, 4)
-    drawn.idle(9)
+    drawn = I2cWave(20, 4, idle=9)
     drawn.transfer(0xA6)
     renamed.write_bytes(sr_bytes(["clock", "data"], "4 MHz", bytes(drawn.samples)))
     assert periph_sim("diff", a, str(renamed)).status == 2

@@ -67,6 +67,12 @@ class Models:
         self._pin(0, 0)
 
 
+def computing_unit() -> tuple[Bus, Models]:
+    """The bus and the firmware of a unit that computes models, observed by the same origins."""
+    origins = ModelOrigins(computed())
+    return Bus(origins), Models(origins)
+
+
 def moved(number: int) -> tuple[int, ...]:
     """Frames so far apart that no two of them, and no two steps between them, give a chip the same codes."""
     n = number + 1
@@ -127,9 +133,7 @@ def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
 
 @pytest.mark.parametrize("address", CHIPS)
 def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(address: int):
-    origins = ModelOrigins(computed())
-    bus = Bus(origins)
-    models = Models(origins)
+    bus, models = computing_unit()
     for number in range(20):
         bus.frame(number, moved(number))
         models.run((9000, number, -9000, 800, number, 600) if 5 <= number < 9 else moved(number))
@@ -142,9 +146,7 @@ def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(addres
 
 
 def test_a_read_that_began_before_the_models_were_over_carries_what_they_made_before():
-    origins = ModelOrigins(computed())
-    bus = Bus(origins)
-    models = Models(origins)
+    bus, models = computing_unit()
     for number in range(3):
         bus.frame(number, moved(number))
         models.run(moved(number))
@@ -172,9 +174,7 @@ def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise()
 
 @pytest.mark.parametrize(("frames", "taken"), [(4, 0), (5, 0), (40, 0), (40, 39), (KEPT, 0)])
 def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, taken: int):
-    origins = ModelOrigins(computed())
-    bus = Bus(origins)
-    models = Models(origins)
+    bus, models = computing_unit()
     for number in range(frames):
         bus.frame(number, moved(number))
     models.run(moved(taken))
@@ -185,9 +185,7 @@ def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, tak
 def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
     """Without that they are wrong."""
     for frames, runs, judged in ((KEPT - 1, 1, True), (2 * KEPT, 1, False), (20, 3, False)):
-        origins = ModelOrigins(computed())
-        bus = Bus(origins)
-        models = Models(origins)
+        bus, models = computing_unit()
         for number in range(frames):
             bus.frame(number, moved(number))
         for _ in range(runs):
@@ -201,9 +199,7 @@ def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
 
 
 def test_a_model_that_goes_on_with_a_frame_that_is_no_longer_kept_is_followed():
-    origins = ModelOrigins(computed())
-    bus = Bus(origins)
-    models = Models(origins)
+    bus, models = computing_unit()
     for number in range(3 * KEPT):
         bus.frame(number, moved(number))
         if number % KEPT == 0:
@@ -216,9 +212,7 @@ def test_two_runs_without_a_read_between_them_may_each_have_taken_any_frame():
     """What the second shows depends on the frames of three runs, not of two."""
     for second in range(4):
         for third in range(second, 4):
-            origins = ModelOrigins(computed())
-            bus = Bus(origins)
-            models = Models(origins)
+            bus, models = computing_unit()
             for number in range(4):
                 bus.frame(number, moved(number))
             for taken in (0, second, third):
@@ -252,9 +246,7 @@ def test_zeros_of_a_chip_that_has_shown_no_frame_are_right_at_first_and_later_no
 
 
 def test_a_chain_never_goes_back_to_an_older_frame():
-    origins = ModelOrigins(computed())
-    bus = Bus(origins)
-    models = Models(origins)
+    bus, models = computing_unit()
     for number in range(3):
         bus.frame(number, moved(number))
         models.run(moved(number))

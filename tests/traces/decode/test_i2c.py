@@ -17,9 +17,7 @@ C, T = Party.CONTROLLER, Party.TARGET
 
 
 def wave(half: int = 4, hold: int = 1) -> I2cWave:
-    bus = I2cWave(half, hold)
-    bus.idle(10)
-    return bus
+    return I2cWave(half, hold, idle=10)
 
 
 def events(bus: I2cWave) -> list[i2c.Event]:

@@ -71,8 +71,7 @@ def bus(random: Random, count: int, sound: bool = False) -> Capture:
 
     A sound bus has what sigrok's decoder can read: no START or STOP in an address or just before a byte's eighth bit.
     """
-    wave = I2cWave(random.randint(2, 4), random.randint(0, 1))
-    wave.idle(random.randint(1, 3))
+    wave = I2cWave(random.randint(2, 4), random.randint(0, 1), idle=random.randint(1, 3))
     for move in random.choices(MOVES if sound else MOVES + TROUBLE, k=count):
         match move:
             case "byte":

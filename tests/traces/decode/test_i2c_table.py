@@ -25,9 +25,7 @@ def of_wave(bus: I2cWave) -> Capture:
 
 
 def wave(half: int = 4, hold: int = 1) -> I2cWave:
-    bus = I2cWave(half, hold)
-    bus.idle(10)
-    return bus
+    return I2cWave(half, hold, idle=10)
 
 
 def rows(table: I2cTable) -> list[tuple[str, int, int]]:

@@ -11,8 +11,7 @@ from tests.traces.formats.writers import I2cWave, frame_bits, uart_wave
 
 
 def i2c(draw) -> list[list[tuple[str, str, int]]]:
-    wave = I2cWave(2, 1)
-    wave.idle(3)
+    wave = I2cWave(2, 1, idle=3)
     draw(wave)
     return [[*map(tuple, group)] for group in i2c_groups(of_bytes(bytes(wave.samples), ("SCL", "SDA")), "SCL", "SDA")]
 

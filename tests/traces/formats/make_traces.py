@@ -26,8 +26,7 @@ FRAMES = ((0, 873, -1745, 0, 0, -1000), (17, 890, -1728, 12, -9, -1003))
 
 def imu_round() -> bytes:
     """One request round at 100 kHz, 40 samples a bit: gyroscope, accelerometer, magnetometer."""
-    wave = I2cWave()
-    wave.idle(400)
+    wave = I2cWave(idle=400)
     for address, pointer, values in ROUND:
         read_registers(wave, address, pointer, values)
         wave.idle(200)
@@ -36,8 +35,7 @@ def imu_round() -> bytes:
 
 def nack() -> bytes:
     """An accelerometer that is away twice, then answers, at 100 kHz."""
-    wave = I2cWave()
-    wave.idle(400)
+    wave = I2cWave(idle=400)
     for _ in range(2):
         wave.transfer(0x53 << 1, nack_last=True)
         wave.idle(800)

@@ -72,13 +72,15 @@ class I2cWave:
     """Writes SCL (bit 0) and SDA (bit 1) sample by sample, as controller and targets would leave them.
 
     SCL is low and high for `half` samples each; SDA changes `hold` samples after SCL has fallen.
+    Both lines are high for the first `idle` samples.
     """
 
-    def __init__(self, half: int = 20, hold: int = 4) -> None:
+    def __init__(self, half: int = 20, hold: int = 4, idle: int = 0) -> None:
         self.half = half
         self.hold = hold
         self.samples = bytearray()
         self._sda = 1
+        self.idle(idle)
 
     def idle(self, samples: int) -> None:
         self._put(1, 1, samples)

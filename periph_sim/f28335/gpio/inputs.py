@@ -11,7 +11,7 @@ or after it: `seen_at` returns that cycle. So a pin that is synchronised or asyn
 needs no wake-up to feed a peripheral; a sampled pin reports in `changed`, as does every
 input signal whose level changes with a route or mode.
 
-Source: SPRUFB0D section 6, PCLKCR3 in section 5.1; SPRZ272N section 3.2 (qualifier).
+Source: SPRUFB0D section 6, PCLKCR3 in section 5.1.
 
 Chosen:
 - The qualifiers' prescalers count from reset, one per eight pins; a change of CTRL restarts
@@ -26,14 +26,97 @@ Chosen:
 
 from __future__ import annotations
 
+from typing import final
+
 from ...core.chip import NEVER
 from ...core.state import State
 from ...form.c_types import BigInt
 from . import register_map as at
-from .qualifier import Qualifier
 from .register_map import BIT
 from .routes import INPUTS, Routes
 from .settings import ALL, DIRECTIONS, PULL_UPS, GpioSettings
+
+DEPTH = 6  # the maximum number of samples that QSEL can require
+
+
+@final
+class Qualifier:
+    """The sampling qualifier of one pin, which derives the qualified level and its changes from the synchronised level.
+
+        level --> sample every `period` cycles --> `samples` equal ones in a row --> qualified
+
+        period 2, 3 samples   sample     | | | | | |
+                              level    ___/~~~~~~~~~
+                              qualified_________/~~~
+
+    Evaluation is lazy: samples are not taken one by one; a call counts those that fall into
+    the time since the last one. `due` is the cycle at which the output will change if the
+    level stays.
+
+    Silicon simply counts equal samples, and the erratum's pulse follows from that: a pulse of
+    n·(m - 1) + 1 cycles passes in one of n phases, although n·m was intended.
+
+    Source: SPRUFB0D section 6.4.3, Tables 42 to 45, Figure 46; SPRZ272N section 3.2.
+
+    Chosen:
+    - The output changes in the cycle of the last of the equal samples.
+    - A change of the sampling period restarts the prescaler; a change between three and six
+      samples keeps the samples already taken.
+
+    level: the initial level, as if sampled for a long time.
+    origin: a cycle in which the prescaler sampled.
+    """
+
+    STATE = State("level qualified _period _samples _sampled _run", cycles="due _origin _done", made=True)
+
+    def __init__(self, now: int, level: int, period: int, samples: int, origin: int) -> None:
+        self.level = level  # from the synchroniser
+        self.qualified = level
+        self.due = NEVER  # when `qualified` will change if the level stays
+        self._period = period
+        self._samples = samples
+        self._origin = origin
+        self._sampled = level  # the last sample
+        self._run = DEPTH  # the number of equal samples at the end
+        self._done = now  # samples up to and including this cycle are taken
+
+    def edge(self, now: int, level: int) -> None:
+        """Set the synchronised level from cycle `now` on (a sample in that cycle sees it)."""
+        self.advance(now - 1)
+        self.level = level
+        self._plan()
+
+    def advance(self, now: int) -> None:
+        """Take all samples up to and including cycle `now`."""
+        if now <= self._done:
+            return
+        origin, period = self._origin, self._period
+        taken = (now - origin) // period - (self._done - origin) // period
+        self._done = now
+        if not taken:
+            return
+        if self._sampled != self.level:
+            self._sampled = self.level
+            self._run = 0
+        self._run = min(self._run + taken, DEPTH)
+        if self._run >= self._samples:
+            self.qualified = self._sampled
+            self.due = NEVER
+
+    def configure(self, now: int, period: int, samples: int, origin: int) -> None:
+        """Set a new period, number of samples and phase from cycle `now` on."""
+        self.advance(now)
+        self._period, self._samples, self._origin = period, samples, origin
+        self._plan()
+
+    def _plan(self) -> None:
+        if self.level == self.qualified:
+            self.due = NEVER
+            return
+        have = self._run if self._sampled == self.level else 0
+        lacking = max(self._samples - have, 1)
+        self.due = self._origin + ((self._done - self._origin) // self._period + lacking) * self._period
+
 
 NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # GPIOINENCLK does not act on the I2C pins and port C
 WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # the lowest pins of the words of GPxDAT

@@ -34,8 +34,7 @@ from ...core.state import State
 from ...form.c_types import BigInt
 from ..system_options import SystemOptions
 from . import register_map as at
-from .inputs import GpioInputs
-from .qualifier import Qualifier
+from .inputs import GpioInputs, Qualifier
 from .register_map import BIT, PINS
 from .settings import ALL
 

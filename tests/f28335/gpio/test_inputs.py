@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.chip import NEVER
-from periph_sim.f28335.gpio.qualifier import Qualifier
+from periph_sim.f28335.gpio.inputs import Qualifier
 from tests.waves import play, tidy
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from fractions import Fraction
 
 from periph_sim.core.kernel import Kernel
-from periph_sim.core.records import Recorder
+from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.socket import Socket
 from periph_sim.core.time import Clock, Timebase
 from periph_sim.f28335.cpu.compiled_code_costs import BARE, CodeCosts
@@ -19,6 +19,14 @@ from periph_sim.processor.processor import Processor
 from periph_sim.processor.python.cpu import Cpu
 from periph_sim.processor.python.register_view import ModulePort
 from tests.processor.flag_chip import FlagChip
+
+
+def recorder_of(*kinds: Kind) -> tuple[Recorder, list[Record]]:
+    """Return a recorder of these kinds, and the list that it fills."""
+    recorder = Recorder()
+    records: list[Record] = []
+    recorder.subscribe(kinds, records.append)
+    return recorder, records
 
 
 class Bench:

@@ -14,22 +14,20 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from periph_sim.core.kernel import Kernel
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
 from periph_sim.f28335.descriptor import Frame
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan
-from tests.processor.bench import Bench
+from tests.processor.bench import Bench, recorder_of
 from tests.waves import Diagram, tidy
 
 TICKS = 20  # a cycle
 
 
 def drawn(firmware: Callable[[Bench], None], length: int, **made: object) -> Diagram:
-    records: list[Record] = []
-    recorder = Recorder()
-    recorder.subscribe([Kind.ACCESS, Kind.IRQ], records.append)
+    recorder, records = recorder_of(Kind.ACCESS, Kind.IRQ)
     bench = Bench(made.pop("changes", []), recorder=recorder, **made)
 
     def main() -> None:
@@ -105,9 +103,7 @@ def test_read_outside_of_the_block_overtakes_the_write_of_a_field_write():
 
 @pytest.mark.parametrize("event", range(8))
 def test_read_in_the_cycle_of_a_landing_comes_before_it_whatever_else_happens_then(event):
-    accesses: list[Record] = []
-    recorder = Recorder()
-    recorder.subscribe([Kind.ACCESS], accesses.append)
+    recorder, accesses = recorder_of(Kind.ACCESS)
     bench = Bench([(event, 1, -1)], recorder=recorder)
     bench.run(lambda: (set_c(bench), bench.pie_regs.PIECTRL.all), 100)
     assert [(a.tick // TICKS, a.what) for a in accesses] == [
@@ -193,9 +189,7 @@ def test_routine_entered_between_issue_and_landing_sees_the_write():
 
 def test_landing_write_keeps_place_and_cause_of_the_statement_that_issued_it():
     """A routine's last write lands behind its IRET; a main's lands while a routine is being entered."""
-    records: list[Record] = []
-    recorder = Recorder()
-    recorder.subscribe([Kind.ACCESS, Kind.IRQ], records.append)
+    recorder, records = recorder_of(Kind.ACCESS, Kind.IRQ)
     bench = Bench([(18, 0, 0)], recorder=recorder)
 
     def last_write_of_routine() -> None:
@@ -301,9 +295,7 @@ def test_records_come_in_the_order_of_their_ticks(steps, changes, lands):
 
 def played(steps, changes, lands: int, loop: int, skip: bool):
     """What firmware notes and what is recorded of it, polls apart: of skipped passes only the last is made."""
-    records: list[Record] = []
-    recorder = Recorder()
-    recorder.subscribe([Kind.ACCESS, Kind.IRQ, Kind.FLAG], records.append)
+    recorder, records = recorder_of(Kind.ACCESS, Kind.IRQ, Kind.FLAG)
     options, code = SystemOptions(write_lands=lands), replace(BARE, poll_pass=loop)
     bench = Bench(list(changes), options=options, code=code, skip_polls=skip, recorder=recorder)
     flags, pie, cpu = bench.flags, bench.pie_regs, bench.cpu

@@ -7,19 +7,17 @@ from fractions import Fraction
 from pathlib import Path
 
 from periph_sim.core.kernel import Kernel
-from periph_sim.core.records import OF_MODIFIES, RECORDED, Kind, Record, Recorder, RecordSink
+from periph_sim.core.records import OF_MODIFIES, RECORDED, Kind, Record, RecordSink
 from periph_sim.core.time import Timebase
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.source_location import SourceLocation
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from tests.processor.bench import Bench
+from tests.processor.bench import Bench, recorder_of
 
 
 def test_a_recorded_read_has_the_value_that_the_firmware_got():
-    accesses: list[Record] = []
-    recorder = Recorder()
-    recorder.subscribe([Kind.ACCESS], accesses.append)
+    recorder, accesses = recorder_of(Kind.ACCESS)
     bench = Bench([(1, 4, -1), (2, 5, -1)], recorder=recorder)
     got: list[int] = []
 
@@ -35,9 +33,7 @@ def test_a_recorded_read_has_the_value_that_the_firmware_got():
 
 
 def test_the_field_that_firmware_named_is_recorded():
-    accesses: list[Record] = []
-    recorder = Recorder()
-    recorder.subscribe([Kind.ACCESS], accesses.append)
+    recorder, accesses = recorder_of(Kind.ACCESS)
     bench = Bench([], recorder=recorder)
 
     def main() -> None:
@@ -51,9 +47,7 @@ def test_the_field_that_firmware_named_is_recorded():
 
 
 def test_each_half_of_a_pair_is_recorded_in_its_place():
-    accesses: list[Record] = []
-    recorder = Recorder()
-    recorder.subscribe([Kind.ACCESS], accesses.append)
+    recorder, accesses = recorder_of(Kind.ACCESS)
     kernel = Kernel()
     dsp = Dsp(kernel, Timebase(150_000_000), recorder, DspPlan("dsp", ("TIMER0",), {}))
     period = dsp.module("TIMER0").PRD
@@ -79,9 +73,7 @@ def test_each_half_of_a_pair_is_recorded_in_its_place():
 
 
 def test_idle_is_recorded_from_the_instruction_to_the_interrupt() -> None:
-    found: list[Record] = []
-    recorder = Recorder()
-    recorder.subscribe([Kind.WAIT], found.append)
+    recorder, found = recorder_of(Kind.WAIT)
     bench = Bench([(200, 0, 0)], recorder=recorder)
     bench.enable()
     bench.cpu.handle("SEQ1INT", lambda: bench.note("served"))

@@ -79,8 +79,8 @@ class Kernel:
         self._settling = False  # True while the wires take their levels
         self._phase = TIMER  # phase of the last event
         self._horizon = start
-        self._bound = start  # the present loop runs the events before this time
-        self._bound_rank = 0  # and the events at this time whose rank is lower than this
+        self._bound = start  # the present loop runs all events before this time
+        self._bound_rank = 0  # the present loop also runs the events at `_bound` whose rank is below this
         self._at = -1  # time of the last event
         self._in_this_tick = 0  # number of events in its tick before the last event
         self._queue = EventQueue()

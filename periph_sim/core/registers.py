@@ -136,7 +136,7 @@ class Register(Struct, frozen=True, dict=True):
     yields: Yields = Yields.STATE
     read_acts: bool = False  # True if a read has an effect beyond this register: takes a word, clears a flag elsewhere
     data: str = ""  # the name of the field with the word, if the register yields data
-    upper: str = ""  # the register of bits 31:16, if C headers name both together `all` and each of them `half`
+    upper: str = ""  # the register with bits 31:16, if C headers define both as one 32-bit register (`all`, `half`)
 
     def __post_init__(self) -> None:
         if (self.yields is Yields.DATA) != bool(self.data):

@@ -136,7 +136,7 @@ class _Plan:
         return current
 
     def _new(self, name: str, kind: str) -> Any:
-        """Return a new object without attributes, of a class that declares all of them as state."""
+        """Return a new object whose attributes are not set yet, of a class whose STATE lists all of them (`made`)."""
         cls = _class_of(kind)
         state = state_of(cls)
         if state is None or not state.made:

@@ -127,7 +127,7 @@ class Sampler(SampledParty):
         return self._put_under
 
     def _leave(self, number: int) -> _Line:
-        """Return the line of this number, detached from its wire if it had one."""
+        """Return the line of this number, detached from its wire. Create the line if there is none."""
         bit = BITS[number]
         line: _Line
         for line in self._lines:

@@ -41,7 +41,7 @@ class PinReleaseGate:
 
 
 class ChipObserver:
-    """An observer that is called after each input of a chip."""
+    """An observer that is called after each input that may have changed readable values of a chip."""
 
     __slots__ = ()
 
@@ -116,8 +116,8 @@ class Socket(Agent):
         self.marks: WriteOrigins | None = chip.marks
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access, to update the chip
-        self.on_peek: Callable[[int, int], int] | None = None  # answers peeks in place of the chip
-        self.after: Callable[[int], None] | None = None  # called after each input, for the owner of the chip
+        self.on_peek: Callable[[int, int], int] | None = None  # called with (cycle, offset) in place of `chip.peek`
+        self.after: Callable[[int], None] | None = None  # called when readable values may have changed
         self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when the held lines change
         self._held = 0
         self.release: PinReleaseGate | None = None

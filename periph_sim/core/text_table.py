@@ -15,7 +15,7 @@ WIDTH = 80
 GAP = "  "  # the space between two columns
 FOLD = 16  # minimum width to which a word is broken
 KEPT = "\u00a0"  # a space at which lines are not broken
-ROOM = 24  # minimum width of columns in which continuation lines are indented by two spaces
+ROOM = 24  # minimum width of a column whose continuation lines are indented by two spaces
 
 Cells = Sequence[str]
 

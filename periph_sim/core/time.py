@@ -26,7 +26,7 @@ DAY = 86_400
 LONGEST = 365_250 * DAY  # maximum seconds that a user can write: a thousand years, more than 64-bit ticks can count
 MOST_TICKS = LAST_TICK  # maximum length of time
 MOST = NEVER  # maximum product of two numbers that have 64 bits in the compiled form
-USUAL_PER_NS = 1000  # maximum ticks in a nanosecond for clocks of whole MHz
+USUAL_PER_NS = 1000  # most ticks per nanosecond of a timebase whose clock is a whole number of MHz
 
 UNITS: dict[str, Fraction] = {
     "ns": Fraction(1, GHZ),
@@ -131,7 +131,10 @@ class Timebase:  # core: python
 
 
 def days(length: Fraction) -> str:
-    """Return a length as text for messages, rounded down to a tenth: in days, or in seconds below one day."""
+    """Return a length as text for messages: in days, or in seconds if it is below one day.
+
+    Numbers below 100,000 are rounded down to a tenth, others to three digits.
+    """
     value, unit = (length / DAY, "d") if length >= DAY else (length, "s")
     return f"{float(Fraction(floor(value * 10), 10)):g} {unit}" if value < 100_000 else f"{float(value):.3g} {unit}"
 

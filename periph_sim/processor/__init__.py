@@ -2,7 +2,7 @@
 
     kernel --wake-up--> Processor --run(until)--> Program      reason of the stop <--
                             |                       |
-                            |   reach, rest, take_interrupt, iret: True if complete; False: stop, and be run again
+                            |   reach, rest, take_interrupt, iret: True if complete, False if the program must stop
                             |                       |
          CpuTime <----------+-- Bus <---------------+-- reads, writes in a cycle that the bus named
            cycle, lease,        wait states, protection, EALLOW, posted writes, records, RAM
@@ -10,22 +10,23 @@
                                Interrupts <-- requests of modules
                                    due, context to and from the stack, vectors from the PIE's table
 
-Data flow in one direction. `CpuTime` depends on the kernel, not on accesses. `Bus` ends a lease where a posted write
-lands; it serves no interrupt and advances no clock. `Interrupts` wakes a sleeping CPU; the state of an interrupt is in
-memory alone. `Processor` joins them and lets time pass between the steps. The only call upwards is `Program.place`, the
-present statement of the program for records and messages.
+Dependencies have one direction. `CpuTime` depends on the kernel, but not on accesses. `Bus` ends a lease at the cycle
+at which a posted write lands; it serves no interrupt and advances no clock. `Interrupts` wakes a sleeping CPU; it keeps
+the saved context of an interrupt only in memory. `Processor` joins these parts and lets time pass between the steps.
+The only call upwards is `Program.place`, which returns the present statement of the program for records and messages.
 
-A program makes an access in these steps, here a read of an address:
+A program that had to stop is run again later, and its step is complete then. It makes an access in these steps, here a
+read of an address:
 
-    at = bus.reads_at(time.cycle, address)    the cycle in which it has its value
-    if not processor.reach(at): stop          earlier writes land on the way
-    time.meet()                               the kernel's time is that cycle: chips may be accessed
+    at = bus.reads_at(time.cycle, address)    the cycle in which the read obtains its value
+    if not processor.reach(at): stop          posted writes that land before this cycle take effect
+    time.meet()                               the kernel's time becomes that cycle, so chips may be accessed
     value = bus.read(at, address)
 
-and these at the boundary before the next instruction:
+At the boundary before the next instruction it makes these steps:
 
     number = interrupts.due(time.cycle)
-    if number and not processor.take_interrupt(number): stop       `enter(vector)` is called before it is run again
+    if number and not processor.take_interrupt(number): stop       `enter(vector)` is called before the next run
 
 `Dsp` builds the unit of a scene. `python` contains the program that runs Python functions, `image` that of images.
 """

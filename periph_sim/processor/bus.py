@@ -43,8 +43,10 @@ REGISTERS_END = 0x8000  # no register lies above
 
 @final
 class Posted:  # core: freelist 4
-    """A posted write. where, cause: place and record of the instruction that issued it; where is None if unused.
+    """A write that was issued and has not landed yet, as an element of the queue of such writes.
 
+    where: the place of the instruction that issued it; None if the place is not used.
+    cause: the record of this instruction.
     following: the write that lands next.
     """
 
@@ -62,10 +64,13 @@ class Posted:  # core: freelist 4
 
 @final
 class Bus:
-    """map: the modules by address. ram: memory without registers.
+    """The bus of one CPU, with the wait states of accesses and the posted writes.
 
-    free_from: the cycle from which a read in the protected block need not wait for a write. free_of: that cycle for
-    registers outside of the block, by address. issued_at: the statement that issued the write that lands now.
+    map: the modules by address.
+    ram: memory without registers.
+    free_from: the cycle from which a read in the protected block need not wait for a write.
+    free_of: the same cycle for registers outside of the block, by address.
+    issued_at: the statement that issued the write that lands now.
     """
 
     STATE = State("ram _posted_last issued_at", cycles="free_from free_of _last_pf1_write", chains="_posted")

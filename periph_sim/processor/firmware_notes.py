@@ -19,10 +19,13 @@ from .user_code import FirmwareError
 
 @final
 class FirmwareNotes:
-    """counts: occurrences of each note. first_at: the tick of the first one. places: its statement, if known.
+    """The notes on the firmware of one CPU.
 
-    strict: a violated duty ends the run. placed: writes keep the place that issued them until they land, at little cost
-    in an image.
+    counts: the number of occurrences of each note.
+    first_at: the tick of the first occurrence.
+    places: the statement of the first occurrence, if it is known.
+    strict: True if a violated duty ends the run.
+    placed: True if writes keep the place that issued them until they land, which costs little in an image.
     """
 
     STATE = State("counts places", ticks="first_at")

@@ -28,7 +28,7 @@ SCL_INDEX = 0  # among the module's outputs
 
 @final
 class I2cModuleParty(BitParty):
-    """socket: the module's. clock: SYSCLKOUT."""
+    """The I2C module of a unit as a party whose bits can be skipped. socket: the module's. clock: SYSCLKOUT."""
 
     __slots__ = ("_asking", "_calm", "_calm_for", "_chip", "_clock", "_hz", "_release_cause", "_socket")
 

@@ -7,8 +7,8 @@
                                            |                      |                     |
                                    context to the stack    PIE, vector table    context from the stack
 
-Each step is a call at a cycle; `Processor` lets time pass in between. The state of an interrupt is in memory alone, so
-that firmware may return through another frame, or one that it made.
+Each step is a call at a cycle; `Processor` lets time pass in between. The saved context is only in memory,
+so firmware may return through another frame, or through one that it built.
 
 Source: SPRU430F section 3.4, Table 3-4 (context); SPRUFB0D sections 8.1 to 8.5, Table 112 (vectors).
 """
@@ -42,7 +42,11 @@ CODE_ADDRESS = 0x3F_FFFF  # valid bits of a vector
 
 @final
 class Interrupts:
-    """core: masks, flags and timing. taken: name of the vector of the last interrupt taken."""
+    """The interrupts of one CPU.
+
+    core: masks, flags and timing.
+    taken: the name of the vector of the last interrupt that was taken.
+    """
 
     STATE = State("core taken _number", records="_causes")
 
@@ -176,7 +180,10 @@ Places = tuple[tuple[int, int], ...]  # group and line in the PIE
 
 
 class InterruptLines:
-    """interrupts: of the CPU; set before time passes."""
+    """The interrupt lines from the modules of a unit to its PIE and CPU.
+
+    interrupts: the interrupts of the CPU; set before time passes.
+    """
 
     interrupts: Interrupts
 

@@ -19,13 +19,20 @@ from ..f28335.pie.register_map import PIEACK
 
 @final
 class Operand:
-    """words: those of the register that are transferred. field: the one that the program named; None: whole words.
+    """The words or the field of a register that an access transfers.
 
-    mask: the bits that the program reads or writes; lsb: the lowest bit of the field. shift: bits by which an access by
-    address shifts the word. block: inside the protected block, where reads wait for writes. steady: a read has no
-    effect, and its value does not change with time. meets: an access has an effect, or the module is updated before.
-    looks: a read is one look at the chip, and its record, if any, goes to listeners and keepers only. reads, writes:
-    topics of the records, if `recorded`. named: the field's name in them. placed: records of reads contain the place.
+    words: the words of the register that are transferred.
+    field: the field that the program named; None for whole words.
+    mask: the bits that the program reads or writes.
+    lsb: the lowest bit of the field.
+    shift: the number of bits by which an access by address shifts the word.
+    block: True if the register is inside the protected block, where reads wait for writes.
+    steady: True if a read has no effect, and its value does not change with time.
+    meets: True if an access has an effect, or the module is updated before it.
+    looks: True if a read is one call of the chip's `see`, and no callback receives a record of it.
+    reads, writes: the topics of the records, if `recorded`.
+    named: the field's name in the records.
+    placed: True if records of reads contain the place.
     """
 
     __slots__ = (
@@ -130,7 +137,7 @@ class Operand:
         return self.reads.places > (OF_MODIFIES if self.field is not None else NOWHERE)
 
     def see(self, cycle: int) -> int:
-        """Return what the CPU reads of these words, each in its place, without side effects."""
+        """Return what the CPU reads, without side effects. The upper word of the register is in bits 31:16."""
         socket, words = self.socket, self.words
         value = socket.see(cycle, self.offset) if words & LOW else 0
         return value | socket.see(cycle, self.offset + 1) << 16 if words & HIGH else value

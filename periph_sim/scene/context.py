@@ -36,7 +36,7 @@ class CaseTicks(Struct, frozen=True):
         return self._fitting((2 * count + parts) // (2 * parts), length)
 
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
-        """Return the same without rounding."""
+        """Return the same length in ticks without rounding."""
         exact = Fraction(*self._ticks(length, ppm))
         self._fitting(int(exact), length)
         return exact
@@ -46,12 +46,12 @@ class CaseTicks(Struct, frozen=True):
             return self.timebase.fitting(ticks)
         except TimeError as error:
             place = next(_places(self.case, length), None)
-            if place is None:  # the sum of several
+            if place is None:  # no single time of the case has this length: it is a sum
                 raise
             raise self.case.mistake(str(error), *place) from None
 
     def _ticks(self, length: Fraction, ppm: Fraction) -> tuple[int, int]:
-        """Return the same as a count of parts of a tick, and the number of these in a tick."""
+        """Return the same length as a number of parts of a tick, and the number of parts in a tick."""
         clock = 1_000_000 * ppm.denominator
         return length.numerator * self.timebase.per_second * clock, length.denominator * (clock + ppm.numerator)
 

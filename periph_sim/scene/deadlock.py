@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
-OFF = ("IER = 0", "INTM = 1")  # by whether INTM is
+OFF = ("IER = 0", "INTM = 1")  # indexed by INTM
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
 RESTARTED = 2  # watchdog periods in a wait after which a restart by the waiting code itself has no effect any more
 
@@ -57,7 +57,7 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
     unanswered = awaited.unanswered
     if not spin.polls and not unanswered:
         if not awaited.memory or watchdog_runs(dsp):
-            return ""  # an endless loop of the program's own
+            return ""  # an endless loop that waits for nothing, or a wait that the watchdog ends
         if not takes_interrupts(dsp):
             return f"only a service routine could change that, and {OFF[bool(dsp.core.intm)]}; {ENABLE}"
     modules = [module for module in signals_behind(dsp, spin) if has_clock(dsp, module)]
@@ -188,7 +188,7 @@ SETTLED = Fraction(1, 1_000_000)  # seconds in which outputs and holds that were
 
 
 def deadlocks_of(scene: Scene) -> list[str]:
-    """Return a sentence for each unit whose firmware waits for what cannot come: for what, since when, why it cannot.
+    """Return a sentence for each unit whose firmware waits for an event that cannot occur: what, since when, why.
 
     If firmware let no simulated time pass and so ended the run, only that is reported.
     """

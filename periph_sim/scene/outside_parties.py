@@ -87,9 +87,8 @@ def _judged(case: Case, driven: Case) -> Iterator[bool]:
     """Yield for each budget whether the driven case can judge it."""
     timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
     start = timebase.ticks(case.start, "nearest")
-    limit_plans(
-        CaseTicks(case, timebase, start), scope_of_case(case)
-    )  # BadCase for what is wrong with or without the party
+    # Raise BadCase for a budget that is wrong whether or not an outside party replaces a party of the case.
+    limit_plans(CaseTicks(case, timebase, start), scope_of_case(case))
     rounds = case.controller or case.rounds
     lost = case.host is not None and driven.host is None
     compares = rounds is not None and rounds.check == "host"

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 Program = Callable[[Any, Any], None]
 
-MOST_PLANS = 16  # of changed cases, the latest: a sweep that comes back to one of them finds it
+MOST_PLANS = 16  # number of latest plans of changed cases that are kept, since a sweep may return to them
 
 
 class PreparedScene:
@@ -71,7 +71,7 @@ class PreparedScene:
         if plan is None:
             try:
                 unchanged = self.plan()
-            except BadCase:  # the changes may be what makes it a case
+            except BadCase:  # the file may be a valid case only with the changes
                 unchanged = None
             plan = ScenePlan(file.changed(changes), unchanged)
             if len(self._plans) == MOST_PLANS:

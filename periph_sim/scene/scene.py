@@ -265,10 +265,10 @@ class Scene:
         return doing(dsp, self.timebase, self.start)
 
     def run(self, duration: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Result:
-        """Run for `duration` seconds (the case's own if None). progress: called with the part that is done.
+        """Run for `duration` seconds (the case's own if None). progress: called with the fraction that is done.
 
-        BadCase, before anything runs, for a run longer than there are ticks, and for a case that others drive. One
-        that replays a log ends as the session did, before the events of its last tick.
+        Raise BadCase, before anything runs, if the run would have too many ticks, or if outside parties drive the
+        case and there is no log. A case that replays a log ends as the session did: before the events of the last tick.
         """
         outside = self.case.outside
         if outside is not None and outside.log is None:
@@ -287,7 +287,7 @@ class Scene:
         return self.finish(length)
 
     def advance(self, until: int) -> None:
-        """Do all up to and including tick `until`; nothing more once firmware has let no time pass."""
+        """Run all events up to and including tick `until`. Do nothing once firmware has stalled."""
         if self.stalled:
             return
         wall = perf_counter()

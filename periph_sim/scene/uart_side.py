@@ -77,7 +77,10 @@ class UartSide:
             self._lines.on_character_from(wires, self._came)
 
     def sent(self, wire: str, count: int) -> None:
-        """Add to the characters on a wire that the outside drives by bytes; the wire's own are not counted."""
+        """Add characters that the outside has sent on a wire as bytes.
+
+        The characters that `count` finds on this wire are ignored, so that none is counted twice.
+        """
         self._sent[wire] = self._sent.get(wire, 0) + count
 
     def _came(self, wire: str, tick: int) -> None:

@@ -24,13 +24,13 @@ class Flip(SdaPuller):
 
     def __init__(self, place: FaultContext) -> None:
         super().__init__(place)
-        self._is_one = False  # True in the clock in which the fault changes a 1, because no other party pulls SDA
+        self._is_one = False  # True during a clock whose bit would be 1 without the fault
         self._sda.watch_pulls(self)
 
     def sampled(self, now: int, levels: int) -> None:
         if levels:
             self._is_one = self._pulls and self._alone()
-        elif self._is_one:  # the clock is over in which a 1 was changed
+        elif self._is_one:  # the clock in which a 1 became 0 is over
             self._armed = self._is_one = False
             self._pull(False)
         elif self._armed and not self._pulls:

@@ -80,7 +80,7 @@ class BitParty(Agent):
         return 0
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True if it waits for the first bit of a byte and changes nothing but SDA before the eighth bit.
+        """Return True if the party waits for the first bit of a byte and changes only SDA before the eighth bit.
 
         low, high, hold: times of the controller, in ticks, as in `BusTiming`.
         each: True if the caller also checks each change of SDA by `separates`.
@@ -88,19 +88,19 @@ class BitParty(Agent):
         return True
 
     def sda_follows_at(self, fall: int) -> int:
-        """Return the tick at which it changes SDA after a fall of SCL at tick `fall`."""
+        """Return the tick at which the party changes SDA after a fall of SCL at tick `fall`."""
         return fall
 
     def separates(self, fall: int, moved: int) -> bool:
-        """Return True if it samples SCL's fall and a later change of SDA by another party as two events."""
+        """Return True if the party samples a fall of SCL and a later change of SDA by another party as two events."""
         return True
 
     def byte(self) -> int:
-        """Return the byte that it shifts out; 0xFF if it leaves SDA released."""
+        """Return the byte that the party shifts out; 0xFF if it leaves SDA released."""
         return ONES
 
     def keeps_bus(self, shown: int) -> bool:
-        """Return True if it continues although other parties pull, too, and the lines show the byte `shown`."""
+        """Return False if the party loses arbitration during a byte for which the lines show `shown`."""
         return True
 
     def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
@@ -145,7 +145,7 @@ class BitSkip(Shortcut):
     def __init__(
         self, kernel: Kernel, scl: Wire, sda: Wire, controller: BitParty | None, stand_in: Mapping[Agent, BitParty]
     ) -> None:
-        """controller: the agent that clocks the bus, or None. stand_in: for an agent that is no party, its party."""
+        """controller: the agent that clocks the bus, or None. stand_in: the parties that represent other agents."""
         self.passed = 0
         self._kernel = kernel
         self._scl = scl

@@ -139,7 +139,7 @@ class I2cController(BitParty):
         self._sda_level = 1
         self._rising = False  # SCL is released and has not risen yet
         self._high = timing.high  # the next high time of SCL
-        self._high_end = BIT_END  # the step at the end of that high time
+        self._high_end = BIT_END  # the step at the end of the next high time of SCL
         self._let_go_at = 0
         self._transfer = Transfer("", [])
         self._done: Callable[[Transfer], None] = lambda transfer: None
@@ -164,7 +164,7 @@ class I2cController(BitParty):
 
     @property
     def held_since(self) -> int:
-        """The tick of SCL's release while it is still low; else NO_TIME."""
+        """The tick at which the controller released SCL, while SCL is still low; else NO_TIME."""
         return self._let_go_at if self._rising else NO_TIME
 
     def act(self, tag: int) -> None:

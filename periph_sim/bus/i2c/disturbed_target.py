@@ -84,7 +84,7 @@ class Rule:
         return value
 
     def strike(self) -> None:
-        """Apply other effects; SCL has just fallen, before the ACK or the first bit."""
+        """Apply any other effect of the rule. SCL has just fallen before the ACK or before the first bit of a byte."""
 
 
 class Stretch(Rule):

@@ -46,7 +46,7 @@ class FilteredBus:
         self._lines = IDLE
         self._scl_seen = SCL  # the level of SCL before its last change, without spikes
         self._sda_moved = -filter
-        self._sda_event = NOTHING  # the condition that the last change of SDA is if it passes the filter
+        self._sda_event = NOTHING  # START or STOP, if the last change of SDA is one and passes the filter
         self._sda_seen = 1  # the level of SDA after the filter
 
     def sampled(self, now: int, levels: int) -> None:
@@ -66,7 +66,7 @@ class FilteredBus:
             self.settle(now)
 
     def _classify_sda_edge(self, now: int, event: int) -> int:
-        """Return the condition that an edge of SDA is. Just after a spike of SCL, the filtered level of SCL decides."""
+        """Return START, STOP or NOTHING for an edge of SDA. Just after a spike of SCL, its filtered level decides."""
         if event != NOTHING or now - self.scl_moved >= self._filter or not self._scl_seen:
             return event
         return START if self._lines & SDA else STOP

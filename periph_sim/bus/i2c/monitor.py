@@ -53,7 +53,7 @@ class I2cMonitor(BitParty):
         self._on_transfer = on_transfer
         self._names = names
         self._start_at = NO_TIME  # the tick of a possible START, until a party that pulled SDA for it pulls SCL
-        self._starting = 0  # the mask of the parties that pulled SDA for it
+        self._starting = 0  # the mask of the parties that pulled SDA for the possible START
         self._masters_of: dict[int, tuple[int, int]] = {}  # the masters' masks on SCL and SDA, by `_starting`
         self._versions = scl.version, sda.version  # versions of the wires for these masks
         self._scl_mask = self._sda_mask = 0  # the master's pulls on the wires; 0 between transfers
@@ -67,7 +67,7 @@ class I2cMonitor(BitParty):
         self._transfer = Transfer("", [])
         self._phase = Phase(0, False)
         self._stretch = 0  # the longest stretch of the phase
-        self._acks: list[bool] = []  # acknowledges of its data bytes
+        self._acks: list[bool] = []  # acknowledges of the data bytes of the phase
         self._got = bytearray()
         self._stream = I2cStream()  # decoder of the master's bits and conditions
         self._filter = filter
@@ -80,17 +80,17 @@ class I2cMonitor(BitParty):
 
     @property
     def held_since(self) -> int:
-        """The tick of the master's release of SCL while it is still low; else NO_TIME."""
+        """The tick at which the master released SCL, while SCL is still low; else NO_TIME."""
         return self._let_go_at
 
     @property
     def begun_at(self) -> int:
-        """The START of the present transfer; NO_TIME if there is none."""
+        """The tick of the START of the transfer in progress; NO_TIME if there is none."""
         return self._began_at if self._scl_mask else NO_TIME
 
     @property
     def open_transfer(self) -> Transfer | None:
-        """The present transfer, with the phases whose address is over; None if there is none."""
+        """The transfer in progress, with the phases whose address byte is complete; None if there is none."""
         return self._transfer if self._scl_mask and self._transfer.phases else None
 
     def sampled(self, now: int, levels: int) -> None:

@@ -120,7 +120,8 @@ class TargetSide(BitParty):
         elif event:
             if self._taken:
                 self._taken = False
-                self._on_end(event != START, self._bit <= 1)  # SCL rises once for the START or STOP itself
+                # One rise of SCL belongs to the START or STOP itself; more rises are bits of an incomplete byte.
+                self._on_end(event != START, self._bit <= 1)
             self._does = RECEIVES_ADDRESS if event == START and self._powered else NOT_MEANT
             self._bit = self._in = 0
             self._stretches = {}

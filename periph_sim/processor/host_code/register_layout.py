@@ -192,7 +192,9 @@ class _Structures:
         return bits // WORD
 
     def _add_compound(self, compound: DIE, at: int, word: int) -> int:
-        bit = host_bit = longest = begin = 0  # bit, host_bit: after the last member. begin: of adjacent fields
+        # bit, host_bit: the first bit after the last member, on the chip and on the host.
+        # begin: the first bit on the host of the adjacent bit fields up to there.
+        bit = host_bit = longest = begin = 0
         for member in _members(compound):
             self._path.append(member)
             if compound.tag == "DW_TAG_union_type":
@@ -215,7 +217,7 @@ class _Structures:
         return -(-longest // WORD // align) * align
 
     def _is_certain(self, member: DIE, word: int, host_bit: int) -> bool:
-        """Return True if no unnamed bits before a member can move it. word, host_bit: after the bit fields."""
+        """Return True if unnamed bits before a member cannot move it. word, host_bit: first after the bit fields."""
         offset, align = _value(member, "DW_AT_data_member_location"), self._alignment(member)
         host_align = _host_alignment(member)
         here, moved = (-(-bits // 8 // host_align) * host_align for bits in (host_bit, host_bit + 1))

@@ -61,7 +61,7 @@ class CallListener:
 
 
 class CallStack:
-    """frames: active functions, the innermost last."""
+    """The call stack of an image. frames: the active functions, the innermost last."""
 
     STATE = State("frames _listeners")
 

@@ -33,7 +33,7 @@ class VariableRecords:
         unit: str,
         place: Callable[[], str | None],
     ) -> None:
-        """place: returns that of the instruction that writes."""
+        """place: returns the place of the instruction that writes."""
         self._place = place
         self.addresses: dict[int, list[Variable]] = {}
         self._ram, self._recorder, self._clock = ram, recorder, clock
@@ -73,7 +73,7 @@ MAIN = ("main", "_main")
 
 
 class PresetMemory(CallListener):
-    """Initial values of variables that a case sets by symbol: (variable, its words, low one first)."""
+    """Initial values that a case sets for variables. They are stored before the start and again as main begins."""
 
     STATE = State()
 
@@ -84,7 +84,7 @@ class PresetMemory(CallListener):
         self._put = put
 
     def put(self) -> None:
-        """Store all values, word by word."""
+        """Store all values word by word, the low word of each variable first."""
         for variable, bits in self._presets:
             for word in range(variable.words):
                 self._put(variable.address + word, bits >> 16 * word & 0xFFFF)

@@ -36,7 +36,11 @@ PACKED = TIMING + STORES_PACKED + QUEUE_PACKED
 
 @final
 class ImageCpu(ImageMemory):
-    """ended: ESTOP0 was reached. returning, idling: IRET or IDLE was executed, which the program completes."""
+    """The CPU that executes an image.
+
+    ended: True if ESTOP0 was reached.
+    returning, idling: True if IRET or IDLE was executed and the program has not completed it yet.
+    """
 
     STATE = State("ended returning idling _kept")
 

@@ -5,7 +5,7 @@
     boot ROM         reads 0, with a note; use of its math tables, its routines or TI's flash API's check ends the run
     XINTF zones      memory with one wait state, the minimum, regardless of XTIMING, with a note
     frames           those of modules that are not modelled, or not in the unit, keep written values; one note each
-    stubs            give the value that a register returns, regardless of writes
+    stubs            values that reads of a word return, regardless of writes
 
 Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW); SPRUI07 Table 2-19.
 """
@@ -50,7 +50,10 @@ NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not mo
 
 
 class UnmappedMemory:
-    """changed: called when a stub changes its value."""
+    """Words outside of the modelled modules. A stub is a fixed value that reads of such a word return.
+
+    changed: called when a stub is added or changed.
+    """
 
     STATE = State("_frames _states _stored _noted _stubs _to_come _flash")
 

@@ -13,7 +13,7 @@ from ..image_files.model import Section
 
 
 class InstructionWatch:
-    """beside: the next observer."""
+    """Base of the observers of executed instructions, which form a chain. beside: the next observer in the chain."""
 
     STATE = State("beside")
 
@@ -62,7 +62,7 @@ class StackDepth(InstructionWatch):
     def __init__(
         self, section: Section, recorder: Recorder, clock: Clock, unit: str, place: Callable[[], str | None]
     ) -> None:
-        """place: returns that of the executed instruction."""
+        """place: returns the place of the executed instruction."""
         super().__init__()
         self._place = place
         self._begin, self._end = section.run, section.run + section.size

@@ -23,7 +23,7 @@ LAST_JUMPS = 8  # named in an error; a power of two
 
 
 class LoadedImage(Program):
-    """cpu: its registers."""
+    """A program whose image is in the memory of its CPU. cpu: the registers and memory of the CPU."""
 
     STATE = State("cpu _jumps _jumped _calls _waits _watch _unwritten _at")
 
@@ -117,7 +117,7 @@ class LoadedImage(Program):
     # Observers -------------------------------------------------------------------------
 
     def add_call_listener(self, listener: CallListener) -> None:
-        """Add a listener to calls. Call it before the first instruction."""
+        """Add a listener to calls of functions. Call this method before the first instruction."""
         if self._calls is None:
             self._calls = CallStack(self.functions, self._clock)
             self._calls.began(self.cpu.pc, self._processor.time.cycle)

@@ -39,8 +39,9 @@ def in_plain_ram(address: int) -> bool:  # core: noexcept
 
 
 class ImageMemory(Engine):
-    """watched: receives writes to some words of memory.
+    """The memory that an image accesses: RAM, registers on the bus, and the words of `elsewhere`.
 
+    watched: the observer of writes to some words of memory, or None.
     reads_unwritten: called at the first read of each unwritten word.
     """
 

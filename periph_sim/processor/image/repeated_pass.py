@@ -29,7 +29,7 @@ Place = str | int  # a word: register name or memory address
 
 
 class NotCounting(Exception):
-    """The pass does more than count; further ones may differ."""
+    """The pass does more than count, so further passes may differ."""
 
 
 class Traced(NamedTuple):
@@ -59,7 +59,7 @@ class Store(NamedTuple):
 
 
 class Number(NamedTuple):
-    """A value in this pass, and its change in the next."""
+    """A value in this pass, and its change in the next pass."""
 
     value: int
     step: int
@@ -109,7 +109,7 @@ class RepeatedPass:
             self.counters.pop(place, None)
 
     def _counts(self, traced: Traced, done: Sum) -> bool:
-        """Compute the result of a sum. Return False if no operand is a counter, so that the result is none."""
+        """Compute the result of a sum, which is a counter, too. Return False if no operand is a counter."""
         left, right = places_of(done.left, traced), places_of(done.right, traced)
         if not any(place in self.counters for place in (*left, *right)):
             return False
@@ -155,7 +155,10 @@ class RepeatedPass:
         return Number(value, 0 if low is None else low.step)
 
     def _put(self, places: Sequence[Place], number: Number) -> None:
-        """Set the result. Its upper word stays constant until the lower one overflows."""
+        """Make the result a counter, or none if its step is 0.
+
+        The upper word must not change, so the passes are limited to those before the lower word overflows.
+        """
         low = Number(number.value & M16, number.step)
         if len(places) > 1:
             self._bound(low, WORD)

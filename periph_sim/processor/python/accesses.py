@@ -34,7 +34,10 @@ SLEEPS = Stop.SLEEPS
 
 @final
 class Instructions:
-    """busy_cycles: cycles of computations and service routines, not of waits."""
+    """The instructions that one CPU's Python firmware executes.
+
+    busy_cycles: the cycles of computations and service routines, but not of waits.
+    """
 
     __slots__ = ("_core", "_epilogue", "_processor", "_program", "_prologue", "_time", "busy_cycles")
 
@@ -150,7 +153,7 @@ POLLING = Note(
 
 @final
 class Accesses:
-    """Register and memory accesses: each takes one cycle and the frame's wait states. bus: the unit's."""
+    """Register and memory accesses: each takes one cycle and the frame's wait states. bus: the bus of the unit."""
 
     __slots__ = (
         "_between",
@@ -180,7 +183,7 @@ class Accesses:
         self._polling_places: set[str] = set()
 
     def read(self, operand: Operand, where: SourceLocation | None = None) -> int:
-        """Return the value of the operand's words, each in its place. where: the statement, if known."""
+        """Return the operand's words, the upper word in bits 31:16. where: the statement, if known."""
         time, instructions, spin = self._time, self._instructions, self._program.spin
         if spin is None:
             instructions.run(self._between)
@@ -226,7 +229,7 @@ class Accesses:
             warn(f"{self._program.name}, {where.for_people()}: {POLLING.text}")
 
     def write(self, operand: Operand, value: int) -> None:
-        """Write the operand's words, each in its place in `value`."""
+        """Write the operand's words. The upper word is in bits 31:16 of `value`."""
         self._before_write()
         at = self.bus.posts_at(self._time.cycle, operand)
         self._instructions.go_to(at)
@@ -306,7 +309,7 @@ EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how the bits compare with the value
 
 @final
 class Condition:
-    """A comparison of bits of a register with a value: `holds` makes the read of a pass of a wait."""
+    """A comparison of bits of a register with a value. `holds` makes the read of one pass of a wait."""
 
     __slots__ = ("_accesses", "_mask", "_operand", "_test", "_value", "_where")
 
@@ -319,7 +322,7 @@ class Condition:
         test: int = EQUAL,
         where: SourceLocation | None = None,
     ) -> None:
-        """mask, value: unshifted, as in the register. where: its statement in the firmware, if known."""
+        """mask, value: bits at their positions in the register. where: the statement with the condition, if known."""
         self._accesses = accesses
         self._operand = operand
         self._mask = mask
@@ -328,7 +331,7 @@ class Condition:
         self._where = where
 
     def holds(self) -> bool:
-        """Read the register, and return True if the condition is true; the cycles of the read pass."""
+        """Read the register, which takes the cycles of a read, and return True if the condition is true."""
         bits, test = self._accesses.read(self._operand, self._where) & self._mask, self._test
         if test == EQUAL:
             return bits == self._value

@@ -161,9 +161,10 @@ SLEEPS = Stop.SLEEPS
 
 @final
 class Waits:
-    """skip_polls: False executes every pass of every spin (the reference for tests of the skipping).
+    """The waits of one CPU's Python firmware.
 
-    branch: cycles of the branch back to the begin of a pass.
+    skip_polls: False if every pass of every spin is executed (the reference for tests of the skipping).
+    branch: the cycles of the branch back to the begin of a pass.
     """
 
     __slots__ = (
@@ -207,7 +208,7 @@ class Waits:
         self._time: CpuTime = processor.time
         self._lease = Lease(processor.time)
         self._recogniser = Recogniser(program)
-        self._spare: Spin | None = None  # of an earlier wait, for reuse
+        self._spare: Spin | None = None  # the object of an earlier wait, which the next wait can use again
 
     def spin(self, condition: Callable[[], object], pass_cycles: int | None = None, timeout: int | None = None) -> bool:
         """Wait as compiled `while (!condition()) ;` does, in passes of reads, their tests and the branch back.
@@ -269,7 +270,7 @@ class Waits:
         return came
 
     def _new_wait(self, pass_cycles: int | None, ends: int) -> Spin:
-        """Return a wait that begins now: the object of an earlier one, unless a subscriber may refer to that."""
+        """Return a wait that begins now. It uses the object of an earlier wait again if there is a spare one."""
         spin, self._spare = self._spare, None
         if spin is None:
             return Spin(self._time.cycle, pass_cycles, ends)

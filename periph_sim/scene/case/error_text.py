@@ -33,7 +33,8 @@ def complaint(first: Mistake) -> str:
         return "it is missing"
     found = repr(first.found)
     told = first.found is NOTHING
-    if first.error is not None:  # BadCase about a file that the value names
+    # The message of a check may quote the value already. A BadCase is about a file that the value names.
+    if first.error is not None:
         told |= found in first.what or "but it is" in first.what or isinstance(first.error, BadCase)
         told |= isinstance(first.found, dict)
     if told or len(found) > SHOWN:

@@ -284,7 +284,7 @@ class Case(Table, frozen=True, kw_only=True):
         return None if self._source is None else self._source.path
 
     def files(self) -> Iterator[Path]:
-        """Yield its file, and the files that its texts name with those that these may import or include."""
+        """Yield the file of the case, the files that texts in it name, and those that they may import or include."""
         if self._source is not None:
             yield self._source.path
             yield from named_files(self.folder, self._source.values)

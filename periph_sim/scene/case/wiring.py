@@ -1,12 +1,13 @@
 """The wire of each pin of a case, from its units, named pins and cables.
 
     [unit.NAME] modules --> usual pins --.
-    [unit.NAME] pins ------> names ------+--joined--> Wiring: GPIO number -> wire, a unit each
+    [unit.NAME] pins ------> names ------+--joined--> Wiring: GPIO number -> wire, for each unit
     [[cable]] -------------> joints -----'
 
-All I2C-A are on one bus, SDA and SCL. An SCI has lines of its own until a cable joins them with others: RX and TX of
-the only SCI-A, SCI-B.RX and SCI-B.TX of the only SCI-B, left.SCI-B.RX where several units have one. A wire that a cable
-makes is called as the cable says, else by the pin that the cable comes from.
+All I2C-A modules are on one bus, SDA and SCL. An SCI has its own lines until a cable joins them with others. The lines
+of SCI-A are RX and TX if only one unit has an SCI-A; those of SCI-B are SCI-B.RX and SCI-B.TX if only one unit has an
+SCI-B. If several units have the module, the name begins with the unit, as in left.SCI-B.RX. A wire that a cable makes
+has the name of the cable; if the cable has none, the wire has the name of the pin at which the cable begins.
 """
 
 from __future__ import annotations

@@ -145,7 +145,7 @@ def accumulate(cpu: Cpu, address: int) -> None:
 
 
 def stepping(cpu: Cpu, by: int) -> int:
-    """Return XAR7, then step it, unless the operand field has changed it."""
+    """Return XAR7, and add `by` to it unless the operand field has changed XAR7 already."""
     address = cpu.xar[7]
     own = cpu.field in (0x87, 0x8F) or (cpu.arp == 7 and 0xB9 <= cpu.field <= 0xBC)
     if not own:

@@ -9,8 +9,10 @@ from periph_sim.timing.budget_plan import plan_of
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.language.scope import Scope
+from periph_sim.timing.verdict import Verdict
 
 TIMEBASE = Timebase(150_000_000)
+US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 
 
 def judge(budget: Budget, scope: Scope | None = None, start: int = 0) -> BudgetJudge:
@@ -25,3 +27,10 @@ def judges(budgets: Sequence[Budget], scope: Scope) -> list[BudgetJudge]:
         plans.append(plan_of(budget, TIMEBASE, scope, 0, plans))
         found.append(BudgetJudge(budget, TIMEBASE, plans[-1], found))
     return found
+
+
+def judged(of: BudgetJudge, *values_us: float) -> Verdict:
+    """Return the verdict of a budget whose measure takes these values, one per second."""
+    for n, value in enumerate(values_us):
+        of.measure.take(round(value * US), n * 1_000_000 * US)
+    return of.verdict()

@@ -9,21 +9,13 @@ from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.language.scope import Scope
 from periph_sim.timing.measures.event import OfEvents
-from periph_sim.timing.verdict import Verdict
-from tests.timing.judges import judge, judges
+from tests.timing.judges import US, judge, judged, judges
 
 TEXT = "from edge SCL fall to edge SCL rise"
-US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 
 
 def limit(measure: str, **limits: str | int) -> BudgetJudge:
     return judge(Budget(name="b", measure=measure, **limits))
-
-
-def judged(of: BudgetJudge, *values_us: float) -> Verdict:
-    for n, value in enumerate(values_us):
-        of.measure.take(round(value * US), n * 1_000_000 * US)  # one a second
-    return of.verdict()
 
 
 def alike(one: dict[str, str | int], other: dict[str, str | int]) -> tuple[BudgetJudge, BudgetJudge]:

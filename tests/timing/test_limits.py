@@ -11,21 +11,12 @@ from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.measures.load import Load
 from periph_sim.timing.measures.registry import MEASURES
-from periph_sim.timing.verdict import Verdict
 from tests.timing.events_by_hand import ONE, make, records, tell
-from tests.timing.judges import judge
-
-US = 3000  # ticks, with SYSCLKOUT at 150 MHz
+from tests.timing.judges import judge, judged
 
 
 def limit(measure: str, **limits: str | int) -> BudgetJudge:
     return judge(Budget(name="b", measure=measure, **limits), ONE)
-
-
-def judged(of: BudgetJudge, *values_us: float) -> Verdict:
-    for n, value in enumerate(values_us):
-        of.measure.take(round(value * US), n * 1_000_000 * US)  # one a second
-    return of.verdict()
 
 
 @pytest.mark.parametrize(

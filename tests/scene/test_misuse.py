@@ -96,23 +96,6 @@ def test_service_routine_that_would_not_run_is_refused(tmp_path: Path, how: str)
         scene_of(tmp_path, text).run()
 
 
-def test_main_that_returns_a_value_is_told(tmp_path: Path):
-    scene = scene_of(tmp_path, "def main(dsp, settings):\n    dsp.compute(5)\n    return 5\n")
-    with pytest.raises(FirmwareError, match=r"dsp: main, line 1 of wrong\.py, returned 5; firmware returns nothing"):
-        scene.run()
-
-
-def test_misuse_in_a_service_routine_names_the_routines_line(tmp_path: Path):
-    text = (
-        "def tick(dsp):\n    dsp.compute(-3)\n\n\ndef main(dsp, settings):\n"
-        "    from periph_sim.firmware import start_pie\n    timer = dsp.module('TIMER0')\n"
-        "    timer.PRD.all = 1000\n    timer.TCR.all = 0x4020\n    start_pie(dsp, {'TINT0': lambda: tick(dsp)})\n"
-        "    dsp.compute(100_000)\n"
-    )
-    with pytest.raises(FirmwareError, match=r"dsp, line 2 of wrong\.py: a time of -3 cycles is negative"):
-        scene_of(tmp_path, text).run()
-
-
 def test_case_with_nothing_in_it_is_refused():
     with pytest.raises(BadCase, match="there is nothing to run; give it a"):
         Scene(Case.model_validate({"name": "empty", "duration": "1 ms"}))
@@ -134,18 +117,37 @@ def test_a_main_that_returns_while_the_run_goes_on_is_noted_with_its_time(tmp_pa
 # Whose fault an exception is -----------------------------------------------------------------
 
 
-def test_exception_of_the_firmware_is_told_with_its_line(tmp_path: Path):
-    text = "def half(x):\n    return x / 0\n\n\ndef main(dsp, settings):\n    half(1)\n"
-    with pytest.raises(FirmwareError, match=r"dsp: ZeroDivisionError at line 2 of wrong\.py: division by zero"):
-        scene_of(tmp_path, text).run()
+SERVICE_ROUTINE = (
+    "def tick(dsp):\n    dsp.compute(-3)\n\n\ndef main(dsp, settings):\n"
+    "    from periph_sim.firmware import start_pie\n    timer = dsp.module('TIMER0')\n"
+    "    timer.PRD.all = 1000\n    timer.TCR.all = 0x4020\n    start_pie(dsp, {'TINT0': lambda: tick(dsp)})\n"
+    "    dsp.compute(100_000)\n"
+)
 
 
-def test_wrong_name_is_the_firmwares_fault(tmp_path: Path):
-    text = "def main(dsp, settings):\n    dsp.module('I2C-A').I2CMRD.all = 0\n"
-    with pytest.raises(
-        FirmwareError, match=r"dsp: AttributeError at line 2 of wrong\.py: I2C-A has no register 'I2CMRD'"
-    ):
-        scene_of(tmp_path, text).run()
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "def main(dsp, settings):\n    dsp.compute(5)\n    return 5\n",
+            r"dsp: main, line 1 of wrong\.py, returned 5; firmware returns nothing",
+        ),
+        (SERVICE_ROUTINE, r"dsp, line 2 of wrong\.py: a time of -3 cycles is negative"),
+        (
+            "def half(x):\n    return x / 0\n\n\ndef main(dsp, settings):\n    half(1)\n",
+            r"dsp: ZeroDivisionError at line 2 of wrong\.py: division by zero",
+        ),
+        (
+            "def main(dsp, settings):\n    dsp.module('I2C-A').I2CMRD.all = 0\n",
+            r"dsp: AttributeError at line 2 of wrong\.py: I2C-A has no register 'I2CMRD'",
+        ),
+    ],
+    ids=["main returns a value", "misuse in a service routine", "exception", "wrong name"],
+)
+def test_a_fault_of_the_firmware_ends_the_run_with_its_line(tmp_path: Path, text: str, message: str):
+    scene = scene_of(tmp_path, text)
+    with pytest.raises(FirmwareError, match=message):
+        scene.run()
 
 
 def test_exception_of_a_model_is_not_put_down_to_the_firmware(tmp_path: Path):
